@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hal/base/result.hpp"
+#include "hal/bus/device_address.hpp"
+#include "hal/bus/hid_device.hpp"
+
+namespace thimble::bus {
+
+enum class BusKind : std::uint8_t { Hid, Usb, Serial, Memory };
+std::string_view to_string(BusKind kind) noexcept;
+
+// What can be known of a device without touching it: a driver's probe sees only this.
+struct BusDeviceInfo {
+  DeviceAddress address;
+  BusKind kind{};
+  std::uint16_t vendor_id{0};
+  std::uint16_t product_id{0};
+  std::string manufacturer;
+  std::string product;
+  std::string serial_number;  // empty when the device has none
+  std::size_t input_report_bytes{0};
+  std::size_t output_report_bytes{0};
+  bool operator==(const BusDeviceInfo&) const = default;
+};
+
+struct BusEvent {
+  enum class Kind : std::uint8_t { Arrived, Left };
+  Kind kind{};
+  BusDeviceInfo device;
+};
+
+// Lists and opens devices of one or several buses, and tells of arrivals and departures.
+//
+// Thread: control plane only, one thread. Not RT.
+// Ownership: must outlive the devices it opened.
+class BusEnumerator {
+ public:
+  virtual ~BusEnumerator() = default;
+  [[nodiscard]] virtual std::vector<BusDeviceInfo> list() = 0;
+  // The next arrival or departure since construction, in order; devices present at
+  // construction are not announced. Never waits.
+  [[nodiscard]] virtual std::optional<BusEvent> poll_event() = 0;
+  // NotFound, Busy (opened already), Permission or System.
+  [[nodiscard]] virtual Result<std::unique_ptr<HidDevice>> open_hid(
+      const DeviceAddress& address) = 0;
+};
+
+}  // namespace thimble::bus
