@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "hal/base/io_status.hpp"
+#include "hal/base/time.hpp"
+#include "hal/rt/annotations.hpp"
+
+namespace thimble::bus {
+
+inline constexpr std::size_t kMaxHidReportBytes = 64;  // full-speed interrupt packet, USB 2.0
+
+// One input report without its report id (devices here use none).
+struct HidReport {
+  std::array<std::uint8_t, kMaxHidReportBytes> bytes{};
+  std::size_t size{0};
+  MonotonicTime arrived_at{};  // clock of the bus that delivered it
+  std::uint64_t sequence{0};   // +1 for every report that arrived, read or not
+
+  [[nodiscard]] std::span<const std::uint8_t> payload() const noexcept {
+    return {bytes.data(), size};
+  }
+};
+
+struct HidCounters {
+  std::uint64_t reports_in{0};
+  std::uint64_t reports_skipped{0};  // arrived but superseded before they were read
+  std::uint64_t reports_out{0};
+  std::uint64_t writes_superseded{0};  // replaced by a newer one before the bus took them
+};
+
+// An opened HID device: input reports one way, output reports the other.
+//
+// Thread: read_newest() and submit() from the one servo thread; counters() from any thread.
+// RT: both THIMBLE_RT_IO: an exchange with the bus's mailboxes, at most one non-blocking
+//     system call, never a wait. Whatever blocks does so on the bus's own thread.
+// Ownership: closing is the destructor's; the device ends silent (no report after it).
+// Errors: IoStatus::Disconnected latches.
+class HidDevice {
+ public:
+  virtual ~HidDevice() = default;
+  // The newest report that arrived since the last call. Ok, NoData or Disconnected.
+  THIMBLE_RT_IO virtual IoStatus read_newest(HidReport& out) noexcept = 0;
+  // Hands an output report (no report id, at most kMaxHidReportBytes) to the bus; the latest
+  // value wins. Ok, Backlogged or Disconnected. ProtocolError when the size cannot be sent.
+  THIMBLE_RT_IO virtual IoStatus submit(std::span<const std::uint8_t> report) noexcept = 0;
+  [[nodiscard]] virtual HidCounters counters() const noexcept = 0;
+};
+
+}  // namespace thimble::bus
