@@ -1,0 +1,94 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "hal/base/geometry.hpp"
+#include "hal/base/io_status.hpp"
+#include "hal/base/result.hpp"
+#include "hal/base/time.hpp"
+#include "hal/device/limited_wrench.hpp"
+#include "hal/rt/annotations.hpp"
+
+namespace thimble {
+
+inline constexpr std::size_t kMaxJoints = 6;
+
+enum class CalibrationState : std::uint8_t {
+  Unknown,    // the counters mean nothing yet
+  NeedsUser,  // a person must do what calibration_instruction() says
+  Ok,         // is_homed in CRTK's words
+};
+std::string_view to_string(CalibrationState state) noexcept;
+
+// What an arm can do; constant while the device is open. Force limits are those of the
+// arm's data sheet at the tip; 0 means "not known", and then the configuration must give it.
+struct HapticCapabilities {
+  std::string model;
+  std::size_t joint_count{3};
+  double peak_force_newton{0};
+  double continuous_force_newton{0};
+  double max_stiffness_newton_per_m{0};  // at 1 kHz
+  double workspace_radius_m{0};
+  std::array<double, 3> peak_current_a{};        // per motor: the clamp of the limiter
+  std::array<double, 3> continuous_current_a{};  // per motor: its thermal limit
+  Duration sample_period{};                      // of the device's own reports
+  Duration device_watchdog{};                    // 0: none or unknown
+};
+
+// One measured state. Base frame of the arm: x right, y up, z towards the user; its origin is
+// the driver's choice, in the middle of the workspace (docs/architecture.md draws the frame,
+// the driver's README says where the origin is). Until calibration is Ok the tip means nothing.
+struct HapticState {
+  MonotonicTime sampled_at{};        // when its report reached the host, clock of the bus
+  std::uint64_t sample_sequence{0};  // +1 for every report of the device
+  std::array<double, kMaxJoints> joint_position_rad{};
+  Position3 tip{};
+  // Motor currents [A] for a force [N] at the tip in this pose: I = M · F.
+  Matrix3 motor_current_per_force{};
+  std::uint32_t buttons{0};  // bit 0: stylus button
+  CalibrationState calibration{CalibrationState::Unknown};
+};
+
+struct DeviceCounters {
+  std::uint64_t reports_in{0};
+  std::uint64_t reports_skipped{0};
+  std::uint64_t malformed{0};
+  std::uint64_t commands_out{0};
+  std::uint64_t commands_superseded{0};
+};
+
+// A force-feedback arm, opened by a driver on some bus, real or simulated.
+//
+// Thread: read(), write() and forget_calibration() from the servo thread (the last also from
+//         the control plane before the servo has the device); the rest from the one control
+//         thread that owns it.
+// RT: read() and write() are THIMBLE_RT_IO and make no call but their bus's exchange.
+// Ownership: owns its bus device. The destructor submits a zero command, but nobody waits for
+//            it to leave: who wants zero to arrive writes it for a few sample periods before.
+// Errors: IoStatus; Disconnected latches.
+class HapticDevice {
+ public:
+  virtual ~HapticDevice() = default;
+
+  [[nodiscard]] virtual const HapticCapabilities& capabilities() const noexcept = 0;
+  // What a person must do now, one sentence; empty when calibrated.
+  [[nodiscard]] virtual std::string_view calibration_instruction() const noexcept = 0;
+  [[nodiscard]] virtual DeviceCounters counters() const noexcept = 0;
+
+  // Discards the old reference; the arm must be calibrated again (a returned arm always).
+  THIMBLE_RT virtual void forget_calibration() noexcept = 0;
+
+  // Ok: `out` is a fresh sample. NoData: untouched. Disconnected, ProtocolError: untouched.
+  THIMBLE_RT_IO virtual IoStatus read(HapticState& out) noexcept = 0;
+  // Ok: the bus took it. Backlogged: an earlier one is still on its way, this one waits (normal
+  // when the servo is faster than the bus). Disconnected, ProtocolError: nothing was sent.
+  // The arm exerts the wrench until the next write or its own watchdog. Before calibration
+  // the device sends zero whatever is asked: no force without a known pose.
+  THIMBLE_RT_IO virtual IoStatus write(const LimitedWrench& wrench) noexcept = 0;
+};
+
+}  // namespace thimble
