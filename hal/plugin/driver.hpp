@@ -1,0 +1,39 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "hal/base/result.hpp"
+#include "hal/bus/bus_enumerator.hpp"
+#include "hal/device/haptic_device.hpp"
+
+namespace thimble::plugin {
+
+// What the configuration says about one arm, as far as a driver needs it.
+struct DriverSettings {
+  std::string model;                      // "" = the driver's choice for the ids, if it has one
+  std::optional<double> amplifier_max_a;  // full scale of the amplifier; hardware does not tell
+  bool is_named_by_person{false};  // the configuration names this very device (serial or port)
+};
+
+// Finds and opens devices of one family.
+//
+// Thread: control plane. Not RT.
+// Contract of probe(): passive: it sees descriptors, never a byte of traffic. NotMine lets the
+// next driver try; any other error stops matching and is reported to the person.
+class Driver {
+ public:
+  virtual ~Driver() = default;
+  [[nodiscard]] virtual std::string_view name() const noexcept = 0;
+  [[nodiscard]] virtual Result<void> probe(const bus::BusDeviceInfo& info,
+                                           const DriverSettings& settings) const = 0;
+  // Opens through `buses` and returns a device that has sent nothing yet.
+  [[nodiscard]] virtual Result<std::unique_ptr<HapticDevice>> open(
+      bus::BusEnumerator& buses, const bus::BusDeviceInfo& info,
+      const DriverSettings& settings) const = 0;
+};
+
+}  // namespace thimble::plugin
