@@ -1,0 +1,29 @@
+#pragma once
+
+#include <utility>
+
+#include "hal/base/result.hpp"
+
+namespace thimble::linux {
+
+// Keeps the CPUs out of deep idle states, which delay the interrupt of a USB transfer, for as
+// long as it lives (Linux: Documentation/power/pm_qos_interface.rst).
+//
+// Thread: control plane. Ownership: the request ends with the object.
+class CpuDmaLatency {
+ public:
+  // Permission or NotFound, naming the right and the cure.
+  static Result<CpuDmaLatency> hold(const char* node = "/dev/cpu_dma_latency");
+  CpuDmaLatency(CpuDmaLatency&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  CpuDmaLatency& operator=(CpuDmaLatency&& other) noexcept {
+    std::swap(fd_, other.fd_);
+    return *this;
+  }
+  ~CpuDmaLatency();
+
+ private:
+  explicit CpuDmaLatency(int fd) noexcept : fd_(fd) {}
+  int fd_;
+};
+
+}  // namespace thimble::linux
