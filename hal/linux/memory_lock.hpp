@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstddef>
+
+#include "hal/base/result.hpp"
+
+namespace thimble::linux {
+
+// Stack of every thread while memory is locked. Ours: a locked stack is resident in full, so
+// the usual 8 MiB would cost a daemon of five threads 40 MiB.
+inline constexpr std::size_t kThreadStackBytes = 256 * 1024;
+
+// Stack size of the threads made from now on without a size of their own.
+// Thread: before the first thread is made.
+[[nodiscard]] Result<void> set_default_thread_stack(std::size_t bytes);
+
+// Keeps every page of the process in memory, now and in future, and makes the allocator keep
+// what it got. Call set_default_thread_stack() first.
+//
+// Thread: start-up, before other threads. Not undone.
+// Errors: Permission, naming the right and the cure, when RLIMIT_MEMLOCK is finite and
+// CAP_IPC_LOCK is missing, even if today's size would fit: a later allocation beyond the limit
+// would fail in the middle of a run.
+[[nodiscard]] Result<void> lock_memory();
+
+}  // namespace thimble::linux
