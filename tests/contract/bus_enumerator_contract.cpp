@@ -1,0 +1,99 @@
+#include "tests/contract/bus_enumerator_contract.hpp"
+
+#include <algorithm>
+
+namespace thimble::test {
+namespace {
+
+bool lists(BusRig& rig) {
+  const auto devices = rig.buses().list();
+  return std::any_of(devices.begin(), devices.end(),
+                     [&](const bus::BusDeviceInfo& info) { return info.address == rig.address(); });
+}
+
+}  // namespace
+
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(BusEnumeratorContract);
+
+BusEnumeratorContract::BusEnumeratorContract() {
+  rig->settle();
+  while (rig->buses().poll_event().has_value()) {
+  }
+}
+
+TEST_P(BusEnumeratorContract, ListsThePresentDevice) {
+  EXPECT_TRUE(lists(*rig));
+  EXPECT_FALSE(rig->buses().poll_event().has_value());
+}
+
+TEST_P(BusEnumeratorContract, AnUnknownAddressIsNotFoundAndNamed) {
+  const auto device = rig->buses().open_hid({"sim:nowhere"});
+  ASSERT_FALSE(device.has_value());
+  EXPECT_EQ(device.error().code, Errc::NotFound);
+  EXPECT_NE(device.error().message.find("sim:nowhere"), std::string::npos);
+}
+
+TEST_P(BusEnumeratorContract, OnlyOneMayHoldADevice) {
+  auto first = rig->buses().open_hid(rig->address());
+  ASSERT_TRUE(first.has_value());
+
+  const auto second = rig->buses().open_hid(rig->address());
+  ASSERT_FALSE(second.has_value());
+  EXPECT_EQ(second.error().code, Errc::Busy);
+
+  first.value().reset();
+  EXPECT_TRUE(rig->buses().open_hid(rig->address()).has_value());
+}
+
+TEST_P(BusEnumeratorContract, OpeningAndClosingIsNoArrival) {
+  { const auto device = rig->buses().open_hid(rig->address()); }
+  rig->settle();
+  EXPECT_FALSE(rig->buses().poll_event().has_value());
+  EXPECT_TRUE(lists(*rig));
+}
+
+TEST_P(BusEnumeratorContract, ADepartureIsToldOnceAndTheDeviceIsGone) {
+  rig->unplug();
+  rig->settle();
+
+  const auto event = rig->buses().poll_event();
+  ASSERT_TRUE(event.has_value());
+  EXPECT_EQ(event->kind, bus::BusEvent::Kind::Left);
+  EXPECT_EQ(event->device.address, rig->address());
+  EXPECT_FALSE(rig->buses().poll_event().has_value());
+  EXPECT_FALSE(lists(*rig));
+  const auto device = rig->buses().open_hid(rig->address());
+  ASSERT_FALSE(device.has_value());
+  EXPECT_EQ(device.error().code, Errc::NotFound);
+}
+
+TEST_P(BusEnumeratorContract, AReturnIsToldInOrderWithTheSameDescription) {
+  const auto before = rig->buses().list();
+  rig->unplug();
+  rig->settle();
+  rig->replug();
+  rig->settle();
+
+  EXPECT_EQ(rig->buses().poll_event()->kind, bus::BusEvent::Kind::Left);
+  const auto event = rig->buses().poll_event();
+  ASSERT_TRUE(event.has_value());
+  EXPECT_EQ(event->kind, bus::BusEvent::Kind::Arrived);
+  EXPECT_EQ(event->device.address, rig->address());
+  EXPECT_EQ(rig->buses().list(), before);
+}
+
+TEST_P(BusEnumeratorContract, AReturnedDeviceOpensAnewWhileTheOldHandleStaysDead) {
+  const auto old_handle = rig->buses().open_hid(rig->address()).value();
+  rig->unplug();
+  rig->settle();
+  rig->replug();
+  rig->settle();
+
+  const auto new_handle = rig->buses().open_hid(rig->address());
+  ASSERT_TRUE(new_handle.has_value());
+  bus::HidReport report;
+  EXPECT_EQ(old_handle->read_newest(report), IoStatus::Disconnected);
+  EXPECT_NE(new_handle.value()->read_newest(report), IoStatus::Disconnected);
+}
+
+}  // namespace thimble::test

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <ostream>
+#include <string>
+
+#include "hal/bus/bus_enumerator.hpp"
+
+namespace thimble::test {
+
+// One implementation of bus::BusEnumerator with one HID device that can be pulled and put
+// back. The device is present before the enumerator is made ready: pending events are drained.
+class BusRig {
+ public:
+  virtual ~BusRig() = default;
+  virtual bus::BusEnumerator& buses() = 0;
+  [[nodiscard]] virtual bus::DeviceAddress address() const = 0;
+  virtual void unplug() = 0;
+  virtual void replug() = 0;
+  virtual void settle() = 0;  // until arrivals and departures have been noticed
+};
+
+struct BusRigFactory {
+  std::string name;
+  std::unique_ptr<BusRig> (*make)();
+  friend void PrintTo(const BusRigFactory& factory, std::ostream* out) { *out << factory.name; }
+};
+
+// What every bus::BusEnumerator promises.
+class BusEnumeratorContract : public testing::TestWithParam<BusRigFactory> {
+ protected:
+  BusEnumeratorContract();
+  std::unique_ptr<BusRig> rig = GetParam().make();
+};
+
+inline std::string bus_rig_name(const testing::TestParamInfo<BusRigFactory>& rig) {
+  return rig.param.name;
+}
+
+}  // namespace thimble::test
