@@ -1,0 +1,138 @@
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+
+#include "daemon/servo/wrench_limiter.hpp"
+#include "drivers/phantom/phantom_driver.hpp"
+#include "sim/bus/sim_enumerator.hpp"
+#include "sim/model/arm/register_arm_models.hpp"
+
+// Driver and simulated arm were written apart from the same sheet: bytes, signs, frames and
+// units must come out the same at both ends.
+namespace thimble {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+
+// A hand that holds the tip at a place.
+class Grip final : public plugin::TipLoad {
+ public:
+  Force3 force_on_tip(MonotonicTime, Duration, Position3 tip,
+                      Velocity3 velocity) noexcept override {
+    return Stiffness{800} * (place - tip) - Damping{15} * velocity;
+  }
+  [[nodiscard]] bool is_button_pressed(MonotonicTime) const noexcept override { return false; }
+  Position3 place;
+};
+
+struct Setting {
+  const char* model;
+  Duration tick;
+};
+
+class PhantomOnSimulatedArm : public testing::TestWithParam<Setting> {
+ protected:
+  void SetUp() override {
+    plugin::SimModelRegistry models;
+    sim::register_arm_models(models);
+    auto model = models.find(GetParam().model)->create_hid({.amplifier_max_a = 6, .seed = 1});
+    ASSERT_TRUE(model);
+    ASSERT_TRUE(buses_.plug(address_, std::move(*model)));
+    plugin::DriverSettings settings;
+    settings.amplifier_max_a = 6.0;
+    auto device = phantom::make_phantom_driver()->open(buses_, buses_.list().at(0), settings);
+    ASSERT_TRUE(device) << device.error().message;
+    sut_ = std::move(*device);
+    arm_ = buses_.arm_backend(address_);
+    grip_.place = arm_->home_position();
+    ASSERT_TRUE(arm_->move_tip_to(grip_.place));
+    arm_->hold_tip(&grip_);
+  }
+  void TearDown() override { arm_->hold_tip(nullptr); }
+
+  void run_for(Duration time) {
+    for (Duration passed{}; passed < time; passed += GetParam().tick) {
+      clock_.run_for(GetParam().tick);
+      static_cast<void>(sut_->read(state_));
+      static_cast<void>(sut_->write(wrench_for(force_)));  // Backlogged when ticks outrun frames
+    }
+  }
+  void calibrate() {
+    run_for(milliseconds(1500));  // the board boots
+    ASSERT_EQ(state_.calibration, CalibrationState::NeedsUser);
+    arm_->press_calibration_button(true);
+    run_for(milliseconds(100));
+    arm_->press_calibration_button(false);
+    run_for(milliseconds(100));
+    ASSERT_EQ(state_.calibration, CalibrationState::Ok);
+  }
+  void carry_to(Position3 place) {
+    for (int step = 0; step < 400; ++step) {
+      grip_.place = grip_.place + 0.02 * (place - grip_.place);
+      run_for(milliseconds(1));
+    }
+    run_for(milliseconds(200));
+  }
+  // A limiter that lets everything below the arm's limits through at once.
+  LimitedWrench wrench_for(Force3 force) const {
+    servo::LimiterSettings open;
+    open.max_force_newton = 5;
+    open.max_rise_newton_per_s = 1e9;
+    open.peak_current_a = sut_->capabilities().peak_current_a;
+    open.continuous_current_a = open.peak_current_a;
+    return servo::WrenchLimiter(open)
+        .limit({force, state_.motor_current_per_force, 1.0, milliseconds(1)})
+        .wrench;
+  }
+
+  sim::VirtualClock clock_;
+  sim::SimEnumerator buses_{clock_};
+  bus::DeviceAddress address_{std::string("sim:") + GetParam().model};
+  std::unique_ptr<HapticDevice> sut_;
+  plugin::ArmBackend* arm_{nullptr};
+  Grip grip_;
+  HapticState state_;
+  Force3 force_{};
+};
+
+INSTANTIATE_TEST_SUITE_P(Arms, PhantomOnSimulatedArm,
+                         testing::Values(Setting{"phantom-vintage", milliseconds(1)},
+                                         Setting{"phantom-vintage", microseconds(125)},
+                                         Setting{"woody-2015", milliseconds(2)}));
+
+TEST_P(PhantomOnSimulatedArm, SeesTheTipWhereItIsAndPushesAsAsked) {
+  calibrate();
+  for (const Position3 place : {Position3{0.03, 0.02, -0.04}, Position3{-0.04, -0.04, 0.04}}) {
+    carry_to(place);
+    EXPECT_LT(norm(state_.tip - arm_->truth().tip), 3e-4) << "encoder steps at three joints";
+    for (const Force3 force : {Force3{1, 0, 0}, Force3{0, 1, 0}, Force3{0, 0, 1}}) {
+      force_ = force;
+      run_for(milliseconds(200));
+      EXPECT_LT(norm(arm_->truth().motor_force - force), 0.02);
+      force_ = {};
+      run_for(milliseconds(20));
+    }
+  }
+  EXPECT_EQ(sut_->counters().malformed, 0U);
+}
+
+TEST_P(PhantomOnSimulatedArm, MovesNoMotorBeforeCalibration) {
+  force_ = {1, 1, 1};
+  for (int i = 0; i < 100; ++i) {
+    run_for(milliseconds(20));
+    ASSERT_EQ(arm_->truth().motor_current_a, (std::array{0.0, 0.0, 0.0}));
+  }
+}
+
+TEST_P(PhantomOnSimulatedArm, AReturnedArmMustBeCalibratedAgain) {
+  calibrate();
+  ASSERT_TRUE(buses_.unplug(address_));
+  clock_.run_for(milliseconds(10));
+  EXPECT_EQ(sut_->read(state_), IoStatus::Disconnected);
+  EXPECT_NE(sut_->calibration_instruction(), "");
+}
+
+}  // namespace
+}  // namespace thimble
