@@ -1,0 +1,87 @@
+#include "drivers/phantom/phantom_match.hpp"
+
+#include <cmath>
+#include <string>
+#include <string_view>
+
+#include "drivers/phantom/find_model.hpp"
+#include "drivers/phantom/phantom_wire.hpp"
+
+namespace thimble::phantom {
+namespace {
+
+constexpr std::string_view kSimScheme = "sim:";
+
+bool has_known_ids(const bus::BusDeviceInfo& info) noexcept {
+  return (info.vendor_id == wire::kMbedVendorId && info.product_id == wire::kMbedProductId) ||
+         (info.vendor_id == wire::kTeensyVendorId && info.product_id == wire::kTeensyProductId);
+}
+
+bool is_simulated(const bus::BusDeviceInfo& info) noexcept {
+  return info.address.text.starts_with(kSimScheme);
+}
+
+Result<void> check_permission(const bus::BusDeviceInfo& info,
+                              const plugin::DriverSettings& settings) {
+  if (is_simulated(info) || settings.is_named_by_person) return {};
+  return fail(Errc::Permission,
+              "'" + info.address.text +
+                  "' has USB ids that many other devices share, so nothing is sent to it before a "
+                  "person says that it is an arm: set the arm's device in the configuration to "
+                  "its serial number or port, here \"" +
+                  info.address.text + "\"");
+}
+
+Result<double> checked_amplifier(const plugin::DriverSettings& settings) {
+  constexpr std::string_view kWhy =
+      "it is the full scale of the controller's firmware build (3 A or 6 A are usual) and the "
+      "hardware cannot tell it. Too low a value only weakens the arm; too high a value drives the "
+      "amplifier beyond its range, and forces are not what was asked for";
+  if (!settings.amplifier_max_a) {
+    return fail(Errc::InvalidArgument, "amplifier_max_a is missing: " + std::string(kWhy));
+  }
+  const double full_scale_a = *settings.amplifier_max_a;
+  if (!(full_scale_a > 0 && full_scale_a <= wire::kLargestCurrentA)) {
+    return fail(Errc::InvalidArgument,
+                "amplifier_max_a = " + std::to_string(full_scale_a) +
+                    " is not above 0 and up to 32.767 A, the most the protocol can say: " +
+                    std::string(kWhy));
+  }
+  return full_scale_a;
+}
+
+Result<const PhantomModel*> chosen_model(const bus::BusDeviceInfo& info,
+                                         const plugin::DriverSettings& settings) {
+  std::string name = settings.model;
+  if (name.empty() && is_simulated(info)) name = info.address.text.substr(kSimScheme.size());
+  if (const PhantomModel* model = find_model(name)) return model;
+  std::string known;
+  for (const PhantomModel& model : kPhantomModels) {
+    known += known.empty() ? "" : ", ";
+    known += model.name;
+  }
+  const std::string problem =
+      name.empty() ? "the model is missing: the controller does not tell which arm it drives"
+                   : "the model '" + name + "' is unknown";
+  return fail(Errc::InvalidArgument, problem + "; known models: " + known);
+}
+
+}  // namespace
+
+Result<Match> match(const bus::BusDeviceInfo& info, const plugin::DriverSettings& settings) {
+  if (info.kind != bus::BusKind::Hid || !has_known_ids(info)) {
+    return fail(Errc::NotMine, "not the ids of a WoodenHaptics-family controller");
+  }
+  const auto form = form_of(info.input_report_bytes, info.output_report_bytes);
+  if (!form) return fail(Errc::NotMine, "reports are neither 14 nor 64 bytes both ways");
+  if (const auto permission = check_permission(info, settings); !permission) {
+    return tl::unexpected<Error>(permission.error());
+  }
+  const auto full_scale_a = checked_amplifier(settings);
+  if (!full_scale_a) return tl::unexpected<Error>(full_scale_a.error());
+  const auto model = chosen_model(info, settings);
+  if (!model) return tl::unexpected<Error>(model.error());
+  return Match{*model, {*form, *full_scale_a}};
+}
+
+}  // namespace thimble::phantom
