@@ -1,0 +1,46 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "hal/base/time.hpp"
+#include "hal/bus/bus_enumerator.hpp"
+#include "sim/fault/fault_plan.hpp"
+#include "sim/fault/faulty_hid.hpp"
+
+namespace thimble::sim {
+
+// Any bus whose devices sit behind bad cables: what is opened through it is a FaultyHid.
+//
+// Thread: as BusEnumerator. Ownership: the bus below and the clock must outlive it.
+// Errors: as the bus below. An injected Disconnect is known to the handle only: no device
+// leaves list() by it.
+class FaultyEnumerator final : public bus::BusEnumerator {
+ public:
+  FaultyEnumerator(bus::BusEnumerator& buses, const Clock& clock) noexcept
+      : buses_(&buses), clock_(&clock) {}
+
+  // For every handle opened from now on at this address; without a plan nothing goes wrong.
+  void set_plan(const bus::DeviceAddress& address, FaultPlan plan);
+  // Of all handles ever opened at this address.
+  [[nodiscard]] FaultCounts injected(const bus::DeviceAddress& address) const;
+
+  [[nodiscard]] std::vector<bus::BusDeviceInfo> list() override { return buses_->list(); }
+  [[nodiscard]] std::optional<bus::BusEvent> poll_event() override { return buses_->poll_event(); }
+  [[nodiscard]] Result<std::unique_ptr<bus::HidDevice>> open_hid(
+      const bus::DeviceAddress& address) override;
+
+ private:
+  struct Cable {
+    FaultPlan plan;
+    std::shared_ptr<FaultTally> tally = std::make_shared<FaultTally>();
+  };
+
+  bus::BusEnumerator* buses_;
+  const Clock* clock_;
+  std::map<bus::DeviceAddress, Cable> cables_;
+};
+
+}  // namespace thimble::sim
