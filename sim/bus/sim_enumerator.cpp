@@ -1,0 +1,77 @@
+#include "sim/bus/sim_enumerator.hpp"
+
+#include <utility>
+
+namespace thimble::sim {
+
+using bus::BusEvent;
+using bus::DeviceAddress;
+
+Result<void> SimEnumerator::plug(const DeviceAddress& address,
+                                 std::unique_ptr<plugin::SimHidModel> model) {
+  if (find(address) != nullptr) return fail(Errc::Busy, address.text + " is taken");
+  if (model == nullptr) return fail(Errc::InvalidArgument, address.text + ": no model");
+  if (model->frame_period() <= Duration(0)) {
+    return fail(Errc::InvalidArgument, address.text + ": the model has no frame period");
+  }
+  const bus::BusDeviceInfo info = model->describe();
+  if (info.input_report_bytes > bus::kMaxHidReportBytes ||
+      info.output_report_bytes > bus::kMaxHidReportBytes) {
+    return fail(Errc::InvalidArgument, address.text + ": reports are at most 64 bytes long");
+  }
+  auto port = std::make_unique<SimHidPort>(*clock_, address, std::move(model));
+  events_.push_back({BusEvent::Kind::Arrived, port->info()});
+  ports_.emplace(address, std::move(port));
+  return {};
+}
+
+Result<void> SimEnumerator::unplug(const DeviceAddress& address) {
+  SimHidPort* port = find(address);
+  if (port == nullptr || !port->unplug()) {
+    return fail(Errc::NotFound, address.text + " is not plugged in");
+  }
+  events_.push_back({BusEvent::Kind::Left, port->info()});
+  return {};
+}
+
+Result<void> SimEnumerator::replug(const DeviceAddress& address) {
+  SimHidPort* port = find(address);
+  if (port == nullptr || !port->replug()) {
+    return fail(Errc::NotFound, address.text + " is not an unplugged device");
+  }
+  events_.push_back({BusEvent::Kind::Arrived, port->info()});
+  return {};
+}
+
+std::vector<bus::BusDeviceInfo> SimEnumerator::list() {
+  std::vector<bus::BusDeviceInfo> devices;
+  for (const auto& [address, port] : ports_) {
+    if (port->is_plugged()) devices.push_back(port->info());
+  }
+  return devices;
+}
+
+std::optional<BusEvent> SimEnumerator::poll_event() {
+  if (events_.empty()) return std::nullopt;
+  BusEvent event = std::move(events_.front());
+  events_.pop_front();
+  return event;
+}
+
+Result<std::unique_ptr<bus::HidDevice>> SimEnumerator::open_hid(const DeviceAddress& address) {
+  SimHidPort* port = find(address);
+  if (port == nullptr) return fail(Errc::NotFound, "no device at " + address.text);
+  return port->open();
+}
+
+plugin::ArmBackend* SimEnumerator::arm_backend(const DeviceAddress& address) noexcept {
+  SimHidPort* port = find(address);
+  return port == nullptr ? nullptr : port->model().arm_backend();
+}
+
+SimHidPort* SimEnumerator::find(const DeviceAddress& address) noexcept {
+  const auto found = ports_.find(address);
+  return found == ports_.end() ? nullptr : found->second.get();
+}
+
+}  // namespace thimble::sim

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "hal/base/result.hpp"
+#include "hal/bus/bus_enumerator.hpp"
+#include "hal/plugin/sim_model.hpp"
+#include "sim/bus/sim_hid_port.hpp"
+#include "sim/time/virtual_clock.hpp"
+
+namespace thimble::sim {
+
+// The simulated bus: models plugged in under "sim:NAME", running on a virtual clock.
+//
+// Thread: plug() and destruction while nobody runs the clock; the rest from one control
+// thread, while another may run the clock. Not RT, but the frames of its devices are.
+// Ownership: owns the models. The clock must outlive it, and it the devices it opened.
+// Frames: see SimHidPort.
+class SimEnumerator final : public bus::BusEnumerator {
+ public:
+  explicit SimEnumerator(VirtualClock& clock) noexcept : clock_(&clock) {}
+
+  // Announced as Arrived. Busy when the address is taken (unplugged or not);
+  // InvalidArgument when the model has no frame period or reports longer than a packet.
+  Result<void> plug(const bus::DeviceAddress& address, std::unique_ptr<plugin::SimHidModel> model);
+  // The cable is pulled, or put back: NotFound for an unknown address or when it was already.
+  Result<void> unplug(const bus::DeviceAddress& address);
+  Result<void> replug(const bus::DeviceAddress& address);
+
+  [[nodiscard]] std::vector<bus::BusDeviceInfo> list() override;
+  [[nodiscard]] std::optional<bus::BusEvent> poll_event() override;
+  [[nodiscard]] Result<std::unique_ptr<bus::HidDevice>> open_hid(
+      const bus::DeviceAddress& address) override;
+
+  // The other face of a model, plugged or not; nullptr when there is none.
+  // Its verbs belong to the thread that runs the clock.
+  [[nodiscard]] plugin::ArmBackend* arm_backend(const bus::DeviceAddress& address) noexcept;
+
+ private:
+  [[nodiscard]] SimHidPort* find(const bus::DeviceAddress& address) noexcept;
+
+  VirtualClock* clock_;
+  std::map<bus::DeviceAddress, std::unique_ptr<SimHidPort>> ports_;
+  std::deque<bus::BusEvent> events_;
+};
+
+}  // namespace thimble::sim
