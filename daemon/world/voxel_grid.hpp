@@ -1,0 +1,87 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "daemon/world/cell.hpp"
+#include "hal/base/geometry.hpp"
+#include "hal/base/result.hpp"
+
+namespace thimble::world {
+
+// Occupancy of a box of cubic cells, one bit each, centred on the world's origin. Everything
+// outside is occupied: the world has walls.
+//
+// Thread: one at a time. RT: reading is THIMBLE_RT; create() allocates.
+// Units, frame: m, world frame; cell i of an axis lies between face_m(axis, i) and
+// face_m(axis, i + 1), and a point on a face belongs to neither cell more than to the other.
+class VoxelGrid {
+ public:
+  // Ours: 1024^3 bits are 128 MiB. The thesis's worlds had 64^3 and 512 x 512 x 1 cells (4.3).
+  static constexpr std::uint32_t kMaxCellsPerAxis = 1024;
+
+  // All cells free. InvalidArgument unless every axis has 1…kMaxCellsPerAxis cells and
+  // 1e-9 <= cell_m <= 1e3.
+  [[nodiscard]] static Result<VoxelGrid> create(std::array<std::uint32_t, 3> cells, double cell_m);
+  // What create() would say, without its memory.
+  [[nodiscard]] static Result<void> check(std::array<std::uint32_t, 3> cells, double cell_m);
+
+  [[nodiscard]] const std::array<std::uint32_t, 3>& cells() const noexcept { return cells_; }
+  [[nodiscard]] double cell_m() const noexcept { return 2 * half_cell_m_; }
+  // Faces mirror exactly: face_m(a, n - i) == -face_m(a, i), because the only rounding is that
+  // of one product.
+  [[nodiscard]] double face_m(std::size_t axis, std::int32_t index) const noexcept {
+    return static_cast<double>(2 * index - static_cast<std::int32_t>(cells_[axis])) * half_cell_m_;
+  }
+  [[nodiscard]] bool is_inside(Cell cell) const noexcept {
+    return static_cast<std::uint32_t>(cell.x) < cells_[0] &&
+           static_cast<std::uint32_t>(cell.y) < cells_[1] &&
+           static_cast<std::uint32_t>(cell.z) < cells_[2];
+  }
+  [[nodiscard]] bool is_occupied(Cell cell) const noexcept {
+    if (!is_inside(cell)) return true;
+    const std::size_t bit = bit_of(cell);
+    return ((words_[bit / 64] >> (bit % 64)) & 1U) != 0;
+  }
+  void fill() noexcept;  // every cell occupied
+  // A cell outside the grid is left alone.
+  void set_occupied(Cell cell, bool is_occupied) noexcept;
+
+  // The first free cell at or after `from.x` in the row of `from`; x = cells()[0] when none.
+  [[nodiscard]] std::int32_t next_free_in_row(Cell from) const noexcept;
+  // `p` moved into the box of the world widened by one cell on every side, component by
+  // component: near enough to compute with, beyond every face that `p` is beyond.
+  [[nodiscard]] Position3 clamp_near(Position3 p) const noexcept;
+  // The index of the one cell whose closed interval holds `p`, or of the lower of two when `p`
+  // is on a face; limited to the grid. `p` finite.
+  [[nodiscard]] std::int32_t lower_index(std::size_t axis, double p) const noexcept;
+  [[nodiscard]] std::size_t memory_bytes() const noexcept { return words_.size() * 8; }
+  bool operator==(const VoxelGrid&) const = default;
+
+ private:
+  VoxelGrid(std::array<std::uint32_t, 3> cells, double cell_m);
+  [[nodiscard]] std::size_t bit_of(Cell cell) const noexcept {
+    return static_cast<std::size_t>(cell.x) +
+           cells_[0] *
+               (static_cast<std::size_t>(cell.y) + cells_[1] * static_cast<std::size_t>(cell.z));
+  }
+
+  std::array<std::uint32_t, 3> cells_;
+  double half_cell_m_;
+  std::vector<std::uint64_t> words_;
+};
+
+// The thesis's workspace, a cube of 90 mm (thesis 4.1; app. A and B: 3 cells of 30 mm).
+inline constexpr double kDefaultWorkspace_m = 0.090;
+
+// The hollow box of the thesis, "Hello, voxel!", cut into `cells` cells a side: free are the
+// cells whose centre lies in the middle third of every axis. 3 cells: all but the centre occupied.
+// InvalidArgument unless 3 <= cells <= 1024 and the workspace is usable.
+[[nodiscard]] Result<VoxelGrid> make_box(std::uint32_t cells,
+                                         double workspace_m = kDefaultWorkspace_m);
+// What make_box() would say, without its memory.
+[[nodiscard]] Result<void> check_box(std::uint32_t cells, double workspace_m);
+
+}  // namespace thimble::world
