@@ -1,0 +1,55 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "daemon/world/ghost_motion.hpp"
+#include "daemon/world/material_map.hpp"
+#include "daemon/world/voxel_grid.hpp"
+#include "daemon/world/world.hpp"
+
+namespace thimble::world {
+
+// A world of cubic cells, free or occupied, that may change at any time.
+//
+// Thread: one, the world's. Not RT; move_probe() and set_cell() neither allocate nor block.
+// Ownership: owns its grid.
+class VoxelWorld final : public World {
+ public:
+  static constexpr std::size_t kMaxProbes = 8;
+
+  // Cells of the grid that are occupied feel as `materials` says.
+  VoxelWorld(VoxelGrid grid, std::string source, MaterialMap materials = MaterialMap());
+
+  [[nodiscard]] const WorldInfo& info() const noexcept override { return info_; }
+  [[nodiscard]] const VoxelGrid* grid() const noexcept override { return &grid_; }
+  [[nodiscard]] Result<ProbeId> add_probe(Position3 hand) override;
+  void remove_probe(ProbeId probe) noexcept override;
+  ProbeMotion move_probe(ProbeId probe, Position3 hand, Duration dt) noexcept override;
+
+  // A cell outside the grid is left alone; it stays occupied. A cell that is filled anew has no
+  // material of its own.
+  void set_cell(Cell cell, bool is_occupied) noexcept {
+    if (is_occupied && !grid_.is_occupied(cell)) materials_.set(cell, 0);
+    grid_.set_occupied(cell, is_occupied);
+  }
+  [[nodiscard]] bool is_occupied(Cell cell) const noexcept { return grid_.is_occupied(cell); }
+
+ private:
+  struct Probe {
+    ProbeId id{};
+    GhostState ghost{};
+  };
+  [[nodiscard]] std::optional<Probe>* find(ProbeId id) noexcept;
+
+  void paint(const GhostPoint& ghost, ProbeMotion& motion) const noexcept;
+
+  VoxelGrid grid_;
+  MaterialMap materials_;
+  WorldInfo info_;
+  std::array<std::optional<Probe>, kMaxProbes> probes_{};
+  std::uint32_t last_id_{0};
+};
+
+}  // namespace thimble::world

@@ -1,0 +1,111 @@
+#include "daemon/world/voxel_world.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/unit/world/grids.hpp"
+
+namespace thimble::world {
+namespace {
+
+constexpr Duration kTick = std::chrono::milliseconds(1);
+
+VoxelWorld box() { return VoxelWorld(make_box(3).value(), "box:3"); }
+
+TEST(VoxelWorld, TellsWhatItIs) {
+  const VoxelWorld sut(empty_grid({2, 4, 8}, 0.01), "volume.npy");
+  EXPECT_EQ(sut.info().source, "volume.npy");
+  EXPECT_EQ(sut.info().cells, (std::array<std::uint32_t, 3>{2, 4, 8}));
+  EXPECT_DOUBLE_EQ(sut.info().cell_m, 0.01);
+  EXPECT_DOUBLE_EQ(sut.info().extent_m[2], 0.08);
+}
+
+TEST(VoxelWorld, StartsTheGhostAtAFreeHand) {
+  VoxelWorld sut = box();
+  const Position3 hand{0.003, -0.002, 0.014};
+  const ProbeId probe = sut.add_probe(hand).value();
+  const ProbeMotion motion = sut.move_probe(probe, hand, kTick);
+  EXPECT_EQ(motion.ghost, hand);
+  EXPECT_TRUE(motion.planes.empty());
+}
+
+TEST(VoxelWorld, StartsTheGhostAtTheNearestFreePlaceOfAHandInMatterOrOutside) {
+  VoxelWorld sut = box();
+  for (const Position3 hand : {Position3{0.04, 0.001, 0.002}, Position3{7, 0.001, 0.002},
+                               Position3{1e300, 0.001, 0.002}}) {
+    const ProbeId probe = sut.add_probe(hand).value();
+    const ProbeMotion motion = sut.move_probe(probe, hand, kTick);
+    EXPECT_EQ(motion.ghost, (Position3{0.015, 0.001, 0.002}));
+    EXPECT_EQ(motion.planes.size(), 1U);
+    EXPECT_FALSE(motion.is_embedded);
+    sut.remove_probe(probe);
+  }
+}
+
+TEST(VoxelWorld, FindsTheOneFreeCellHoweverFar) {
+  VoxelGrid grid = empty_grid({70, 30, 20}, 0.001);
+  grid.fill();
+  grid.set_occupied({66, 3, 17}, false);
+  VoxelWorld sut(grid, "one hole");
+  const Position3 hand{-0.03, 0.01, -0.005};
+  const ProbeId probe = sut.add_probe(hand).value();
+  const ProbeMotion motion = sut.move_probe(probe, hand, kTick);
+  EXPECT_EQ(motion.ghost, (Position3{grid.face_m(0, 66), grid.face_m(1, 4), grid.face_m(2, 17)}));
+}
+
+TEST(VoxelWorld, AWorldWithoutAFreeCellTakesNoProbe) {
+  VoxelGrid grid = empty_grid({20, 20, 20}, 0.001);
+  grid.fill();
+  VoxelWorld sut(grid, "block");
+  EXPECT_EQ(sut.add_probe({}).error().code, Errc::NotFound);
+}
+
+TEST(VoxelWorld, HasRoomForEightProbesAndReusesIt) {
+  VoxelWorld sut = box();
+  std::vector<ProbeId> probes;
+  for (std::size_t i = 0; i < VoxelWorld::kMaxProbes; ++i) {
+    probes.push_back(sut.add_probe({}).value());
+  }
+  EXPECT_EQ(sut.add_probe({}).error().code, Errc::Busy);
+  sut.remove_probe(probes[3]);
+  const ProbeId again = sut.add_probe({}).value();
+  for (const ProbeId probe : probes) EXPECT_NE(probe, again);
+}
+
+TEST(VoxelWorld, MovesEachProbeByItself) {
+  VoxelWorld sut = box();
+  const ProbeId left = sut.add_probe({}).value();
+  const ProbeId right = sut.add_probe({}).value();
+  EXPECT_EQ(sut.move_probe(left, {-0.02, 0, 0}, kTick).ghost.x, -0.015);
+  EXPECT_EQ(sut.move_probe(right, {0.02, 0, 0}, kTick).ghost.x, 0.015);
+  EXPECT_EQ(sut.move_probe(left, {-0.01, 0, 0}, kTick).ghost.x, -0.01);
+}
+
+TEST(VoxelWorld, AnUnknownProbeIsAtTheHandAndFeelsNothing) {
+  VoxelWorld sut = box();
+  const ProbeId probe = sut.add_probe({}).value();
+  sut.remove_probe(probe);
+  const Position3 hand{0.04, 0, 0};
+  const ProbeMotion motion = sut.move_probe(probe, hand, kTick);
+  EXPECT_EQ(motion.ghost, hand);
+  EXPECT_TRUE(motion.planes.empty());
+}
+
+TEST(VoxelWorld, RefusesAProbeWhoseHandIsNotFinite) {
+  VoxelWorld sut = box();
+  EXPECT_EQ(sut.add_probe({std::nan(""), 0, 0}).error().code, Errc::InvalidArgument);
+}
+
+TEST(VoxelWorld, ACellThatIsClearedOpensTheWay) {
+  VoxelWorld sut = box();
+  const ProbeId probe = sut.add_probe({}).value();
+  const Position3 hand{0.02, 0, 0};
+  EXPECT_EQ(sut.move_probe(probe, hand, kTick).planes.size(), 1U);
+  sut.set_cell({2, 1, 1}, false);
+  EXPECT_FALSE(sut.is_occupied({2, 1, 1}));
+  EXPECT_TRUE(sut.move_probe(probe, hand, kTick).planes.empty());
+}
+
+}  // namespace
+}  // namespace thimble::world
