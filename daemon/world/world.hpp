@@ -1,0 +1,64 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "hal/base/geometry.hpp"
+#include "hal/base/result.hpp"
+#include "hal/base/time.hpp"
+#include "hal/rt/static_vector.hpp"
+
+namespace thimble::world {
+
+class VoxelGrid;
+
+struct ProbeId {
+  std::uint32_t value{0};
+  auto operator<=>(const ProbeId&) const = default;
+};
+
+// A face of the world that stops a ghost point. World frame. `normal` points into the
+// obstacle; admissible: dot(normal, q) <= offset_m. Negative surface numbers: use the arm's.
+struct ContactPlane {
+  Direction3 normal{};
+  double offset_m{0};
+  Stiffness stiffness{-1};
+  Damping damping{-1};
+  double friction{-1};  // Coulomb's coefficient
+  bool operator==(const ContactPlane&) const = default;
+};
+
+struct ProbeMotion {
+  Position3 ghost{};                           // where the ghost point is after the move
+  rt::StaticVector<ContactPlane, 8> planes{};  // what holds it back from the hand; may be empty
+  bool is_embedded{false};                     // it sits in matter: pushed out or released
+};
+
+struct WorldInfo {
+  std::string source;                    // e.g. "box:3"
+  std::array<std::uint32_t, 3> cells{};  // 0 where the world has no cells
+  double cell_m{0};
+  std::array<double, 3> extent_m{};  // the world is centred on the origin
+};
+
+// A world that ghost points move through.
+//
+// Thread: one, the world's. Not RT; move_probe() neither allocates nor blocks.
+class World {
+ public:
+  virtual ~World() = default;
+  [[nodiscard]] virtual const WorldInfo& info() const noexcept = 0;
+  // The cells it is made of, for models that work on them; nullptr where it has none.
+  [[nodiscard]] virtual const VoxelGrid* grid() const noexcept { return nullptr; }
+  // The ghost starts at `hand` if that place is free, else at the nearest free place.
+  // NotFound when the world has no free place, Busy when it has no room for another probe.
+  [[nodiscard]] virtual Result<ProbeId> add_probe(Position3 hand) = 0;
+  virtual void remove_probe(ProbeId probe) noexcept = 0;
+  // Moves the ghost towards the hand as far as the world lets it; `dt` > 0 bounds push-out.
+  // A hand that is not finite leaves the ghost where it is. An unknown probe: planes empty,
+  // ghost at the hand.
+  virtual ProbeMotion move_probe(ProbeId probe, Position3 hand, Duration dt) noexcept = 0;
+};
+
+}  // namespace thimble::world
