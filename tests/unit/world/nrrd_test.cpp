@@ -1,0 +1,282 @@
+#include "daemon/world/io/nrrd.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <string>
+
+#include "tests/unit/world/grids.hpp"
+#include "tests/unit/world/npy_bytes.hpp"
+#include "tests/unit/world/nrrd_bytes.hpp"
+#include "tests/unit/world/volume_files.hpp"
+
+namespace thimble::world {
+namespace {
+
+Result<std::unique_ptr<ByteSource>> no_data_file(const std::string& name) {
+  return fail(Errc::NotFound, "data file: " + name);
+}
+Result<VoxelGrid> load(const std::string& file, const VolumeOptions& options = {}) {
+  MemorySource source(bytes_of(file));
+  return load_nrrd(source, no_data_file, options);
+}
+std::string error_of(const Result<VoxelGrid>& sut) { return sut ? "none" : sut.error().message; }
+
+// A volume whose number [x, y, z] is 1 where (x, y, z) = (1, 2, 3).
+NrrdBytes one_cell() {
+  NrrdBytes bytes;
+  bytes.data[1 + 2 * (2 + 3 * 3)] = 1;
+  return bytes;
+}
+void expect_one_cell(const Result<VoxelGrid>& sut) {
+  ASSERT_TRUE(sut) << error_of(sut);
+  EXPECT_EQ(sut->cells(), (std::array<std::uint32_t, 3>{2, 3, 4}));
+  for_each_cell(*sut, [&](Cell c) { EXPECT_EQ(sut->is_occupied(c), c == (Cell{1, 2, 3})); });
+}
+
+TEST(Nrrd, TheFirstAxisRunsFastestAndIsX) { expect_one_cell(load(one_cell().file())); }
+
+TEST(Nrrd, ReadsGzip) {
+  NrrdBytes bytes = one_cell();
+  bytes.encoding = "gzip";
+  const std::string plain = bytes.data;
+  bytes.data = gzipped(plain);
+  expect_one_cell(load(bytes.file()));
+  bytes.data = gzipped(plain.substr(0, 7)) + gzipped("") + gzipped(plain.substr(7));
+  expect_one_cell(load(bytes.file()));
+}
+
+TEST(Nrrd, ReadsText) {
+  NrrdBytes bytes = one_cell();
+  bytes.encoding = "ascii";
+  std::string text;
+  for (const char c : bytes.data) text += c != 0 ? " \r\n1" : "\t0";
+  bytes.data = text + "\n\n";
+  expect_one_cell(load(bytes.file()));
+  bytes.type = "double";
+  bytes.more = "endian: big\n";
+  expect_one_cell(load(bytes.file()));
+}
+
+template <class T>
+std::string item(T value, bool is_big_endian) {
+  std::string bytes(sizeof value, '\0');
+  std::memcpy(bytes.data(), &value, sizeof value);
+  if (is_big_endian) std::reverse(bytes.begin(), bytes.end());
+  return bytes;
+}
+
+template <class T>
+void expect_above(const char* type, T below, T above) {
+  for (const bool is_big : {false, true}) {
+    NrrdBytes bytes;
+    bytes.type = type;
+    bytes.sizes = "2 1 1";
+    bytes.more = is_big ? "endian: big\n" : "endian: little\n";
+    bytes.data = item(below, is_big) + item(above, is_big);
+    const auto sut = load(bytes.file(), {.threshold = 1});
+    ASSERT_TRUE(sut) << type << error_of(sut);
+    EXPECT_FALSE(sut->is_occupied({0, 0, 0})) << type;
+    EXPECT_TRUE(sut->is_occupied({1, 0, 0})) << type;
+  }
+}
+
+TEST(Nrrd, ReadsEveryTypeInBothByteOrders) {
+  expect_above<std::int8_t>("int8", -1, 2);
+  expect_above<std::uint8_t>("uchar", 1, 255);
+  expect_above<std::int16_t>("short", -512, 512);
+  expect_above<std::uint16_t>("ushort", 1, 0x8000);
+  expect_above<std::int32_t>("int", -65536, 65536);
+  expect_above<std::uint32_t>("uint", 0, 0x80000000U);
+  expect_above<std::int64_t>("int64", INT64_MIN, INT64_MAX);
+  expect_above<std::uint64_t>("uint64", 1, UINT64_MAX);
+  expect_above<float>("float", 1.0F, 1.0001F);
+  expect_above<double>("double", 1.0, 1.0 + 1e-12);
+}
+
+TEST(Nrrd, SkipsLinesThenBytes) {
+  NrrdBytes bytes = one_cell();
+  bytes.more = "line skip: 2\nbyte skip: 3\n";
+  bytes.data = "P5\n# a line\nxyz" + bytes.data;
+  expect_one_cell(load(bytes.file()));
+  bytes.more = "byte skip: -1\n";
+  expect_one_cell(load(bytes.file()));
+  bytes.data = one_cell().data;
+  expect_one_cell(load(bytes.file()));
+  bytes.more = "line skip: 9\n";
+  EXPECT_EQ(error_of(load(bytes.file())), "line skip: the data file has not so many lines");
+}
+
+TEST(Nrrd, SkipsLinesBeforeAndBytesAfterUnpacking) {
+  NrrdBytes bytes = one_cell();
+  bytes.encoding = "gz";
+  bytes.more = "line skip: 1\nbyte skip: 100000\n";
+  bytes.data = "a line\n" + gzipped(std::string(100000, 'x') + bytes.data);
+  expect_one_cell(load(bytes.file()));
+  bytes.more = "byte skip: 1000\n";
+  bytes.data = gzipped("short") + std::string(8, 'x');
+  EXPECT_FALSE(load(bytes.file()));
+}
+
+TEST(Nrrd, TakesSpacingFromTheFileUnlessTold) {
+  NrrdBytes bytes;
+  bytes.more = "space directions: (0,1,0) (1,0,0) (0,0,2)\n";
+  EXPECT_EQ(load(bytes.file())->cells(), (std::array<std::uint32_t, 3>{2, 3, 8}));
+  EXPECT_EQ(load(bytes.file(), {.spacing = std::array{1.0, 1.0, 1.0}})->cells(),
+            (std::array<std::uint32_t, 3>{2, 3, 4}));
+  bytes.more = "axis maxs: 1 2 3\n";
+  EXPECT_EQ(load(bytes.file()).error().code, Errc::Unsupported);
+  EXPECT_TRUE(load(bytes.file(), {.spacing = std::array{1.0, 1.0, 1.0}}));
+}
+
+TEST(Nrrd, RefusesEveryOtherLength) {
+  for (const char* encoding : {"raw", "gzip", "text"}) {
+    NrrdBytes bytes;
+    bytes.encoding = encoding;
+    if (bytes.encoding == "gzip") bytes.data = gzipped(bytes.data);
+    if (bytes.encoding == "text") {
+      bytes.data = "0";
+      for (int i = 1; i < 24; ++i) bytes.data += " 0";
+    }
+    const std::string file = bytes.file();
+    ASSERT_TRUE(load(file)) << error_of(load(file));
+    for (std::size_t length = 0; length < file.size(); ++length) {
+      ASSERT_FALSE(load(file.substr(0, length))) << encoding << " " << length;
+    }
+    EXPECT_FALSE(load(file + (bytes.encoding == "text" ? " 0" : "0"))) << encoding;
+  }
+}
+
+TEST(Nrrd, SaysWhatTheDataLacks) {
+  NrrdBytes bytes;
+  bytes.data.pop_back();
+  EXPECT_EQ(error_of(load(bytes.file())), "data: the file has 23 bytes for it, sizes ask for 24");
+  bytes.encoding = "text";
+  EXPECT_EQ(error_of(load(bytes.file())),
+            "data: the file has 23 bytes for it, sizes ask for at least 47");
+  bytes.data = std::string(50, ' ') + "0 1 1.5";
+  EXPECT_EQ(error_of(load(bytes.file())), "data: number 3: '1.5' is none of its type");
+  bytes.data = std::string(50, ' ') + "0 1 256";
+  EXPECT_EQ(error_of(load(bytes.file())), "data: number 3: '256' is none of its type");
+  bytes.data = std::string(50, ' ') + "0 1";
+  EXPECT_EQ(error_of(load(bytes.file())), "data: number 3 of 24 is missing");
+  bytes.data = std::string(50, ' ') + std::string(200000, '1');
+  EXPECT_EQ(error_of(load(bytes.file())),
+            "data: number 1: '111111111111111111111111...' is none of its type");
+}
+
+TEST(Nrrd, AHugeClaimIsRefusedByLength) {
+  for (const char* encoding : {"raw", "gzip", "text"}) {
+    NrrdBytes bytes;
+    bytes.type = "double";
+    bytes.sizes = "1024 1024 1024";
+    bytes.encoding = encoding;
+    bytes.more = "endian: little\n";
+    const auto sut = load(bytes.file());
+    ASSERT_FALSE(sut);
+    EXPECT_NE(error_of(sut).find("data: the file has 24 bytes for it"), std::string::npos);
+  }
+}
+
+TEST(Nrrd, ABombIsUnpackedNoFurtherThanItsSizes) {
+  NrrdBytes bytes;
+  bytes.encoding = "gzip";
+  bytes.data = gzipped(std::string(10000000, '\0'));
+  EXPECT_EQ(error_of(load(bytes.file())), "data: holds more than the 24 bytes that sizes ask for");
+}
+
+TEST(Nrrd, DamagedGzipIsAnError) {
+  NrrdBytes bytes = one_cell();
+  bytes.encoding = "gzip";
+  bytes.data = gzipped(bytes.data);
+  std::string damaged = bytes.file();
+  damaged[damaged.size() - 6] ^= 1;  // in the checksum
+  EXPECT_EQ(error_of(load(damaged)), "data: gzip: incorrect data check");
+  bytes.data = std::string(30, 'x');
+  EXPECT_EQ(error_of(load(bytes.file())), "data: gzip: incorrect header check");
+  std::mt19937 random(5);
+  const std::string good = [] {
+    NrrdBytes out = one_cell();
+    out.encoding = "gzip";
+    out.data = gzipped(out.data);
+    return out.file();
+  }();
+  for (int i = 0; i < 2000; ++i) {
+    std::string file = good;
+    file[random() % file.size()] = static_cast<char>(random());
+    const auto sut = load(file);
+    EXPECT_FALSE(error_of(sut).empty());
+  }
+}
+
+TEST(Nrrd, ReadsAVolumeOfManyChunks) {
+  std::mt19937 random(41);
+  NrrdBytes bytes;
+  bytes.sizes = "50 60 70";
+  bytes.data = std::string(50 * 60 * 70, '\0');
+  for (char& c : bytes.data) c = random() % 2 == 0 ? '\1' : '\0';
+  const std::string plain = bytes.data;
+  for (const char* encoding : {"raw", "gzip", "text"}) {
+    bytes.encoding = encoding;
+    if (bytes.encoding == "gzip") bytes.data = gzipped(plain);
+    if (bytes.encoding == "text") {
+      bytes.data.clear();
+      for (const char c : plain) bytes.data += c != 0 ? "1.0e0\n" : "-0 ";
+    }
+    const auto sut = load(bytes.file());
+    ASSERT_TRUE(sut) << error_of(sut);
+    for_each_cell(*sut, [&](Cell c) {
+      ASSERT_EQ(sut->is_occupied(c),
+                plain[static_cast<std::size_t>(c.x + 50 * (c.y + 60 * c.z))] != '\0');
+    });
+  }
+}
+
+class NrrdFiles : public VolumeFiles {};
+
+TEST_F(NrrdFiles, ADetachedHeaderNamesTheFileBesideIt) {
+  NrrdBytes bytes = one_cell();
+  const std::string data = bytes.data;
+  bytes.more = "data file: sub/a.raw\n";
+  bytes.data = "";
+  const std::string path = write("a.nhdr", bytes.file());
+  const auto missing = load_nrrd_file(path, {});
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.error().code, Errc::NotFound);
+  EXPECT_EQ(missing.error().message,
+            path + ": data file: " + folder + "/sub/a.raw: open: No such file or directory");
+  std::filesystem::create_directory(folder + "/sub");
+  write("sub/a.raw", data);
+  expect_one_cell(load_nrrd_file(path, {}));
+  write("sub/a.raw", data + "x");
+  EXPECT_EQ(error_of(load_nrrd_file(path, {})),
+            path + ": data: the file has 25 bytes for it, sizes ask for 24");
+  std::filesystem::remove(folder + "/sub/a.raw");
+  std::filesystem::create_directory(folder + "/sub/a.raw");
+  EXPECT_EQ(load_nrrd_file(path, {}).error().code, Errc::InvalidArgument);
+}
+
+TEST_F(NrrdFiles, CheckingSaysWhatLoadingWouldSay) {
+  NrrdBytes bytes = one_cell();
+  const std::string good = bytes.file();
+  bytes.sizes = "2 3 1024";
+  const std::string lying = bytes.file();
+  bytes.sizes = "2 3 4";
+  bytes.more = "spacings: 1 1 1000\n";
+  for (const std::string& file : {good, lying, bytes.file(), std::string("nonsense")}) {
+    const std::string path = write("a.nrrd", file);
+    const auto made = load_nrrd_file(path, {});
+    const auto checked = check_nrrd_file(path, {});
+    ASSERT_EQ(made.has_value(), checked.has_value()) << error_of(made);
+    EXPECT_EQ(error_of(made), checked ? "none" : checked.error().message);
+  }
+  EXPECT_TRUE(check_nrrd_file(write("a.nrrd", good), {}));
+}
+
+}  // namespace
+}  // namespace thimble::world
