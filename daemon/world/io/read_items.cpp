@@ -1,0 +1,26 @@
+#include "daemon/world/io/read_items.hpp"
+
+#include <algorithm>
+#include <span>
+#include <vector>
+
+namespace thimble::world {
+
+Result<void> read_items(ByteStream& bytes, ItemType type, VolumeWriter& writer) {
+  constexpr std::uint64_t kItems = 8192;
+  const auto most = static_cast<std::size_t>(std::min(writer.items_left(), kItems));
+  std::vector<std::byte> raw(most * type.bytes);
+  std::vector<double> values(most);
+  while (writer.items_left() > 0) {
+    const auto count = static_cast<std::size_t>(std::min(writer.items_left(), kItems));
+    const auto wanted = std::span(raw).first(count * type.bytes);
+    const auto got = bytes.read(wanted);
+    if (!got) return tl::unexpected(got.error());
+    if (*got != wanted.size()) return fail(Errc::Malformed, "data: the file ends before it does");
+    decode_items(wanted, type, std::span(values).first(count));
+    if (auto put = writer.put(std::span(values).first(count)); !put) return put;
+  }
+  return {};
+}
+
+}  // namespace thimble::world
