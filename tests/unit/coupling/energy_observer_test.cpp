@@ -1,0 +1,28 @@
+#include "daemon/coupling/energy_observer.hpp"
+
+#include <gtest/gtest.h>
+
+namespace thimble::coupling {
+namespace {
+
+constexpr Duration kTick = std::chrono::milliseconds(1);
+
+TEST(EnergyObserver, SpringGivesBackWhatItTookAndGeneratesNothing) {
+  EnergyObserver sut;
+  for (int i = 0; i < 100; ++i) sut.add({-1, 0, 0}, {0.1, 0, 0}, kTick);
+  EXPECT_NEAR(sut.given_joule(), -0.01, 1e-12);
+  for (int i = 0; i < 100; ++i) sut.add({-1, 0, 0}, {-0.1, 0, 0}, kTick);
+  EXPECT_NEAR(sut.given_joule(), 0, 1e-12);
+  EXPECT_NEAR(sut.generated_joule(), 0, 1e-12);
+}
+
+TEST(EnergyObserver, RemembersTheMostThatWasGenerated) {
+  EnergyObserver sut;
+  sut.add({0, 2, 0}, {0, 0.5, 0}, kTick);
+  sut.add({0, 2, 0}, {0, -5, 0}, kTick);
+  EXPECT_NEAR(sut.generated_joule(), 0.001, 1e-12);
+  EXPECT_NEAR(sut.given_joule(), -0.009, 1e-12);
+}
+
+}  // namespace
+}  // namespace thimble::coupling
