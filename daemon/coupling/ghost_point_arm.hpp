@@ -1,0 +1,119 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+
+#include "daemon/coupling/arm_coupling.hpp"
+#include "daemon/coupling/constraint_age.hpp"
+#include "daemon/coupling/messages.hpp"
+#include "hal/rt/static_vector.hpp"
+
+namespace thimble::coupling {
+
+// Tuning of the ghost point scheme. Sources: thesis appendix A in SI units, as read in
+// docs/decisions/0050-ghost-point-defaults.md; what differs says so.
+struct GhostPointSettings {
+  Stiffness stiffness{800};
+  Damping damping{5};  // half of the thesis's 10: decision 0050
+  double friction{0};  // Coulomb's coefficient; the thesis has none
+  // Ceilings of what a world may ask for; the hardest arm we know of (a Falcon) takes these.
+  Stiffness max_stiffness{3000};
+  Damping max_damping{20};
+  double max_friction{1};  // ours: rubber on wood
+  Stiffness coordinate_spring{50};
+  double coordinate_spring_share{0.5};  // of the wall's force, at most: decision 0055
+  Duration coordinate_spring_ramp{std::chrono::milliseconds(100)};  // thesis: a step
+  double hysteresis_m{0.0005};       // upper bound; see effective_hysteresis_m()
+  double cell_m{0};                  // edge of the world's cells; 0: it has none
+  double relaxation_m_per_s{0.025};  // thesis: 0.25 mm each tenth tick of 1 kHz
+  double max_offset_m{0.25};         // length of the offset: decision 0056
+  Duration redetection_guard{std::chrono::milliseconds(50)};  // decision 0051
+  ConstraintAgeSettings age{};
+};
+
+// How deep a finger is left inside a wall that was learned of late: min(hysteresis, cell/4),
+// so that fine worlds do not swallow it.
+[[nodiscard]] double effective_hysteresis_m(const GhostPointSettings& settings) noexcept;
+
+// For the status and for tests; since construction.
+struct GhostPointCounters {
+  std::uint64_t offset_events{0};    // the frame was shifted by a constraint
+  std::uint64_t redetections{0};     // a face pressed again within the guard: chatter
+  std::uint64_t rejected_planes{0};  // not finite, or normal not of unit length
+  bool operator==(const GhostPointCounters&) const = default;
+};
+
+// The arm half of the time/space trade-off (thesis 3.7): a wall learned of late shifts the
+// coordinate frame so that the finger rests just inside it, and is then rendered locally.
+// README.md has the equations.
+//
+// Thread: one servo thread; counters() too. RT: reset(), step() THIMBLE_RT.
+// Frames: p in the arm's base frame; planes and q = p + o in the world's, axes parallel.
+// Errors: unsound planes are ignored and counted. A tip that is not finite gives a force that
+//         is not finite (the limiter latches the fault) and leaves the state as it was.
+class GhostPointArm final : public ArmCoupling {
+ public:
+  explicit GhostPointArm(const GhostPointSettings& settings) noexcept;
+
+  THIMBLE_RT void reset(MonotonicTime now, Position3 tip) noexcept override;
+  THIMBLE_RT ArmOutput step(const ArmInput& input) noexcept override;
+
+  [[nodiscard]] const GhostPointCounters& counters() const noexcept { return counters_; }
+
+ private:
+  // A face that the world told of. Held: in the newest set, and rendered. Else only
+  // remembered: as a barrier that relaxation must not cross, and to know it again.
+  struct Contact {
+    ConstraintPlane plane{};
+    bool is_held{false};
+    bool is_barrier{false};
+    bool is_pressing{false};
+    bool has_pressed{false};
+    MonotonicTime last_pressed{};
+    // Coordinate spring: the displacement shown slides from ramp_from to the true one.
+    double ramp_from_m{0};
+    double ramp_elapsed_s{0};
+    double shown_m{0};
+    // Friction: where on the surface the tip sticks, arm's frame, so that no shift of the world's
+    // frame is felt along a wall.
+    Position3 stuck_at{};
+  };
+  static constexpr std::size_t kMaxContacts = 2 * kMaxPlanes;
+  using ContactList = rt::StaticVector<Contact, kMaxContacts>;
+
+  [[nodiscard]] ArmOutput refuse(const ArmInput& input) const noexcept;
+  [[nodiscard]] PlaneList sound_planes(const PlaneList& planes) noexcept;
+  [[nodiscard]] bool names_what_is_held(const PlaneList& planes) const noexcept;
+  void apply(const ConstraintSet& set, const ArmInput& input) noexcept;
+  [[nodiscard]] Contact adopt(const ConstraintPlane& plane, const Contact* known, Position3 tip,
+                              double depth_felt_m, bool is_void) noexcept;
+  void remember(const std::array<bool, kMaxContacts>& is_taken, const ArmInput& input,
+                ContactList& next) const noexcept;
+  void relax(const ArmInput& input) noexcept;
+  void shift(Displacement3 by) noexcept;
+  void press(const ArmInput& input, ArmOutput& output) noexcept;
+  void begin(Contact& contact, const ArmInput& input, ArmOutput& output) noexcept;
+  [[nodiscard]] Force3 rub(Contact& contact, const ArmInput& input,
+                           double wall_newton) const noexcept;
+  void advance_ramp(Contact& contact, Duration dt) const noexcept;
+  [[nodiscard]] Stiffness stiffness_of(const ConstraintPlane& plane) const noexcept;
+  [[nodiscard]] Damping damping_of(const ConstraintPlane& plane) const noexcept;
+  [[nodiscard]] double friction_of(const ConstraintPlane& plane) const noexcept;
+
+  GhostPointSettings settings_;
+  double hysteresis_m_;
+  ConstraintAge age_;
+  ContactList contacts_{};
+  Displacement3 offset_{};
+  Position3 last_hand_{};
+  std::uint64_t sequence_{0};
+  std::uint64_t applied_reply_{0};
+  std::uint32_t session_{0};
+  std::uint32_t restarts_{0};  // calls of reset()
+  bool has_set_{false};
+  GhostPointCounters counters_{};
+};
+
+}  // namespace thimble::coupling
