@@ -1,0 +1,121 @@
+#include "daemon/coupling/ghost_point_world.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "fake_box.hpp"
+#include "hand_samples.hpp"
+
+namespace thimble::coupling {
+namespace {
+
+using testing::FakeBox;
+using testing::kTick;
+using testing::sample;
+
+TEST(GhostPointWorld, AnswersTheSampleItWasAsked) {
+  FakeBox box(0.015);
+  GhostPointWorld sut(box, 7);
+  ASSERT_TRUE(sut.open(sample(1, {})));
+  (void)sut.answer(sample(1, {}), kTick);
+  const ConstraintSet set = sut.answer(sample(5, {0.020, 0, -0.016}), kTick);
+  EXPECT_EQ(set.sequence, 2U);
+  EXPECT_EQ(set.answers, 5U);
+  EXPECT_EQ(set.sampled_at, (MonotonicTime{kTick * 5}));
+  EXPECT_EQ(set.session, 7U);
+  ASSERT_EQ(set.planes.size(), 2U);
+  EXPECT_EQ(set.planes[0].normal, (Direction3{1, 0, 0}));
+  EXPECT_EQ(set.planes[0].offset_m, 0.015);
+  EXPECT_EQ(set.planes[1].normal, (Direction3{0, 0, -1}));
+  EXPECT_TRUE(set.has_ghost);
+  EXPECT_EQ(set.ghost, (Position3{0.015, 0, -0.015}));
+  EXPECT_FALSE(set.is_embedded);
+}
+
+TEST(GhostPointWorld, PassesOnSurfaceAndEmbedding) {
+  FakeBox box(0.015);
+  box.stiffness = {300};
+  box.damping = {2};
+  box.is_embedded = true;
+  GhostPointWorld sut(box, 1);
+  ASSERT_TRUE(sut.open(sample(1, {})));
+  const ConstraintSet set = sut.answer(sample(1, {0.02, 0, 0}), kTick);
+  EXPECT_EQ(set.planes[0].surface, (SurfaceProperties{{300}, {2}}));
+  EXPECT_TRUE(set.is_embedded);
+}
+
+TEST(GhostPointWorld, ForgetsPlanesThatNoLongerHold) {
+  FakeBox box(0.015);
+  GhostPointWorld sut(box, 1);
+  ASSERT_TRUE(sut.open(sample(1, {})));
+  (void)sut.answer(sample(1, {0.02, 0, 0}), kTick);
+  EXPECT_TRUE(sut.answer(sample(2, {0.01, 0, 0}), kTick).planes.empty());
+}
+
+TEST(GhostPointWorld, SampleThatIsNotFiniteGetsTheLastAnswerAgain) {
+  FakeBox box(0.015);
+  GhostPointWorld sut(box, 1);
+  ASSERT_TRUE(sut.open(sample(1, {})));
+  const ConstraintSet good = sut.answer(sample(1, {0.02, 0, 0}), kTick);
+  const ConstraintSet again = sut.answer(sample(2, {std::nan(""), 0, 0}), kTick);
+  EXPECT_EQ(box.moves, 1);
+  EXPECT_EQ(again.sequence, good.sequence);
+  EXPECT_EQ(again.answers, good.answers);
+  EXPECT_EQ(again.planes, good.planes);
+}
+
+TEST(GhostPointWorld, EachOpenIsANewSessionWithOneProbe) {
+  FakeBox box(0.015);
+  GhostPointWorld sut(box, 41);
+  ASSERT_TRUE(sut.open(sample(1, {})));
+  EXPECT_EQ(sut.answer(sample(1, {0.02, 0, 0}), kTick).session, 41U);
+  ASSERT_TRUE(sut.open(sample(1, {})));
+  const ConstraintSet set = sut.answer(sample(1, {}), kTick);
+  EXPECT_EQ(set.session, 42U);
+  EXPECT_EQ(set.sequence, 1U);
+  EXPECT_EQ(box.probes, 1);
+}
+
+TEST(GhostPointWorld, LeavesTheWorldWhenClosedOrDestroyed) {
+  FakeBox box(0.015);
+  {
+    GhostPointWorld sut(box, 1);
+    ASSERT_TRUE(sut.open(sample(1, {})));
+    sut.close();
+    sut.close();
+    EXPECT_EQ(box.probes, 0);
+    ASSERT_TRUE(sut.open(sample(1, {})));
+  }
+  EXPECT_EQ(box.probes, 0);
+}
+
+TEST(GhostPointWorld, OpenPassesOnWhyTheWorldRefuses) {
+  FakeBox box(0.015);
+  box.is_full = true;
+  GhostPointWorld sut(box, 1);
+  const Result<void> opened = sut.open(sample(1, {}));
+  ASSERT_FALSE(opened);
+  EXPECT_EQ(opened.error().code, Errc::Busy);
+  EXPECT_TRUE(sut.answer(sample(1, {0.02, 0, 0}), kTick).planes.empty());
+}
+
+TEST(GhostPointWorld, RefusesToOpenAtAPlaceThatIsNotFinite) {
+  FakeBox box(0.015);
+  GhostPointWorld sut(box, 1);
+  const Result<void> opened = sut.open(sample(1, {0, std::nan(""), 0}));
+  ASSERT_FALSE(opened);
+  EXPECT_EQ(opened.error().code, Errc::InvalidArgument);
+  EXPECT_EQ(box.probes, 0);
+}
+
+TEST(GhostPointWorld, GivesTheWorldAPositiveTimeStep) {
+  FakeBox box(0.015);
+  GhostPointWorld sut(box, 1);
+  ASSERT_TRUE(sut.open(sample(1, {})));
+  (void)sut.answer(sample(1, {}), Duration(-5));
+  EXPECT_GT(box.last_dt, Duration::zero());
+}
+
+}  // namespace
+}  // namespace thimble::coupling
