@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "hal/base/geometry.hpp"
+#include "hal/base/time.hpp"
+#include "hal/rt/static_vector.hpp"
+
+namespace thimble::coupling {
+
+// How a surface feels; negative: the arm's configured default.
+struct SurfaceProperties {
+  Stiffness stiffness{-1};
+  Damping damping{-1};
+  double friction{-1};  // Coulomb's coefficient
+  bool operator==(const SurfaceProperties&) const = default;
+};
+
+// A half-space the hand may not enter. World frame. `normal` points into the obstacle:
+// admissible are the points q with dot(normal, q) <= offset_m (teleop.md 2(f)).
+struct ConstraintPlane {
+  Direction3 normal{};
+  double offset_m{0};
+  SurfaceProperties surface{};
+  bool operator==(const ConstraintPlane&) const = default;
+};
+
+inline constexpr std::size_t kMaxPlanes = 8;
+using PlaneList = rt::StaticVector<ConstraintPlane, kMaxPlanes>;
+
+// Arm side to world side, once per report of the arm. World frame: q = p + o, the hand's position p
+// in the arm's base frame displaced by the coordinate offset o.
+struct HandSample {
+  std::uint64_t sequence{0};   // from 1, +1 a step of the arm half: numbers may have gaps
+  MonotonicTime sampled_at{};  // arm side's clock
+  Position3 hand{};            // q
+  Velocity3 velocity{};
+  std::uint32_t buttons{0};
+  std::uint64_t applied_reply{0};  // sequence of the newest ConstraintSet already in force
+  // Changes when the arm half was reset: the ghost starts again at the hand. A carriage that
+  // cannot tell leaves it.
+  std::uint32_t restart{0};
+};
+
+// World side to arm side: everything that constrains the hand, replacing what was known.
+struct ConstraintSet {
+  std::uint64_t sequence{0};   // from 1, +1 a reply of one session
+  std::uint64_t answers{0};    // HandSample::sequence it answers; 0: the carriage cannot tell
+  MonotonicTime sampled_at{};  // of that sample, echoed; arm side's clock; 0 when unknown
+  std::uint32_t session{0};    // changes when the world side restarted: old planes are void
+  PlaneList planes{};
+  Position3 ghost{};  // valid when has_ghost
+  bool has_ghost{false};
+  bool is_embedded{false};  // the ghost sits in filled cells: pushed out or released
+};
+
+}  // namespace thimble::coupling
