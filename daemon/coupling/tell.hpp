@@ -1,0 +1,27 @@
+#pragma once
+
+#include "daemon/coupling/messages.hpp"
+#include "daemon/world/world.hpp"
+
+namespace thimble::coupling {
+
+// Makes `set` the next reply of its session: what the world says of the hand in `sample`. The
+// ghost is left to the caller.
+// Thread: the world's thread. Errors: none.
+inline void tell(const world::ProbeMotion& motion, const HandSample& sample,
+                 ConstraintSet& set) noexcept {
+  ++set.sequence;
+  set.answers = sample.sequence;
+  set.sampled_at = sample.sampled_at;
+  set.planes.clear();
+  for (const world::ContactPlane& plane : motion.planes) {
+    set.planes.push_back(
+        {.normal = plane.normal,
+         .offset_m = plane.offset_m,
+         .surface = {
+             .stiffness = plane.stiffness, .damping = plane.damping, .friction = plane.friction}});
+  }
+  set.is_embedded = motion.is_embedded;
+}
+
+}  // namespace thimble::coupling
