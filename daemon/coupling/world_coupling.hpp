@@ -1,0 +1,23 @@
+#pragma once
+
+#include "daemon/coupling/messages.hpp"
+#include "hal/base/result.hpp"
+
+namespace thimble::coupling {
+
+// The world half of a coupling scheme for one arm: answers each hand sample with constraints.
+//
+// Thread: the world's thread (net plane). Not RT, but answer() neither allocates nor blocks.
+// Ownership: the world it talks to must outlive it.
+class WorldCoupling {
+ public:
+  virtual ~WorldCoupling() = default;
+  // A hand appears (first sample of a session): the ghost starts at the hand where that is
+  // free, else at the nearest free place. Session numbers never repeat.
+  [[nodiscard]] virtual Result<void> open(const HandSample& first) = 0;
+  // `dt` since the previous answer of this session, > 0; bounds the speed of push-out.
+  [[nodiscard]] virtual ConstraintSet answer(const HandSample& sample, Duration dt) noexcept = 0;
+  virtual void close() noexcept = 0;  // the hand is gone; the probe leaves the world
+};
+
+}  // namespace thimble::coupling
