@@ -1,0 +1,298 @@
+#include "daemon/servo/servo_loop.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace thimble::servo {
+namespace {
+
+// A coupling integrates over dt; beyond this the freshness rules have taken over anyway.
+constexpr Duration kLongestStep = std::chrono::milliseconds(20);
+
+std::size_t frames_for(const ServoSettings& settings) {
+  const double frames = settings.rate_hz * seconds(settings.recording);
+  return static_cast<std::size_t>(std::max(1.0, std::ceil(frames)));
+}
+
+}  // namespace
+
+ServoLoop::ServoLoop(const ServoParts& parts, const ServoSettings& settings)
+    : parts_(parts),
+      settings_(settings),
+      limiter_(settings.limiter),
+      freshness_(settings.freshness),
+      gain_(settings.activation_ramp, settings.release_ramp),
+      recorder_(frames_for(settings)) {
+  previous_now_ = parts_.clock.now() - settings_.period();
+  snapshot_.clear_answered = parts_.controls.clear_request.load(std::memory_order_relaxed).id;
+  publish(ServoFrame{});
+}
+
+// The life of a tick: docs/architecture.md walks through it.
+void ServoLoop::tick(Duration lateness) noexcept {
+  const MonotonicTime started = parts_.stopwatch.now();
+  ServoFrame frame = begin_frame(lateness);
+  take_state(frame);
+  const MonotonicTime computing = parts_.stopwatch.now();
+  check_freshness(frame);
+  check_safety_inputs(frame);
+  advance_lifecycle(frame);
+  estimate_velocity(frame);
+  couple(frame);
+  const LimitedWrench wrench = limit(frame);
+  observe_energy(frame);
+  const MonotonicTime computed = parts_.stopwatch.now();
+  write(frame, wrench);
+  const MonotonicTime written = parts_.stopwatch.now();
+  record(frame);
+  publish(frame);
+  wakeup_error_.add(lateness);
+  compute_.add(computed - computing);
+  exchange_.add((computing - started) + (written - computed));
+}
+
+ServoFrame ServoLoop::begin_frame(Duration lateness) noexcept {
+  ServoFrame frame;
+  frame.tick = ++tick_;
+  frame.now = parts_.clock.now();
+  frame.lateness = lateness;
+  frame.dt = frame.now - previous_now_;
+  previous_now_ = frame.now;
+  if (frame.dt <= Duration::zero()) frame.dt = settings_.period();
+  snapshot_.overruns += static_cast<std::uint64_t>(lateness / settings_.period());
+
+  const bool is_command_overdue =
+      has_written_ && frame.now - last_write_ > settings_.command_gap_limit;
+  const bool is_tick_missed =
+      settings_.is_realtime_required && tick_ > 1 && frame.dt >= 2 * settings_.period();
+  if (state_ == OperatingState::Active && (is_command_overdue || is_tick_missed)) {
+    fail(FaultCode::ServoLate, frame);
+  }
+  frame.dt = std::min(frame.dt, kLongestStep);
+  return frame;
+}
+
+void ServoLoop::take_state(ServoFrame& frame) noexcept {
+  frame.read_status = parts_.device.read(arm_);
+  frame.calibration = arm_.calibration;
+  frame.buttons = arm_.buttons;
+  frame.tip = arm_.tip;
+  frame.sample_age = frame.now - arm_.sampled_at;
+  if (frame.read_status == IoStatus::ProtocolError) ++snapshot_.protocol_errors;
+  if (frame.read_status == IoStatus::Ok && !is_finite(arm_.tip)) {
+    fail(FaultCode::NonFiniteState, frame);
+  }
+}
+
+void ServoLoop::check_freshness(ServoFrame& frame) noexcept {
+  is_outage_over_ = false;
+  freshness_gain_ = 1;
+  // Before the first sample there is nothing to be stale; after a stop the arm is silent.
+  const bool is_listening = state_ == OperatingState::Calibrating ||
+                            state_ == OperatingState::Inactive || state_ == OperatingState::Active;
+  if (!is_listening) return;
+  const FreshnessVerdict verdict =
+      freshness_.judge(frame.now, arm_.sampled_at, frame.read_status == IoStatus::Ok);
+  snapshot_.missed_exchanges = freshness_.missed();
+  freshness_gain_ = verdict.gain;
+  frame.is_stale = verdict.is_stale;
+  is_outage_over_ = verdict.is_outage_over;
+  if (verdict.fault != FaultCode::None) fail(verdict.fault, frame);
+}
+
+void ServoLoop::check_safety_inputs(ServoFrame& frame) noexcept {
+  const bool is_estop_healthy = parts_.controls.is_estop_healthy.load(std::memory_order_relaxed);
+  if (!is_estop_healthy && state_ != OperatingState::Lost) fail(FaultCode::Estop, frame);
+
+  answer_clear_request(is_estop_healthy);
+}
+
+void ServoLoop::answer_clear_request(bool is_healthy) noexcept {
+  const ClearRequest request = parts_.controls.clear_request.load(std::memory_order_relaxed);
+  if (request.id == snapshot_.clear_answered) return;
+  snapshot_.clear_answered = request.id;
+  // A fault that waits behind a lost arm is told, and can be cleared, when the arm is back.
+  snapshot_.clear_outcome = state_ == OperatingState::Fault
+                                ? latch_.clear(request.fault, is_healthy)
+                                : ClearOutcome::NotLatched;
+  if (snapshot_.clear_outcome == ClearOutcome::Cleared) apply(LifecycleEvent::ClearFault);
+}
+
+void ServoLoop::advance_lifecycle(ServoFrame& frame) noexcept {
+  if (frame.read_status == IoStatus::Disconnected && state_ != OperatingState::Lost) {
+    snapshot_.fault = {FaultCode::Disconnected, frame.now, frame.tick};
+    is_stop_to_record_ = true;
+    gain_.cut();
+    arm_.calibration = CalibrationState::Unknown;
+    apply(LifecycleEvent::Unplug);
+  }
+  if (state_ == OperatingState::Lost && frame.read_status != IoStatus::Disconnected) {
+    apply(LifecycleEvent::Return);
+    apply(LifecycleEvent::Open);
+    apply(LifecycleEvent::Configure);
+    if (latch_.is_latched()) apply(LifecycleEvent::Fail);
+  }
+  const bool wants_active = parts_.controls.want_active.load(std::memory_order_relaxed);
+  const bool is_homed = arm_.calibration == CalibrationState::Ok;
+  switch (state_) {
+    case OperatingState::Configured:
+      if (frame.read_status != IoStatus::Ok) break;
+      freshness_.restart(frame.now);
+      velocity_filter_.reset();
+      apply(LifecycleEvent::Calibrate);
+      break;
+    case OperatingState::Calibrating:
+      if (!is_homed) break;
+      velocity_filter_.reset();
+      apply(LifecycleEvent::Homed);
+      break;
+    case OperatingState::Inactive:
+      if (!is_homed) {
+        apply(LifecycleEvent::LoseHome);
+      } else if (wants_active && !frame.is_stale) {
+        enter_active(frame);
+      }
+      break;
+    case OperatingState::Active:
+      if (!is_homed) {
+        fail(FaultCode::LostReference, frame);
+      } else if (!wants_active && gain_.value() == 0) {
+        apply(LifecycleEvent::Deactivate);
+      }
+      break;
+    default:
+      break;
+  }
+}
+
+void ServoLoop::enter_active(const ServoFrame& frame) noexcept {
+  apply(LifecycleEvent::Activate);
+  restart_coupling(frame.now);
+  gain_.cut();
+  energy_ = {};
+  snapshot_.frame.contacts = 0;
+}
+
+// The ghost starts again at the hand, wherever it went while it felt nothing.
+void ServoLoop::restart_coupling(MonotonicTime now) noexcept {
+  parts_.coupling.reset(now, arm_.tip);
+  // What the world said before the pause speaks of another place of the hand.
+  (void)parts_.link.receive(reply_);
+  last_wish_ = {};
+  is_let_go_ = false;
+}
+
+void ServoLoop::estimate_velocity(ServoFrame& frame) noexcept {
+  const bool is_moving_known = frame.calibration == CalibrationState::Ok;
+  if (frame.read_status == IoStatus::Ok && is_moving_known) {
+    velocity_filter_.update(arm_.sampled_at, arm_.tip);
+  }
+  frame.velocity = velocity_filter_.velocity();
+  if (state_ == OperatingState::Active && norm(frame.velocity) > settings_.overspeed_m_per_s) {
+    fail(FaultCode::Overspeed, frame);
+  }
+}
+
+bool ServoLoop::is_driving() const noexcept { return state_ == OperatingState::Active; }
+
+bool ServoLoop::may_drive() const noexcept {
+  return is_driving() && parts_.controls.want_active.load(std::memory_order_relaxed) &&
+         parts_.controls.is_deadman_held.load(std::memory_order_relaxed);
+}
+
+void ServoLoop::couple(ServoFrame& frame) noexcept {
+  frame.contacts = snapshot_.frame.contacts;
+  if (!is_driving()) return;
+  if (is_outage_over_) parts_.coupling.reset(frame.now, arm_.tip);
+  if (is_let_go_ && may_drive()) restart_coupling(frame.now);
+  if (frame.is_stale) {
+    frame.wish = last_wish_;
+    frame.offset = snapshot_.frame.offset;
+    return;
+  }
+  const bool is_fresh_reply = parts_.link.receive(reply_);
+  const coupling::ArmOutput out = parts_.coupling.step({.now = frame.now,
+                                                        .dt = frame.dt,
+                                                        .tip = arm_.tip,
+                                                        .tip_velocity = frame.velocity,
+                                                        .buttons = arm_.buttons,
+                                                        .fresh = is_fresh_reply ? &reply_ : nullptr,
+                                                        .link = parts_.link.quality()});
+  frame.wish = out.force;
+  frame.offset = out.offset;
+  frame.is_in_contact = out.is_in_contact;
+  frame.is_frozen = out.is_frozen;
+  frame.is_fading = out.is_fading;
+  frame.contacts += out.new_contacts;
+  snapshot_.total_contacts += out.new_contacts;
+  last_wish_ = out.force;
+  // One sample per report of the arm: a faster servo has nothing new to tell.
+  if (frame.read_status == IoStatus::Ok) parts_.link.send(out.sample);
+}
+
+LimitedWrench ServoLoop::limit(ServoFrame& frame) noexcept {
+  if (!is_driving()) {
+    gain_.cut();
+    return limiter_.cut(frame.dt);
+  }
+  frame.gain = gain_.step(may_drive(), frame.dt) * freshness_gain_;
+  is_let_go_ = is_let_go_ || gain_.value() == 0;
+  const LimiterOutput out = limiter_.limit({.wish = frame.wish,
+                                            .motor_current_per_force = arm_.motor_current_per_force,
+                                            .gain = frame.gain,
+                                            .dt = frame.dt});
+  frame.is_limited = out.is_norm_clamped || out.is_rise_limited || out.is_current_clamped;
+  if (out.fault != FaultCode::None) fail(out.fault, frame);
+  frame.force = out.wrench.force();
+  return out.wrench;
+}
+
+void ServoLoop::observe_energy(ServoFrame& frame) noexcept {
+  energy_.add(frame.force, frame.velocity, frame.dt);
+  frame.generated_energy_j = energy_.given_joule();
+}
+
+void ServoLoop::write(ServoFrame& frame, const LimitedWrench& wrench) noexcept {
+  frame.state = state_;
+  frame.fault = latch_.fault().code;
+  if (state_ == OperatingState::Lost) return;
+  const bool is_silent =
+      latch_.is_latched() && frame.now - latched_at_ > settings_.zero_before_silence;
+  if (is_silent) return;
+  frame.write_status = parts_.device.write(wrench);
+  // Only a command that the bus took is one: a stuck way out must not look fresh.
+  if (frame.write_status != IoStatus::Ok) return;
+  has_written_ = true;
+  last_write_ = frame.now;
+}
+
+void ServoLoop::record(ServoFrame& frame) noexcept {
+  recorder_.record(frame);
+  if (!is_stop_to_record_) return;
+  is_stop_to_record_ = false;
+  recorder_.freeze();
+}
+
+void ServoLoop::publish(const ServoFrame& frame) noexcept {
+  snapshot_.frame = frame;
+  if (latch_.is_latched()) snapshot_.fault = latch_.fault();
+  if (!latch_.is_latched() && state_ != OperatingState::Lost) snapshot_.fault = {};
+  snapshot_.peak_force_newton = std::max(snapshot_.peak_force_newton, norm(frame.force));
+  snapshot_.peak_offset_m = std::max(snapshot_.peak_offset_m, norm(frame.offset));
+  published_.store(snapshot_);
+}
+
+void ServoLoop::fail(FaultCode code, const ServoFrame& frame) noexcept {
+  if (!latch_.latch(code, frame.now, frame.tick)) return;
+  ++snapshot_.faults;
+  latched_at_ = frame.now;
+  is_stop_to_record_ = true;
+  gain_.cut();
+  apply(LifecycleEvent::Fail);
+}
+
+void ServoLoop::apply(LifecycleEvent event) noexcept {
+  state_ = next_state(state_, event).value_or(state_);
+}
+
+}  // namespace thimble::servo

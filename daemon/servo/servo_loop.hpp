@@ -1,0 +1,134 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "daemon/coupling/arm_coupling.hpp"
+#include "daemon/coupling/arm_link.hpp"
+#include "daemon/coupling/energy_observer.hpp"
+#include "daemon/servo/drive_gain.hpp"
+#include "daemon/servo/flight_recorder.hpp"
+#include "daemon/servo/sample_freshness.hpp"
+#include "daemon/servo/servo_controls.hpp"
+#include "daemon/servo/servo_frame.hpp"
+#include "daemon/servo/servo_snapshot.hpp"
+#include "daemon/servo/tick_histogram.hpp"
+#include "daemon/servo/velocity_filter.hpp"
+#include "daemon/servo/wrench_limiter.hpp"
+#include "hal/base/time.hpp"
+#include "hal/device/fault.hpp"
+#include "hal/device/haptic_device.hpp"
+#include "hal/device/operating_state.hpp"
+#include "hal/rt/annotations.hpp"
+#include "hal/rt/word_seqlock.hpp"
+
+namespace thimble::servo {
+
+// Defaults: DESIGN section 4. All limits are times and rates, never counts of ticks.
+struct ServoSettings {
+  double rate_hz{1000};
+  LimiterSettings limiter{};
+  FreshnessSettings freshness{};
+  double overspeed_m_per_s{1.5};
+  Duration activation_ramp{std::chrono::milliseconds(500)};
+  Duration release_ramp{std::chrono::milliseconds(20)};
+  Duration command_gap_limit{std::chrono::milliseconds(20)};
+  // After a latched fault zero is still written for this long (so that it surely arrives),
+  // then the arm hears nothing and its own watchdog takes the power away.
+  Duration zero_before_silence{std::chrono::milliseconds(100)};
+  bool is_realtime_required{false};
+  Duration recording{std::chrono::seconds(2)};
+
+  [[nodiscard]] Duration period() const noexcept { return from_seconds(1.0 / rate_hz); }
+};
+
+// What the loop works on; all must outlive it.
+struct ServoParts {
+  HapticDevice& device;
+  coupling::ArmCoupling& coupling;
+  coupling::ArmLink& link;
+  const ServoControls& controls;
+  const Clock& clock;      // stamps the arm's samples too; virtual for a simulated arm
+  const Clock& stopwatch;  // only measures what a tick costs; never decides anything
+};
+
+// One arm's servo: state → freshness → safety inputs → lifecycle → velocity → coupling →
+// limiter → energy → write → record → publish, once per call of tick().
+//
+// Thread: tick() from the servo thread only; snapshot() and the histograms from any;
+//         recorder().take() from one control thread.
+// RT: tick() is THIMBLE_RT_IO: the device's exchange and the link's wake, nothing else.
+// Ownership: allocates at construction only.
+// Errors: latched in the snapshot; the arm then gets zero force at once.
+class ServoLoop {
+ public:
+  ServoLoop(const ServoParts& parts, const ServoSettings& settings);
+
+  // `lateness`: how late the caller woke for this tick.
+  THIMBLE_RT_IO void tick(Duration lateness) noexcept;
+  // Periods that the caller left out because the previous tick took too long.
+  THIMBLE_RT void count_skipped(std::uint64_t periods) noexcept { snapshot_.overruns += periods; }
+  // True when the arm gets no force: nothing is lost by stopping now.
+  [[nodiscard]] bool is_at_rest() const noexcept { return gain_.value() == 0; }
+
+  // False when the servo wrote all the while (try again).
+  [[nodiscard]] bool snapshot(ServoSnapshot& out) const noexcept { return published_.load(out); }
+  [[nodiscard]] const TickHistogram& wakeup_error() const noexcept { return wakeup_error_; }
+  [[nodiscard]] const TickHistogram& compute() const noexcept { return compute_; }
+  [[nodiscard]] const TickHistogram& exchange() const noexcept { return exchange_; }
+  [[nodiscard]] FlightRecorder& recorder() noexcept { return recorder_; }
+  [[nodiscard]] const ServoSettings& settings() const noexcept { return settings_; }
+
+ private:
+  ServoFrame begin_frame(Duration lateness) noexcept;
+  void take_state(ServoFrame& frame) noexcept;
+  void check_freshness(ServoFrame& frame) noexcept;
+  void check_safety_inputs(ServoFrame& frame) noexcept;
+  void answer_clear_request(bool is_healthy) noexcept;
+  void advance_lifecycle(ServoFrame& frame) noexcept;
+  void enter_active(const ServoFrame& frame) noexcept;
+  void estimate_velocity(ServoFrame& frame) noexcept;
+  void couple(ServoFrame& frame) noexcept;
+  void observe_energy(ServoFrame& frame) noexcept;
+  LimitedWrench limit(ServoFrame& frame) noexcept;
+  void write(ServoFrame& frame, const LimitedWrench& wrench) noexcept;
+  void record(ServoFrame& frame) noexcept;
+  void publish(const ServoFrame& frame) noexcept;
+
+  void fail(FaultCode code, const ServoFrame& frame) noexcept;
+  void apply(LifecycleEvent event) noexcept;
+  void restart_coupling(MonotonicTime now) noexcept;
+  [[nodiscard]] bool is_driving() const noexcept;
+  [[nodiscard]] bool may_drive() const noexcept;
+
+  ServoParts parts_;
+  ServoSettings settings_;
+  WrenchLimiter limiter_;
+  SampleFreshness freshness_;
+  VelocityFilter velocity_filter_;
+  DriveGain gain_;
+  coupling::EnergyObserver energy_;  // since activation
+  FaultLatch latch_;
+  FlightRecorder recorder_;
+  TickHistogram wakeup_error_;
+  TickHistogram compute_;
+  TickHistogram exchange_;
+  rt::WordSeqlock<ServoSnapshot> published_;
+
+  OperatingState state_{OperatingState::Configured};
+  HapticState arm_{};                // the newest sample
+  coupling::ConstraintSet reply_{};  // scratch of one tick: clearing half a kilobyte costs time
+  Force3 last_wish_{};               // held while no sample comes
+  double freshness_gain_{1};
+  std::uint64_t tick_{0};
+  MonotonicTime previous_now_{};
+  MonotonicTime last_write_{};
+  MonotonicTime latched_at_{};
+  bool has_written_{false};
+  bool is_stop_to_record_{false};
+  bool is_outage_over_{false};
+  bool is_let_go_{false};  // driven, but at zero force: the hand may have gone anywhere
+  ServoSnapshot snapshot_{};
+};
+
+}  // namespace thimble::servo

@@ -1,0 +1,353 @@
+#include "daemon/servo/servo_loop.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tests/unit/servo/scripted_rig.hpp"
+
+namespace thimble::servo {
+namespace {
+
+TEST(ServoLoop, GivesNoForceBeforeCalibration) {
+  ServoRig rig;
+  rig.device.state.calibration = CalibrationState::NeedsUser;
+  rig.coupling.wish = {2, 0, 0};
+  rig.controls.want_active = true;
+
+  rig.tick(1000);
+
+  EXPECT_EQ(rig.state(), OperatingState::Calibrating);
+  EXPECT_EQ(rig.coupling.steps, 0);
+  for (const Force3& force : rig.device.written) ASSERT_EQ(force, Force3{});
+}
+
+TEST(ServoLoop, ReadsAndWritesZeroWhileInactive) {
+  ServoRig rig;
+  rig.coupling.wish = {2, 0, 0};
+  rig.device.state.tip = {0.01, 0.02, 0.03};
+
+  rig.tick(100);
+
+  EXPECT_EQ(rig.state(), OperatingState::Inactive);
+  EXPECT_EQ(rig.snapshot().frame.tip, (Position3{0.01, 0.02, 0.03}));
+  EXPECT_EQ(rig.device.written.size(), 100U);
+  for (const Force3& force : rig.device.written) ASSERT_EQ(force, Force3{});
+}
+
+TEST(ServoLoop, RampsTheForceInOverHalfASecondOnActivation) {
+  ServoRig rig;
+  rig.coupling.wish = {4, 0, 0};
+  rig.controls.want_active = true;
+  rig.tick(10);
+  ASSERT_EQ(rig.state(), OperatingState::Active);
+  rig.device.written.clear();
+
+  rig.tick(600);
+
+  EXPECT_LT(rig.device.written[100].x, 1.2);
+  EXPECT_NEAR(rig.device.written[250].x, 2.0, 0.2);
+  EXPECT_EQ(rig.device.written.back().x, 4);
+}
+
+TEST(ServoLoop, TheGhostRestartsAtTheHandOnActivation) {
+  ServoRig rig;
+  rig.device.state.tip = {0.01, 0, 0};
+  rig.activate_fully();
+  EXPECT_EQ(rig.coupling.resets, 1);
+  EXPECT_EQ(rig.coupling.reset_tip, (Position3{0.01, 0, 0}));
+}
+
+TEST(ServoLoop, RampsDownOnDeactivation) {
+  ServoRig rig;
+  rig.coupling.wish = {4, 0, 0};
+  rig.activate_fully();
+  rig.controls.want_active = false;
+  rig.device.written.clear();
+
+  rig.tick(25);
+
+  EXPECT_NEAR(rig.device.written[9].x, 2, 0.3);
+  EXPECT_EQ(rig.device.written[20].x, 0);
+  EXPECT_EQ(rig.state(), OperatingState::Inactive);
+}
+
+TEST(ServoLoop, HoldsThenRampsThenFaultsWhenSamplesStop) {
+  ServoRig rig;
+  rig.coupling.wish = {4, 0, 0};
+  rig.activate_fully();
+  rig.device.next_status = IoStatus::NoData;
+  rig.device.written.clear();
+
+  rig.tick(3);
+  EXPECT_EQ(rig.device.written.back().x, 4) << "held";
+  rig.tick(10);
+  EXPECT_NEAR(rig.device.written.back().x, 2, 0.3) << "ramping";
+  rig.tick(7);
+  EXPECT_EQ(rig.state(), OperatingState::Fault);
+  EXPECT_EQ(rig.snapshot().fault.code, FaultCode::StaleSample);
+  EXPECT_EQ(rig.device.written.back(), Force3{});
+}
+
+TEST(ServoLoop, TheGhostRestartsAtTheHandAfterAnOutage) {
+  ServoRig rig;
+  rig.activate_fully();
+  rig.device.next_status = IoStatus::NoData;
+  rig.tick(6);
+  rig.device.next_status = IoStatus::Ok;
+  rig.device.state.tip = {0, 0.004, 0};
+
+  rig.tick(1);
+
+  EXPECT_EQ(rig.coupling.resets, 2);
+  EXPECT_EQ(rig.coupling.reset_tip, (Position3{0, 0.004, 0}));
+}
+
+TEST(ServoLoop, OverspeedLatchesAndCutsTheForce) {
+  ServoRig rig;
+  rig.coupling.wish = {4, 0, 0};
+  rig.activate_fully();
+  for (int i = 0; i < 30 && rig.state() == OperatingState::Active; ++i) {
+    rig.device.state.tip.x += 0.002;  // 2 m/s
+    rig.tick();
+  }
+  EXPECT_EQ(rig.snapshot().fault.code, FaultCode::Overspeed);
+  EXPECT_EQ(rig.device.written.back(), Force3{});
+}
+
+TEST(ServoLoop, ANonFiniteWishLatchesAndNeverReachesTheArm) {
+  ServoRig rig;
+  rig.coupling.wish = {1, 0, 0};
+  rig.activate_fully();
+  rig.coupling.wish.y = std::numeric_limits<double>::quiet_NaN();
+
+  rig.tick();
+
+  EXPECT_EQ(rig.snapshot().fault.code, FaultCode::NonFiniteForce);
+  EXPECT_EQ(rig.device.written.back(), Force3{});
+}
+
+TEST(ServoLoop, ANonFinitePositionLatches) {
+  ServoRig rig;
+  rig.activate_fully();
+  rig.device.state.tip.z = std::numeric_limits<double>::infinity();
+  rig.tick();
+  EXPECT_EQ(rig.snapshot().fault.code, FaultCode::NonFiniteState);
+}
+
+TEST(ServoLoop, AnEstopCutsInTheTickThatSeesIt) {
+  ServoRig rig;
+  rig.coupling.wish = {4, 0, 0};
+  rig.activate_fully();
+  rig.controls.is_estop_healthy = false;
+  rig.tick();
+  EXPECT_EQ(rig.device.written.back(), Force3{});
+  EXPECT_EQ(rig.snapshot().fault.code, FaultCode::Estop);
+}
+
+TEST(ServoLoop, AReleasedDeadmanRampsToZeroWithinTwentyMilliseconds) {
+  ServoRig rig;
+  rig.coupling.wish = {4, 0, 0};
+  rig.activate_fully();
+  rig.controls.is_deadman_held = false;
+  rig.tick(20);
+  EXPECT_EQ(rig.device.written.back(), Force3{});
+  EXPECT_EQ(rig.state(), OperatingState::Active) << "no fault: pressing it again ramps in";
+}
+
+TEST(ServoLoop, ALatchedFaultIsZeroThenSilenceUntilAPersonClearsIt) {
+  ServoRig rig;
+  rig.coupling.wish = {4, 0, 0};
+  rig.activate_fully();
+  rig.controls.is_estop_healthy = false;
+  rig.tick();
+  rig.controls.is_estop_healthy = true;
+  rig.device.written.clear();
+
+  rig.tick(500);
+  EXPECT_NEAR(static_cast<double>(rig.device.written.size()), 100, 1);
+  for (const Force3& force : rig.device.written) ASSERT_EQ(force, Force3{});
+  EXPECT_EQ(rig.state(), OperatingState::Fault);
+
+  rig.controls.request_clear(rig.snapshot().fault.number);
+  rig.device.written.clear();
+  rig.tick(50);
+  EXPECT_EQ(rig.state(), OperatingState::Active) << "the lease still stands";
+  EXPECT_LT(rig.device.written.back().x, 0.5) << "ramped from zero";
+}
+
+TEST(ServoLoop, TheFirstFaultWins) {
+  ServoRig rig;
+  rig.activate_fully();
+  rig.controls.is_estop_healthy = false;
+  rig.tick();
+  rig.device.state.tip.x = std::nan("");
+  rig.tick();
+  EXPECT_EQ(rig.snapshot().fault.code, FaultCode::Estop);
+  EXPECT_EQ(rig.snapshot().faults, 1U);
+}
+
+TEST(ServoLoop, EveryLatchedStopFreezesARecordingThatEndsWithTheFault) {
+  ServoRig rig;
+  rig.coupling.wish = {4, 0, 0};
+  rig.activate_fully();
+  rig.controls.is_estop_healthy = false;
+  rig.tick(3);
+
+  ASSERT_TRUE(rig.sut.recorder().is_frozen());
+  const std::vector<ServoFrame> frames = rig.sut.recorder().take();
+
+  ASSERT_GT(frames.size(), 500U);
+  EXPECT_EQ(frames.back().fault, FaultCode::Estop);
+  EXPECT_EQ(frames.back().force, Force3{});
+  EXPECT_EQ(frames[frames.size() - 2].force.x, 4);
+}
+
+TEST(ServoLoop, UnplugMeansLostAndNoFurtherWrites) {
+  ServoRig rig;
+  rig.activate_fully();
+  rig.device.next_status = IoStatus::Disconnected;
+  rig.device.written.clear();
+
+  rig.tick(50);
+
+  EXPECT_EQ(rig.state(), OperatingState::Lost);
+  EXPECT_TRUE(rig.device.written.empty());
+  EXPECT_EQ(rig.snapshot().fault.code, FaultCode::Disconnected);
+  EXPECT_TRUE(rig.sut.recorder().is_frozen());
+}
+
+TEST(ServoLoop, AReturnedArmIsCalibratedAgainBeforeItIsDriven) {
+  ServoRig rig;
+  rig.coupling.wish = {1, 0, 0};
+  rig.activate_fully();
+  rig.device.next_status = IoStatus::Disconnected;
+  rig.tick(5);
+  rig.device.next_status = IoStatus::Ok;
+  rig.device.state.calibration = CalibrationState::NeedsUser;
+  rig.device.written.clear();
+
+  rig.tick(100);
+  EXPECT_EQ(rig.state(), OperatingState::Calibrating);
+  for (const Force3& force : rig.device.written) ASSERT_EQ(force, Force3{});
+
+  rig.device.state.calibration = CalibrationState::Ok;
+  rig.tick(700);
+  EXPECT_EQ(rig.state(), OperatingState::Active);
+  EXPECT_EQ(rig.device.written.back(), (Force3{1, 0, 0}));
+}
+
+TEST(ServoLoop, AFaultOutlivesAnUnplug) {
+  ServoRig rig;
+  rig.activate_fully();
+  rig.controls.is_estop_healthy = false;
+  rig.tick();
+  rig.controls.is_estop_healthy = true;
+  rig.device.next_status = IoStatus::Disconnected;
+  rig.tick();
+  rig.device.next_status = IoStatus::Ok;
+  rig.tick(5);
+  EXPECT_EQ(rig.state(), OperatingState::Fault);
+  EXPECT_EQ(rig.snapshot().fault.code, FaultCode::Estop);
+}
+
+TEST(ServoLoop, LosingTheReferenceWhileDrivenLatches) {
+  ServoRig rig;
+  rig.coupling.wish = {1, 0, 0};
+  rig.activate_fully();
+  rig.device.state.calibration = CalibrationState::NeedsUser;
+  rig.tick();
+  EXPECT_EQ(rig.snapshot().fault.code, FaultCode::LostReference);
+  EXPECT_EQ(rig.device.written.back(), Force3{});
+}
+
+TEST(ServoLoop, AServoThatWasAwayForTwentyMillisecondsFaults) {
+  ServoRig rig;
+  rig.activate_fully();
+  rig.clock.advance(std::chrono::milliseconds(20));
+  rig.tick();
+  EXPECT_EQ(rig.snapshot().fault.code, FaultCode::ServoLate);
+}
+
+TEST(ServoLoop, ShortLatenessIsCountedAndIsNoFaultUnlessRealtimeIsRequired) {
+  ServoRig lenient;
+  lenient.activate_fully();
+  lenient.clock.advance(std::chrono::milliseconds(2));
+  lenient.sut.tick(std::chrono::milliseconds(2));
+  EXPECT_EQ(lenient.state(), OperatingState::Active);
+  EXPECT_EQ(lenient.snapshot().overruns, 2U);
+
+  ServoSettings settings;
+  settings.is_realtime_required = true;
+  ServoRig strict(settings);
+  strict.activate_fully();
+  strict.clock.advance(std::chrono::milliseconds(2));
+  strict.sut.tick(std::chrono::milliseconds(2));
+  EXPECT_EQ(strict.snapshot().fault.code, FaultCode::ServoLate);
+}
+
+TEST(ServoLoop, SendsOneHandSamplePerReportOfTheArm) {
+  ServoSettings settings;
+  settings.rate_hz = 4000;
+  ServoRig rig(settings);
+  rig.activate_fully();
+  rig.link.sent.clear();
+  for (int i = 0; i < 400; ++i) {
+    rig.device.next_status = i % 4 == 0 ? IoStatus::Ok : IoStatus::NoData;
+    rig.tick();
+  }
+  EXPECT_EQ(rig.link.sent.size(), 100U);
+}
+
+TEST(ServoLoop, CountsTheEnergyThatItPutsIntoTheHand) {
+  ServoRig rig;
+  rig.coupling.wish = {2, 0, 0};
+  rig.activate_fully();
+  const double before = rig.snapshot().frame.generated_energy_j;
+  for (int i = 0; i < 1000; ++i) {
+    rig.device.state.tip.x += 0.0001;  // 0.1 m/s for 1 s along the force
+    rig.tick();
+  }
+  EXPECT_NEAR(rig.snapshot().frame.generated_energy_j - before, 0.2, 0.002);
+}
+
+TEST(ServoLoop, AReplyFromBeforeThePauseIsNotAppliedOnActivation) {
+  ServoRig rig;
+  rig.activate_fully();
+  rig.controls.want_active = false;
+  rig.tick(50);
+  rig.coupling.replies = 0;
+  rig.link.has_reply = true;
+
+  rig.controls.want_active = true;
+  rig.tick(10);
+
+  EXPECT_EQ(rig.state(), OperatingState::Active);
+  EXPECT_EQ(rig.coupling.replies, 0);
+  rig.link.has_reply = true;
+  rig.tick();
+  EXPECT_EQ(rig.coupling.replies, 1) << "what comes afterwards counts";
+}
+
+TEST(ServoLoop, AStuckWayOutIsNoFreshCommand) {
+  ServoRig rig;
+  rig.coupling.wish = {4, 0, 0};
+  rig.activate_fully();
+  rig.device.write_status = IoStatus::Backlogged;
+  rig.tick(15);
+  EXPECT_EQ(rig.state(), OperatingState::Active);
+  rig.tick(10);
+  EXPECT_EQ(rig.snapshot().fault.code, FaultCode::ServoLate);
+}
+
+TEST(ServoLoop, ALostArmIsNotShownAsCalibrated) {
+  ServoRig rig;
+  rig.activate_fully();
+  rig.device.next_status = IoStatus::Disconnected;
+  rig.tick(2);
+  EXPECT_EQ(rig.snapshot().frame.calibration, CalibrationState::Unknown);
+}
+
+}  // namespace
+}  // namespace thimble::servo
