@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+
+#include "daemon/servo/servo_frame.hpp"
+#include "hal/device/fault.hpp"
+
+namespace thimble::servo {
+
+// What observers see of a servo, once per tick, through a word seqlock.
+struct ServoSnapshot {
+  ServoFrame frame{};
+  Fault fault{};
+  double peak_force_newton{0};  // largest norm sent since the servo was made
+  double peak_offset_m{0};      // largest norm of the coordinate offset since then
+  std::uint64_t total_contacts{0};
+  std::uint64_t overruns{0};  // periods that passed without a tick
+  std::uint64_t missed_exchanges{0};
+  std::uint64_t faults{0};  // latched since the servo was made
+  std::uint64_t protocol_errors{0};
+  std::uint32_t clear_answered{0};  // ClearRequest::id of the newest that was judged
+  ClearOutcome clear_outcome{ClearOutcome::None};
+};
+
+}  // namespace thimble::servo
