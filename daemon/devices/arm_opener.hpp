@@ -1,0 +1,20 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "hal/base/result.hpp"
+#include "hal/bus/bus_enumerator.hpp"
+#include "hal/device/haptic_device.hpp"
+#include "hal/plugin/driver_registry.hpp"
+
+namespace thimble::devices {
+
+// Finds the device at `address` on `buses`, lets the drivers claim it, opens it.
+// Thread: control plane. Errors: NotFound (naming what is there), or the driver's refusal with
+// its name and the address in front.
+[[nodiscard]] Result<std::unique_ptr<HapticDevice>> open_arm(
+    bus::BusEnumerator& buses, const plugin::DriverRegistry& drivers,
+    const bus::DeviceAddress& address, const plugin::DriverSettings& settings);
+
+}  // namespace thimble::devices
