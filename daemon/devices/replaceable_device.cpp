@@ -1,0 +1,49 @@
+#include "daemon/devices/replaceable_device.hpp"
+
+#include <utility>
+
+#include "hal/base/check.hpp"
+
+namespace thimble::devices {
+
+ReplaceableDevice::ReplaceableDevice(std::unique_ptr<HapticDevice> first)
+    : current_(first.get()), known_(std::move(first)) {
+  THIMBLE_CHECK(current_ != nullptr);
+}
+
+ReplaceableDevice::~ReplaceableDevice() = default;
+
+bool ReplaceableDevice::offer(std::unique_ptr<HapticDevice>& device) {
+  THIMBLE_CHECK(device != nullptr);
+  collect();
+  if (previous_) return false;
+  previous_ = std::exchange(known_, std::move(device));
+  incoming_.store(known_.get(), std::memory_order_release);
+  return true;
+}
+
+void ReplaceableDevice::collect() {
+  // The servo empties the mailbox when it takes the new device: it uses the old one no more.
+  if (incoming_.load(std::memory_order_acquire) == nullptr) previous_.reset();
+}
+
+const HapticCapabilities& ReplaceableDevice::capabilities() const noexcept {
+  return known_->capabilities();
+}
+
+std::string_view ReplaceableDevice::calibration_instruction() const noexcept {
+  return known_->calibration_instruction();
+}
+
+DeviceCounters ReplaceableDevice::counters() const noexcept { return known_->counters(); }
+
+IoStatus ReplaceableDevice::read(HapticState& out) noexcept {
+  HapticDevice* const fresh = incoming_.load(std::memory_order_acquire);
+  if (fresh != nullptr) {
+    current_ = fresh;
+    incoming_.store(nullptr, std::memory_order_release);
+  }
+  return current_->read(out);
+}
+
+}  // namespace thimble::devices

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+
+#include "hal/device/haptic_device.hpp"
+
+namespace thimble::devices {
+
+// The arm as the servo holds it for the whole life of a session, while the device behind it
+// may be unplugged and come back: the control plane offers the newly opened device, the servo
+// takes it at its next read, the control plane collects the old one.
+//
+// Thread: read(), write(), forget_calibration() from the servo; offer(), collect() from one
+//         control thread; capabilities(), counters() and the instruction from that control
+//         thread too: it alone ends the life of a device.
+// RT: read() and write() are THIMBLE_RT_IO; the hand-over is one atomic exchange.
+// Ownership: owns every device given to it.
+class ReplaceableDevice final : public HapticDevice {
+ public:
+  explicit ReplaceableDevice(std::unique_ptr<HapticDevice> first);
+  ~ReplaceableDevice() override;
+  ReplaceableDevice(const ReplaceableDevice&) = delete;
+  ReplaceableDevice& operator=(const ReplaceableDevice&) = delete;
+
+  // Puts `device` in place of the present one. False (and `device` is kept by the caller)
+  // while an earlier offer still waits for the servo.
+  bool offer(std::unique_ptr<HapticDevice>& device);
+  // Destroys the device that the servo has let go of, if any.
+  void collect();
+
+  [[nodiscard]] const HapticCapabilities& capabilities() const noexcept override;
+  [[nodiscard]] std::string_view calibration_instruction() const noexcept override;
+  [[nodiscard]] DeviceCounters counters() const noexcept override;
+  THIMBLE_RT void forget_calibration() noexcept override { current_->forget_calibration(); }
+  THIMBLE_RT_IO IoStatus read(HapticState& out) noexcept override;
+  THIMBLE_RT_IO IoStatus write(const LimitedWrench& wrench) noexcept override {
+    return current_->write(wrench);
+  }
+
+ private:
+  HapticDevice* current_;                         // servo
+  std::unique_ptr<HapticDevice> known_;           // control: the newest offered
+  std::unique_ptr<HapticDevice> previous_;        // control: until the servo lets go of it
+  std::atomic<HapticDevice*> incoming_{nullptr};  // control → servo
+};
+
+}  // namespace thimble::devices

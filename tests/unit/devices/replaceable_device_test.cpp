@@ -1,0 +1,98 @@
+#include "daemon/devices/replaceable_device.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <thread>
+
+namespace thimble::devices {
+namespace {
+
+class CountingDevice final : public HapticDevice {
+ public:
+  CountingDevice(int id, std::atomic<int>& alive) : id_(id), alive_(alive) { ++alive_; }
+  ~CountingDevice() override {
+    is_dead_ = true;
+    --alive_;
+  }
+  [[nodiscard]] const HapticCapabilities& capabilities() const noexcept override {
+    return capabilities_;
+  }
+  [[nodiscard]] std::string_view calibration_instruction() const noexcept override { return ""; }
+  [[nodiscard]] DeviceCounters counters() const noexcept override { return {}; }
+  void forget_calibration() noexcept override {}
+  IoStatus read(HapticState& out) noexcept override {
+    EXPECT_FALSE(is_dead_);
+    out.sample_sequence = static_cast<std::uint64_t>(id_);
+    return IoStatus::Ok;
+  }
+  IoStatus write(const LimitedWrench&) noexcept override {
+    EXPECT_FALSE(is_dead_);
+    return IoStatus::Ok;
+  }
+
+ private:
+  int id_;
+  std::atomic<int>& alive_;
+  bool is_dead_{false};
+  HapticCapabilities capabilities_;
+};
+
+TEST(ReplaceableDevice, ReadsTheNewDeviceAfterAnOffer) {
+  std::atomic<int> alive{0};
+  ReplaceableDevice sut(std::make_unique<CountingDevice>(1, alive));
+  HapticState state;
+  sut.read(state);
+  EXPECT_EQ(state.sample_sequence, 1U);
+
+  std::unique_ptr<HapticDevice> next = std::make_unique<CountingDevice>(2, alive);
+  ASSERT_TRUE(sut.offer(next));
+  sut.read(state);
+
+  EXPECT_EQ(state.sample_sequence, 2U);
+}
+
+TEST(ReplaceableDevice, KeepsTheOldDeviceUntilTheServoLetsGoOfIt) {
+  std::atomic<int> alive{0};
+  ReplaceableDevice sut(std::make_unique<CountingDevice>(1, alive));
+  std::unique_ptr<HapticDevice> second = std::make_unique<CountingDevice>(2, alive);
+  std::unique_ptr<HapticDevice> third = std::make_unique<CountingDevice>(3, alive);
+  ASSERT_TRUE(sut.offer(second));
+  sut.collect();
+  EXPECT_EQ(alive, 3);
+  EXPECT_FALSE(sut.offer(third)) << "the servo has not taken the second yet";
+  EXPECT_NE(third, nullptr);
+
+  HapticState state;
+  sut.read(state);
+  EXPECT_TRUE(sut.offer(third));
+
+  EXPECT_EQ(alive, 2) << "the first is gone, second waits for the servo's next read";
+}
+
+TEST(ReplaceableDevice, HandsOverWhileTheServoRuns) {
+  std::atomic<int> alive{0};
+  std::atomic<bool> is_done{false};
+  {
+    ReplaceableDevice sut(std::make_unique<CountingDevice>(0, alive));
+    std::thread servo([&] {
+      HapticState state;
+      while (!is_done) {
+        sut.read(state);
+        sut.write(LimitedWrench::zero());
+        std::this_thread::yield();
+      }
+    });
+    for (int id = 1; id <= 200;) {
+      std::unique_ptr<HapticDevice> next = std::make_unique<CountingDevice>(id, alive);
+      if (sut.offer(next)) ++id;
+      std::this_thread::yield();
+    }
+    is_done = true;
+    servo.join();
+  }
+  EXPECT_EQ(alive, 0) << "nothing leaks, nothing dies twice";
+}
+
+}  // namespace
+}  // namespace thimble::devices
