@@ -1,0 +1,55 @@
+#pragma once
+
+#include <memory>
+
+#include "daemon/coupling/arm_link.hpp"
+#include "daemon/link/endpoint.hpp"
+#include "daemon/link/impairment.hpp"
+#include "daemon/link/link_counters.hpp"
+#include "daemon/link/send_gate.hpp"
+#include "hal/base/result.hpp"
+#include "hal/base/time.hpp"
+#include "hal/rt/wake_signal.hpp"
+
+namespace boost::asio {
+class io_context;
+}
+
+namespace thimble::link {
+
+// The arm's end of the 1999 protocol over UDP (ThesisArmEnd behind a socket). Nothing that a
+// network or a peer does ends it: errors are counted, and sending is tried again after a
+// back-off of 10 … 100 ms. Datagrams of others than the peer are refused.
+//
+// Thread: arm_end() is for the servo; everything else for the thread that runs the io_context.
+// RT: not, but for the arm end; one receive, one send a message, no allocation.
+// Ownership: io_context, clock and wake signal must outlive it.
+// Errors: open() when it may not link there (may_link()) or no socket can be had.
+class UdpArmLink {
+ public:
+  struct Settings {
+    Endpoint peer{};
+    SendMode mode{SendMode::Streamed};
+    bool allow_unauthenticated{false};
+    ImpairmentSettings impairment{};  // validated by the caller
+  };
+
+  // `wake` is signalled by the servo; who waits for it calls on_wake(). None: the caller calls
+  // on_wake() by itself.
+  [[nodiscard]] static Result<std::unique_ptr<UdpArmLink>> open(boost::asio::io_context& io,
+                                                                const Clock& clock,
+                                                                const Settings& settings,
+                                                                rt::WakeSignal* wake);
+  ~UdpArmLink();
+
+  [[nodiscard]] coupling::ArmLink& arm_end() noexcept;
+  void on_wake();  // sends what the servo left
+  [[nodiscard]] LinkStatus status() const;
+
+ private:
+  class Impl;
+  explicit UdpArmLink(std::unique_ptr<Impl> impl) noexcept;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace thimble::link
