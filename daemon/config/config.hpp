@@ -1,0 +1,152 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace thimble::config {
+
+// What a configuration file says, checked: every value is in range, every name resolves.
+// docs/configuration.md describes each key; the members have the keys' names. An empty
+// optional means "not said": the part that uses the value has the default.
+// Plain values; SI units as in the suffixes.
+
+struct DaemonConfig {
+  std::optional<std::string> socket;  // else default_socket_path() of paths.hpp
+  std::uint32_t socket_mode{0660};    // permission bits of the socket; never open to others
+  std::optional<std::string> group;   // that owns the socket
+  std::optional<std::string> flight_directory;  // else default_flight_directory()
+  bool operator==(const DaemonConfig&) const = default;
+};
+
+enum class Realtime : std::uint8_t { BestEffort, Required };
+
+struct ServoConfig {
+  double rate_hz{1000};
+  Realtime realtime{Realtime::BestEffort};
+  int priority{80};        // SCHED_FIFO
+  std::optional<int> cpu;  // pins the servo threads
+  bool operator==(const ServoConfig&) const = default;
+};
+
+// A numeric address: nothing is resolved by name. IPv6 without its brackets.
+struct UdpEndpoint {
+  std::string address;
+  std::uint16_t port{0};
+  bool operator==(const UdpEndpoint&) const = default;
+};
+
+// Injected on a link. Delay and jitter are of the round trip; ratios, from 0 to 1, of one
+// message in one direction.
+struct ImpairmentConfig {
+  double delay_s{0};
+  double jitter_s{0};
+  double loss{0};
+  double duplicate{0};
+  double reorder{0};
+  std::uint64_t seed{1};
+  bool operator==(const ImpairmentConfig&) const = default;
+};
+
+enum class HandMotion : std::uint8_t { Still, Poke, Sweep, Circle, Tremor, Explore };
+
+// The simulated person who holds a simulated arm.
+struct HandConfig {
+  HandMotion motion{HandMotion::Still};
+  std::uint64_t seed{1};
+  std::optional<double> speed_m_per_s;
+  std::optional<double> reach_m;
+  std::optional<double> stiffness_newton_per_m;
+  std::optional<double> damping_newton_s_per_m;
+  std::optional<double> mass_kg;
+  bool operator==(const HandConfig&) const = default;
+};
+
+// May only tighten DESIGN section 4.
+struct LimitsConfig {
+  std::optional<double> force_newton;  // else the arm's own peak
+  double rise_newton_per_s{1000};
+  double ramp_s{0.5};
+  double overspeed_m_per_s{1.5};
+  bool operator==(const LimitsConfig&) const = default;
+};
+
+enum class CouplingScheme : std::uint8_t { GhostPoint, ThesisLiteral };
+enum class CouplingMode : std::uint8_t { Streamed, LockStep };
+
+struct CouplingConfig {
+  CouplingScheme scheme{CouplingScheme::GhostPoint};
+  CouplingMode mode{CouplingMode::Streamed};
+  std::optional<double> stiffness_newton_per_m;
+  std::optional<double> damping_newton_s_per_m;
+  std::optional<double> coordinate_spring_newton_per_m;
+  std::optional<double> hysteresis_m;
+  std::optional<double> relaxation_m_per_s;
+  std::optional<double> freeze_after_s;
+  std::optional<double> fade_after_s;
+  bool operator==(const CouplingConfig&) const = default;
+};
+
+enum class LinkProtocol : std::uint8_t { Thesis };
+
+struct ArmConfig {
+  std::string name;
+  std::string device;  // bus address: "sim:MODEL", "hid:SERIAL" …
+  std::optional<std::string> model;
+  std::optional<double> amplifier_max_a;
+  // Exactly one of the two.
+  std::optional<std::string> world;  // name of a WorldConfig of the same file
+  std::optional<UdpEndpoint> link;
+  LinkProtocol protocol{LinkProtocol::Thesis};  // only with link
+  bool allow_unauthenticated{false};            // only with link
+  bool activate{true};                          // the configuration's own lease
+  std::optional<HandConfig> hand;               // present for "sim:" devices, and only there
+  LimitsConfig limits;
+  CouplingConfig coupling;
+  std::optional<ImpairmentConfig> impairment;
+  bool operator==(const ArmConfig&) const = default;
+};
+
+// How a world decides what holds a hand: thesis 3.7.1, figures 3-9 and 3-8.
+enum class ConstraintModel : std::uint8_t { GhostPoint, Simple };
+
+// How cells of a volume file feel whose numbers are from `from` to `to`, ends included.
+struct MaterialConfig {
+  std::string name;
+  double from{0};
+  double to{0};
+  std::optional<double> stiffness_newton_per_m;  // else the arm's
+  std::optional<double> damping_newton_s_per_m;  // else the arm's
+  std::optional<double> friction{};              // Coulomb's coefficient, else none
+  bool operator==(const MaterialConfig&) const = default;
+};
+
+struct WorldConfig {
+  std::string name;
+  std::string source;  // "box:N", or the path of a volume file, joined with the file's folder
+  double workspace_m{0.09};
+  double threshold{0};  // cells above it are filled (files)
+  ConstraintModel constraint_model{ConstraintModel::GhostPoint};
+  std::optional<UdpEndpoint> listen;  // port 0: any free one
+  bool allow_unauthenticated{false};
+  std::optional<std::string> peer;  // the only address that is answered
+  std::optional<ImpairmentConfig> impairment;
+  // Of volume files.
+  std::optional<double> cell_m{};                  // instead of workspace_m
+  std::string axis_order{"xyz"};                   // axis of the world of each axis of the file
+  std::optional<std::array<double, 3>> spacing{};  // along them, instead of the file's
+  std::vector<MaterialConfig> materials{};         // the first that fits counts
+  bool operator==(const WorldConfig&) const = default;
+};
+
+struct Config {
+  DaemonConfig daemon;
+  ServoConfig servo;
+  std::vector<ArmConfig> arms;
+  std::vector<WorldConfig> worlds;
+  bool operator==(const Config&) const = default;
+};
+
+}  // namespace thimble::config
