@@ -1,0 +1,126 @@
+#include "daemon/config/load.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+
+#include "daemon/config/report.hpp"
+#include "daemon/config/schema.hpp"
+#include "daemon/config/tree.hpp"
+
+namespace thimble::config {
+namespace {
+
+template <class Item>
+std::vector<Item> values_of(const std::vector<Entry<Item>>& entries) {
+  std::vector<Item> out;
+  out.reserve(entries.size());
+  for (const auto& entry : entries) out.push_back(entry.value);
+  return out;
+}
+
+Config read_tree(const toml::table& root, const std::filesystem::path& file, Report& report,
+                 const Inspector& inspect) {
+  const std::filesystem::path folder = file.parent_path();
+  TableReader reader(&root, "", "", {file.string(), 0, 0}, report);
+  Config out;
+  out.daemon = read_daemon(reader.table("daemon"), folder);
+  out.servo = read_servo(reader.table("servo"));
+  std::vector<Entry<ArmConfig>> arms;
+  for (TableReader& arm : reader.tables("arm")) arms.push_back(read_arm(std::move(arm)));
+  std::vector<Entry<WorldConfig>> worlds;
+  for (TableReader& world : reader.tables("world")) {
+    worlds.push_back(read_world(std::move(world), folder));
+  }
+  reader.finish();
+  check_relations(arms, worlds);
+  if (arms.empty() && worlds.empty()) {
+    reader.reject("", "expected at least one [[arm]] or [[world]], found neither");
+  }
+  out.arms = values_of(arms);
+  out.worlds = values_of(worlds);
+  if (!inspect) return out;
+  for (const Objection& objection : inspect(out)) {
+    const bool is_arm = objection.table == Objection::Table::Arm;
+    TableReader& table =
+        is_arm ? arms.at(objection.index).reader : worlds.at(objection.index).reader;
+    table.object(objection.key, objection.message);
+  }
+  return out;
+}
+
+struct CloseFile {
+  void operator()(std::FILE* file) const noexcept { std::fclose(file); }
+};
+
+tl::unexpected<std::string> cannot(const std::string& verb) {
+  return tl::unexpected<std::string>("cannot " + verb + ": " + std::strerror(errno));
+}
+
+tl::expected<std::string, std::string> read_file(const std::filesystem::path& path) {
+  // Without O_NONBLOCK a FIFO that nobody writes to would be waited for.
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY);
+  if (descriptor < 0) return cannot("open");
+  const std::unique_ptr<std::FILE, CloseFile> file(::fdopen(descriptor, "rb"));
+  if (!file) {
+    ::close(descriptor);
+    return tl::unexpected<std::string>("cannot open: out of memory");
+  }
+  struct stat found {};
+  if (::fstat(descriptor, &found) != 0) return cannot("read");
+  if (S_ISDIR(found.st_mode)) {
+    return tl::unexpected<std::string>("expected a file, found a directory");
+  }
+  if (!S_ISREG(found.st_mode)) {
+    return tl::unexpected<std::string>("expected a regular file, found a pipe or a device");
+  }
+  std::string text(kMaxFileBytes + 1, '\0');
+  text.resize(std::fread(text.data(), 1, text.size(), file.get()));
+  if (std::ferror(file.get()) != 0) {
+    return cannot("read");
+  }
+  return text;
+}
+
+ConfigResult one_mistake(const std::filesystem::path& file, std::string message) {
+  return tl::unexpected<std::vector<ConfigError>>(
+      std::vector<ConfigError>{{escaped(file.string()), 0, 0, "", std::move(message)}});
+}
+
+}  // namespace
+
+ConfigResult parse(std::string_view text, const std::filesystem::path& file,
+                   std::span<const std::string> overrides, const Inspector& inspect) {
+  if (text.size() > kMaxFileBytes) {
+    return one_mistake(file,
+                       "expected at most " + std::to_string(kMaxFileBytes) + " bytes, found more");
+  }
+  Report report;
+  std::optional<toml::table> root = parse_tree(text, file.string(), report);
+  if (!root) return tl::unexpected<std::vector<ConfigError>>(report.take());
+  for (const std::string& text_of : overrides) apply_override(*root, text_of, report);
+  Config config = read_tree(*root, file, report, inspect);
+  if (!report.is_empty()) return tl::unexpected<std::vector<ConfigError>>(report.take());
+  return config;
+}
+
+ConfigResult load(const std::filesystem::path& file, std::span<const std::string> overrides,
+                  const Inspector& inspect) {
+  auto text = read_file(file);
+  if (!text) return one_mistake(file, std::move(text.error()));
+  return parse(*text, file, overrides, inspect);
+}
+
+std::vector<std::string> schema_keys() {
+  Report report;
+  const auto root = parse_tree("arm = [{}]\nworld = [{material = [{}]}]\n", "", report);
+  static_cast<void>(read_tree(*root, "", report, {}));
+  return {report.known_keys().begin(), report.known_keys().end()};
+}
+
+}  // namespace thimble::config
