@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+
+namespace thimble::config {
+
+// The part of a process's surroundings that decides where its files are.
+struct Environment {
+  std::map<std::string, std::string> variables;
+  std::uint32_t user_id{0};
+};
+
+// Those of the calling process. Thread: while no other thread changes the environment.
+[[nodiscard]] Environment process_environment();
+
+// Where daemon and command line meet when nobody says otherwise: $THIMBLE_SOCKET, else
+// thimble.sock in $RUNTIME_DIRECTORY, else in $XDG_RUNTIME_DIR, else /run/thimble/ for root,
+// else /tmp/thimble-UID/. Empty variables count as unset.
+[[nodiscard]] std::string default_socket_path(const Environment& environment);
+
+// Where flight recordings go: $STATE_DIRECTORY, else thimble in $XDG_STATE_HOME, else
+// ~/.local/state/thimble, else /var/lib/thimble.
+[[nodiscard]] std::string default_flight_directory(const Environment& environment);
+
+}  // namespace thimble::config
