@@ -1,0 +1,74 @@
+#include <algorithm>
+#include <string>
+
+#include "daemon/config/endpoint.hpp"
+#include "daemon/config/schema.hpp"
+
+namespace thimble::config {
+namespace {
+
+template <class Item>
+void check_names(std::vector<Entry<Item>>& entries) {
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const std::string& name = entries[i].value.name;
+    const bool is_repeated =
+        !name.empty() && std::any_of(entries.begin(), entries.begin() + static_cast<long>(i),
+                                     [&](const auto& other) { return other.value.name == name; });
+    if (!is_repeated) continue;
+    entries[i].reader.reject("name",
+                             "expected a name of its own, found " + in_quotes(name) + " again");
+  }
+}
+
+void check_worlds(std::vector<Entry<ArmConfig>>& arms,
+                  const std::vector<Entry<WorldConfig>>& worlds) {
+  std::vector<std::string> names;
+  names.reserve(worlds.size());
+  for (const auto& entry : worlds) names.push_back(entry.value.name);
+  for (auto& [reader, arm] : arms) {
+    if (!arm.world || std::find(names.begin(), names.end(), *arm.world) != names.end()) continue;
+    const std::string_view meant = nearest(*arm.world, names);
+    reader.reject("world", "expected the name of a [[world]] of this configuration, found " +
+                               in_quotes(*arm.world) +
+                               (meant.empty() ? "" : "; did you mean " + in_quotes(meant) + "?"));
+  }
+}
+
+// One piece of hardware serves one arm; of simulated models there are as many as wanted.
+void check_devices(std::vector<Entry<ArmConfig>>& arms) {
+  for (std::size_t i = 0; i < arms.size(); ++i) {
+    const std::string& device = arms[i].value.device;
+    if (device.empty() || device.starts_with("sim:")) continue;
+    for (std::size_t j = 0; j < i; ++j) {
+      if (arms[j].value.device != device) continue;
+      arms[i].reader.reject("device",
+                            "expected a device of its own, found " + in_quotes(device) + " again");
+      break;
+    }
+  }
+}
+
+void check_listeners(std::vector<Entry<WorldConfig>>& worlds) {
+  for (std::size_t i = 0; i < worlds.size(); ++i) {
+    const auto& listen = worlds[i].value.listen;
+    if (!listen || listen->port == 0) continue;
+    for (std::size_t j = 0; j < i; ++j) {
+      if (worlds[j].value.listen != listen) continue;
+      worlds[i].reader.reject("listen", "expected an address of its own, found " +
+                                            in_quotes(to_string(*listen)) + " again");
+      break;
+    }
+  }
+}
+
+}  // namespace
+
+void check_relations(std::vector<Entry<ArmConfig>>& arms, std::vector<Entry<WorldConfig>>& worlds) {
+  check_names(arms);
+  check_names(worlds);
+  check_worlds(arms, worlds);
+  check_devices(arms);
+  check_listeners(worlds);
+}
+
+}  // namespace thimble::config
