@@ -1,0 +1,323 @@
+#include "daemon/config/schema.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <limits>
+
+#include "daemon/config/endpoint.hpp"
+
+namespace thimble::config {
+namespace {
+
+// Beyond these a number is a slip of the pen, not a wish; DESIGN section 4 where it limits.
+constexpr Range kAboveZero{0, kNoMax, true};   // the driver knows how much is too much
+constexpr Range kSeed{0, 9007199254740992.0};  // 2^53: every one is exact as a double too
+constexpr Range kRatio{0, 1};
+constexpr Range kStiffness{0, 20000, true};
+constexpr Range kDamping{0, 1000};
+constexpr Range kInjectedTime{0, 2};  // what the links take
+constexpr Range kAge{0, 60, true};
+constexpr std::size_t kMaxNameBytes = 32;
+
+constexpr std::array<Choice<Realtime>, 2> kRealtime{{
+    {"best-effort", Realtime::BestEffort},
+    {"required", Realtime::Required},
+}};
+constexpr std::array<Choice<HandMotion>, 6> kMotions{{
+    {"still", HandMotion::Still},
+    {"poke", HandMotion::Poke},
+    {"sweep", HandMotion::Sweep},
+    {"circle", HandMotion::Circle},
+    {"tremor", HandMotion::Tremor},
+    {"explore", HandMotion::Explore},
+}};
+constexpr std::array<Choice<CouplingScheme>, 2> kSchemes{{
+    {"ghost-point", CouplingScheme::GhostPoint},
+    {"thesis-literal", CouplingScheme::ThesisLiteral},
+}};
+constexpr std::array<Choice<CouplingMode>, 2> kModes{{
+    {"streamed", CouplingMode::Streamed},
+    {"lock-step", CouplingMode::LockStep},
+}};
+constexpr std::array<Choice<ConstraintModel>, 2> kConstraintModels{{
+    {"ghost-point", ConstraintModel::GhostPoint},
+    {"simple", ConstraintModel::Simple},
+}};
+constexpr std::array<Choice<LinkProtocol>, 1> kProtocols{{{"thesis", LinkProtocol::Thesis}}};
+
+template <class Enum, std::size_t Count>
+void read_choice(TableReader& reader, std::string_view key,
+                 const std::array<Choice<Enum>, Count>& choices, Enum& out) {
+  reader.read(key, std::span<const Choice<Enum>>(choices), out);
+}
+
+void read_seed(TableReader& reader, std::uint64_t& out) {
+  std::int64_t seed = 0;
+  if (reader.read_integer("seed", kSeed, seed)) out = static_cast<std::uint64_t>(seed);
+}
+
+void read_path(TableReader& reader, std::string_view key, const std::filesystem::path& folder,
+               std::optional<std::string>& out) {
+  std::string path;
+  if (!reader.read(key, path)) return;
+  // Typed on a command line, a path means the place where it is typed.
+  out = reader.is_override(key) ? path : (folder / path).lexically_normal().string();
+}
+
+void read_name(TableReader& reader, std::string& out) {
+  reader.require("name", "a name");
+  std::string name;
+  if (!reader.read("name", name)) return;
+  const bool is_good =
+      name.size() <= kMaxNameBytes && std::all_of(name.begin(), name.end(), [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-';
+      });
+  if (!is_good) {
+    return reader.reject("name", "expected up to " + std::to_string(kMaxNameBytes) +
+                                     " of a-z, 0-9 and -, found " + in_quotes(name));
+  }
+  out = name;
+}
+
+void read_socket_mode(TableReader& reader, std::uint32_t& out) {
+  std::string text;
+  if (!reader.read("socket_mode", text)) return;
+  std::uint32_t mode = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), mode, 8);
+  const bool is_octal = error == std::errc{} && end == text.data() + text.size();
+  // Who may write to the socket may move motors; the daemon itself has to.
+  const bool is_good = is_octal && (mode & ~0770U) == 0 && (mode & 0600U) == 0600U;
+  if (!is_good) {
+    return reader.reject("socket_mode",
+                         "expected octal permissions such as \"0660\", with reading "
+                         "and writing for the owner and nothing for others, found " +
+                             in_quotes(text));
+  }
+  out = mode;
+}
+
+void read_endpoint(TableReader& reader, std::string_view key, std::uint16_t min_port,
+                   std::optional<UdpEndpoint>& out) {
+  std::string text;
+  if (!reader.read(key, text)) return;
+  auto endpoint = parse_endpoint(text);
+  if (!endpoint || endpoint->port < min_port) {
+    return reader.reject(
+        key,
+        "expected a numeric address such as \"udp://127.0.0.1:5001\", found " + in_quotes(text));
+  }
+  out = std::move(endpoint);
+}
+
+std::optional<ImpairmentConfig> read_impairment(TableReader reader) {
+  ImpairmentConfig out;
+  reader.read("delay_s", kInjectedTime, out.delay_s);
+  reader.read("jitter_s", kInjectedTime, out.jitter_s);
+  reader.read("loss", kRatio, out.loss);
+  reader.read("duplicate", kRatio, out.duplicate);
+  reader.read("reorder", kRatio, out.reorder);
+  read_seed(reader, out.seed);
+  reader.finish();
+  return reader.is_present() ? std::optional(out) : std::nullopt;
+}
+
+HandConfig read_hand(TableReader reader) {
+  HandConfig out;
+  read_choice(reader, "motion", kMotions, out.motion);
+  read_seed(reader, out.seed);
+  // As sim::check() has them: what a person has, and the model's step can follow.
+  reader.read("speed_m_per_s", {0.001, 0.5}, out.speed_m_per_s);
+  reader.read("reach_m", {0, 0.1}, out.reach_m);
+  reader.read("stiffness_newton_per_m", {0, 2e4}, out.stiffness_newton_per_m);
+  reader.read("damping_newton_s_per_m", {0, 100}, out.damping_newton_s_per_m);
+  reader.read("mass_kg", {0.02, 5}, out.mass_kg);
+  reader.finish();
+  return out;
+}
+
+LimitsConfig read_limits(TableReader reader) {
+  LimitsConfig out;
+  reader.read("force_newton", {0, 100, true}, out.force_newton);
+  reader.read("rise_newton_per_s", {0, 1000, true}, out.rise_newton_per_s);
+  reader.read("ramp_s", {0.5, 60}, out.ramp_s);
+  reader.read("overspeed_m_per_s", {0, 1.5, true}, out.overspeed_m_per_s);
+  reader.finish();
+  return out;
+}
+
+// A number that would be ignored is a mistake.
+void refuse_beside_printed_numbers(TableReader& reader) {
+  for (const char* key : {"stiffness_newton_per_m", "damping_newton_s_per_m",
+                          "coordinate_spring_newton_per_m", "hysteresis_m", "relaxation_m_per_s"}) {
+    if (!reader.has(key)) continue;
+    reader.reject(key,
+                  "expected only with scheme \"ghost-point\", since \"thesis-literal\" has its "
+                  "numbers printed; found beside it");
+  }
+}
+
+CouplingConfig read_coupling(TableReader reader) {
+  CouplingConfig out;
+  read_choice(reader, "scheme", kSchemes, out.scheme);
+  read_choice(reader, "mode", kModes, out.mode);
+  reader.read("stiffness_newton_per_m", kStiffness, out.stiffness_newton_per_m);
+  reader.read("damping_newton_s_per_m", kDamping, out.damping_newton_s_per_m);
+  reader.read("coordinate_spring_newton_per_m", {0, 1000}, out.coordinate_spring_newton_per_m);
+  reader.read("hysteresis_m", {0, 0.01, true}, out.hysteresis_m);
+  reader.read("relaxation_m_per_s", {0, 1}, out.relaxation_m_per_s);
+  reader.read("freeze_after_s", kAge, out.freeze_after_s);
+  reader.read("fade_after_s", kAge, out.fade_after_s);
+  if (out.scheme == CouplingScheme::ThesisLiteral) refuse_beside_printed_numbers(reader);
+  reader.finish();
+  return out;
+}
+
+void read_device(TableReader& reader, ArmConfig& arm) {
+  reader.require("device", "a device such as \"sim:phantom-vintage\" or \"hid:SERIAL\"");
+  if (!reader.read("device", arm.device)) return;
+  constexpr std::array<std::string_view, 4> kSchemeNames = {"sim:", "hid:", "usb:", "pci:"};
+  const bool is_good =
+      std::any_of(kSchemeNames.begin(), kSchemeNames.end(), [&](std::string_view s) {
+        return arm.device.starts_with(s) && arm.device.size() > s.size();
+      });
+  if (is_good) return;
+  reader.reject("device", "expected sim:MODEL, hid:SERIAL, usb:PORT or pci:SLOT, found " +
+                              in_quotes(arm.device));
+  arm.device.clear();
+}
+
+// The simulated person holds simulated arms only.
+void read_person(TableReader& reader, ArmConfig& arm) {
+  const HandConfig hand = read_hand(reader.table("hand"));
+  const bool is_simulated = arm.device.starts_with("sim:");
+  if (is_simulated) arm.hand = hand;
+  if (!is_simulated && !arm.device.empty() && reader.has("hand")) {
+    reader.reject("hand",
+                  "expected only for a \"sim:\" device, found beside " + in_quotes(arm.device));
+  }
+}
+
+void read_other_side(TableReader& reader, ArmConfig& arm) {
+  reader.read("world", arm.world);
+  read_endpoint(reader, "link", 1, arm.link);
+  read_choice(reader, "protocol", kProtocols, arm.protocol);
+  reader.read("allow_unauthenticated", arm.allow_unauthenticated);
+  const bool has_world = reader.has("world");
+  const bool has_link = reader.has("link");
+  if (has_world && has_link) {
+    reader.reject("link", "expected either world or link, found both");
+  }
+  if (!has_world && !has_link) reader.reject("", "expected either world or link, found neither");
+  for (const char* key : {"protocol", "allow_unauthenticated"}) {
+    if (reader.has(key) && !has_link) {
+      reader.reject(key, "expected only beside link, found without it");
+    }
+  }
+  if (!arm.link || is_loopback(arm.link->address) || arm.allow_unauthenticated) return;
+  reader.reject("link",
+                "expected a loopback address, or allow_unauthenticated = true, since these "
+                "datagrams know no key; found " +
+                    in_quotes(to_string(*arm.link)));
+}
+
+void read_source(TableReader& reader, const std::filesystem::path& folder, WorldConfig& world) {
+  reader.require("source", "\"box:N\" or the path of an .npy, .nrrd or .nhdr file");
+  std::string source;
+  if (!reader.read("source", source)) return;
+  if (is_volume_file(source)) {
+    std::optional<std::string> path;
+    read_path(reader, "source", folder, path);
+    world.source = path.value_or(source);
+    return;
+  }
+  unsigned cells = 0;
+  const std::string_view text =
+      std::string_view(source).substr(std::min<std::size_t>(4, source.size()));
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), cells);
+  const bool is_number = error == std::errc{} && end == text.data() + text.size();
+  if (!source.starts_with("box:") || !is_number || cells < 3 || cells > 1024) {
+    return reader.reject("source",
+                         "expected \"box:N\" with N from 3 to 1024, or the path of an "
+                         ".npy, .nrrd or .nhdr file, found " +
+                             in_quotes(source));
+  }
+  world.source = source;
+}
+
+void read_listener(TableReader& reader, WorldConfig& world) {
+  read_endpoint(reader, "listen", 0, world.listen);
+  reader.read("allow_unauthenticated", world.allow_unauthenticated);
+  if (reader.read("peer", world.peer) && !is_address(*world.peer)) {
+    reader.reject(
+        "peer", "expected a numeric address such as \"10.0.0.2\", found " + in_quotes(*world.peer));
+  } else if (world.peer && world.listen && !can_hear(world.listen->address, *world.peer)) {
+    reader.reject("peer", "expected an address that can reach " +
+                              in_quotes(to_string(*world.listen)) + ", which is of the other " +
+                              "kind (IPv4, IPv6), found " + in_quotes(*world.peer));
+  }
+  for (const char* key : {"allow_unauthenticated", "peer"}) {
+    if (reader.has(key) && !reader.has("listen")) {
+      reader.reject(key, "expected only beside listen, found without it");
+    }
+  }
+  if (!world.listen || is_loopback(world.listen->address)) return;
+  if (world.allow_unauthenticated && world.peer) return;
+  reader.reject("listen",
+                "expected a loopback address, or allow_unauthenticated = true and a "
+                "peer, since these datagrams know no key; found " +
+                    in_quotes(to_string(*world.listen)));
+}
+
+}  // namespace
+
+DaemonConfig read_daemon(TableReader reader, const std::filesystem::path& folder) {
+  DaemonConfig out;
+  read_path(reader, "socket", folder, out.socket);
+  read_socket_mode(reader, out.socket_mode);
+  reader.read("group", out.group);
+  read_path(reader, "flight_directory", folder, out.flight_directory);
+  reader.finish();
+  return out;
+}
+
+ServoConfig read_servo(TableReader reader) {
+  ServoConfig out;
+  reader.read("rate_hz", {500, 8000}, out.rate_hz);
+  read_choice(reader, "realtime", kRealtime, out.realtime);
+  std::int64_t number = 0;
+  if (reader.read_integer("priority", {1, 98}, number)) out.priority = static_cast<int>(number);
+  if (reader.read_integer("cpu", {0, 1023}, number)) out.cpu = static_cast<int>(number);
+  reader.finish();
+  return out;
+}
+
+Entry<ArmConfig> read_arm(TableReader reader) {
+  ArmConfig out;
+  read_name(reader, out.name);
+  read_device(reader, out);
+  reader.read("model", out.model);
+  reader.read("amplifier_max_a", kAboveZero, out.amplifier_max_a);
+  read_other_side(reader, out);
+  reader.read("activate", out.activate);
+  read_person(reader, out);
+  out.limits = read_limits(reader.table("limits"));
+  out.coupling = read_coupling(reader.table("coupling"));
+  out.impairment = read_impairment(reader.table("impairment"));
+  reader.finish();
+  return {std::move(reader), std::move(out)};
+}
+
+Entry<WorldConfig> read_world(TableReader reader, const std::filesystem::path& folder) {
+  WorldConfig out;
+  read_name(reader, out.name);
+  read_source(reader, folder, out);
+  read_volume(reader, out);
+  read_choice(reader, "constraint_model", kConstraintModels, out.constraint_model);
+  read_listener(reader, out);
+  out.impairment = read_impairment(reader.table("impairment"));
+  reader.finish();
+  return {std::move(reader), std::move(out)};
+}
+
+}  // namespace thimble::config

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+#include "daemon/config/config.hpp"
+#include "daemon/config/table_reader.hpp"
+
+namespace thimble::config {
+
+// One arm or world beside the reader of its table, for complaints that need both.
+template <class Item>
+struct Entry {
+  TableReader reader;
+  Item value;
+};
+
+// Each reads one kind of table; a value that is wrong keeps its default. `folder` is that of
+// the configuration file, for relative paths.
+[[nodiscard]] DaemonConfig read_daemon(TableReader reader, const std::filesystem::path& folder);
+[[nodiscard]] ServoConfig read_servo(TableReader reader);
+[[nodiscard]] Entry<ArmConfig> read_arm(TableReader reader);
+[[nodiscard]] Entry<WorldConfig> read_world(TableReader reader,
+                                            const std::filesystem::path& folder);
+
+// The keys of a world that say how its volume file is read.
+void read_volume(TableReader& reader, WorldConfig& world);
+// Whether `source` ends as the volume files do that can be read.
+[[nodiscard]] bool is_volume_file(std::string_view source);
+
+// What no table can tell alone: names are unique, references resolve, addresses do not clash.
+void check_relations(std::vector<Entry<ArmConfig>>& arms, std::vector<Entry<WorldConfig>>& worlds);
+
+}  // namespace thimble::config
