@@ -1,0 +1,62 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <utility>
+
+#include "tests/unit/config/config_testing.hpp"
+
+namespace thimble::config {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::SizeIs;
+
+// The datagrams of 1999 know no key at either end: who can forge the world's address moves the arm.
+TEST(ConfigNetwork, AnArmLinksBeyondThisMachineOnlyWhenItIsSaid) {
+  const auto with_link = [](const std::string& lines) {
+    return "[[arm]]\nname = \"right\"\ndevice = \"sim:phantom-vintage\"\n" + lines;
+  };
+  for (const char* address : {"10.0.0.7", "[2001:db8::7]", "0.0.0.0"}) {
+    const std::string link = "link = \"udp://" + std::string(address) + ":5001\"\n";
+    EXPECT_THAT(mistakes(with_link(link)),
+                ElementsAre(AllOf(HasSubstr("t.toml:4:8: arm.0.link: expected a loopback address"),
+                                  HasSubstr("allow_unauthenticated = true"), HasSubstr(address))));
+    EXPECT_THAT(mistakes(with_link(link + "allow_unauthenticated = false\n")), SizeIs(1));
+    const auto sut = parse_text(with_link(link + "allow_unauthenticated = true\n"));
+    ASSERT_TRUE(sut) << address;
+    EXPECT_TRUE(sut->arms[0].allow_unauthenticated);
+  }
+  EXPECT_TRUE(parse_text(with_link("link = \"udp://127.0.0.2:5001\"\n")));
+}
+
+// A socket of one family never hears a peer of the other, but [::] hears both.
+TEST(ConfigNetwork, ThePeerIsOneThatTheListenerCanHear) {
+  const auto with = [](const std::string& listen, const std::string& peer) {
+    return "[[world]]\nname = \"box\"\nsource = \"box:3\"\nallow_unauthenticated = true\nlisten = "
+           "\"udp://" +
+           listen + ":5001\"\npeer = \"" + peer + "\"\n";
+  };
+  const std::array<std::pair<const char*, const char*>, 6> kGood{{{"0.0.0.0", "10.0.0.2"},
+                                                                  {"0.0.0.0", "::ffff:10.0.0.2"},
+                                                                  {"[::]", "10.0.0.2"},
+                                                                  {"[::]", "2001:db8::2"},
+                                                                  {"[::ffff:10.0.0.1]", "10.0.0.2"},
+                                                                  {"[::1]", "::1"}}};
+  for (const auto& [listen, peer] : kGood) EXPECT_TRUE(parse_text(with(listen, peer))) << listen;
+  const std::array<std::pair<const char*, const char*>, 4> kBad{{{"0.0.0.0", "2001:db8::2"},
+                                                                 {"127.0.0.1", "::1"},
+                                                                 {"[::1]", "127.0.0.1"},
+                                                                 {"[2001:db8::1]", "10.0.0.2"}}};
+  for (const auto& [listen, peer] : kBad) {
+    EXPECT_THAT(mistakes(with(listen, peer)),
+                ElementsAre(AllOf(HasSubstr("t.toml:6:8: world.0.peer: expected an address that "
+                                            "can reach"),
+                                  HasSubstr(listen), HasSubstr(peer))));
+  }
+}
+
+}  // namespace
+}  // namespace thimble::config
