@@ -1,0 +1,162 @@
+#include "daemon/api/connection.hpp"
+
+#include <boost/json.hpp>
+#include <utility>
+
+#include "daemon/api/json_text.hpp"
+
+namespace thimble::api {
+namespace {
+
+namespace http = boost::beast::http;
+
+constexpr unsigned kHttp11 = 11;
+
+RequestError refusal_of(boost::beast::error_code error) {
+  if (error == http::error::header_limit) {
+    return {431, "too-large", "the header is larger than this server reads", ""};
+  }
+  if (error == http::error::body_limit) {
+    return {413, "too-large", "the body is larger than this server reads", ""};
+  }
+  return {400, "malformed", "this is no HTTP/1.1 request", ""};
+}
+
+// What the parser says about bytes, as opposed to what the socket says about itself.
+bool is_about_bytes(boost::beast::error_code error) {
+  return error.category() == http::make_error_code(http::error::bad_method).category() &&
+         error != http::error::end_of_stream && error != http::error::partial_message;
+}
+
+}  // namespace
+
+Connection::Connection(Socket socket, ClientId id, Context context)
+    : stream_(std::move(socket)),
+      id_(id),
+      context_(std::move(context)),
+      buffer_(context_.settings.max_header_bytes + context_.settings.max_body_bytes) {}
+
+void Connection::close() {
+  if (std::exchange(is_closed_, true)) return;
+  stream_.close();
+  if (has_commanded_) context_.commands.client_gone(id_);
+  context_.on_closed(id_);
+}
+
+bool Connection::holds_lease() const {
+  // Somebody else may have ended it since.
+  for (const std::string& arm : leases_) {
+    if (lease_of(arm) == "client") return true;
+  }
+  return false;
+}
+
+void Connection::read() {
+  parser_.emplace();
+  parser_->header_limit(static_cast<std::uint32_t>(context_.settings.max_header_bytes));
+  parser_->body_limit(context_.settings.max_body_bytes);
+  stream_.expires_after(context_.settings.idle_timeout);
+  if (holds_lease()) stream_.expires_never();
+  http::async_read(stream_, buffer_, *parser_,
+                   [self = shared_from_this()](boost::beast::error_code error, std::size_t) {
+                     self->on_read(error);
+                   });
+}
+
+void Connection::on_read(boost::beast::error_code error) {
+  if (is_closed_) return;
+  if (error) {
+    if (is_about_bytes(error)) return answer_and_close(refusal_of(error));
+    return close();
+  }
+  perform(parser_->release());
+}
+
+void Connection::respond(tl::expected<std::string, RequestError> body, bool is_kept) {
+  if (body) {
+    prepare(200, std::move(*body), is_kept);
+  } else {
+    prepare(body.error().http_status, to_json(body.error()), is_kept);
+    if (!body.error().allow.empty()) response_.set(http::field::allow, body.error().allow);
+  }
+  write(is_kept);
+}
+
+void Connection::answer_and_close(const RequestError& error) {
+  prepare(error.http_status, to_json(error), false);
+  write(false);
+}
+
+void Connection::prepare(unsigned status, std::string body, bool is_kept) {
+  response_ = Response(static_cast<http::status>(status), kHttp11);
+  response_.set(http::field::content_type, "application/json");
+  response_.keep_alive(is_kept);
+  response_.body() = std::move(body);
+  response_.prepare_payload();
+}
+
+void Connection::write(bool is_kept) {
+  stream_.expires_after(context_.settings.write_timeout);
+  http::async_write(
+      stream_, response_,
+      [self = shared_from_this(), is_kept](boost::beast::error_code error, std::size_t) {
+        if (self->is_closed_) return;
+        if (error || !is_kept) return self->close();
+        self->read();
+      });
+}
+
+void Connection::perform(const Request& request) {
+  const bool is_kept = request.keep_alive();
+  auto action = parse_request({request.method_string().data(), request.method_string().size()},
+                              {request.target().data(), request.target().size()}, request.body());
+  if (!action) return respond(tl::unexpected(std::move(action.error())), is_kept);
+  if (action->kind == ActionKind::Status) return respond(to_json(context_.view.status()), is_kept);
+  command(*action, is_kept);
+}
+
+// Nothing is read while a command waits for its answer; a client that goes meanwhile takes it back,
+// and its place is free at once. One that only ends its own direction still gets the answer.
+void Connection::watch_for_hang_up() {
+  stream_.socket().async_wait(Socket::wait_error,
+                              [self = shared_from_this()](boost::beast::error_code error) {
+                                if (!error) self->close();
+                              });
+}
+
+void Connection::command(const Action& action, bool is_kept) {
+  if (!std::exchange(has_commanded_, true)) watch_for_hang_up();
+  // Nothing is read before the answer, so there is never more than one under way.
+  const auto answer = [self = shared_from_this(), action, is_kept](const Result<Done>& done) {
+    self->on_done(action, done, is_kept);
+  };
+  if (action.kind == ActionKind::Activate) {
+    context_.commands.activate(action.arm, id_, answer);
+  } else if (action.kind == ActionKind::Deactivate) {
+    context_.commands.deactivate(action.arm, id_, answer);
+  } else {
+    context_.commands.clear_fault(action.arm, id_, answer);
+  }
+}
+
+void Connection::on_done(const Action& action, const Result<Done>& done, bool is_kept) {
+  if (is_closed_) return;  // the command ended the server
+  if (!done) return respond(tl::unexpected(to_request_error(done.error())), is_kept);
+  const std::string lease = lease_of(action.arm);
+  if (action.kind == ActionKind::Activate && lease == "client") leases_.insert(action.arm);
+  if (action.kind == ActionKind::Deactivate) leases_.erase(action.arm);
+  respond(to_text(boost::json::object{{"arm", action.arm},
+                                      {"lease", lease},
+                                      {"state", done->state},
+                                      {"instruction", done->instruction}}),
+          is_kept);
+}
+
+std::string Connection::lease_of(const std::string& arm) const {
+  for (const ArmStatus& status : context_.view.status().arms) {
+    if (status.name == arm) return status.lease;
+  }
+  return "none";
+}
+
+}  // namespace thimble::api

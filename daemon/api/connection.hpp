@@ -1,0 +1,68 @@
+#pragma once
+
+#include <boost/asio/local/stream_protocol.hpp>
+#include <boost/beast/core/basic_stream.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/http.hpp>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "daemon/api/request.hpp"
+#include "daemon/api/server.hpp"
+
+namespace thimble::api {
+
+// One client of the server: reads a request, answers it, reads the next.
+//
+// Thread: the server's. Not RT.
+// Ownership: by the server's list and by the handler in flight (hence shared); `on_closed` is
+//            called once, and after close() nothing of the outside is touched any more.
+class Connection : public std::enable_shared_from_this<Connection> {
+ public:
+  using Socket = boost::asio::local::stream_protocol::socket;
+  struct Context {
+    const ServerSettings& settings;
+    const StatusView& view;
+    Commands& commands;
+    std::function<void(ClientId)> on_closed;
+  };
+
+  Connection(Socket socket, ClientId id, Context context);
+  void start() { read(); }
+  void close();
+
+ private:
+  using Stream = boost::beast::basic_stream<boost::asio::local::stream_protocol>;
+  using Request = boost::beast::http::request<boost::beast::http::string_body>;
+  using Parser = boost::beast::http::request_parser<boost::beast::http::string_body>;
+  using Response = boost::beast::http::response<boost::beast::http::string_body>;
+
+  void read();
+  void on_read(boost::beast::error_code error);
+  void answer_and_close(const RequestError& error);
+  void write(bool is_kept);
+  [[nodiscard]] bool holds_lease() const;
+
+  void perform(const Request& request);
+  void command(const Action& action, bool is_kept);
+  void watch_for_hang_up();
+  void on_done(const Action& action, const Result<Done>& done, bool is_kept);
+  void respond(tl::expected<std::string, RequestError> body, bool is_kept);
+  [[nodiscard]] std::string lease_of(const std::string& arm) const;
+  void prepare(unsigned status, std::string body, bool is_kept);
+
+  Stream stream_;
+  ClientId id_;
+  Context context_;
+  boost::beast::flat_buffer buffer_;
+  std::optional<Parser> parser_;
+  Response response_;
+  std::set<std::string> leases_;  // arms that this client activated
+  bool has_commanded_{false};
+  bool is_closed_{false};
+};
+
+}  // namespace thimble::api
