@@ -1,0 +1,106 @@
+#include "daemon/api/request.hpp"
+
+#include <algorithm>
+#include <array>
+#include <boost/json.hpp>
+#include <optional>
+
+#include "daemon/api/json_text.hpp"
+
+namespace thimble::api {
+namespace {
+
+constexpr std::string_view kArms = "/v1/arms/";
+constexpr std::size_t kMaxNameBytes = 32;
+
+struct Verb {
+  std::string_view word;
+  ActionKind kind;
+};
+constexpr std::array<Verb, 3> kVerbs{{
+    {"activate", ActionKind::Activate},
+    {"deactivate", ActionKind::Deactivate},
+    {"clear-fault", ActionKind::ClearFault},
+}};
+
+bool is_name(std::string_view text) {
+  return !text.empty() && text.size() <= kMaxNameBytes &&
+         std::all_of(text.begin(), text.end(), [](char c) {
+           return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-';
+         });
+}
+
+std::optional<Action> parse_target(std::string_view target) {
+  if (target == "/v1/status") return Action{ActionKind::Status, ""};
+  if (!target.starts_with(kArms)) return std::nullopt;
+  target.remove_prefix(kArms.size());
+  const std::size_t slash = target.find('/');
+  if (slash == std::string_view::npos || !is_name(target.substr(0, slash))) return std::nullopt;
+  const std::string_view word = target.substr(slash + 1);
+  const auto* verb = std::find_if(kVerbs.begin(), kVerbs.end(),
+                                  [&](const Verb& candidate) { return candidate.word == word; });
+  if (verb == kVerbs.end()) return std::nullopt;
+  return Action{verb->kind, std::string(target.substr(0, slash))};
+}
+
+unsigned http_status_of(Errc code) {
+  switch (code) {
+    case Errc::InvalidArgument:
+    case Errc::Malformed:
+      return 400;
+    case Errc::Permission:
+      return 403;
+    case Errc::NotFound:
+      return 404;
+    case Errc::Busy:
+    case Errc::NotMine:
+    case Errc::Disconnected:
+      return 409;
+    case Errc::TooLarge:
+      return 413;
+    case Errc::Unsupported:
+      return 501;
+    case Errc::Timeout:
+      return 504;
+    case Errc::System:
+      return 500;
+  }
+  return 500;
+}
+
+}  // namespace
+
+tl::expected<Action, RequestError> parse_request(std::string_view method, std::string_view target,
+                                                 std::string_view body) {
+  auto action = parse_target(target);
+  if (!action) {
+    return tl::unexpected(RequestError{404, "not-found",
+                                       "there is only /v1/status and /v1/arms/NAME/activate, "
+                                       "deactivate and clear-fault",
+                                       ""});
+  }
+  const std::string_view allowed = action->kind == ActionKind::Status ? "GET" : "POST";
+  if (method != allowed) {
+    return tl::unexpected(RequestError{405, "method-not-allowed",
+                                       "this takes " + std::string(allowed) + " only",
+                                       std::string(allowed)});
+  }
+  // Nothing takes parameters yet; refusing them now leaves their meaning free.
+  if (!body.empty() && body != "{}") {
+    return tl::unexpected(RequestError{400, "malformed", "this takes no body", ""});
+  }
+  return std::move(*action);
+}
+
+RequestError to_request_error(const Error& error) {
+  std::string code(to_string(error.code));
+  std::replace(code.begin(), code.end(), ' ', '-');
+  return {http_status_of(error.code), std::move(code), error.message, ""};
+}
+
+std::string to_json(const RequestError& error) {
+  return to_text(boost::json::object{
+      {"error", boost::json::object{{"code", error.code}, {"message", error.message}}}});
+}
+
+}  // namespace thimble::api

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "hal/base/result.hpp"
+
+namespace thimble::api {
+
+enum class ActionKind : std::uint8_t { Status, Activate, Deactivate, ClearFault };
+
+// What a request asks for.
+struct Action {
+  ActionKind kind{};
+  std::string arm;  // empty for Status; else a-z, 0-9 and -
+  bool operator==(const Action&) const = default;
+};
+
+// Why it is not done, as it goes out.
+struct RequestError {
+  unsigned http_status{0};
+  std::string code;     // "not-found" …
+  std::string message;  // a sentence
+  std::string allow;    // value of the Allow header of a 405; else empty
+  bool operator==(const RequestError&) const = default;
+};
+
+// Pure and total: any bytes give an action or an error.
+[[nodiscard]] tl::expected<Action, RequestError> parse_request(std::string_view method,
+                                                               std::string_view target,
+                                                               std::string_view body);
+
+// The answer to a command that the daemon refused.
+[[nodiscard]] RequestError to_request_error(const Error& error);
+// {"error": {"code": …, "message": …}}
+[[nodiscard]] std::string to_json(const RequestError& error);
+
+}  // namespace thimble::api

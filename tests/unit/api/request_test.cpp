@@ -1,0 +1,73 @@
+#include "daemon/api/request.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <boost/json.hpp>
+
+namespace thimble::api {
+namespace {
+
+TEST(ApiRequest, KnowsItsFourActions) {
+  EXPECT_EQ(parse_request("GET", "/v1/status", ""), (Action{ActionKind::Status, ""}));
+  EXPECT_EQ(parse_request("POST", "/v1/arms/right/activate", ""),
+            (Action{ActionKind::Activate, "right"}));
+  EXPECT_EQ(parse_request("POST", "/v1/arms/arm-2/deactivate", "{}"),
+            (Action{ActionKind::Deactivate, "arm-2"}));
+  EXPECT_EQ(parse_request("POST", "/v1/arms/0/clear-fault", ""),
+            (Action{ActionKind::ClearFault, "0"}));
+}
+
+TEST(ApiRequest, AnswersNotFoundToEveryOtherTarget) {
+  const std::string long_name(33, 'a');
+  for (const std::string& target :
+       {std::string(""), std::string("/"), std::string("/v1"), std::string("/v1/status/"),
+        std::string("/v1/status?x"), std::string("/v1/events"), std::string("/v1/arms/"),
+        std::string("/v1/arms/right"), std::string("/v1/arms/right/"),
+        std::string("/v1/arms//activate"), std::string("/v1/arms/Right/activate"),
+        std::string("/v1/arms/../activate"), std::string("/v1/arms/a%20/activate"),
+        std::string("/v1/arms/right/activate/"), std::string("/v1/arms/a/b/activate"),
+        std::string("/v1/arms/a\0b/activate", 20), "/v1/arms/" + long_name + "/activate"}) {
+    const auto sut = parse_request("POST", target, "");
+    ASSERT_FALSE(sut) << target;
+    EXPECT_EQ(sut.error().http_status, 404U) << target;
+  }
+}
+
+TEST(ApiRequest, NamesTheMethodThatIsAllowed) {
+  const auto get = parse_request("GET", "/v1/arms/right/activate", "");
+  ASSERT_FALSE(get);
+  EXPECT_EQ(get.error().http_status, 405U);
+  EXPECT_EQ(get.error().allow, "POST");
+  for (const char* method : {"POST", "HEAD", "get", ""}) {
+    const auto sut = parse_request(method, "/v1/status", "");
+    ASSERT_FALSE(sut);
+    EXPECT_EQ(sut.error().allow, "GET");
+  }
+}
+
+TEST(ApiRequest, RefusesABody) {
+  const auto sut = parse_request("POST", "/v1/arms/right/activate", "{\"force\": 1}");
+  ASSERT_FALSE(sut);
+  EXPECT_EQ(sut.error().http_status, 400U);
+}
+
+TEST(ApiRequest, TurnsEveryRefusalIntoAStatusOfItsKind) {
+  const auto status_of = [](Errc code) { return to_request_error({code, "m"}).http_status; };
+  EXPECT_EQ(status_of(Errc::NotFound), 404U);
+  EXPECT_EQ(status_of(Errc::Busy), 409U);
+  EXPECT_EQ(status_of(Errc::Permission), 403U);
+  EXPECT_EQ(status_of(Errc::InvalidArgument), 400U);
+  EXPECT_EQ(status_of(Errc::System), 500U);
+  EXPECT_EQ(to_request_error({Errc::InvalidArgument, "m"}).code, "invalid-argument");
+}
+
+TEST(ApiRequest, WritesErrorsThatAnyTextSurvives) {
+  const std::string message = "a \"quoted\"\nline\x01";
+  const auto sut = boost::json::parse(to_json(RequestError{400, "malformed", message, ""}));
+  EXPECT_EQ(sut.at("error").at("message").as_string(), message);
+  EXPECT_EQ(sut.at("error").at("code").as_string(), "malformed");
+}
+
+}  // namespace
+}  // namespace thimble::api
