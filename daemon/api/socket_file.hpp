@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "hal/base/result.hpp"
+
+namespace thimble::api {
+
+struct SocketFileSettings {
+  std::string path;
+  std::uint32_t mode{0660};
+  std::string group;  // empty: that of the process
+};
+
+// A listening Unix stream socket in the file system, removed again by the destructor. A lock
+// file beside it (PATH.lock, left behind) decides who may replace a stale one.
+//
+// Thread: one. Not RT.
+// Ownership: of the lock and of the name in the file system; the descriptor is given away.
+// Errors: Busy when another daemon listens there, InvalidArgument for a path that is too long
+// or taken by something else, NotFound for the group, Permission or System otherwise.
+class SocketFile {
+ public:
+  [[nodiscard]] static Result<SocketFile> create(const SocketFileSettings& settings);
+  SocketFile(SocketFile&& other) noexcept;
+  SocketFile& operator=(SocketFile&&) = delete;
+  ~SocketFile();
+
+  // The listening descriptor, once; the caller closes it.
+  [[nodiscard]] int release_descriptor() noexcept;
+
+ private:
+  SocketFile() = default;
+  Result<void> take_lock();
+  Result<void> remove_stale() const;
+  Result<void> listen(const SocketFileSettings& settings);
+
+  std::string path_;
+  int lock_{-1};
+  int socket_{-1};
+  bool is_bound_{false};
+};
+
+}  // namespace thimble::api
