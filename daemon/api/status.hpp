@@ -1,0 +1,108 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace thimble::api {
+
+// What the daemon tells about itself; the members have the names of the JSON document
+// (docs/api.md). Plain values, filled on the net thread from the servos' snapshots.
+// Units: SI as in the suffixes; vectors in the base frame of the arm (= world frame).
+
+struct FaultStatus {
+  std::string code;       // "overspeed" …
+  std::string message;    // what happened and what to do
+  double at_s{0};         // daemon uptime
+  std::string recording;  // path of the flight recording; empty when there is none
+  bool operator==(const FaultStatus&) const = default;
+};
+
+struct ArmStatus {
+  std::string name;
+  std::string device;
+  std::string model;
+  std::string state;        // OperatingState in words
+  std::string calibration;  // "unknown", "needs-user" or "ok"
+  std::string instruction;  // what the person should do now; empty when nothing
+  std::array<double, 3> position_m{};
+  std::array<double, 3> force_newton{};
+  double peak_force_newton{0};  // largest norm since the start
+  std::array<double, 3> offset_m{};
+  double peak_offset_m{0};    // largest norm since the start
+  std::uint64_t contacts{0};  // begun since the start
+  std::vector<FaultStatus> faults;
+  bool is_in_contact{false};
+  std::string lease;             // "configuration", "client" or "none": who keeps it active
+  std::string constraint_state;  // "fresh", "frozen", "fading" …
+  std::string world;             // name of its world, or the peer that has it
+  bool operator==(const ArmStatus&) const = default;
+};
+
+struct Percentiles {
+  double p50{0};
+  double p99{0};
+  double max{0};
+  bool operator==(const Percentiles&) const = default;
+};
+
+struct ServoStatus {
+  std::string arm;
+  double rate_hz{0};
+  std::uint64_t ticks{0};
+  std::uint64_t overruns{0};
+  Percentiles wakeup_error_s;
+  Percentiles compute_s;
+  Percentiles exchange_s;
+  bool is_realtime{false};
+  std::uint64_t missed_exchanges{0};   // device periods without a sample
+  std::uint64_t malformed_reports{0};  // that the driver refused
+  bool operator==(const ServoStatus&) const = default;
+};
+
+struct LinkStatus {
+  std::string arm;    // at the arm's end; else empty
+  std::string world;  // at the world's end; else empty
+  std::string peer;
+  std::string kind;  // "in-process", "udp" …
+  bool is_up{false};
+  double round_trip_s{0};
+  std::uint64_t sent{0};
+  std::uint64_t received{0};
+  std::uint64_t lost{0};
+  std::uint64_t rejected{0};
+  std::uint64_t stale{0};
+  double jitter_s{0};        // mean deviation of the round trip
+  std::string last_error{};  // of the carriage; empty: none so far
+  // Every kind of trouble by name, with its count: docs/api.md lists them.
+  std::vector<std::pair<std::string, std::uint64_t>> events{};
+  bool operator==(const LinkStatus&) const = default;
+};
+
+struct WorldStatus {
+  std::string name;
+  std::string source;
+  std::array<std::uint32_t, 3> cells{};
+  double cell_m{0};
+  std::uint32_t probes{0};
+  bool operator==(const WorldStatus&) const = default;
+};
+
+struct Status {
+  std::string version;
+  double uptime_s{0};
+  std::vector<std::string> degraded;  // sentences; empty when all is well
+  std::vector<ArmStatus> arms;
+  std::vector<ServoStatus> servos;
+  std::vector<LinkStatus> links;
+  std::vector<WorldStatus> worlds;
+  bool operator==(const Status&) const = default;
+};
+
+// The document of GET /v1/status, indented, ending in a line break. A number that is not
+// finite is written as null, never as NaN.
+[[nodiscard]] std::string to_json(const Status& status);
+
+}  // namespace thimble::api
