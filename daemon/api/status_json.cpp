@@ -1,0 +1,110 @@
+#include <boost/json.hpp>
+
+#include "daemon/api/json_text.hpp"
+#include "daemon/api/status.hpp"
+
+namespace thimble::api {
+namespace {
+
+namespace json = boost::json;
+
+template <class Number>
+json::array vector_of(const std::array<Number, 3>& v) {
+  return {v[0], v[1], v[2]};
+}
+
+template <class Item, class Convert>
+json::array list_of(const std::vector<Item>& items, Convert convert) {
+  json::array out;
+  for (const Item& item : items) out.emplace_back(convert(item));
+  return out;
+}
+
+json::object to_value(const FaultStatus& fault) {
+  return {{"code", fault.code},
+          {"message", fault.message},
+          {"at_s", fault.at_s},
+          {"recording", fault.recording}};
+}
+
+json::object to_value(const ArmStatus& arm) {
+  return {{"name", arm.name},
+          {"device", arm.device},
+          {"model", arm.model},
+          {"world", arm.world},
+          {"state", arm.state},
+          {"calibration", arm.calibration},
+          {"instruction", arm.instruction},
+          {"lease", arm.lease},
+          {"position_m", vector_of(arm.position_m)},
+          {"force_newton", vector_of(arm.force_newton)},
+          {"peak_force_newton", arm.peak_force_newton},
+          {"offset_m", vector_of(arm.offset_m)},
+          {"peak_offset_m", arm.peak_offset_m},
+          {"contacts", arm.contacts},
+          {"is_in_contact", arm.is_in_contact},
+          {"constraint_state", arm.constraint_state},
+          {"faults", list_of(arm.faults, [](const FaultStatus& f) { return to_value(f); })}};
+}
+
+json::object to_value(const Percentiles& percentiles) {
+  return {{"p50", percentiles.p50}, {"p99", percentiles.p99}, {"max", percentiles.max}};
+}
+
+json::object to_value(const ServoStatus& servo) {
+  return {{"arm", servo.arm},
+          {"rate_hz", servo.rate_hz},
+          {"ticks", servo.ticks},
+          {"overruns", servo.overruns},
+          {"is_realtime", servo.is_realtime},
+          {"wakeup_error_s", to_value(servo.wakeup_error_s)},
+          {"compute_s", to_value(servo.compute_s)},
+          {"exchange_s", to_value(servo.exchange_s)},
+          {"missed_exchanges", servo.missed_exchanges},
+          {"malformed_reports", servo.malformed_reports}};
+}
+
+json::object to_value(const LinkStatus& link) {
+  json::object out;
+  if (!link.arm.empty()) out["arm"] = link.arm;
+  if (!link.world.empty()) out["world"] = link.world;
+  out["peer"] = link.peer;
+  out["kind"] = link.kind;
+  out["is_up"] = link.is_up;
+  out["round_trip_s"] = link.round_trip_s;
+  out["sent"] = link.sent;
+  out["received"] = link.received;
+  out["lost"] = link.lost;
+  out["rejected"] = link.rejected;
+  out["stale"] = link.stale;
+  out["jitter_s"] = link.jitter_s;
+  out["last_error"] = link.last_error;
+  json::object events;
+  for (const auto& [name, count] : link.events) events[name] = count;
+  out["events"] = std::move(events);
+  return out;
+}
+
+json::object to_value(const WorldStatus& world) {
+  return {{"name", world.name},
+          {"source", world.source},
+          {"cells", vector_of(world.cells)},
+          {"cell_m", world.cell_m},
+          {"probes", world.probes}};
+}
+
+}  // namespace
+
+std::string to_json(const Status& status) {
+  const json::object out = {
+      {"version", status.version},
+      {"uptime_s", status.uptime_s},
+      {"degraded", list_of(status.degraded, [](const std::string& s) { return s; })},
+      {"arms", list_of(status.arms, [](const ArmStatus& a) { return to_value(a); })},
+      {"servos", list_of(status.servos, [](const ServoStatus& s) { return to_value(s); })},
+      {"links", list_of(status.links, [](const LinkStatus& l) { return to_value(l); })},
+      {"worlds", list_of(status.worlds, [](const WorldStatus& w) { return to_value(w); })}};
+  return to_text(out);
+}
+
+}  // namespace thimble::api

@@ -1,0 +1,101 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <boost/json.hpp>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <vector>
+
+#include "daemon/api/json_text.hpp"
+#include "daemon/api/status.hpp"
+
+namespace thimble::api {
+namespace {
+
+namespace json = boost::json;
+using testing::HasSubstr;
+
+Status sample() {
+  Status status;
+  status.version = "0.1.0";
+  status.uptime_s = 1.5;
+  status.degraded = {"no real-time rights"};
+  ArmStatus arm;
+  arm.name = "right";
+  arm.position_m = {0.001, -0.5, 1e-9};
+  arm.contacts = 3;
+  arm.is_in_contact = true;
+  arm.faults = {{"overspeed", "the tip moved too fast", 1.25, "/f/1.csv"}};
+  status.arms = {arm};
+  status.servos = {ServoStatus{"right", 1000, 5, 1, {1e-6, 2e-6, 3e-6}, {}, {}, true}};
+  status.links = {LinkStatus{"right", "", "127.0.0.1:5001", "udp", true, 0.01, 1, 2, 3, 4, 5}};
+  status.links[0].events = {{"wrong_size", 7}};
+  status.worlds = {WorldStatus{"box", "box:3", {3, 3, 3}, 0.03, 1}};
+  return status;
+}
+
+std::set<std::string> keys_of(const json::value& value) {
+  std::set<std::string> out;
+  for (const auto& member : value.as_object()) out.emplace(member.key());
+  return out;
+}
+
+TEST(StatusJson, HasTheNamesThatOthersRelyOn) {
+  const auto sut = json::parse(to_json(sample()));
+  using Names = std::set<std::string>;
+  EXPECT_EQ(keys_of(sut),
+            (Names{"version", "uptime_s", "degraded", "arms", "servos", "links", "worlds"}));
+  EXPECT_EQ(keys_of(sut.at("arms").at(0)),
+            (Names{"name", "device", "model", "state", "calibration", "instruction", "position_m",
+                   "force_newton", "peak_force_newton", "offset_m", "peak_offset_m", "contacts",
+                   "faults", "is_in_contact", "lease", "constraint_state", "world"}));
+  EXPECT_EQ(keys_of(sut.at("arms").at(0).at("faults").at(0)),
+            (Names{"code", "message", "at_s", "recording"}));
+  EXPECT_EQ(keys_of(sut.at("servos").at(0)),
+            (Names{"arm", "rate_hz", "ticks", "overruns", "wakeup_error_s", "compute_s",
+                   "exchange_s", "is_realtime", "missed_exchanges", "malformed_reports"}));
+  EXPECT_EQ(keys_of(sut.at("servos").at(0).at("compute_s")), (Names{"p50", "p99", "max"}));
+  EXPECT_EQ(keys_of(sut.at("links").at(0)),
+            (Names{"arm", "peer", "kind", "is_up", "round_trip_s", "sent", "received", "lost",
+                   "rejected", "stale", "jitter_s", "last_error", "events"}));
+  EXPECT_EQ(keys_of(sut.at("worlds").at(0)),
+            (Names{"name", "source", "cells", "cell_m", "probes"}));
+}
+
+TEST(StatusJson, CarriesTheValues) {
+  const auto sut = json::parse(to_json(sample()));
+  EXPECT_DOUBLE_EQ(sut.at("arms").at(0).at("position_m").at(1).to_number<double>(), -0.5);
+  EXPECT_DOUBLE_EQ(sut.at("arms").at(0).at("position_m").at(2).to_number<double>(), 1e-9);
+  EXPECT_EQ(sut.at("arms").at(0).at("contacts").to_number<int>(), 3);
+  EXPECT_TRUE(sut.at("arms").at(0).at("is_in_contact").as_bool());
+  EXPECT_EQ(sut.at("links").at(0).at("stale").to_number<int>(), 5);
+  EXPECT_EQ(sut.at("links").at(0).at("events").at("wrong_size").to_number<int>(), 7);
+  EXPECT_DOUBLE_EQ(sut.at("servos").at(0).at("wakeup_error_s").at("max").to_number<double>(), 3e-6);
+}
+
+TEST(StatusJson, NeverWritesANumberThatIsNotFinite) {
+  Status status = sample();
+  status.arms[0].force_newton = {std::nan(""), std::numeric_limits<double>::infinity(), 2};
+  status.uptime_s = -std::numeric_limits<double>::infinity();
+  const auto sut = json::parse(to_json(status));  // NaN is no JSON: parsing would fail
+  EXPECT_TRUE(sut.at("arms").at(0).at("force_newton").at(0).is_null());
+  EXPECT_TRUE(sut.at("arms").at(0).at("force_newton").at(1).is_null());
+  EXPECT_TRUE(sut.at("uptime_s").is_null());
+}
+
+TEST(StatusJson, EscapesWhatDevicesSayOfThemselves) {
+  Status status = sample();
+  status.arms[0].device = "hid:\"\\\n\x1b";
+  EXPECT_EQ(json::parse(to_json(status)).at("arms").at(0).at("device").as_string(),
+            status.arms[0].device);
+}
+
+TEST(JsonText, IsMadeForReading) {
+  const json::value value = {{"a", {{"b", {1.0, 0.25}}}}, {"c", json::array{}}, {"d", nullptr}};
+  EXPECT_EQ(to_text(value),
+            "{\n  \"a\": {\n    \"b\": [1, 0.25]\n  },\n  \"c\": [],\n  \"d\": null\n}\n");
+}
+
+}  // namespace
+}  // namespace thimble::api
