@@ -1,0 +1,67 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "daemon/session/arm_session.hpp"
+#include "daemon/session/rig_link.hpp"
+#include "daemon/session/sim_arm.hpp"
+#include "sim/time/real_time_brake.hpp"
+
+namespace thimble::session {
+
+class WorldHost;
+
+// What every arm of a process shares; all must outlive the rigs.
+struct RigParts {
+  const plugin::SimModelRegistry& models;
+  const plugin::DriverRegistry& drivers;
+  bus::BusEnumerator* real_buses{nullptr};  // nullptr: only "sim:" devices can be opened
+  Clock* real_clock{nullptr};               // nullptr: virtual time, nothing sleeps
+  const Clock* stopwatch{nullptr};          // nullptr: the arm's own clock
+  rt::WakeSignal* wake{nullptr};            // of the net plane
+  boost::asio::io_context* io{nullptr};     // for links to other hosts
+  std::uint32_t first_session{1};           // of the world halves: see GhostPointWorld
+  // Puts something between a simulated arm's bus and its session, such as a bad cable.
+  std::function<std::unique_ptr<bus::BusEnumerator>(bus::BusEnumerator&, const Clock&)>
+      wrap_sim_bus{};
+};
+
+// One arm with everything below and beside it: bus and time, device, coupling, servo, link.
+//
+// Thread: session().loop() and clock() are the servo thread's; the rest is the control
+//         thread's, and pump() and link_status() the net plane's.
+class ArmRig {
+ public:
+  // `world`: has the local world of the arm; nullptr when arm.link names a remote one.
+  [[nodiscard]] static Result<std::unique_ptr<ArmRig>> create(const config::ArmConfig& arm,
+                                                              const config::ServoConfig& servo,
+                                                              WorldHost* world,
+                                                              const RigParts& parts);
+
+  [[nodiscard]] ArmSession& session() noexcept { return *session_; }
+  // What the servo sleeps on.
+  [[nodiscard]] Clock& clock() noexcept { return *clock_; }
+  std::optional<MonotonicTime> pump(MonotonicTime now) { return link_->pump(now); }
+  [[nodiscard]] link::LinkStatus link_status() const { return link_->status(); }
+  // Where the arm is plugged in; arms may share it, so Runtime::follow_buses() reads its events.
+  [[nodiscard]] bus::BusEnumerator& buses() noexcept { return *buses_; }
+  // As ArmSession::follow(); a simulated person does what a real one would read in the status.
+  Result<void> follow(MonotonicTime now);
+  // nullptr for a real device.
+  [[nodiscard]] SimArm* sim_arm() noexcept { return sim_arm_.get(); }
+
+ private:
+  ArmRig() = default;
+
+  std::unique_ptr<SimArm> sim_arm_;
+  std::optional<sim::RealTimeBrake> brake_;
+  std::unique_ptr<bus::BusEnumerator> wrapped_buses_;  // of RigParts::wrap_sim_bus
+  Clock* clock_{nullptr};
+  bus::BusEnumerator* buses_{nullptr};
+  std::unique_ptr<RigLink> link_;
+  std::unique_ptr<ArmSession> session_;  // last: it uses all of the above
+};
+
+}  // namespace thimble::session
