@@ -1,0 +1,119 @@
+#include "daemon/session/arm_session.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "daemon/devices/arm_opener.hpp"
+#include "daemon/session/arm_settings.hpp"
+
+namespace thimble::session {
+namespace {
+
+Result<std::unique_ptr<HapticDevice>> open_device(const config::ArmConfig& arm,
+                                                  const ArmSessionParts& parts) {
+  return devices::open_arm(parts.buses, parts.drivers, {arm.device}, driver_settings(arm));
+}
+
+}  // namespace
+
+ArmSession::ArmSession(const config::ArmConfig& arm, const ArmSessionParts& parts,
+                       std::unique_ptr<HapticDevice> device,
+                       std::unique_ptr<coupling::ArmCoupling> coupling)
+    : arm_(arm), parts_(parts), device_(std::move(device)), coupling_(std::move(coupling)) {
+  controls_.want_active = arm.activate;
+}
+
+Result<std::unique_ptr<ArmSession>> ArmSession::create(const config::ArmConfig& arm,
+                                                       const config::ServoConfig& servo,
+                                                       const ArmSessionParts& parts) {
+  const std::string name = "arm '" + arm.name + "'";
+  Result<std::unique_ptr<HapticDevice>> device = open_device(arm, parts);
+  if (!device) return tl::unexpected(device.error().in(name));
+  const Result<servo::ServoSettings> settings =
+      servo_settings(arm, servo, (*device)->capabilities());
+  if (!settings) return tl::unexpected(settings.error().in(name));
+  Result<std::unique_ptr<coupling::ArmCoupling>> coupling =
+      make_coupling(arm, parts.cell_m, (*device)->capabilities());
+  if (!coupling) return tl::unexpected(coupling.error().in(name));
+
+  // The constructor is private, so make_unique cannot reach it.
+  std::unique_ptr<ArmSession> session(
+      new ArmSession(arm, parts, *std::move(device), *std::move(coupling)));
+  session->loop_ = std::make_unique<servo::ServoLoop>(
+      servo::ServoParts{session->device_, *session->coupling_, parts.link, session->controls_,
+                        parts.clock, parts.stopwatch},
+      *settings);
+  return session;
+}
+
+const servo::ServoSnapshot& ArmSession::snapshot() {
+  servo::ServoSnapshot fresh;
+  if (loop_->snapshot(fresh)) snapshot_ = fresh;
+  return snapshot_;
+}
+
+std::optional<Recording> ArmSession::take_recording() {
+  if (!loop_->recorder().is_frozen()) return std::nullopt;
+  Recording recording;
+  recording.frames = loop_->recorder().take();
+  recording.header = {arm_.name, arm_.device, snapshot().fault};
+  // A fault that a person cleared in the meantime is still what the frames end with.
+  if (!recording.frames.empty()) {
+    const servo::ServoFrame& last = recording.frames.back();
+    const FaultCode code = last.fault != FaultCode::None ? last.fault : FaultCode::Disconnected;
+    recording.header.fault = {code, last.now, last.tick};
+  }
+  return recording;
+}
+
+void ArmSession::on_bus_event(const bus::BusEvent& event) {
+  const bool is_ours = event.device.address.text == arm_.device;
+  if (!is_ours || event.kind != bus::BusEvent::Kind::Arrived) return;
+  look_at_once();
+}
+
+void ArmSession::look_at_once() {
+  next_try_.reset();
+  retry_ = kFirstRetry;
+}
+
+Result<void> ArmSession::follow(MonotonicTime now) {
+  device_.collect();
+  if (!is_lost_for_servo()) {
+    trouble_.clear();
+    look_at_once();
+    return {};
+  }
+  if (next_try_ && now < *next_try_) return {};
+  next_try_ = now + retry_;
+  retry_ = std::min(2 * retry_, kLongestRetry);
+  Result<void> opened = reopen();
+  trouble_ = opened ? "" : opened.error().message;
+  return opened;
+}
+
+// The state of a tick that began after the newest offer: an older one tells of the old device.
+bool ArmSession::is_lost_for_servo() {
+  const servo::ServoFrame& frame = snapshot().frame;
+  const bool is_seen_since = offered_at_tick_ == 0 || frame.tick >= offered_at_tick_ + 2;
+  return is_seen_since && frame.state == OperatingState::Lost;
+}
+
+Result<void> ArmSession::reopen() {
+  const std::vector<bus::BusDeviceInfo> present = parts_.buses.list();
+  const bool is_there = std::any_of(present.begin(), present.end(), [&](const auto& device) {
+    return device.address.text == arm_.device;
+  });
+  if (!is_there) return {};  // unplugged, which the state says already
+  Result<std::unique_ptr<HapticDevice>> device = open_device(arm_, parts_);
+  if (!device) {
+    return tl::unexpected(
+        device.error().in("arm '" + arm_.name + "' is back but cannot be opened"));
+  }
+  (*device)->forget_calibration();
+  if (!device_.offer(*device)) return fail(Errc::Busy, "arm '" + arm_.name + "' is being replaced");
+  offered_at_tick_ = snapshot().frame.tick;
+  return {};
+}
+
+}  // namespace thimble::session

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/config/config.hpp"
+#include "daemon/coupling/arm_coupling.hpp"
+#include "daemon/coupling/arm_link.hpp"
+#include "daemon/devices/replaceable_device.hpp"
+#include "daemon/servo/flight_file.hpp"
+#include "daemon/servo/servo_loop.hpp"
+#include "hal/base/result.hpp"
+#include "hal/bus/bus_enumerator.hpp"
+#include "hal/plugin/driver_registry.hpp"
+
+namespace thimble::session {
+
+// What a session runs on; everything must outlive it.
+struct ArmSessionParts {
+  bus::BusEnumerator& buses;
+  const plugin::DriverRegistry& drivers;
+  coupling::ArmLink& link;
+  Clock& clock;            // of the servo and of the arm's bus
+  const Clock& stopwatch;  // measures only
+  double cell_m{0};        // of the world at the other end, where it is known
+};
+
+// One stop of the servo, to be written to a file by whoever may block.
+struct Recording {
+  servo::FlightHeader header;
+  std::vector<servo::ServoFrame> frames;
+};
+
+// One arm of the configuration, opened, with its coupling and its servo; it runs wherever its
+// loop is ticked: on a real-time thread in the daemon, in virtual time in tests and the lab.
+//
+// Thread: loop() is ticked by the servo thread; all else belongs to one control thread.
+class ArmSession {
+ public:
+  // Errors: as devices::open_arm() and make_limiter_settings(), with the arm's name in front.
+  [[nodiscard]] static Result<std::unique_ptr<ArmSession>> create(const config::ArmConfig& arm,
+                                                                  const config::ServoConfig& servo,
+                                                                  const ArmSessionParts& parts);
+
+  [[nodiscard]] servo::ServoLoop& loop() noexcept { return *loop_; }
+  [[nodiscard]] servo::ServoControls& controls() noexcept { return controls_; }
+  [[nodiscard]] const config::ArmConfig& config() const noexcept { return arm_; }
+  [[nodiscard]] const devices::ReplaceableDevice& device() const noexcept { return device_; }
+  // The newest state; what was known before when the servo wrote all the while.
+  [[nodiscard]] const servo::ServoSnapshot& snapshot();
+
+  // A latched stop that waits to be written, if any.
+  [[nodiscard]] std::optional<Recording> take_recording();
+  // Hot-plug: `event` concerns some device; when ours arrives it is looked for at once.
+  void on_bus_event(const bus::BusEvent& event);
+  // Opens a lost arm again as soon as it can be had, trying less and less often, and puts away
+  // what the servo has let go of. `now` is the caller's own time. Errors: the arm is there, but
+  // this try could not open it.
+  Result<void> follow(MonotonicTime now);
+  // Why a returned arm is still lost, for a person; empty when nothing is wrong.
+  [[nodiscard]] const std::string& trouble() const noexcept { return trouble_; }
+
+  // Between tries for a lost arm: doubled each time from the first to the second. Ours: a
+  // freshly plugged device is ready within a second, and a look at the bus costs milliseconds.
+  static constexpr Duration kFirstRetry = std::chrono::milliseconds(50);
+  static constexpr Duration kLongestRetry = std::chrono::seconds(2);
+
+ private:
+  ArmSession(const config::ArmConfig& arm, const ArmSessionParts& parts,
+             std::unique_ptr<HapticDevice> device, std::unique_ptr<coupling::ArmCoupling> coupling);
+
+  [[nodiscard]] bool is_lost_for_servo();
+  Result<void> reopen();
+  void look_at_once();  // when next the arm is lost
+
+  config::ArmConfig arm_;
+  ArmSessionParts parts_;
+  devices::ReplaceableDevice device_;
+  std::unique_ptr<coupling::ArmCoupling> coupling_;
+  servo::ServoControls controls_;
+  std::unique_ptr<servo::ServoLoop> loop_;
+  servo::ServoSnapshot snapshot_{};
+  std::string trouble_;
+  Duration retry_{kFirstRetry};
+  std::optional<MonotonicTime> next_try_;  // nothing: at once
+  std::uint64_t offered_at_tick_{0};
+};
+
+}  // namespace thimble::session
