@@ -1,0 +1,87 @@
+#include "daemon/session/arm_settings.hpp"
+
+#include <algorithm>
+
+#include "daemon/config/endpoint.hpp"
+#include "daemon/coupling/scheme.hpp"
+
+namespace thimble::session {
+
+plugin::DriverSettings driver_settings(const config::ArmConfig& arm) {
+  plugin::DriverSettings settings;
+  settings.model = arm.model.value_or("");
+  settings.amplifier_max_a = arm.amplifier_max_a;
+  // The configuration gives a full address, by serial number or port: it names this device.
+  settings.is_named_by_person = true;
+  return settings;
+}
+
+Result<servo::ServoSettings> servo_settings(const config::ArmConfig& arm,
+                                            const config::ServoConfig& servo,
+                                            const HapticCapabilities& capabilities) {
+  servo::LimitRequest request;
+  request.force_newton = arm.limits.force_newton.value_or(0);
+  request.rise_newton_per_s = arm.limits.rise_newton_per_s;
+  const Result<servo::LimiterSettings> limiter =
+      servo::make_limiter_settings(capabilities, request);
+  if (!limiter) return tl::unexpected(limiter.error());
+
+  servo::ServoSettings settings;
+  settings.rate_hz = servo.rate_hz;
+  settings.limiter = *limiter;
+  if (capabilities.sample_period > Duration::zero()) {
+    settings.freshness.device_period = capabilities.sample_period;
+  }
+  settings.overspeed_m_per_s = arm.limits.overspeed_m_per_s;
+  settings.activation_ramp = from_seconds(arm.limits.ramp_s);
+  settings.is_realtime_required = servo.realtime == config::Realtime::Required;
+  return settings;
+}
+
+Result<std::unique_ptr<coupling::ArmCoupling>> make_coupling(
+    const config::ArmConfig& arm, double cell_m, const HapticCapabilities& capabilities) {
+  const config::CouplingConfig& said = arm.coupling;
+  coupling::GhostPointSettings settings;
+  settings.cell_m = cell_m;
+  // What a person configures stands; it is limited as any wish is.
+  if (const double most = capabilities.max_stiffness_newton_per_m; most > 0) {
+    settings.stiffness.newton_per_m = std::min(settings.stiffness.newton_per_m, most);
+    settings.max_stiffness.newton_per_m = std::min(settings.max_stiffness.newton_per_m, most);
+  }
+  settings.stiffness.newton_per_m =
+      said.stiffness_newton_per_m.value_or(settings.stiffness.newton_per_m);
+  settings.damping.newton_s_per_m =
+      said.damping_newton_s_per_m.value_or(settings.damping.newton_s_per_m);
+  settings.coordinate_spring.newton_per_m =
+      said.coordinate_spring_newton_per_m.value_or(settings.coordinate_spring.newton_per_m);
+  settings.hysteresis_m = said.hysteresis_m.value_or(settings.hysteresis_m);
+  settings.relaxation_m_per_s = said.relaxation_m_per_s.value_or(settings.relaxation_m_per_s);
+  if (said.freeze_after_s) settings.age.freeze_floor = from_seconds(*said.freeze_after_s);
+  if (said.fade_after_s) settings.age.fade_floor = from_seconds(*said.fade_after_s);
+  const auto scheme = said.scheme == config::CouplingScheme::ThesisLiteral
+                          ? coupling::Scheme::ThesisLiteral
+                          : coupling::Scheme::GhostPoint;
+  return coupling::make_arm_coupling(scheme, settings);
+}
+
+Result<link::Endpoint> endpoint(const config::UdpEndpoint& said) {
+  return link::parse_endpoint(config::to_string(said));
+}
+
+link::SendMode send_mode(const config::ArmConfig& arm) {
+  return arm.coupling.mode == config::CouplingMode::LockStep ? link::SendMode::LockStep
+                                                             : link::SendMode::Streamed;
+}
+
+link::ImpairmentSettings impairment_settings(
+    const std::optional<config::ImpairmentConfig>& impairment) {
+  if (!impairment) return {};
+  return {.delay_s = impairment->delay_s,
+          .jitter_s = impairment->jitter_s,
+          .loss = impairment->loss,
+          .duplicate = impairment->duplicate,
+          .reorder = impairment->reorder,
+          .seed = impairment->seed};
+}
+
+}  // namespace thimble::session

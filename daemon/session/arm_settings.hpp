@@ -1,0 +1,30 @@
+#pragma once
+
+#include <memory>
+
+#include "daemon/config/config.hpp"
+#include "daemon/coupling/arm_coupling.hpp"
+#include "daemon/link/endpoint.hpp"
+#include "daemon/link/impairment.hpp"
+#include "daemon/link/send_gate.hpp"
+#include "daemon/servo/servo_loop.hpp"
+#include "hal/base/result.hpp"
+#include "hal/plugin/driver.hpp"
+
+namespace thimble::session {
+
+// What the configuration's words mean to the parts of a session. Pure; the configuration has
+// checked every range, so errors here are about what only the opened arm can tell.
+
+[[nodiscard]] plugin::DriverSettings driver_settings(const config::ArmConfig& arm);
+[[nodiscard]] Result<servo::ServoSettings> servo_settings(const config::ArmConfig& arm,
+                                                          const config::ServoConfig& servo,
+                                                          const HapticCapabilities& capabilities);
+[[nodiscard]] Result<std::unique_ptr<coupling::ArmCoupling>> make_coupling(
+    const config::ArmConfig& arm, double cell_m, const HapticCapabilities& capabilities);
+[[nodiscard]] Result<link::Endpoint> endpoint(const config::UdpEndpoint& said);
+[[nodiscard]] link::SendMode send_mode(const config::ArmConfig& arm);
+[[nodiscard]] link::ImpairmentSettings impairment_settings(
+    const std::optional<config::ImpairmentConfig>& impairment);
+
+}  // namespace thimble::session

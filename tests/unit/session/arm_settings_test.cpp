@@ -1,0 +1,60 @@
+#include "daemon/session/arm_settings.hpp"
+
+#include <gtest/gtest.h>
+
+namespace thimble::session {
+namespace {
+
+constexpr double kDepth_m = 0.001;
+
+HapticCapabilities arm_of(double max_stiffness_newton_per_m) {
+  HapticCapabilities capabilities;
+  capabilities.max_stiffness_newton_per_m = max_stiffness_newton_per_m;
+  return capabilities;
+}
+
+// What a hand at rest feels that a wall let in by a millimetre before the first force.
+double wall_newton(coupling::ArmCoupling& sut, double asked_newton_per_m) {
+  using std::chrono::milliseconds;
+  coupling::ConstraintSet set;
+  set.sequence = set.session = 1;
+  set.planes.push_back({{1, 0, 0}, 0.0, {.stiffness = Stiffness{asked_newton_per_m}}});
+  MonotonicTime now{milliseconds(1)};
+  sut.reset(now, {});
+  coupling::ArmInput input{.now = now,
+                           .dt = milliseconds(1),
+                           .tip = {-kDepth_m, 0, 0},
+                           .fresh = &set,
+                           .link = {true, milliseconds(1), {}}};
+  (void)sut.step(input);
+  input.tip = {kDepth_m, 0, 0};
+  input.fresh = nullptr;
+  input.now = now + milliseconds(1);
+  return -sut.step(input).force.x;
+}
+
+TEST(MakeCoupling, LetsNoWorldAskForMoreThanTheArmCanRender) {
+  const auto soft = make_coupling({}, 0, arm_of(500));
+  const auto unknown = make_coupling({}, 0, arm_of(0));
+  ASSERT_TRUE(soft && unknown);
+  EXPECT_NEAR(wall_newton(**soft, 2000), 500 * kDepth_m, 1e-9);
+  EXPECT_NEAR(wall_newton(**soft, 300), 300 * kDepth_m, 1e-9);
+  EXPECT_NEAR(wall_newton(**unknown, 2000), 2000 * kDepth_m, 1e-9);
+}
+
+TEST(MakeCoupling, BringsItsOwnWallsDownToTheArm) {
+  const auto sut = make_coupling({}, 0, arm_of(500));
+  ASSERT_TRUE(sut);
+  EXPECT_NEAR(wall_newton(**sut, -1), 500 * kDepth_m, 1e-9);
+}
+
+TEST(MakeCoupling, LeavesWhatAPersonConfigured) {
+  config::ArmConfig arm;
+  arm.coupling.stiffness_newton_per_m = 1500;
+  const auto sut = make_coupling(arm, 0, arm_of(500));
+  ASSERT_TRUE(sut);
+  EXPECT_NEAR(wall_newton(**sut, -1), 1500 * kDepth_m, 1e-9);
+}
+
+}  // namespace
+}  // namespace thimble::session
