@@ -1,0 +1,92 @@
+#include "daemon/session/combination.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "daemon/world/voxel_world.hpp"
+#include "tests/unit/coupling/fake_box.hpp"
+
+namespace thimble::session {
+namespace {
+
+using Row = std::vector<std::string>;
+
+Row cells_of(const std::string& line) {
+  Row cells;
+  std::istringstream in(line.substr(1));
+  for (std::string cell; std::getline(in, cell, '|');) {
+    const auto first = cell.find_first_not_of(' ');
+    const auto last = cell.find_last_not_of(' ');
+    cells.push_back(first == std::string::npos ? "" : cell.substr(first, last - first + 1));
+  }
+  return cells;
+}
+
+// The rows of the page's matrix by the name of the world; its header under "world".
+std::map<std::string, Row> matrix() {
+  std::ifstream page(THIMBLE_SOURCE_DIR "/docs/worlds-and-schemes.md");
+  std::map<std::string, Row> rows;
+  for (std::string line; std::getline(page, line);) {
+    if (!line.starts_with("| world |") && rows.empty()) continue;
+    if (!line.starts_with("|")) break;
+    const Row cells = cells_of(line);
+    rows.emplace(cells.front(), cells);
+  }
+  return rows;
+}
+
+const std::map<std::string, Row>& page() {
+  static const std::map<std::string, Row> kRows = matrix();
+  return kRows;
+}
+
+// What the page says of a world and a column: empty, or the words after "refused: ".
+std::string reason_on_page(const std::string& world, const std::string& column) {
+  const Row& header = page().at("world");
+  for (std::size_t i = 1; i < header.size(); ++i) {
+    if (header[i] != column) continue;
+    const std::string& said = page().at(world)[i];
+    EXPECT_TRUE(said == "there" || said.starts_with("refused: ")) << said;
+    return said == "there" ? "" : said.substr(std::string("refused: ").size());
+  }
+  ADD_FAILURE() << "no column " << column;
+  return {};
+}
+
+void expect_as_on_page(const std::string& world, const std::string& column,
+                       const Result<void>& result) {
+  const std::string reason = reason_on_page(world, column);
+  EXPECT_EQ(result.has_value(), reason.empty()) << world << ", " << column;
+  if (result || reason.empty()) return;
+  EXPECT_EQ(result.error().code, Errc::Unsupported);
+  EXPECT_NE(result.error().message.find(reason), std::string::npos) << result.error().message;
+}
+
+TEST(Combination, IsAcceptedOrRefusedWithItsReasonAsTheMatrixSays) {
+  const world::VoxelWorld with_cells(world::make_box(3).value(), "box:3");
+  const coupling::testing::FakeBox without_cells(0.015);
+  const std::map<std::string, const world::World*> worlds{{"with cells", &with_cells},
+                                                          {"without cells", &without_cells}};
+  ASSERT_EQ(page().at("world").size(), 6U) << "a new column needs a line here";
+  for (const auto& [name, world] : worlds) {
+    config::WorldConfig said;
+    config::CouplingConfig arm;
+    expect_as_on_page(name, "model `ghost-point`", check_combination(*world, said));
+    expect_as_on_page(name, "scheme `ghost-point`", check_combination(*world, arm));
+    arm.scheme = config::CouplingScheme::ThesisLiteral;
+    expect_as_on_page(name, "scheme `thesis-literal`", check_combination(*world, arm));
+    said.listen = config::UdpEndpoint{"127.0.0.1", 5001};
+    expect_as_on_page(name, "`listen`", check_combination(*world, said));
+    said.listen.reset();
+    said.constraint_model = config::ConstraintModel::Simple;
+    expect_as_on_page(name, "model `simple`", check_combination(*world, said));
+  }
+}
+
+}  // namespace
+}  // namespace thimble::session
