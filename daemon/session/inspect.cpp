@@ -1,0 +1,128 @@
+#include "daemon/session/inspect.hpp"
+
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "daemon/config/report.hpp"
+#include "daemon/devices/arm_opener.hpp"
+#include "daemon/session/arm_settings.hpp"
+#include "daemon/session/world_settings.hpp"
+#include "daemon/world/io/world_source.hpp"
+
+namespace thimble::session {
+namespace {
+
+using config::Objection;
+
+constexpr std::string_view kSimScheme = "sim:";
+// Any that every driver takes; to learn whether it is the current that a driver dislikes.
+constexpr double kHarmlessCurrent_a = 1;
+
+class ArmInspection {
+ public:
+  ArmInspection(const config::Config& config, std::size_t index, const RigParts& parts)
+      : servo_(config.servo), arm_(config.arms[index]), index_(index), parts_(parts) {}
+
+  [[nodiscard]] std::vector<Objection> run() && {
+    if (!arm_.device.empty()) inspect_device();
+    return std::move(objections_);
+  }
+
+ private:
+  void object(std::string key, std::string message) {
+    objections_.push_back({Objection::Table::Arm, index_, std::move(key), std::move(message)});
+  }
+
+  void inspect_device() {
+    if (!std::string_view(arm_.device).starts_with(kSimScheme)) {
+      if (parts_.real_buses != nullptr) return;  // it may be plugged in later
+      const std::string bus = arm_.device.substr(0, arm_.device.find(':'));
+      return object("device",
+                    "expected a simulated device such as \"sim:phantom-vintage\", since " +
+                        ("this version has no " + bus) + " bus yet; found " +
+                        config::in_quotes(arm_.device));
+    }
+    const plugin::SimModelEntry* entry = parts_.models.find(arm_.device.substr(kSimScheme.size()));
+    if (entry == nullptr) {
+      std::string known;
+      for (const auto& model : parts_.models.entries()) known += " sim:" + model.name;
+      return object("device",
+                    "expected one of" + known + "; found " + config::in_quotes(arm_.device));
+    }
+    inspect_settings(*entry);
+    if (objections_.empty()) inspect_session();
+  }
+
+  [[nodiscard]] Result<void> match(const plugin::SimModelEntry& entry,
+                                   const config::ArmConfig& arm) const {
+    const auto model = entry.create_hid({});
+    if (!model) return tl::unexpected(model.error());
+    bus::BusDeviceInfo info = (*model)->describe();
+    info.address = {arm.device};
+    const auto driver = parts_.drivers.match(info, driver_settings(arm));
+    if (!driver) return tl::unexpected(driver.error());
+    return {};
+  }
+
+  // A driver names the first thing that it dislikes: which key that is shows in what it says when
+  // the key is put right; then the next.
+  void inspect_settings(const plugin::SimModelEntry& entry) {
+    config::ArmConfig arm = arm_;
+    Result<void> matched = match(entry, arm);
+    const auto try_without = [&](std::string key, const config::ArmConfig& changed) {
+      if (matched) return;
+      Result<void> now = match(entry, changed);
+      if (!now && now.error() == matched.error()) return;
+      object(std::move(key), matched.error().message);
+      arm = changed;
+      matched = std::move(now);
+    };
+    config::ArmConfig changed = arm;
+    changed.amplifier_max_a = kHarmlessCurrent_a;
+    try_without("amplifier_max_a", changed);
+    changed = arm;
+    changed.model.reset();
+    try_without("model", changed);
+    if (!matched) object("device", matched.error().message);
+  }
+
+  // The session as it would be made, but for its link: on a simulated bus nothing is touched.
+  void inspect_session() {
+    const auto sim_arm = SimArm::create(parts_.models, arm_);
+    if (!sim_arm) return object("hand", sim_arm.error().message);
+    const auto device = devices::open_arm((*sim_arm)->buses(), parts_.drivers, {arm_.device},
+                                          driver_settings(arm_));
+    if (!device) return object("device", device.error().message);
+    const auto settings = servo_settings(arm_, servo_, (*device)->capabilities());
+    if (!settings) object("limits", settings.error().message);
+    const auto coupling = make_coupling(arm_, 0, (*device)->capabilities());
+    if (!coupling) object("coupling", coupling.error().message);
+  }
+
+  const config::ServoConfig& servo_;
+  const config::ArmConfig& arm_;
+  std::size_t index_;
+  const RigParts& parts_;
+  std::vector<Objection> objections_;
+};
+
+}  // namespace
+
+std::vector<Objection> inspect(const config::Config& config, const RigParts& parts) {
+  std::vector<Objection> out;
+  for (std::size_t i = 0; i < config.arms.size(); ++i) {
+    for (Objection& objection : ArmInspection(config, i, parts).run()) {
+      out.push_back(std::move(objection));
+    }
+  }
+  for (std::size_t i = 0; i < config.worlds.size(); ++i) {
+    const config::WorldConfig& said = config.worlds[i];
+    if (said.source.empty()) continue;
+    const Result<void> checked = world::check_world(said.source, volume_options(said));
+    if (!checked) out.push_back({Objection::Table::World, i, "source", checked.error().message});
+  }
+  return out;
+}
+
+}  // namespace thimble::session

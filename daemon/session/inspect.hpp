@@ -1,0 +1,18 @@
+#pragma once
+
+#include <vector>
+
+#include "daemon/config/load.hpp"
+#include "daemon/session/arm_rig.hpp"
+
+namespace thimble::session {
+
+// What Runtime::create() would stumble over, all of it at once and by its keys: devices that this
+// build cannot reach, models, limits, persons and volumes that cannot be. Opens no device and no
+// socket, loads no volume (of a file it reads the header): numbers within a file, taken ports and
+// missing rights are found only at the start.
+// Thread: control plane. Not RT.
+[[nodiscard]] std::vector<config::Objection> inspect(const config::Config& config,
+                                                     const RigParts& parts);
+
+}  // namespace thimble::session
