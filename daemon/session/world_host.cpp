@@ -1,0 +1,93 @@
+#include "daemon/session/world_host.hpp"
+
+#include <utility>
+
+#include "daemon/coupling/constraint_model.hpp"
+#include "daemon/link/udp_world_server.hpp"
+#include "daemon/session/arm_settings.hpp"
+#include "daemon/session/combination.hpp"
+#include "daemon/session/world_settings.hpp"
+#include "daemon/world/io/world_source.hpp"
+
+namespace thimble::session {
+
+// The world half for the one peer that the 1999 datagrams know, and its socket.
+class WorldHost::Listener {
+ public:
+  explicit Listener(std::unique_ptr<coupling::WorldCoupling> world_half)
+      : world_half_(std::move(world_half)) {}
+
+  [[nodiscard]] Result<void> open(const config::WorldConfig& said, const RigParts& parts) {
+    Result<link::UdpWorldServer::Settings> settings = server_settings(said);
+    if (!settings) return tl::unexpected(settings.error());
+    Result<std::unique_ptr<link::UdpWorldServer>> server =
+        link::UdpWorldServer::open(*parts.io, *parts.real_clock, *settings, *world_half_);
+    if (!server) return tl::unexpected(server.error());
+    server_ = *std::move(server);
+    return {};
+  }
+  [[nodiscard]] link::LinkStatus status() const { return server_->status(); }
+
+ private:
+  static Result<link::UdpWorldServer::Settings> server_settings(const config::WorldConfig& said) {
+    link::UdpWorldServer::Settings settings;
+    const Result<link::Endpoint> bind = endpoint(*said.listen);
+    if (!bind) return tl::unexpected(bind.error());
+    settings.bind = *bind;
+    settings.allow_unauthenticated = said.allow_unauthenticated;
+    settings.impairment = impairment_settings(said.impairment);
+    if (!said.peer) return settings;
+    const Result<link::Endpoint> peer = endpoint({*said.peer, 0});
+    if (!peer) return tl::unexpected(peer.error());
+    settings.pinned_peer = *peer;
+    return settings;
+  }
+
+  std::unique_ptr<coupling::WorldCoupling> world_half_;
+  std::unique_ptr<link::UdpWorldServer> server_;
+};
+
+WorldHost::WorldHost() = default;
+WorldHost::~WorldHost() = default;
+
+Result<std::unique_ptr<WorldHost>> WorldHost::create(const config::WorldConfig& said,
+                                                     const RigParts& parts) {
+  const std::string name = "world '" + said.name + "'";
+  // The constructor is private, so make_unique cannot reach it.
+  std::unique_ptr<WorldHost> host(new WorldHost());
+  host->name_ = said.name;
+  host->model_ = said.constraint_model;
+  Result<std::unique_ptr<world::World>> world =
+      world::make_world(said.source, volume_options(said));
+  if (!world) return tl::unexpected(world.error().in(name));
+  host->world_ = *std::move(world);
+  if (const auto good = check_combination(*host->world_, said); !good) {
+    return tl::unexpected(good.error().in(name));
+  }
+  if (!said.listen) return host;
+  if (parts.io == nullptr || parts.real_clock == nullptr) {
+    return fail(Errc::Unsupported, name + ": a world listens only in real time");
+  }
+  auto world_half = host->make_world_half(parts.first_session);
+  if (!world_half) return tl::unexpected(world_half.error().in(name));
+  auto listener = std::make_unique<Listener>(*std::move(world_half));
+  const Result<void> opened = listener->open(said, parts);
+  if (!opened) return tl::unexpected(opened.error().in(name));
+  host->listener_ = std::move(listener);
+  return host;
+}
+
+Result<std::unique_ptr<coupling::WorldCoupling>> WorldHost::make_world_half(
+    std::uint32_t first_session) {
+  const auto model = model_ == config::ConstraintModel::Simple
+                         ? coupling::ConstraintModel::Simple
+                         : coupling::ConstraintModel::GhostPoint;
+  return coupling::make_world_coupling(model, *world_, first_session);
+}
+
+std::optional<link::LinkStatus> WorldHost::listener_status() const {
+  if (!listener_) return std::nullopt;
+  return listener_->status();
+}
+
+}  // namespace thimble::session

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "daemon/config/config.hpp"
+#include "daemon/coupling/world_coupling.hpp"
+#include "daemon/link/link_counters.hpp"
+#include "daemon/session/arm_rig.hpp"
+#include "daemon/world/world.hpp"
+#include "hal/base/result.hpp"
+
+namespace thimble::session {
+
+// A world of the configuration, and the listener that offers it to arms of other hosts where
+// it has one.
+//
+// Thread: the net plane's one thread. Ownership: must outlive the links into the world.
+class WorldHost {
+ public:
+  // Errors: the source cannot be loaded, or the address not bound; named by world.
+  [[nodiscard]] static Result<std::unique_ptr<WorldHost>> create(const config::WorldConfig& world,
+                                                                 const RigParts& parts);
+  ~WorldHost();
+
+  [[nodiscard]] const std::string& name() const noexcept { return name_; }
+  [[nodiscard]] world::World& world() noexcept { return *world_; }
+  [[nodiscard]] const world::World& world() const noexcept { return *world_; }
+  // What answers one arm in this world, which must outlive it; sessions are numbered from
+  // `first_session` up. Errors: as coupling::make_world_coupling().
+  [[nodiscard]] Result<std::unique_ptr<coupling::WorldCoupling>> make_world_half(
+      std::uint32_t first_session);
+  // Nothing where the world does not listen.
+  [[nodiscard]] std::optional<link::LinkStatus> listener_status() const;
+
+ private:
+  class Listener;
+  WorldHost();
+
+  std::string name_;
+  config::ConstraintModel model_{config::ConstraintModel::GhostPoint};
+  std::unique_ptr<world::World> world_;
+  std::unique_ptr<Listener> listener_;  // last: it uses the world
+};
+
+}  // namespace thimble::session
