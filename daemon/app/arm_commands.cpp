@@ -1,0 +1,184 @@
+#include "daemon/app/arm_commands.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace thimble::app {
+namespace {
+
+std::string named(const session::ArmSession& session) {
+  return "arm '" + session.config().name + "'";
+}
+
+std::string told(const Fault& fault) {
+  return std::string(to_string(fault.code)) + ": " + std::string(explain(fault.code));
+}
+
+// Why an arm in this state cannot come to be driven, whoever asks; success: it may.
+Result<void> check_drivable(session::ArmSession& session) {
+  const servo::ServoSnapshot& seen = session.snapshot();
+  if (seen.frame.state == OperatingState::Fault) {
+    return fail(Errc::Busy, named(session) + " stands still after a fault (" + told(seen.fault) +
+                                "); nothing moves it before that fault is cleared");
+  }
+  if (seen.frame.state == OperatingState::Lost) {
+    const std::string& why = session.trouble().empty() ? told(seen.fault) : session.trouble();
+    return fail(Errc::Disconnected, named(session) + " is lost (" + why + ")");
+  }
+  return {};
+}
+
+}  // namespace
+
+void ArmCommands::activate(std::string_view arm, api::ClientId client, api::Answer answer) {
+  const Result<std::size_t> index = leases_.find(arm);
+  if (!index) return answer(tl::unexpected(index.error()));
+  if (const Result<void> possible = check_drivable(session(*index)); !possible) {
+    return answer(tl::unexpected(possible.error()));
+  }
+  const bool is_new_lease = leases_.holder(*index) == Leases::Holder::Nobody;
+  if (const Result<Leases::Grant> grant = leases_.acquire(arm, client.value); !grant) {
+    return answer(tl::unexpected(grant.error()));
+  }
+  apply_leases();
+  Wait wait;
+  wait.kind = Kind::Activate;
+  wait.arm = *index;
+  wait.client = client;
+  wait.asked_at_tick = session(*index).snapshot().frame.tick;
+  wait.is_new_lease = is_new_lease;
+  wait.until = clock_.now() + kPatience;
+  wait.answer = std::move(answer);
+  waits_.push_back(std::move(wait));
+}
+
+void ArmCommands::deactivate(std::string_view arm, api::ClientId, api::Answer answer) {
+  if (const Result<void> released = leases_.release(arm); !released) {
+    return answer(tl::unexpected(released.error()));
+  }
+  apply_leases();
+  answer(done(*leases_.find(arm)));
+}
+
+void ArmCommands::clear_fault(std::string_view arm, api::ClientId client, api::Answer answer) {
+  const Result<std::size_t> index = leases_.find(arm);
+  if (!index) return answer(tl::unexpected(index.error()));
+  session::ArmSession& asked = session(*index);
+  const servo::ServoSnapshot& seen = asked.snapshot();
+  if (seen.frame.state == OperatingState::Lost) {
+    return answer(
+        fail(Errc::Disconnected, named(asked) + " is lost (" + told(seen.fault) +
+                                     "); what is latched can be cleared when it is back"));
+  }
+  if (seen.frame.state != OperatingState::Fault) {
+    return answer(fail(Errc::Busy, named(asked) + " has no latched fault"));
+  }
+  Wait wait;
+  wait.kind = Kind::ClearFault;
+  wait.arm = *index;
+  wait.client = client;
+  wait.asked_at_tick = seen.frame.tick;
+  wait.fault = seen.fault.number;
+  wait.clear_id = asked.controls().request_clear(wait.fault);
+  wait.until = clock_.now() + kPatience;
+  wait.answer = std::move(answer);
+  waits_.push_back(std::move(wait));
+}
+
+void ArmCommands::client_gone(api::ClientId client) {
+  for (const Wait& wait : waits_) {
+    if (wait.client == client) withdraw(wait);  // nobody is left to be told what comes of it
+  }
+  std::erase_if(waits_, [&](const Wait& wait) { return wait.client == client; });
+  if (!leases_.drop_client(client.value).empty()) apply_leases();
+}
+
+void ArmCommands::poll() {
+  // Taken out first: an answer may bring the next command, or the end of its client.
+  std::vector<std::pair<api::Answer, Result<api::Done>>> answers;
+  for (std::size_t i = 0; i < waits_.size();) {
+    Verdict verdict = judge(waits_[i]);
+    if (!verdict) {
+      ++i;
+      continue;
+    }
+    if (!*verdict) withdraw(waits_[i]);
+    answers.emplace_back(std::move(waits_[i].answer), *std::move(verdict));
+    waits_.erase(waits_.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+  for (const auto& [answer, verdict] : answers) answer(verdict);
+}
+
+ArmCommands::Verdict ArmCommands::judge(const Wait& wait) {
+  session::ArmSession& asked = session(wait.arm);
+  const servo::ServoSnapshot& seen = asked.snapshot();
+  // The tick after the next one has surely begun after the command.
+  const bool is_seen_since = seen.frame.tick >= wait.asked_at_tick + 2;
+  if (is_seen_since) {
+    Verdict verdict =
+        wait.kind == Kind::Activate ? judge_activation(wait, seen) : judge_clearing(wait, seen);
+    if (verdict) return verdict;
+  }
+  if (clock_.now() < wait.until) return std::nullopt;
+  if (!is_seen_since || wait.kind == Kind::ClearFault) {
+    return fail(Errc::Timeout, named(asked) + ": its servo does not run");
+  }
+  std::string why = named(asked) + " did not become active in time: it is " +
+                    std::string(to_string(seen.frame.state));
+  if (seen.frame.calibration == CalibrationState::Unknown || seen.frame.is_stale) {
+    why += " and does not report its position; check its power and cable";
+  }
+  return fail(Errc::Timeout, std::move(why));
+}
+
+ArmCommands::Verdict ArmCommands::judge_activation(const Wait& wait,
+                                                   const servo::ServoSnapshot& seen) {
+  if (!leases_.is_held_for(wait.arm, wait.client.value)) {
+    return fail(Errc::Busy, named(session(wait.arm)) + " was deactivated meanwhile");
+  }
+  if (const Result<void> possible = check_drivable(session(wait.arm)); !possible) {
+    return tl::unexpected(possible.error());
+  }
+  const bool is_up_to_person = seen.frame.state == OperatingState::Calibrating &&
+                               seen.frame.calibration == CalibrationState::NeedsUser;
+  if (seen.frame.state == OperatingState::Active || is_up_to_person) return done(wait.arm);
+  return std::nullopt;
+}
+
+ArmCommands::Verdict ArmCommands::judge_clearing(const Wait& wait,
+                                                 const servo::ServoSnapshot& seen) {
+  // Ids may wrap; a later request of the same fault speaks for this one, too.
+  if (static_cast<std::int32_t>(seen.clear_answered - wait.clear_id) < 0) return std::nullopt;
+  const std::string name = named(session(wait.arm));
+  if (seen.frame.state != OperatingState::Fault) return done(wait.arm);
+  if (seen.fault.number != wait.fault) {
+    return fail(Errc::Busy, name + " was cleared, and stopped again (" + told(seen.fault) + ")");
+  }
+  return fail(Errc::Busy, name + " stays in its fault (" + std::string(to_string(seen.fault.code)) +
+                              "): " + std::string(explain(FaultCode::Estop)));
+}
+
+// What did not come true shall not come true later, unasked.
+void ArmCommands::withdraw(const Wait& wait) {
+  servo::ServoControls& controls = session(wait.arm).controls();
+  if (wait.kind == Kind::ClearFault) {
+    if (controls.clear_request.load().id == wait.clear_id) controls.request_clear(0);
+  } else if (wait.is_new_lease && leases_.is_held_for(wait.arm, wait.client.value)) {
+    static_cast<void>(leases_.release(session(wait.arm).config().name));
+    apply_leases();
+  }
+}
+
+api::Done ArmCommands::done(std::size_t arm) {
+  session::ArmSession& asked = session(arm);
+  return {std::string(to_string(asked.snapshot().frame.state)),
+          std::string(asked.device().calibration_instruction())};
+}
+
+void ArmCommands::apply_leases() {
+  for (std::size_t i = 0; i < runtime_.arms().size(); ++i) {
+    session(i).controls().want_active = leases_.holder(i) != Leases::Holder::Nobody;
+  }
+}
+
+}  // namespace thimble::app

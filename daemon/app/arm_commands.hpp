@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/api/commands.hpp"
+#include "daemon/app/leases.hpp"
+#include "daemon/session/runtime.hpp"
+#include "hal/base/time.hpp"
+
+namespace thimble::app {
+
+// Carries out what clients ask of arms, and answers with what was then seen of the servo: an
+// activation when the arm is active or waits for a person to calibrate it, a cleared fault when
+// the arm has left it. What cannot come true is refused at once, with the cause.
+//
+// Thread: the net plane's one thread. Not RT.
+// Ownership: runtime, leases and clock must outlive it; the clock never decides about an arm,
+//            it only bounds how long a client waits.
+class ArmCommands final : public api::Commands {
+ public:
+  ArmCommands(session::Runtime& runtime, Leases& leases, const Clock& clock)
+      : runtime_(runtime), leases_(leases), clock_(clock) {}
+
+  void activate(std::string_view arm, api::ClientId client, api::Answer answer) override;
+  void deactivate(std::string_view arm, api::ClientId client, api::Answer answer) override;
+  void clear_fault(std::string_view arm, api::ClientId client, api::Answer answer) override;
+  void client_gone(api::ClientId client) override;
+
+  // Answers those whose command has come true or never will. Call it every few ms.
+  void poll();
+
+  // A controller that was just plugged in starts within 1 s; the command line waits 5 s. Ours.
+  static constexpr Duration kPatience = std::chrono::seconds(2);
+
+ private:
+  enum class Kind : std::uint8_t { Activate, ClearFault };
+  struct Wait {
+    Kind kind{};
+    std::size_t arm{0};
+    api::ClientId client{};
+    std::uint64_t asked_at_tick{0};
+    std::uint32_t fault{0};     // ClearFault: number of the fault
+    std::uint32_t clear_id{0};  // ClearFault: of the request
+    bool is_new_lease{false};   // Activate: this command took the lease
+    MonotonicTime until{};
+    api::Answer answer;
+  };
+  using Verdict = std::optional<Result<api::Done>>;  // nothing: not yet
+
+  [[nodiscard]] session::ArmSession& session(std::size_t arm) {
+    return runtime_.arms()[arm]->session();
+  }
+  [[nodiscard]] Verdict judge(const Wait& wait);
+  [[nodiscard]] Verdict judge_activation(const Wait& wait, const servo::ServoSnapshot& seen);
+  [[nodiscard]] Verdict judge_clearing(const Wait& wait, const servo::ServoSnapshot& seen);
+  void withdraw(const Wait& wait);
+  [[nodiscard]] api::Done done(std::size_t arm);
+  void apply_leases();
+
+  session::Runtime& runtime_;
+  Leases& leases_;
+  const Clock& clock_;
+  std::vector<Wait> waits_;
+};
+
+}  // namespace thimble::app
