@@ -1,0 +1,202 @@
+#include "daemon/app/daemon.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <csignal>
+#include <utility>
+
+#include "daemon/app/recording_folder.hpp"
+#include "daemon/app/status_source.hpp"
+#include "daemon/config/paths.hpp"
+
+namespace thimble::app {
+namespace {
+
+// How soon a person learns of a stop or an arrival; far from any loop of the servo.
+constexpr Duration kSupervision = std::chrono::milliseconds(20);
+
+Leases leases_of(const config::Config& config) {
+  std::vector<Leases::Arm> arms;
+  for (const config::ArmConfig& arm : config.arms) arms.push_back({arm.name, arm.activate});
+  return Leases(arms);
+}
+
+api::ServerSettings server_settings(const config::Config& config) {
+  api::ServerSettings settings;
+  settings.socket_path =
+      config.daemon.socket.value_or(config::default_socket_path(config::process_environment()));
+  settings.socket_mode = config.daemon.socket_mode;
+  settings.group = config.daemon.group.value_or("");
+  return settings;
+}
+
+}  // namespace
+
+Daemon::Daemon(const config::Config& config, const Options& options)
+    : config_(config), options_(options), started_(clock_.now()), leases_(leases_of(config)) {}
+
+Daemon::~Daemon() {
+  threads_.reset();
+  // Handlers that wait hold no resources of their own, but the descriptor is the wake's.
+  if (wake_descriptor_.is_open()) wake_descriptor_.release();
+}
+
+Result<void> Daemon::start(const linux::RealtimeProcess& process) {
+  // First, so that a signal during start-up finds its handler and the socket file goes again.
+  wait_for_signals();
+  Result<std::unique_ptr<linux::EventFd>> wake = linux::EventFd::create();
+  if (!wake) return tl::unexpected(wake.error());
+  wake_ = *std::move(wake);
+  wake_descriptor_.assign(wake_->fd());
+  recorder_ = std::make_unique<RecordingWriter>(config_.daemon.flight_directory.value_or(
+      config::default_flight_directory(config::process_environment())));
+
+  session::RigParts parts{plugins_.models, plugins_.drivers};
+  parts.real_clock = &clock_;
+  parts.stopwatch = &clock_;
+  parts.wake = wake_.get();
+  parts.io = &io_;
+  // Sixteenths of a second of the machine's uptime: larger after a restart of the daemon.
+  parts.first_session = static_cast<std::uint32_t>(seconds(clock_.now().since_epoch) * 16.0) + 1;
+  Result<std::unique_ptr<session::Runtime>> runtime = session::Runtime::create(config_, parts);
+  if (!runtime) return tl::unexpected(runtime.error());
+  runtime_ = *std::move(runtime);
+  commands_.emplace(*runtime_, leases_, clock_);
+
+  Result<std::unique_ptr<api::Server>> server =
+      api::Server::create(io_, server_settings(config_), *this, *commands_);
+  if (!server) return tl::unexpected(server.error());
+  server_ = *std::move(server);
+
+  wait_for_wake();
+  Result<std::unique_ptr<ServoThreads>> threads =
+      ServoThreads::start(config_.servo, *runtime_, process);
+  if (!threads) return tl::unexpected(threads.error());
+  threads_ = *std::move(threads);
+  for (const std::string& right : threads_->missing()) spdlog::warn("degraded: {}", right);
+  return {};
+}
+
+void Daemon::run() {
+  if (options_.for_s) {
+    end_timer_.expires_after(from_seconds(*options_.for_s));
+    end_timer_.async_wait([this](const boost::system::error_code& error) {
+      if (!error) io_.stop();
+    });
+  }
+  supervise();
+  notifier_.ready("running");
+  spdlog::info("ready: {} arm(s), {} world(s), socket {}", runtime_->arms().size(),
+               runtime_->worlds().size(), server_settings(config_).socket_path);
+  io_.run();
+  notifier_.stopping();
+  threads_->stop();
+  take_recordings();
+  recorder_->flush();
+  take_recordings();
+}
+
+void Daemon::wait_for_signals() {
+  signals_.add(SIGINT);
+  signals_.add(SIGTERM);
+  signals_.add(SIGHUP);  // the terminal was closed, or the connection to it lost
+  signals_.async_wait([this](const boost::system::error_code& error, int number) {
+    if (error) return;
+    spdlog::info("{}: stopping", number == SIGINT   ? "interrupted"
+                                 : number == SIGHUP ? "the terminal is gone"
+                                                    : "terminated");
+    io_.stop();
+  });
+}
+
+void Daemon::wait_for_wake() {
+  wake_descriptor_.async_wait(boost::asio::posix::stream_descriptor::wait_read,
+                              [this](const boost::system::error_code& error) {
+                                if (error) return;
+                                wake_->drain();
+                                pump();
+                                wait_for_wake();
+                              });
+}
+
+void Daemon::pump() {
+  const std::optional<MonotonicTime> due = runtime_->pump(clock_.now());
+  if (!due) return;
+  pump_timer_.expires_after(*due - clock_.now());
+  pump_timer_.async_wait([this](const boost::system::error_code& error) {
+    if (!error) pump();
+  });
+}
+
+void Daemon::supervise() {
+  for (const Error& trouble : runtime_->follow_buses(clock_.now())) {
+    spdlog::warn("{}; trying again", trouble.message);
+  }
+  for (std::size_t i = 0; i < runtime_->arms().size(); ++i) {
+    lateness_.note(i, clock_.now(), runtime_->arms()[i]->session().snapshot().overruns);
+  }
+  commands_->poll();
+  take_recordings();
+  tell_service_manager();
+  pet_watchdog();
+  notifier_.retry();
+  supervise_timer_.expires_after(kSupervision);
+  supervise_timer_.async_wait([this](const boost::system::error_code& error) {
+    if (!error) supervise();
+  });
+}
+
+// One line for `systemctl status`, told when it changes: "right active; left fault (overspeed)".
+void Daemon::tell_service_manager() {
+  std::string line;
+  for (const auto& arm : runtime_->arms()) {
+    const servo::ServoSnapshot& snapshot = arm->session().snapshot();
+    if (!line.empty()) line += "; ";
+    line += arm->session().config().name + " " + std::string(to_string(snapshot.frame.state));
+    if (snapshot.fault.code != FaultCode::None) {
+      line += " (" + std::string(to_string(snapshot.fault.code)) + ")";
+    }
+  }
+  if (line.empty() || line == told_) return;
+  told_ = line;
+  notifier_.status(line);
+}
+
+void Daemon::take_recordings() {
+  for (const auto& arm : runtime_->arms()) {
+    std::optional<session::Recording> recording = arm->session().take_recording();
+    if (!recording) continue;
+    spdlog::error("arm '{}' stopped: {}", recording->header.arm,
+                  explain(recording->header.fault.code));
+    recorder_->write(*std::move(recording));
+  }
+  for (const RecordingWriter::Outcome& outcome : recorder_->finished()) {
+    recordings_[outcome.arm] = outcome.path.empty() ? outcome.error : outcome.path;
+    if (outcome.path.empty()) {
+      spdlog::error("the flight recording of arm '{}' could not be written: {}", outcome.arm,
+                    outcome.error);
+    } else {
+      spdlog::info("flight recording of arm '{}': {}", outcome.arm, outcome.path);
+      if (outcome.removed > 0) {
+        spdlog::info("removed {} old flight recording(s): the newest {} are kept", outcome.removed,
+                     kMaxRecordings);
+      }
+    }
+  }
+}
+
+void Daemon::pet_watchdog() {
+  const std::optional<Duration> interval = notifier_.watchdog_interval();
+  if (!interval || clock_.now() < watchdog_due_) return;
+  // A servo that hangs must end in a restart: only a moving one is worth a ping.
+  if (!threads_->have_all_ticked()) return;
+  notifier_.alive();
+  watchdog_due_ = clock_.now() + *interval / 2;
+}
+
+api::Status Daemon::status() const {
+  return collect_status(*runtime_,
+                        {leases_, threads_.get(), recordings_, lateness_, started_, clock_.now()});
+}
+
+}  // namespace thimble::app

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/posix/stream_descriptor.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "daemon/api/server.hpp"
+#include "daemon/api/status_view.hpp"
+#include "daemon/app/arm_commands.hpp"
+#include "daemon/app/lateness_watch.hpp"
+#include "daemon/app/leases.hpp"
+#include "daemon/app/options.hpp"
+#include "daemon/app/recording_writer.hpp"
+#include "daemon/app/service_notifier.hpp"
+#include "daemon/app/servo_threads.hpp"
+#include "daemon/config/config.hpp"
+#include "daemon/session/plugins.hpp"
+#include "daemon/session/runtime.hpp"
+#include "hal/linux/event_fd.hpp"
+#include "hal/linux/monotonic_clock.hpp"
+
+namespace thimble::app {
+
+// The running daemon: the net and control planes on one thread, one servo thread per arm.
+//
+// Thread: made, run and destroyed on the main thread. Not RT.
+// Errors: start() gives the first thing that is missing; afterwards nothing ends it but a
+//         signal, --for or the service manager.
+class Daemon final : private api::StatusView {
+ public:
+  Daemon(const config::Config& config, const Options& options);
+  ~Daemon() override;
+
+  [[nodiscard]] Result<void> start(const linux::RealtimeProcess& process);
+  // Serves until told to stop; then every force has ramped to zero and all is written.
+  void run();
+  // The status at the end, for --summary.
+  [[nodiscard]] api::Status final_status() const { return status(); }
+
+ private:
+  [[nodiscard]] api::Status status() const override;
+
+  void wait_for_signals();
+  void wait_for_wake();
+  void pump();
+  void supervise();
+  void take_recordings();
+  void tell_service_manager();
+  void pet_watchdog();
+
+  config::Config config_;
+  Options options_;
+  linux::MonotonicClock clock_;
+  MonotonicTime started_;
+  session::Plugins plugins_;
+  Leases leases_;
+  LatenessWatch lateness_;
+  std::map<std::string, std::string> recordings_;  // newest path (or trouble) by arm
+
+  boost::asio::io_context io_{1};
+  boost::asio::signal_set signals_{io_};
+  boost::asio::steady_timer pump_timer_{io_};
+  boost::asio::steady_timer supervise_timer_{io_};
+  boost::asio::steady_timer end_timer_{io_};
+  std::unique_ptr<linux::EventFd> wake_;
+  boost::asio::posix::stream_descriptor wake_descriptor_{io_};
+  ServiceNotifier notifier_;
+  MonotonicTime watchdog_due_{};
+  std::string told_;  // to the service manager
+
+  std::unique_ptr<RecordingWriter> recorder_;
+  std::unique_ptr<session::Runtime> runtime_;
+  std::optional<ArmCommands> commands_;
+  std::unique_ptr<api::Server> server_;
+  std::unique_ptr<ServoThreads> threads_;  // last: stops first
+};
+
+}  // namespace thimble::app
