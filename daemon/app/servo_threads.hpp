@@ -1,0 +1,46 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "daemon/config/config.hpp"
+#include "daemon/session/runtime.hpp"
+#include "hal/base/result.hpp"
+#include "hal/linux/realtime_process.hpp"
+#include "hal/linux/realtime_thread.hpp"
+
+namespace thimble::app {
+
+// One real-time thread per arm, each running that arm's servo until stopped.
+//
+// Thread: the control thread. Ownership: the runtime and the process's rights must outlive it;
+// the destructor stops and joins.
+class ServoThreads {
+ public:
+  // Errors: Permission when the configuration requires real-time rights that are missing.
+  [[nodiscard]] static Result<std::unique_ptr<ServoThreads>> start(
+      const config::ServoConfig& servo, session::Runtime& runtime,
+      const linux::RealtimeProcess& process);
+  ~ServoThreads();
+
+  // Ramps every force to zero and ends the threads. May be called twice.
+  void stop();
+  [[nodiscard]] bool is_realtime(std::size_t arm) const;
+  // Every right that is missing, each named once.
+  [[nodiscard]] std::vector<std::string> missing() const;
+  // True when every servo has ticked since the previous call.
+  [[nodiscard]] bool have_all_ticked();
+
+ private:
+  explicit ServoThreads(session::Runtime& runtime) : runtime_(runtime) {}
+
+  session::Runtime& runtime_;
+  std::atomic<bool> is_stopping_{false};
+  std::vector<std::uint64_t> ticks_seen_;
+  std::vector<linux::RealtimeReport> reports_;
+  std::vector<std::unique_ptr<linux::RealtimeThread>> threads_;  // last: joins first
+};
+
+}  // namespace thimble::app
