@@ -1,0 +1,176 @@
+#include "daemon/app/status_source.hpp"
+
+#include <algorithm>
+
+namespace thimble::app {
+namespace {
+
+template <class Vector>
+std::array<double, 3> as_array(const Vector& v) {
+  return {v.x, v.y, v.z};
+}
+
+api::Percentiles percentiles(const servo::TickHistogram& histogram) {
+  const servo::TickQuantiles q = histogram.quantiles();
+  return {seconds(q.p50), seconds(q.p99), seconds(q.max)};
+}
+
+std::string constraint_state(const servo::ServoFrame& frame) {
+  if (frame.state != OperatingState::Active) return "none";
+  if (frame.is_fading) return "fading";
+  return frame.is_frozen ? "frozen" : "fresh";
+}
+
+std::vector<api::FaultStatus> faults_of(const servo::ServoSnapshot& snapshot,
+                                        const std::string& arm, const StatusContext& context) {
+  if (snapshot.fault.code == FaultCode::None) return {};
+  api::FaultStatus fault;
+  fault.code = to_string(snapshot.fault.code);
+  fault.message = explain(snapshot.fault.code);
+  // The fault is stamped in the arm's own time; what a person wants is how long ago it was.
+  const Duration ago = snapshot.frame.now - snapshot.fault.at;
+  fault.at_s = std::max(0.0, seconds(context.now - context.started - ago));
+  const auto recording = context.recordings.find(arm);
+  if (recording != context.recordings.end()) fault.recording = recording->second;
+  return {fault};
+}
+
+api::ArmStatus arm_status(session::ArmRig& rig, std::size_t index, const StatusContext& context) {
+  session::ArmSession& session = rig.session();
+  const servo::ServoSnapshot& snapshot = session.snapshot();
+  const servo::ServoFrame& frame = snapshot.frame;
+  api::ArmStatus arm;
+  arm.name = session.config().name;
+  arm.device = session.config().device;
+  arm.model = session.device().capabilities().model;
+  arm.state = to_string(frame.state);
+  arm.calibration = to_string(frame.calibration);
+  arm.instruction = session.trouble().empty()
+                        ? std::string(session.device().calibration_instruction())
+                        : session.trouble() + "; trying again";
+  arm.position_m = as_array(frame.tip);
+  arm.force_newton = as_array(frame.force);
+  arm.peak_force_newton = snapshot.peak_force_newton;
+  arm.offset_m = as_array(frame.offset);
+  arm.peak_offset_m = snapshot.peak_offset_m;
+  arm.contacts = snapshot.total_contacts;
+  arm.faults = faults_of(snapshot, arm.name, context);
+  arm.is_in_contact = frame.is_in_contact;
+  arm.lease = to_string(context.leases.holder(index));
+  arm.constraint_state = constraint_state(frame);
+  arm.world = session.config().world.value_or(rig.link_status().peer);
+  return arm;
+}
+
+api::ServoStatus servo_status(session::ArmRig& rig, std::size_t index,
+                              const StatusContext& context) {
+  session::ArmSession& session = rig.session();
+  const servo::ServoSnapshot& snapshot = session.snapshot();
+  const servo::ServoLoop& loop = session.loop();
+  api::ServoStatus servo;
+  servo.arm = session.config().name;
+  servo.rate_hz = loop.settings().rate_hz;
+  servo.ticks = snapshot.frame.tick;
+  servo.overruns = snapshot.overruns;
+  servo.wakeup_error_s = percentiles(loop.wakeup_error());
+  servo.compute_s = percentiles(loop.compute());
+  servo.exchange_s = percentiles(loop.exchange());
+  servo.missed_exchanges = snapshot.missed_exchanges;
+  servo.malformed_reports = snapshot.protocol_errors;
+  servo.is_realtime = context.threads != nullptr && context.threads->is_realtime(index);
+  return servo;
+}
+
+std::vector<std::pair<std::string, std::uint64_t>> events_of(const link::LinkCounters& c) {
+  using Reason = link::RejectReason;
+  return {{"accepted", c.accepted},
+          {"duplicated", c.duplicated},
+          {"reordered", c.reordered},
+          {"timed_out", c.timed_out},
+          {"wrong_size", c.rejected(Reason::WrongSize)},
+          {"wrong_peer", c.rejected(Reason::WrongPeer)},
+          {"non_finite", c.rejected(Reason::NonFinite)},
+          {"out_of_range", c.rejected(Reason::OutOfRange)},
+          {"bad_direction", c.rejected(Reason::BadDirection)},
+          {"session_refused", c.rejected(Reason::SessionRefused)},
+          {"unencodable_planes", c.unencodable_planes},
+          {"send_errors", c.send_errors},
+          {"receive_errors", c.receive_errors},
+          {"sessions_opened", c.sessions_opened},
+          {"sessions_released", c.sessions_released},
+          {"injected_lost", c.injected.lost},
+          {"injected_duplicated", c.injected.duplicated},
+          {"injected_reordered", c.injected.reordered}};
+}
+
+api::LinkStatus link_status(const link::LinkStatus& from) {
+  api::LinkStatus out;
+  out.peer = from.peer;
+  out.is_up = from.is_up;
+  out.round_trip_s = seconds(from.round_trip);
+  out.sent = from.counters.sent;
+  out.received = from.counters.received;
+  out.lost = from.counters.lost;
+  out.rejected = from.counters.rejected();
+  out.stale = from.counters.stale;
+  out.jitter_s = seconds(from.jitter);
+  out.last_error = from.last_error;
+  out.events = events_of(from.counters);
+  return out;
+}
+
+std::uint32_t probes_in(const api::Status& status, const std::string& world) {
+  return static_cast<std::uint32_t>(
+      std::count_if(status.links.begin(), status.links.end(), [&](const api::LinkStatus& link) {
+        return link.world == world && !link.arm.empty() && link.is_up;
+      }));
+}
+
+api::WorldStatus world_status(const session::WorldHost& host) {
+  const world::WorldInfo& info = host.world().info();
+  api::WorldStatus world;
+  world.name = host.name();
+  world.source = info.source;
+  world.cells = info.cells;
+  world.cell_m = info.cell_m;
+  return world;
+}
+
+}  // namespace
+
+api::Status collect_status(session::Runtime& runtime, const StatusContext& context) {
+  api::Status status;
+  status.version = THIMBLE_VERSION;
+  status.uptime_s = seconds(context.now - context.started);
+  if (context.threads != nullptr) status.degraded = context.threads->missing();
+  for (std::size_t i = 0; i < runtime.arms().size(); ++i) {
+    session::ArmRig& rig = *runtime.arms()[i];
+    status.arms.push_back(arm_status(rig, i, context));
+    status.servos.push_back(servo_status(rig, i, context));
+    if (!rig.session().trouble().empty()) status.degraded.push_back(rig.session().trouble());
+    const std::uint64_t missed = context.lateness.missed_lately(i);
+    if (missed > 0) {
+      status.degraded.push_back("arm '" + rig.session().config().name +
+                                "': " + std::to_string(missed) +
+                                " servo periods missed in the last 10 s; this machine is busy");
+    }
+    api::LinkStatus link = link_status(rig.link_status());
+    link.arm = rig.session().config().name;
+    link.world = rig.session().config().world.value_or("");
+    link.kind = rig.session().config().link ? "udp" : "in-process";
+    status.links.push_back(link);
+  }
+  for (const auto& host : runtime.worlds()) {
+    status.worlds.push_back(world_status(*host));
+    status.worlds.back().probes = probes_in(status, host->name());
+    if (!host->listener_status()) continue;
+    api::LinkStatus link = link_status(*host->listener_status());
+    link.world = host->name();
+    link.kind = "udp";
+    status.links.push_back(link);
+    if (link.is_up) ++status.worlds.back().probes;
+  }
+  return status;
+}
+
+}  // namespace thimble::app
