@@ -1,0 +1,26 @@
+#include "cli/devices/devices.hpp"
+
+#include <iostream>
+
+#include "cli/commands.hpp"
+#include "cli/devices/inventory.hpp"
+#include "cli/devices/report.hpp"
+#include "cli/doctor/read_facts.hpp"
+#include "daemon/session/plugins.hpp"
+
+namespace thimble::devices_list {
+
+int run_devices(const std::string& socket_path, const std::string& root, bool is_json) {
+  const session::Plugins plugins;
+  std::vector<Entry> entries = simulated(plugins.models, plugins.drivers);
+  const std::vector<Entry> real = plugged_in(doctor::read_facts(root));
+  entries.insert(entries.end(), real.begin(), real.end());
+  const Result<api::Status> status = cli::daemon_status(socket_path);
+  if (status) mark_users(entries, *status);
+  const std::string daemon =
+      status ? "the daemon at " + socket_path + " was asked what it uses" : status.error().message;
+  std::cout << (is_json ? to_json(entries, daemon) : render(entries, daemon));
+  return cli::kExitOk;
+}
+
+}  // namespace thimble::devices_list
