@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cli/doctor/facts.hpp"
+#include "daemon/api/status.hpp"
+#include "hal/plugin/driver_registry.hpp"
+#include "hal/plugin/sim_model.hpp"
+
+namespace thimble::devices_list {
+
+// One thing that `arm.device` of a configuration could name.
+struct Entry {
+  std::string address;
+  std::string description;
+  std::string obstacle;            // why it cannot be used; empty: it can
+  std::string needs;               // what a configuration must say of it besides; may be empty
+  std::vector<std::string> users;  // arms of the running daemon, "right (active)"
+  bool operator==(const Entry&) const = default;
+};
+
+// The simulated ones, each tried with the drivers as a daemon would.
+[[nodiscard]] std::vector<Entry> simulated(const plugin::SimModelRegistry& models,
+                                           const plugin::DriverRegistry& drivers);
+// What is plugged into this machine and has the ids of an arm.
+[[nodiscard]] std::vector<Entry> plugged_in(const doctor::Facts& facts);
+// Writes down who uses what; a device in use that is not listed yet is added.
+void mark_users(std::vector<Entry>& entries, const api::Status& status);
+
+}  // namespace thimble::devices_list

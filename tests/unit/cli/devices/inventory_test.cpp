@@ -1,0 +1,136 @@
+#include "cli/devices/inventory.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <boost/json.hpp>
+
+#include "cli/devices/report.hpp"
+#include "daemon/session/plugins.hpp"
+
+namespace thimble::devices_list {
+namespace {
+
+using testing::Field;
+using testing::HasSubstr;
+using testing::SizeIs;
+
+// The ids of nobody's arm.
+class Stranger : public plugin::SimHidModel {
+ public:
+  [[nodiscard]] bus::BusDeviceInfo describe() const override {
+    bus::BusDeviceInfo info;
+    info.kind = bus::BusKind::Hid;
+    info.vendor_id = 0x46d;
+    return info;
+  }
+  [[nodiscard]] Duration frame_period() const noexcept override {
+    return std::chrono::milliseconds(1);
+  }
+  void advance(MonotonicTime) noexcept override {}
+  void out_report(std::span<const std::uint8_t>) noexcept override {}
+  std::size_t in_report(std::span<std::uint8_t>) noexcept override { return 0; }
+  void power_cycle() noexcept override {}
+  [[nodiscard]] plugin::ArmBackend* arm_backend() noexcept override { return nullptr; }
+};
+
+doctor::Facts facts_with_arm() {
+  doctor::Controller controller;
+  controller.node = {"/dev/hidraw0", true, 0666, 0, 0};
+  controller.serial_number = "A7";
+  controller.usb_port = "1-4";
+  controller.speed_mbit_per_s = "12";
+  controller.holders = {{300, "steam"}};
+  doctor::Facts facts;
+  facts.controllers = {controller};
+  return facts;
+}
+
+TEST(Inventory, ListsEverySimulatedModelAndWhatItNeeds) {
+  const session::Plugins plugins;
+  const std::vector<Entry> entries = simulated(plugins.models, plugins.drivers);
+
+  ASSERT_THAT(entries, SizeIs(plugins.models.entries().size()));
+  EXPECT_THAT(entries, testing::Contains(Field(&Entry::address, "sim:phantom-vintage")));
+  EXPECT_THAT(entries, testing::Each(Field(&Entry::obstacle, "")));
+  EXPECT_THAT(entries[0].needs, HasSubstr("amplifier_max_a is missing"));
+  EXPECT_THAT(entries[0].description, testing::Not(""));
+}
+
+TEST(Inventory, SaysWhyAModelCannotBeMade) {
+  session::Plugins plugins;
+  plugins.models.add(
+      {"broken", "",
+       [](const plugin::SimModelSettings&) -> Result<std::unique_ptr<plugin::SimHidModel>> {
+         return fail(Errc::System, "its data is damaged");
+       }});
+  EXPECT_EQ(simulated(plugins.models, plugins.drivers).back().obstacle, "its data is damaged");
+}
+
+TEST(Inventory, SaysThatNoDriverKnowsAModel) {
+  session::Plugins plugins;
+  plugins.models.add(
+      {"stranger", "",
+       [](const plugin::SimModelSettings&) -> Result<std::unique_ptr<plugin::SimHidModel>> {
+         return std::make_unique<Stranger>();
+       }});
+  EXPECT_THAT(simulated(plugins.models, plugins.drivers).back().obstacle,
+              HasSubstr("no driver knows it"));
+}
+
+TEST(Inventory, SaysWhyWhatIsPluggedInCannotBeUsed) {
+  const std::vector<Entry> entries = plugged_in(facts_with_arm());
+
+  ASSERT_THAT(entries, SizeIs(1));
+  EXPECT_EQ(entries[0].address, "hid:A7");
+  EXPECT_THAT(entries[0].obstacle,
+              testing::AllOf(HasSubstr("no hid bus"), HasSubstr("every user may write"),
+                             HasSubstr("'steam' (process 300)"), HasSubstr("thimble doctor")));
+}
+
+TEST(Inventory, NamesADeviceWithoutSerialNumberByItsPort) {
+  doctor::Facts facts = facts_with_arm();
+  facts.controllers[0].serial_number.clear();
+  EXPECT_EQ(plugged_in(facts).at(0).address, "hid:1-4");
+}
+
+TEST(Inventory, MarksWhatTheDaemonUses) {
+  std::vector<Entry> entries{{"sim:a", "", "", "", {}}, {"sim:b", "", "", "", {}}};
+  api::Status status;
+  status.arms.resize(3);
+  status.arms[0].device = status.arms[1].device = "sim:b";
+  status.arms[0].name = "left";
+  status.arms[0].state = "active";
+  status.arms[1].name = "right";
+  status.arms[1].state = "fault";
+  status.arms[2].device = "hid:gone";
+
+  mark_users(entries, status);
+
+  ASSERT_THAT(entries, SizeIs(3));
+  EXPECT_THAT(entries[0].users, SizeIs(0));
+  EXPECT_THAT(entries[1].users, testing::ElementsAre("left (active)", "right (fault)"));
+  EXPECT_EQ(entries[2].address, "hid:gone");
+}
+
+TEST(InventoryReport, SaysOfEachWhetherItCanBeUsed) {
+  const std::vector<Entry> entries{{"sim:a", "an arm", "", "", {"left (active)"}},
+                                   {"sim:b", "another", "", "amplifier_max_a is missing", {}},
+                                   {"hid:\x1b", "", std::string(90, 'x') + " y", "", {}}};
+  const std::string text = render(entries, "no daemon");
+
+  EXPECT_THAT(text, HasSubstr("sim:a  an arm\n    can be used\n    in use by left (active)\n"));
+  EXPECT_THAT(text, HasSubstr("must say more: amplifier_max_a"));
+  EXPECT_THAT(text, HasSubstr("hid:?\n    cannot be used:\n    xxx"));
+  EXPECT_THAT(text, testing::EndsWith("no daemon\n"));
+  const auto document = boost::json::parse(to_json(entries, "no daemon"));
+  EXPECT_EQ(document.at("daemon").as_string(), "no daemon");
+  const auto& devices = document.at("devices").as_array();
+  ASSERT_EQ(devices.size(), 3U);
+  EXPECT_TRUE(devices[0].at("usable").as_bool());
+  EXPECT_EQ(devices[0].at("users").as_array().at(0).as_string(), "left (active)");
+  EXPECT_FALSE(devices[2].at("usable").as_bool());
+}
+
+}  // namespace
+}  // namespace thimble::devices_list
