@@ -1,0 +1,61 @@
+#include "cli/devices/report.hpp"
+
+#include <boost/json.hpp>
+
+#include "cli/text.hpp"
+#include "daemon/api/json_text.hpp"
+
+namespace thimble::devices_list {
+namespace {
+
+using cli::plain;
+
+constexpr std::size_t kColumns = 80;
+constexpr std::size_t kIndent = 4;
+
+std::string below(const std::string& sentence) {
+  return cli::wrap(plain(sentence), kColumns, kIndent);
+}
+
+std::string heading_of(const Entry& entry) {
+  return entry.address + (entry.description.empty() ? "" : "  " + entry.description);
+}
+
+std::string users_of(const Entry& entry) {
+  std::string all;
+  for (const std::string& user : entry.users) all += (all.empty() ? "" : ", ") + user;
+  return all;
+}
+
+}  // namespace
+
+std::string render(const std::vector<Entry>& entries, const std::string& daemon) {
+  std::string out;
+  for (const Entry& entry : entries) {
+    out += cli::wrap(plain(heading_of(entry)), kColumns, 0);
+    if (!entry.obstacle.empty()) out += below("cannot be used: " + entry.obstacle);
+    if (!entry.needs.empty())
+      out += below("can be used; a configuration must say more: " + entry.needs);
+    if (entry.obstacle.empty() && entry.needs.empty()) out += below("can be used");
+    if (!entry.users.empty()) out += below("in use by " + users_of(entry));
+  }
+  return out + cli::wrap(plain(daemon), kColumns, 0);
+}
+
+std::string to_json(const std::vector<Entry>& entries, const std::string& daemon) {
+  boost::json::array devices;
+  for (const Entry& entry : entries) {
+    boost::json::array users;
+    for (const std::string& user : entry.users) users.emplace_back(plain(user));
+    devices.push_back(boost::json::object{{"address", plain(entry.address)},
+                                          {"description", plain(entry.description)},
+                                          {"usable", entry.obstacle.empty()},
+                                          {"obstacle", plain(entry.obstacle)},
+                                          {"needs", plain(entry.needs)},
+                                          {"users", std::move(users)}});
+  }
+  return api::to_text(
+      boost::json::object{{"daemon", plain(daemon)}, {"devices", std::move(devices)}});
+}
+
+}  // namespace thimble::devices_list
