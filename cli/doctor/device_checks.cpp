@@ -1,0 +1,171 @@
+#include <array>
+#include <cstdio>
+#include <string>
+
+#include "cli/doctor/checks.hpp"
+#include "cli/doctor/rights.hpp"
+
+namespace thimble::doctor {
+namespace {
+
+constexpr unsigned kOthersWrite = 02;
+
+std::string name(const char* check, const Controller& controller) {
+  return std::string(check) + " " + controller.node.path;
+}
+
+std::string hexadecimal(std::uint16_t id) {
+  std::array<char, 8> text{};
+  std::snprintf(text.data(), text.size(), "%04x", static_cast<unsigned>(id));
+  return text.data();
+}
+
+// The last rule wins, hence 99.
+std::string rule_command(const Controller& controller) {
+  const std::string vendor = hexadecimal(controller.vendor_id);
+  const std::string product = hexadecimal(controller.product_id);
+  return R"(echo 'KERNEL=="hidraw*", ATTRS{idVendor}==")" + vendor + R"(", ATTRS{idProduct}==")" +
+         product + R"(", GROUP="thimble", MODE="0660"' | sudo tee /etc/udev/rules.d/99-thimble-)" +
+         vendor + "-" + product +
+         ".rules && sudo udevadm control --reload && sudo udevadm trigger "
+         "--subsystem-match=hidraw --action=add";
+}
+
+std::string sysfs_of(const Controller& controller) {
+  return "/sys/bus/usb/devices/" + controller.usb_port;
+}
+
+// "bus-port.port…": each dot is a hub.
+bool is_behind_hub(const std::string& port) { return port.find('.') != std::string::npos; }
+
+}  // namespace
+
+Verdict check_node(const Facts& facts, const Controller& controller) {
+  const Node& node = controller.node;
+  const std::string check = name("node", controller);
+  if (!node.is_there) {
+    return {Level::Wrong,
+            check,
+            "the kernel knows the device, but " + node.path + " is missing",
+            "without its node nothing can talk to the arm",
+            "sudo udevadm trigger --subsystem-match=hidraw --action=add",
+            "a container must be given the node: --device " + node.path};
+  }
+  if ((node.mode & kOthersWrite) != 0) {
+    return {Level::Wrong,
+            check,
+            "every user may write " + node.path,
+            "whoever writes to it goes around the force limit",
+            rule_command(controller),
+            ""};
+  }
+  if (!may_read_and_write(facts.process, node)) {
+    return {Level::Wrong,
+            check,
+            node.path + " may not be read and written by the daemon",
+            "the arm cannot be opened",
+            rule_command(controller),
+            "the daemon must run in the group 'thimble'"};
+  }
+  return all_well(check, node.path + " may be opened by the daemon, and not by everybody");
+}
+
+Verdict check_usb_speed(const Controller& controller) {
+  const std::string check = name("usb-speed", controller);
+  if (controller.speed_mbit_per_s == "1.5") {
+    return {Level::Wrong,
+            check,
+            "it runs at low speed (1.5 Mbit/s)",
+            "low-speed devices are asked at most 100 times a second, the servo needs 1000",
+            "lsusb -t",
+            "the controller's firmware or its cable is not the right one; an arm shows 12M or more "
+            "there"};
+  }
+  if (controller.speed_mbit_per_s.empty()) {
+    return {Level::Warn,
+            check,
+            "its USB speed is not known",
+            "below full speed (12 Mbit/s) it cannot keep up with the servo",
+            "lsusb -t",
+            "it is no USB device, or /sys is not mounted"};
+  }
+  return all_well(check, "it runs at " + controller.speed_mbit_per_s + " Mbit/s");
+}
+
+Verdict check_usb_port(const Controller& controller) {
+  const std::string check = name("usb-port", controller);
+  if (!is_behind_hub(controller.usb_port)) {
+    return all_well(check, controller.usb_port.empty()
+                               ? "it has no USB port"
+                               : "it is in port " + controller.usb_port + " of the machine itself");
+  }
+  return {Level::Warn,
+          check,
+          "it is behind a hub (port " + controller.usb_port + ")",
+          "a hub adds up to a millisecond, and the other devices behind it take their share",
+          "lsusb -t",
+          "plug it into a port of the machine itself: directly below a root_hub there"};
+}
+
+Verdict check_usb_power(const Controller& controller) {
+  const std::string check = name("usb-power", controller);
+  if (controller.power_control != "auto") {
+    return all_well(check, "the kernel does not put it to sleep");
+  }
+  return {Level::Warn,
+          check,
+          "the kernel may put it to sleep after two seconds without traffic",
+          "waking it takes longer than the servo waits: the arm faults on activation",
+          "echo on | sudo tee " + sysfs_of(controller) + "/power/control",
+          "lasts until it is unplugged"};
+}
+
+Verdict check_holders(const Facts& facts, const Controller& controller) {
+  const std::string check = name("holder", controller);
+  std::string others;
+  std::string pids;
+  int daemons = 0;
+  for (const Holder& holder : controller.holders) {
+    if (holder.name == "thimbled" && ++daemons == 1) continue;
+    if (holder.name == "thimble-guard") continue;
+    others += (others.empty() ? "" : ", ") + ("'" + holder.name + "'") + " (process " +
+              std::to_string(holder.pid) + ")";
+    pids += " " + std::to_string(holder.pid);
+  }
+  if (!others.empty()) {
+    return {Level::Wrong,
+            check,
+            "it is also held by " + others,
+            "two programs take each other's replies, and the other one's forces pass no limit of "
+            "ours",
+            "sudo kill" + pids,
+            "a service comes back: stop and disable it with systemctl"};
+  }
+  if (facts.hidden_processes > 0) {
+    return {Level::Warn,
+            check,
+            "no holder was found, but " + std::to_string(facts.hidden_processes) +
+                " processes of other users could not be looked at",
+            "a program that holds the device takes its replies",
+            "sudo thimble doctor",
+            ""};
+  }
+  return all_well(check, daemons == 0 ? "nobody holds it" : "thimbled holds it, and nobody else");
+}
+
+std::vector<Verdict> examine(const Facts& facts) {
+  std::vector<Verdict> verdicts{check_kernel(facts),       check_realtime_share(facts),
+                                check_clock_source(facts), check_governor(facts),
+                                check_group(facts),        check_rtprio(facts),
+                                check_memlock(facts),      check_dma_latency(facts)};
+  for (const Controller& controller : facts.controllers) {
+    verdicts.push_back(check_node(facts, controller));
+    verdicts.push_back(check_usb_speed(controller));
+    verdicts.push_back(check_usb_port(controller));
+    verdicts.push_back(check_usb_power(controller));
+    verdicts.push_back(check_holders(facts, controller));
+  }
+  return verdicts;
+}
+
+}  // namespace thimble::doctor
