@@ -1,0 +1,18 @@
+#include "cli/doctor/doctor.hpp"
+
+#include <iostream>
+
+#include "cli/commands.hpp"
+#include "cli/doctor/checks.hpp"
+#include "cli/doctor/read_facts.hpp"
+#include "cli/doctor/report.hpp"
+
+namespace thimble::doctor {
+
+int run_doctor(const std::string& root, bool is_json) {
+  const std::vector<Verdict> verdicts = examine(read_facts(root));
+  std::cout << (is_json ? to_json(verdicts) : render(verdicts));
+  return is_something_wrong(verdicts) ? cli::kExitRefused : cli::kExitOk;
+}
+
+}  // namespace thimble::doctor
