@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace thimble::doctor {
+
+// What can be learnt of a machine without changing it, as the checks need it. Plain values;
+// whatever could not be read is empty.
+
+// One row of /proc/PID/limits, of its hard or its soft column.
+struct Limit {
+  bool is_unlimited{false};
+  std::uint64_t value{0};
+  bool operator==(const Limit&) const = default;
+};
+
+// Whose rights are looked at: the daemon that runs, else this very program.
+struct Process {
+  int pid{0};  // 0: no daemon runs, it is this program's
+  std::uint32_t user{0};
+  std::vector<std::uint32_t> groups;  // the primary one, too
+  std::uint64_t capabilities{0};      // effective, bit n is capability n of capabilities(7)
+  std::optional<Limit> rtprio;        // soft: what sched_setscheduler() asks
+  std::optional<Limit> memlock;       // hard: the daemon raises the soft one itself
+  bool operator==(const Process&) const = default;
+};
+
+struct Node {
+  std::string path;  // "/dev/hidraw0"
+  bool is_there{false};
+  std::uint32_t mode{0};  // the nine permission bits
+  std::uint32_t user{0};
+  std::uint32_t group{0};
+  bool operator==(const Node&) const = default;
+};
+
+// A process that has a device open.
+struct Holder {
+  int pid{0};
+  std::string name;
+  bool operator==(const Holder&) const = default;
+};
+
+// A HID device with the ids of a force-feedback arm.
+struct Controller {
+  Node node;
+  std::uint16_t vendor_id{0};
+  std::uint16_t product_id{0};
+  std::string serial_number;
+  std::string usb_port;          // "1-4.2": bus 1, port 4, then port 2 of the hub there
+  std::string speed_mbit_per_s;  // as the kernel writes it: "1.5", "12", "480", "5000"
+  std::string power_control;     // "on" or "auto"
+  std::vector<Holder> holders;
+  bool operator==(const Controller&) const = default;
+};
+
+struct Cpu {
+  unsigned number{0};
+  std::string governor;  // empty: its frequency is not the kernel's to choose
+  bool operator==(const Cpu&) const = default;
+};
+
+struct Facts {
+  std::string kernel_release;  // "6.1.0-50-rt-amd64"
+  std::string kernel_version;  // "#1 SMP PREEMPT_RT Debian …"
+  bool is_realtime_kernel{false};
+  std::optional<std::int64_t> rt_runtime_us;  // of every second, for real-time threads; -1: all
+  Process process;
+  std::optional<std::uint32_t> thimble_group;  // its number in /etc/group
+  Node dma_latency;
+  std::string clock_source;
+  std::vector<std::string> clock_sources;  // to choose from
+  std::vector<Cpu> cpus;
+  std::vector<Controller> controllers;
+  std::size_t hidden_processes{0};  // whose open files this user may not see
+  bool operator==(const Facts&) const = default;
+};
+
+}  // namespace thimble::doctor
