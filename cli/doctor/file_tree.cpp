@@ -1,0 +1,66 @@
+#include "cli/doctor/file_tree.hpp"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <fstream>
+
+namespace thimble::doctor {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMaxTextBytes = std::size_t{1} << 16;
+
+}  // namespace
+
+std::string FileTree::text(const fs::path& path) const {
+  std::ifstream file(below_root(path), std::ios::binary);
+  std::string text(kMaxTextBytes, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
+  return text;
+}
+
+std::optional<std::vector<std::string>> FileTree::names(const fs::path& path) const {
+  std::error_code error;
+  std::vector<std::string> names;
+  for (fs::directory_iterator entry(below_root(path), error), end; !error && entry != end;
+       entry.increment(error)) {
+    names.push_back(entry->path().filename().string());
+  }
+  if (error && names.empty()) return std::nullopt;
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+Node FileTree::node(const std::string& path) const {
+  Node node;
+  node.path = path;
+  struct stat status {};
+  if (::stat(below_root(path).c_str(), &status) != 0) return node;
+  node.is_there = true;
+  node.mode = status.st_mode & 0777U;
+  node.user = status.st_uid;
+  node.group = status.st_gid;
+  return node;
+}
+
+std::string FileTree::link(const fs::path& path) const {
+  std::error_code error;
+  const fs::path target = fs::read_symlink(below_root(path), error);
+  return error ? std::string() : target.string();
+}
+
+fs::path FileTree::resolved(const fs::path& path) const {
+  std::error_code error;
+  const fs::path root = fs::canonical(root_, error);
+  if (error) return {};
+  const fs::path real = fs::canonical(below_root(path), error);
+  if (error) return {};
+  const fs::path inside = real.lexically_relative(root);
+  if (inside.empty() || *inside.begin() == "..") return {};
+  return fs::path("/") / inside;
+}
+
+}  // namespace thimble::doctor

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/doctor/facts.hpp"
+
+namespace thimble::doctor {
+
+// A folder that holds /proc, /sys, /dev and /etc of a machine. Never throws for what is missing,
+// forbidden or gone in the middle of it, as processes go.
+// Thread: any. Not RT.
+class FileTree {
+ public:
+  explicit FileTree(std::filesystem::path root) : root_(std::move(root)) {}
+
+  // `path` is absolute, as on the machine. At most 64 KiB; empty when it cannot be read.
+  [[nodiscard]] std::string text(const std::filesystem::path& path) const;
+  // Names in a folder, sorted; nothing when it may not be read.
+  [[nodiscard]] std::optional<std::vector<std::string>> names(
+      const std::filesystem::path& path) const;
+  [[nodiscard]] Node node(const std::string& path) const;
+  // What a symbolic link says; empty when it is none.
+  [[nodiscard]] std::string link(const std::filesystem::path& path) const;
+  // The folder behind all symbolic links, as a path of the machine; empty when it leaves the tree.
+  [[nodiscard]] std::filesystem::path resolved(const std::filesystem::path& path) const;
+
+ private:
+  [[nodiscard]] std::filesystem::path below_root(const std::filesystem::path& path) const {
+    return root_ / path.relative_path();
+  }
+
+  std::filesystem::path root_;
+};
+
+}  // namespace thimble::doctor
