@@ -1,0 +1,110 @@
+#include "cli/doctor/proc_text.hpp"
+
+#include <charconv>
+
+namespace thimble::doctor {
+namespace {
+
+constexpr std::string_view kBlank = " \t\r\n";
+
+std::string_view trim(std::string_view text) {
+  const std::size_t begin = text.find_first_not_of(kBlank);
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(kBlank) - begin + 1);
+}
+
+template <class Number>
+std::optional<Number> number(std::string_view text, int base = 10) {
+  Number value{};
+  const char* const end = text.data() + text.size();
+  const auto [stopped, error] = std::from_chars(text.data(), end, value, base);
+  if (error != std::errc() || stopped != end || text.empty()) return std::nullopt;
+  return value;
+}
+
+// Takes the next line off `text`.
+std::string_view next_line(std::string_view& text) {
+  const std::size_t end = text.find('\n');
+  const std::string_view line = text.substr(0, end);
+  text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  return line;
+}
+
+// What follows `key` in the line that begins with it.
+std::string_view value_of(std::string_view text, std::string_view key) {
+  while (!text.empty()) {
+    const std::string_view line = next_line(text);
+    if (line.starts_with(key)) return trim(line.substr(key.size()));
+  }
+  return {};
+}
+
+std::optional<Limit> parse_limit_word(std::string_view word) {
+  if (word == "unlimited") return Limit{true, 0};
+  const auto value = number<std::uint64_t>(word);
+  if (!value) return std::nullopt;
+  return Limit{false, *value};
+}
+
+}  // namespace
+
+std::string trimmed(std::string_view text) { return std::string(trim(text)); }
+
+std::vector<std::string> words_of(std::string_view text) {
+  std::vector<std::string> words;
+  for (text = trim(text); !text.empty(); text = trim(text)) {
+    const std::size_t size = std::min(text.find_first_of(kBlank), text.size());
+    words.emplace_back(text.substr(0, size));
+    text.remove_prefix(size);
+  }
+  return words;
+}
+
+std::optional<std::int64_t> parse_integer(std::string_view text) {
+  return number<std::int64_t>(trim(text));
+}
+
+std::optional<LimitRow> parse_limit(std::string_view limits, std::string_view name) {
+  const std::vector<std::string> words = words_of(value_of(limits, name));
+  if (words.size() < 2) return std::nullopt;
+  const auto soft = parse_limit_word(words[0]);
+  const auto hard = parse_limit_word(words[1]);
+  if (!soft || !hard) return std::nullopt;
+  return LimitRow{*soft, *hard};
+}
+
+void parse_status(std::string_view status, Process& process) {
+  // Real, effective, saved, file system: the effective one counts.
+  const std::vector<std::string> users = words_of(value_of(status, "Uid:"));
+  if (users.size() > 1) process.user = number<std::uint32_t>(users[1]).value_or(process.user);
+  const std::vector<std::string> primary = words_of(value_of(status, "Gid:"));
+  std::vector<std::string> groups = words_of(value_of(status, "Groups:"));
+  if (primary.size() > 1) groups.push_back(primary[1]);
+  for (const std::string& word : groups) {
+    if (const auto group = number<std::uint32_t>(word)) process.groups.push_back(*group);
+  }
+  process.capabilities = number<std::uint64_t>(value_of(status, "CapEff:"), 16).value_or(0);
+}
+
+std::optional<std::uint32_t> parse_group(std::string_view file, std::string_view name) {
+  const std::string_view rest = value_of(file, std::string(name) + ":");  // password:number:members
+  const std::size_t begin = rest.find(':');
+  if (begin == std::string_view::npos) return std::nullopt;
+  const std::string_view tail = rest.substr(begin + 1);
+  return number<std::uint32_t>(tail.substr(0, tail.find(':')));
+}
+
+std::optional<HidIds> parse_hid_ids(std::string_view uevent) {
+  // HID_ID=BUS:VENDOR:PRODUCT, hexadecimal of 4, 8 and 8 digits.
+  const std::string_view id = value_of(uevent, "HID_ID=");
+  const std::size_t first = id.find(':');
+  const std::size_t second = id.rfind(':');
+  if (first == std::string_view::npos || second == first) return std::nullopt;
+  const auto vendor = number<std::uint32_t>(id.substr(first + 1, second - first - 1), 16);
+  const auto product = number<std::uint32_t>(id.substr(second + 1), 16);
+  if (!vendor || !product || *vendor > 0xFFFF || *product > 0xFFFF) return std::nullopt;
+  return HidIds{static_cast<std::uint16_t>(*vendor), static_cast<std::uint16_t>(*product),
+                std::string(value_of(uevent, "HID_UNIQ="))};
+}
+
+}  // namespace thimble::doctor

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cli/doctor/facts.hpp"
+
+// Texts of the kernel as values: proc(5), group(5) and the uevent files of sysfs. All total: what
+// is missing or odd is empty. Thread: any. Not RT. Pure.
+namespace thimble::doctor {
+
+// Without the blanks and the line break around it.
+[[nodiscard]] std::string trimmed(std::string_view text);
+[[nodiscard]] std::vector<std::string> words_of(std::string_view text);
+// The whole text as a number, or nothing.
+[[nodiscard]] std::optional<std::int64_t> parse_integer(std::string_view text);
+
+struct LimitRow {
+  Limit soft;
+  Limit hard;
+};
+// A row of /proc/PID/limits by its name there, such as "Max locked memory".
+[[nodiscard]] std::optional<LimitRow> parse_limit(std::string_view limits, std::string_view name);
+
+// User, groups and capabilities of /proc/PID/status; the rest of `process` is left alone.
+void parse_status(std::string_view status, Process& process);
+
+// The number of a group in /etc/group.
+[[nodiscard]] std::optional<std::uint32_t> parse_group(std::string_view file,
+                                                       std::string_view name);
+
+struct HidIds {
+  std::uint16_t vendor{0};
+  std::uint16_t product{0};
+  std::string serial_number;
+};
+// HID_ID and HID_UNIQ of a HID device's uevent file; nothing when it has no HID_ID.
+[[nodiscard]] std::optional<HidIds> parse_hid_ids(std::string_view uevent);
+
+}  // namespace thimble::doctor
