@@ -1,0 +1,139 @@
+#include "cli/doctor/read_facts.hpp"
+
+#include <algorithm>
+
+#include "cli/doctor/file_tree.hpp"
+#include "cli/doctor/proc_text.hpp"
+#include "drivers/phantom/phantom_wire.hpp"
+
+// Paths: proc(5); Documentation/ABI/{stable,testing}/sysfs-bus-usb, sysfs-devices-system-cpu and
+// sysfs-devices-system-clocksource of the kernel.
+namespace thimble::doctor {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kClock = "/sys/devices/system/clocksource/clocksource0";
+constexpr const char* kCpus = "/sys/devices/system/cpu";
+constexpr const char* kHidraw = "/sys/class/hidraw";
+constexpr std::string_view kDaemon = "thimbled";
+
+// Ids of every driver's arms.
+bool is_of_an_arm(const HidIds& ids) {
+  using namespace phantom::wire;
+  return (ids.vendor == kMbedVendorId && ids.product == kMbedProductId) ||
+         (ids.vendor == kTeensyVendorId && ids.product == kTeensyProductId);
+}
+
+std::vector<int> processes(const FileTree& tree) {
+  std::vector<int> pids;
+  for (const std::string& name : tree.names("/proc").value_or(std::vector<std::string>{})) {
+    const auto pid = parse_integer(name);
+    if (pid && *pid > 0 && *pid <= 0x7FFFFFFF) pids.push_back(static_cast<int>(*pid));
+  }
+  std::sort(pids.begin(), pids.end());
+  return pids;
+}
+
+fs::path folder_of(int pid) { return fs::path("/proc") / std::to_string(pid); }
+
+std::string name_of(const FileTree& tree, int pid) {
+  return trimmed(tree.text(folder_of(pid) / "comm"));
+}
+
+Process read_process(const FileTree& tree, const std::vector<int>& pids) {
+  Process process;
+  fs::path folder = "/proc/self";
+  const auto daemon = std::find_if(pids.begin(), pids.end(),
+                                   [&](int pid) { return name_of(tree, pid) == kDaemon; });
+  if (daemon != pids.end()) {
+    process.pid = *daemon;
+    folder = folder_of(*daemon);
+  }
+  parse_status(tree.text(folder / "status"), process);
+  const std::string limits = tree.text(folder / "limits");
+  if (const auto row = parse_limit(limits, "Max realtime priority")) process.rtprio = row->soft;
+  if (const auto row = parse_limit(limits, "Max locked memory")) process.memlock = row->hard;
+  return process;
+}
+
+// Goes up from the HID device to the USB device, the first folder with a speed.
+void read_usb(const FileTree& tree, fs::path folder, Controller& controller) {
+  for (; folder.has_relative_path(); folder = folder.parent_path()) {
+    const std::string speed = trimmed(tree.text(folder / "speed"));
+    if (speed.empty()) continue;
+    controller.usb_port = folder.filename().string();
+    controller.speed_mbit_per_s = speed;
+    controller.power_control = trimmed(tree.text(folder / "power/control"));
+    return;
+  }
+}
+
+std::vector<Controller> read_controllers(const FileTree& tree) {
+  std::vector<Controller> found;
+  for (const std::string& name : tree.names(kHidraw).value_or(std::vector<std::string>{})) {
+    const auto ids = parse_hid_ids(tree.text(fs::path(kHidraw) / name / "device/uevent"));
+    if (!ids || !is_of_an_arm(*ids)) continue;
+    Controller controller;
+    controller.node = tree.node("/dev/" + name);
+    controller.vendor_id = ids->vendor;
+    controller.product_id = ids->product;
+    controller.serial_number = ids->serial_number;
+    read_usb(tree, tree.resolved(fs::path(kHidraw) / name), controller);
+    found.push_back(std::move(controller));
+  }
+  return found;
+}
+
+void read_holders(const FileTree& tree, const std::vector<int>& pids, Facts& facts) {
+  for (const int pid : pids) {
+    const auto files = tree.names(folder_of(pid) / "fd");
+    if (!files) {
+      ++facts.hidden_processes;
+      continue;
+    }
+    std::vector<std::string> open;
+    for (const std::string& file : *files) open.push_back(tree.link(folder_of(pid) / "fd" / file));
+    for (Controller& controller : facts.controllers) {
+      if (std::find(open.begin(), open.end(), controller.node.path) == open.end()) continue;
+      controller.holders.push_back({pid, name_of(tree, pid)});
+    }
+  }
+}
+
+std::vector<Cpu> read_cpus(const FileTree& tree) {
+  std::vector<Cpu> cpus;
+  for (const std::string& name : tree.names(kCpus).value_or(std::vector<std::string>{})) {
+    if (!name.starts_with("cpu")) continue;
+    const auto number = parse_integer(std::string_view(name).substr(3));
+    if (!number || *number < 0 || *number > 0xFFFF) continue;
+    cpus.push_back({static_cast<unsigned>(*number),
+                    trimmed(tree.text(fs::path(kCpus) / name / "cpufreq/scaling_governor"))});
+  }
+  std::sort(cpus.begin(), cpus.end(),
+            [](const Cpu& a, const Cpu& b) { return a.number < b.number; });
+  return cpus;
+}
+
+}  // namespace
+
+Facts read_facts(const fs::path& root) {
+  const FileTree tree(root);
+  const std::vector<int> pids = processes(tree);
+  Facts facts;
+  facts.kernel_release = trimmed(tree.text("/proc/sys/kernel/osrelease"));
+  facts.kernel_version = trimmed(tree.text("/proc/sys/kernel/version"));
+  facts.is_realtime_kernel = trimmed(tree.text("/sys/kernel/realtime")) == "1";
+  facts.rt_runtime_us = parse_integer(tree.text("/proc/sys/kernel/sched_rt_runtime_us"));
+  facts.process = read_process(tree, pids);
+  facts.thimble_group = parse_group(tree.text("/etc/group"), "thimble");
+  facts.dma_latency = tree.node("/dev/cpu_dma_latency");
+  facts.clock_source = trimmed(tree.text(fs::path(kClock) / "current_clocksource"));
+  facts.clock_sources = words_of(tree.text(fs::path(kClock) / "available_clocksource"));
+  facts.cpus = read_cpus(tree);
+  facts.controllers = read_controllers(tree);
+  if (!facts.controllers.empty()) read_holders(tree, pids, facts);
+  return facts;
+}
+
+}  // namespace thimble::doctor
