@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace thimble::doctor {
+
+enum class Level : std::uint8_t {
+  Ok,
+  Warn,   // worse than it could be
+  Wrong,  // arms cannot be driven, or not safely
+};
+[[nodiscard]] std::string_view to_string(Level level) noexcept;
+
+// What one check found.
+struct Verdict {
+  Level level{Level::Ok};
+  std::string check;    // short name, stable: "rtprio"
+  std::string finding;  // what is so
+  // Empty when all is well:
+  std::string reason;   // why it matters
+  std::string command;  // mends it, when typed into a shell
+  std::string advice;   // what else to do, or instead of a command
+  bool operator==(const Verdict&) const = default;
+};
+
+[[nodiscard]] Verdict all_well(std::string check, std::string finding);
+[[nodiscard]] bool is_something_wrong(const std::vector<Verdict>& verdicts) noexcept;
+
+}  // namespace thimble::doctor
