@@ -1,0 +1,43 @@
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
+#include <boost/beast/core/basic_stream.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include "hal/base/result.hpp"
+
+namespace thimble::cli {
+
+inline constexpr std::chrono::seconds kTimeout{5};
+
+struct Reply {
+  unsigned http_status{0};
+  std::string body;
+};
+
+// One connection to the daemon; a lease lasts as long as it.
+//
+// Thread: one. Not RT; every call ends within 5 s.
+// Errors: connect() says NotFound when no daemon listens at the path, Timeout when it does not
+//         accept; request() says Disconnected when it has ended, Timeout when it does not answer.
+class Client {
+ public:
+  [[nodiscard]] static Result<std::unique_ptr<Client>> connect(
+      const std::string& socket_path, std::chrono::microseconds timeout = kTimeout);
+  [[nodiscard]] Result<Reply> request(const std::string& method, const std::string& target);
+  // For poll(): readable when the daemon has closed the connection.
+  [[nodiscard]] int descriptor();
+
+ private:
+  Client() : stream_(context_) {}
+
+  boost::asio::io_context context_;
+  boost::beast::basic_stream<boost::asio::local::stream_protocol> stream_;
+  boost::beast::flat_buffer buffer_;
+};
+
+}  // namespace thimble::cli

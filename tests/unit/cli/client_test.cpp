@@ -1,0 +1,113 @@
+#include "cli/client.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "cli/status_document.hpp"
+#include "daemon/api/server.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/unit/cli/sample_status.hpp"
+
+namespace thimble::cli {
+namespace {
+
+using testing::HasSubstr;
+
+class FakeDaemon : public api::StatusView, public api::Commands {
+ public:
+  [[nodiscard]] api::Status status() const override { return sample_status(); }
+  void activate(std::string_view, api::ClientId, api::Answer answer) override {
+    answer(api::Done{"active", ""});
+  }
+  void deactivate(std::string_view, api::ClientId, api::Answer answer) override {
+    answer(api::Done{"inactive", ""});
+  }
+  void clear_fault(std::string_view, api::ClientId, api::Answer answer) override {
+    answer(fail(Errc::Busy, "the stop is still pressed"));
+  }
+  void client_gone(api::ClientId) override {}
+};
+
+class ClientTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    auto server = api::Server::create(context_, {path_, 0600, ""}, daemon_, daemon_);
+    ASSERT_TRUE(server);
+    server_ = std::move(*server);
+    thread_ = std::thread([this] { context_.run(); });
+  }
+  void TearDown() override { stop(); }
+  void stop() {
+    if (!thread_.joinable()) return;
+    boost::asio::post(context_, [this] { server_.reset(); });
+    thread_.join();
+  }
+
+  testing_support::TemporaryFolder folder_;
+  std::string path_{(folder_ / "t.sock").string()};
+  boost::asio::io_context context_;
+  FakeDaemon daemon_;
+  std::unique_ptr<api::Server> server_;
+  std::thread thread_;
+};
+
+TEST_F(ClientTest, AsksOverAndOverOnOneConnection) {
+  const auto sut = Client::connect(path_);
+  ASSERT_TRUE(sut) << sut.error().message;
+  for (int i = 0; i < 3; ++i) {
+    const auto reply = (*sut)->request("GET", "/v1/status");
+    ASSERT_TRUE(reply) << reply.error().message;
+    EXPECT_EQ(reply->http_status, 200U);
+    EXPECT_EQ(*parse_status(reply->body), sample_status());
+  }
+}
+
+TEST_F(ClientTest, BringsTheSentenceOfARefusal) {
+  const auto sut = Client::connect(path_);
+  const auto reply = (*sut)->request("POST", "/v1/arms/right/clear-fault");
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(reply->http_status, 409U);
+  EXPECT_EQ(parse_error_message(reply->body, ""), "the stop is still pressed");
+}
+
+TEST_F(ClientTest, NoticesTheEndOfTheDaemon) {
+  const auto sut = Client::connect(path_);
+  ASSERT_TRUE((*sut)->request("GET", "/v1/status"));
+  stop();
+  const auto reply = (*sut)->request("GET", "/v1/status");
+  ASSERT_FALSE(reply);
+  EXPECT_EQ(reply.error().code, Errc::Disconnected);
+}
+
+TEST(Client, SaysInOneSentenceThatNoDaemonRuns) {
+  const testing_support::TemporaryFolder folder;
+  const auto sut = Client::connect((folder / "none.sock").string());
+  ASSERT_FALSE(sut);
+  EXPECT_EQ(sut.error().code, Errc::NotFound);
+  EXPECT_THAT(sut.error().message, HasSubstr("no daemon is running at"));
+  EXPECT_FALSE(Client::connect(std::string(300, 'x')));
+}
+
+TEST(Client, GivesUpOnADaemonThatDoesNotAccept) {
+  using Local = boost::asio::local::stream_protocol;
+  const testing_support::TemporaryFolder folder;
+  const std::string path = (folder / "full.sock").string();
+  boost::asio::io_context context;
+  Local::acceptor listener(context);
+  listener.open();
+  listener.bind(Local::endpoint(path));
+  listener.listen(0);
+  // A backlog of none takes one.
+  const auto first = Client::connect(path);
+  ASSERT_TRUE(first) << first.error().message;
+
+  const auto sut = Client::connect(path, std::chrono::milliseconds(1));
+  ASSERT_FALSE(sut);
+  EXPECT_EQ(sut.error().code, Errc::Timeout);
+  EXPECT_THAT(sut.error().message, HasSubstr("does not accept"));
+}
+
+}  // namespace
+}  // namespace thimble::cli
