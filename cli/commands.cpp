@@ -1,0 +1,142 @@
+#include "cli/commands.hpp"
+
+#include <cstdio>
+#include <iostream>
+#include <iterator>
+
+#include "cli/client.hpp"
+#include "cli/command_reply.hpp"
+#include "cli/file_text.hpp"
+#include "cli/interrupts.hpp"
+#include "cli/render.hpp"
+#include "cli/status_document.hpp"
+#include "cli/terminal.hpp"
+
+namespace thimble::cli {
+namespace {
+
+constexpr std::size_t kMaxReportBytes = std::size_t{1} << 22;
+
+int complain(const Error& error) {
+  std::cerr << "thimble: " << error.message << '\n';
+  const bool is_gone = error.code == Errc::NotFound || error.code == Errc::Disconnected;
+  return is_gone ? kExitNoDaemon : kExitRefused;
+}
+
+// The body of a good answer; of a bad one its sentence.
+Result<std::string> ask(Client& client, const std::string& method, const std::string& target) {
+  auto reply = client.request(method, target);
+  if (!reply) return tl::unexpected<Error>(reply.error());
+  if (reply->http_status == 200) return std::move(reply->body);
+  return fail(Errc::Busy,
+              plain(parse_error_message(reply->body, "the daemon answers with HTTP status " +
+                                                         std::to_string(reply->http_status))));
+}
+
+Result<api::Status> ask_status(Client& client) {
+  auto body = ask(client, "GET", "/v1/status");
+  if (!body) return tl::unexpected<Error>(body.error());
+  return parse_status(*body);
+}
+
+Result<std::string> only_arm(Client& client) {
+  auto status = ask_status(client);
+  if (!status) return tl::unexpected<Error>(status.error());
+  if (status->arms.size() == 1) return status->arms.front().name;
+  std::string names;
+  for (const auto& arm : status->arms) names += (names.empty() ? "" : ", ") + plain(arm.name);
+  return fail(Errc::InvalidArgument,
+              names.empty() ? "this daemon has no arm" : "say which arm: " + names);
+}
+
+int hold_lease(Client& client, const CommandReply& reply) {
+  Interrupts interrupts;  // before the words: who reads them may interrupt at once
+  std::cout << render_reply("activate", reply) << "; Ctrl-C releases it" << std::endl;
+  if (interrupts.wait(client.descriptor(), -1) == Interrupts::Woken::Signal) {
+    std::cout << "arm " << reply.arm << " is released\n";
+    return kExitOk;
+  }
+  return complain({Errc::Disconnected, "the daemon has ended; arm " + reply.arm + " is released"});
+}
+
+// One picture of the daemon. On a terminal it takes the place of the one before.
+Result<void> show(Client& client, Screen& screen) {
+  auto status = ask_status(client);
+  if (!status) return tl::unexpected<Error>(status.error());
+  if (screen.is_terminal()) {
+    screen.draw(render_watch(*status, screen.glyphs(), screen.rows()));
+  } else {
+    std::cout << render_line(*status) << std::flush;
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<api::Status> daemon_status(const std::string& socket_path) {
+  auto client = Client::connect(socket_path);
+  if (!client) return tl::unexpected<Error>(client.error());
+  return ask_status(**client);
+}
+
+int run_status(const std::string& socket_path, bool is_json) {
+  auto client = Client::connect(socket_path);
+  if (!client) return complain(client.error());
+  auto body = ask(**client, "GET", "/v1/status");
+  if (!body) return complain(body.error());
+  if (is_json) {
+    std::cout << *body;
+    return kExitOk;
+  }
+  auto status = parse_status(*body);
+  if (!status) return complain(status.error());
+  std::cout << render_status(*status, glyphs_of_environment());
+  return kExitOk;
+}
+
+int run_watch(const std::string& socket_path, const WatchOptions& options) {
+  auto client = Client::connect(socket_path);
+  if (!client) return complain(client.error());
+  Interrupts interrupts;  // only now: a signal shall end the waiting for a connection
+  Result<void> shown;
+  {
+    Screen screen;
+    for (double time_s = 0; !options.for_s || time_s < *options.for_s;
+         time_s += options.interval_s) {
+      shown = show(**client, screen);
+      if (!shown || !std::cout) break;
+      if (interrupts.wait(-1, options.interval_s) == Interrupts::Woken::Signal) break;
+    }
+  }
+  return shown ? kExitOk : complain(shown.error());
+}
+
+int run_command(const std::string& socket_path, const std::string& verb, const std::string& arm) {
+  auto client = Client::connect(socket_path);
+  if (!client) return complain(client.error());
+  const Result<std::string> name = arm.empty() ? only_arm(**client) : Result<std::string>(arm);
+  if (!name) return complain(name.error());
+  const auto body = ask(**client, "POST", "/v1/arms/" + *name + "/" + verb);
+  if (!body) return complain(body.error());
+  const CommandReply reply = parse_command_reply(*body);
+  if (verb == "activate" && reply.lease == "client") return hold_lease(**client, reply);
+  std::cout << render_reply(verb, reply) << '\n';
+  return kExitOk;
+}
+
+int run_report(const std::string& file) {
+  const Result<std::string> text = read_at_most(file, kMaxReportBytes);
+  if (!text && text.error().code == Errc::NotFound) {
+    std::cerr << "thimble: cannot open " << file << '\n';
+    return kExitRefused;
+  }
+  const auto status = parse_status(text.value_or(""));
+  if (!status) {
+    std::cerr << "thimble: " << file << " is no summary of thimbled\n";
+    return kExitRefused;
+  }
+  std::cout << render_report(*status, glyphs_of_environment());
+  return kExitOk;
+}
+
+}  // namespace thimble::cli

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "daemon/api/status.hpp"
+#include "hal/base/result.hpp"
+
+namespace thimble::cli {
+
+// What a shell sees.
+inline constexpr int kExitOk = 0;
+inline constexpr int kExitRefused = 1;  // the daemon, or a file, says no
+inline constexpr int kExitUsage = 2;
+inline constexpr int kExitNoDaemon = 3;
+
+struct WatchOptions {
+  double interval_s{0.1};
+  std::optional<double> for_s;
+};
+
+// The state of the daemon at that socket. Errors: as Client's, and what the daemon says.
+[[nodiscard]] Result<api::Status> daemon_status(const std::string& socket_path);
+
+// Each does one subcommand: writes to standard output, mistakes to standard error, and returns
+// the exit code.
+int run_status(const std::string& socket_path, bool is_json);
+int run_watch(const std::string& socket_path, const WatchOptions& options);
+// `verb` is "activate", "deactivate" or "clear-fault"; an empty arm means the only one.
+int run_command(const std::string& socket_path, const std::string& verb, const std::string& arm);
+// Prints what a file of `thimbled --summary` says of a session.
+int run_report(const std::string& file);
+
+}  // namespace thimble::cli
