@@ -1,0 +1,14 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "hal/base/result.hpp"
+
+namespace thimble::cli {
+
+// The first `bytes` of a file that a person named, or all of a shorter one.
+// Errors: NotFound when it cannot be opened, System when it cannot be read.
+[[nodiscard]] Result<std::string> read_at_most(const std::string& file, std::size_t bytes);
+
+}  // namespace thimble::cli
