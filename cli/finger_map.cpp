@@ -1,0 +1,127 @@
+#include "cli/finger_map.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+namespace thimble::cli {
+namespace {
+
+constexpr std::size_t kFrameLines = 3;  // two edges and the legend
+constexpr std::size_t kMinRows = 5;
+constexpr std::size_t kMaxRows = 15;
+constexpr const char* kIndent = "    ";
+constexpr const char* kGap = "    ";
+constexpr double kDefaultExtent_m = 0.09;  // the thesis's workspace, for worlds not told of
+
+struct Signs {
+  const char *wall, *free, *finger, *touching, *hand, *horizontal, *vertical;
+  std::array<const char*, 4> corners;
+};
+constexpr Signs kUnicode{"░", " ", "○", "●", "+", "─", "│", {"┌", "┐", "└", "┘"}};
+constexpr Signs kAscii{":", " ", "o", "@", "+", "-", "|", {"+", "+", "+", "+"}};
+
+struct View {
+  std::size_t across;  // axis to the right
+  std::size_t up;
+  const char* title;  // axis to the right, then axis up
+};
+constexpr std::array<View, 2> kViews{{{0, 1, " x y "}, {0, 2, " x z "}}};
+
+struct Scene {
+  std::size_t rows{0};
+  std::size_t columns{0};
+  std::array<double, 3> extent_m{kDefaultExtent_m, kDefaultExtent_m, kDefaultExtent_m};
+  bool is_box{false};
+  std::array<double, 3> hand_m{};
+  std::array<double, 3> finger_m{};
+  bool is_in_contact{false};
+};
+
+Scene scene_of(const api::ArmStatus& arm, const api::WorldStatus* world, std::size_t rows) {
+  Scene out;
+  out.rows = rows;
+  out.columns = 2 * rows + 1;  // a character is about twice as high as wide
+  out.is_in_contact = arm.is_in_contact;
+  out.is_box = world != nullptr && world->source.starts_with("box:");
+  for (std::size_t i = 0; i < 3; ++i) {
+    out.hand_m[i] = arm.position_m[i];
+    out.finger_m[i] = arm.position_m[i] + arm.offset_m[i];
+    const double extent_m = world == nullptr ? 0 : world->cells[i] * world->cell_m;
+    if (extent_m > 0 && std::isfinite(extent_m)) out.extent_m[i] = extent_m;
+  }
+  return out;
+}
+
+// Which of `count` places a coordinate falls into; nothing outside.
+std::optional<std::size_t> place_of(double at_m, double extent_m, std::size_t count) {
+  const double place = (at_m / extent_m + 0.5) * static_cast<double>(count);
+  if (!(place >= 0 && place < static_cast<double>(count))) return std::nullopt;
+  return static_cast<std::size_t>(place);
+}
+
+// The thesis's box is hollow in the middle third of each axis.
+bool is_wall(const Scene& scene, std::size_t row, std::size_t column) {
+  if (!scene.is_box) return false;
+  const auto is_outside = [](std::size_t place, std::size_t count) {
+    const double middle = (static_cast<double>(place) + 0.5) / static_cast<double>(count) - 0.5;
+    return std::abs(middle) > 1.0 / 6.0;
+  };
+  return is_outside(row, scene.rows) || is_outside(column, scene.columns);
+}
+
+bool is_at(const Scene& scene, const std::array<double, 3>& point_m, const View& view,
+           std::size_t row, std::size_t column) {
+  const auto across = place_of(point_m[view.across], scene.extent_m[view.across], scene.columns);
+  const auto up = place_of(point_m[view.up], scene.extent_m[view.up], scene.rows);
+  return across == column && up && scene.rows - 1 - *up == row;
+}
+
+std::string draw_row(const Scene& scene, const View& view, std::size_t row, const Signs& signs) {
+  std::string out = signs.vertical;
+  for (std::size_t column = 0; column < scene.columns; ++column) {
+    if (is_at(scene, scene.finger_m, view, row, column)) {
+      out += scene.is_in_contact ? signs.touching : signs.finger;
+    } else if (is_at(scene, scene.hand_m, view, row, column)) {
+      out += signs.hand;
+    } else {
+      out += is_wall(scene, row, column) ? signs.wall : signs.free;
+    }
+  }
+  return out += signs.vertical;
+}
+
+std::string edge(const Scene& scene, const Signs& signs, const View* titled) {
+  std::string out = signs.corners[titled != nullptr ? 0 : 2];
+  std::size_t drawn = 0;
+  if (titled != nullptr) {
+    out += titled->title;
+    drawn = columns_of(titled->title);
+  }
+  for (; drawn < scene.columns; ++drawn) out += signs.horizontal;
+  return out += signs.corners[titled != nullptr ? 1 : 3];
+}
+
+}  // namespace
+
+std::vector<std::string> finger_map(const api::ArmStatus& arm, const api::WorldStatus* world,
+                                    Glyphs glyphs, std::size_t room) {
+  if (room < kMinRows + kFrameLines) return {};
+  // An odd number has a middle, where the box is hollow.
+  const std::size_t rows = std::min((room - kFrameLines - 1) / 2 * 2 + 1, kMaxRows);
+  const Signs& signs = glyphs == Glyphs::Unicode ? kUnicode : kAscii;
+  const Scene scene = scene_of(arm, world, rows);
+  std::vector<std::string> out;
+  out.push_back(kIndent + edge(scene, signs, &kViews[0]) + kGap + edge(scene, signs, &kViews[1]));
+  for (std::size_t row = 0; row < rows; ++row) {
+    out.push_back(kIndent + draw_row(scene, kViews[0], row, signs) + kGap +
+                  draw_row(scene, kViews[1], row, signs));
+  }
+  out.push_back(kIndent + edge(scene, signs, nullptr) + kGap + edge(scene, signs, nullptr));
+  out.push_back(kIndent + std::string(signs.finger) + " finger   " + signs.touching +
+                " touching   " + signs.hand + " hand, where the offset parts them");
+  return out;
+}
+
+}  // namespace thimble::cli

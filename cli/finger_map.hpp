@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cli/text.hpp"
+#include "daemon/api/status.hpp"
+
+namespace thimble::cli {
+
+// The finger in its world, seen along two axes: a picture of at most `room` lines and 80 columns,
+// or nothing where that is too few to show anything.
+// The hand (where the arm is) and the finger (hand plus coordinate offset: where the world sees
+// it) are drawn apart when the offset shows. `world` may be null: then there are no walls.
+[[nodiscard]] std::vector<std::string> finger_map(const api::ArmStatus& arm,
+                                                  const api::WorldStatus* world, Glyphs glyphs,
+                                                  std::size_t room);
+
+}  // namespace thimble::cli
