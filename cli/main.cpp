@@ -1,0 +1,159 @@
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <csignal>
+#include <cstdlib>
+#include <exception>
+#include <functional>
+#include <iostream>
+#include <string>
+
+#include "cli/commands.hpp"
+#include "cli/devices/devices.hpp"
+#include "cli/doctor/doctor.hpp"
+#include "cli/flight/report.hpp"
+#include "cli/flight/show.hpp"
+#include "daemon/config/paths.hpp"
+#include "hal/linux/standard_streams.hpp"
+
+namespace {
+
+using thimble::cli::kExitOk;
+using thimble::cli::kExitRefused;
+using thimble::cli::kExitUsage;
+using thimble::cli::run_command;
+using thimble::cli::run_report;
+using thimble::cli::run_status;
+using thimble::cli::run_watch;
+using thimble::cli::WatchOptions;
+using thimble::devices_list::run_devices;
+using thimble::doctor::run_doctor;
+
+struct Arguments {
+  std::string socket_path;
+  std::string arm;
+  std::string file;
+  std::string root{"/"};
+  double before_s{thimble::flight::kDefaultBefore_s};
+  bool is_json{false};
+  WatchOptions watch;
+};
+
+// CLI::Range lets NaN pass: it is neither below nor above.
+std::string refuse_not_finite(const std::string& text) {
+  if (std::isfinite(std::strtod(text.c_str(), nullptr))) return "";
+  return "expected a finite number, found " + text;
+}
+
+void add_status_commands(CLI::App& app, Arguments& arguments, int& code) {
+  CLI::App* status = app.add_subcommand("status", "Say how the daemon and its arms are");
+  status->add_flag("--json", arguments.is_json, "As a JSON document (docs/api.md)");
+  status->callback([&] { code = run_status(arguments.socket_path, arguments.is_json); });
+
+  CLI::App* watch = app.add_subcommand("watch", "Show forces, offsets and contacts live");
+  watch->add_option("--interval", arguments.watch.interval_s, "Seconds between pictures")
+      ->check(refuse_not_finite)
+      ->check(CLI::Range(0.02, 3600.0))
+      ->capture_default_str();
+  watch->add_option("--for", arguments.watch.for_s, "End after so many seconds")
+      ->check(refuse_not_finite)
+      ->check(CLI::Range(0.0, 1e6));
+  watch->callback([&] { code = run_watch(arguments.socket_path, arguments.watch); });
+
+  CLI::App* report = app.add_subcommand("report", "Tell of a session that thimbled summarised");
+  report->add_option("FILE", arguments.file, "What thimbled --summary wrote")->required();
+  report->callback([&] { code = run_report(arguments.file); });
+}
+
+void add_machine_command(CLI::App& app, const char* name, const char* what, Arguments& arguments,
+                         const std::function<void()>& run) {
+  CLI::App* command = app.add_subcommand(name, what);
+  command->add_flag("--json", arguments.is_json, "As a JSON document");
+  command
+      ->add_option("--root", arguments.root, "Look below this folder for /proc, /sys, /dev, /etc")
+      ->check(CLI::ExistingDirectory)
+      ->capture_default_str();
+  command->callback(run);
+}
+
+void add_machine_commands(CLI::App& app, Arguments& arguments, int& code) {
+  add_machine_command(app, "doctor",
+                      "Say what on this machine is in the way of an arm, and what mends it",
+                      arguments, [&] { code = run_doctor(arguments.root, arguments.is_json); });
+  add_machine_command(
+      app, "devices", "List what arm.device could name, and why anything cannot be used", arguments,
+      [&] { code = run_devices(arguments.socket_path, arguments.root, arguments.is_json); });
+}
+
+void add_flight_commands(CLI::App& app, Arguments& arguments, int& code) {
+  CLI::App* flight = app.add_subcommand("flight", "Look at flight recordings of latched stops");
+  flight->require_subcommand(1);
+  CLI::App* show = flight->add_subcommand("show", "Tell the cause, and what went before it");
+  show->add_option("FILE", arguments.file, "What thimbled wrote to daemon.flight_directory")
+      ->required();
+  show->add_option("--before", arguments.before_s, "Seconds before the stop that the table shows")
+      ->check(refuse_not_finite)
+      ->check(CLI::Range(0.0, 60.0))
+      ->capture_default_str();
+  show->callback([&] { code = thimble::flight::run_show(arguments.file, arguments.before_s); });
+}
+
+void add_arm_command(CLI::App& app, const char* verb, const char* what, Arguments& arguments,
+                     int& code) {
+  CLI::App* command = app.add_subcommand(verb, what);
+  command->add_option("ARM", arguments.arm, "Name of the arm; not needed when there is one");
+  command->callback([&, verb] { code = run_command(arguments.socket_path, verb, arguments.arm); });
+}
+
+int run(int argc, char** argv) {
+  Arguments arguments;
+  int code = kExitOk;
+  CLI::App app("Talks to thimbled, the haptics daemon");
+  app.set_version_flag("--version", std::string("thimble ") + THIMBLE_VERSION);
+  arguments.socket_path =
+      thimble::config::default_socket_path(thimble::config::process_environment());
+  app.add_option("--socket", arguments.socket_path, "Socket of the daemon")->capture_default_str();
+  app.require_subcommand(1);
+  app.fallthrough();  // options of the program may follow the subcommand
+  add_status_commands(app, arguments, code);
+  add_machine_commands(app, arguments, code);
+  add_flight_commands(app, arguments, code);
+  add_arm_command(app, "activate", "Keep an arm active while this runs", arguments, code);
+  add_arm_command(app, "deactivate", "Take the force off an arm", arguments, code);
+  add_arm_command(app, "clear-fault", "Clear a latched fault whose cause is gone", arguments, code);
+  app.footer(
+      "Exit codes: 0 done, 1 refused, not printed or (doctor) something wrong, 2 wrong arguments, "
+      "3 no daemon.");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kExitOk : kExitUsage;
+  }
+  return code;
+}
+
+// What was printed and lost is no success. A reader that went away (thimble status | head) is told
+// of as a shell expects it: by the signal.
+int finish(int code) {
+  const thimble::Result<void> written = thimble::linux::flush_standard_output();
+  if (written) return code;
+  if (written.error().code == thimble::Errc::Disconnected) {
+    std::signal(SIGPIPE, SIG_DFL);
+    std::raise(SIGPIPE);
+  }
+  std::cerr << "thimble: " << written.error().message << '\n';
+  return code == kExitOk ? kExitRefused : code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  thimble::linux::occupy_closed_standard_descriptors();
+  // Not during the work: a signal would leave the terminal of `watch` without its repair.
+  std::signal(SIGPIPE, SIG_IGN);
+  try {
+    return finish(run(argc, argv));
+  } catch (const std::exception& error) {
+    std::cerr << "thimble: " << error.what() << '\n';
+    return kExitRefused;
+  }
+}
