@@ -1,0 +1,212 @@
+#include "cli/render.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "cli/finger_map.hpp"
+
+namespace thimble::cli {
+namespace {
+
+constexpr std::size_t kLabel = 13;       // columns of "  position   "
+constexpr double kFullBar_newton = 8.5;  // a PHANToM's peak (reference: its data sheet)
+
+using Lines = std::vector<std::string>;
+
+void add(Lines& lines, const std::string& label, const std::string& text) {
+  lines.push_back(fit(fit("  " + label, kLabel) + text, kColumns));
+}
+
+void add_wrapped(Lines& lines, const std::string& label, const std::string& text) {
+  const std::string wrapped = wrap(plain(text), kColumns, kLabel);
+  std::size_t begin = 0;
+  for (std::size_t end = wrapped.find('\n'); end != std::string::npos;
+       begin = end + 1, end = wrapped.find('\n', begin)) {
+    const std::string line = wrapped.substr(begin, end - begin);
+    add(lines, begin == 0 ? label : "", line.substr(std::min(kLabel, line.size())));
+  }
+}
+
+std::string upper(std::string text) {
+  for (char& c : text) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+  return text;
+}
+
+double norm(const std::array<double, 3>& v) { return std::hypot(v[0], v[1], v[2]); }
+
+std::string vector_text(const std::array<double, 3>& v, double scale, int decimals,
+                        const char* unit) {
+  std::string out;
+  for (const double component : v) {
+    const std::string text = signed_fixed(component * scale, decimals);
+    out.append(text.size() < 7 ? 7 - text.size() : 1, ' ') += text;
+  }
+  return out + " " + unit;
+}
+
+std::string percentiles_text(const api::Percentiles& p, Glyphs glyphs) {
+  return "p50 " + time_text(p.p50, glyphs) + "  p99 " + time_text(p.p99, glyphs) + "  max " +
+         time_text(p.max, glyphs);
+}
+
+void add_motion(Lines& lines, const api::ArmStatus& arm, Glyphs glyphs) {
+  const double force_newton = norm(arm.force_newton);
+  add(lines, "position",
+      fit(vector_text(arm.position_m, 1e3, 1, "mm"), 28) + "offset" +
+          vector_text(arm.offset_m, 1e3, 1, "mm") + " peak " + fixed(arm.peak_offset_m * 1e3, 1));
+  add(lines, "force",
+      vector_text(arm.force_newton, 1, 2, "N ") + "   " + fit(fixed(force_newton, 2), 6) + "[" +
+          bar(force_newton / kFullBar_newton, 20, glyphs) + "]  peak " +
+          fixed(arm.peak_force_newton, 2));
+  add(lines, "contact",
+      std::string(arm.is_in_contact ? "  TOUCHING" : "  free    ") + "   " +
+          std::to_string(arm.contacts) + " so far   constraints " + plain(arm.constraint_state));
+}
+
+void add_servo(Lines& lines, const api::ServoStatus& servo, Glyphs glyphs) {
+  add(lines, "servo",
+      fixed(servo.rate_hz, 0) + " Hz" + (servo.is_realtime ? " real-time" : " best-effort") +
+          "  ticks " + std::to_string(servo.ticks) + "  overruns " +
+          std::to_string(servo.overruns));
+  add(lines, "wake-up", percentiles_text(servo.wakeup_error_s, glyphs));
+  add(lines, "compute",
+      "p99 " + time_text(servo.compute_s.p99, glyphs) + "  exchange p99 " +
+          time_text(servo.exchange_s.p99, glyphs));
+}
+
+void add_link(Lines& lines, const api::LinkStatus& link, Glyphs glyphs) {
+  add(lines, "link",
+      plain(link.kind) + (link.is_up ? " up" : " DOWN") + "  round trip " +
+          (link.is_up ? time_text(link.round_trip_s, glyphs) : "-") +
+          (link.peer.empty() ? "" : "  peer " + plain(link.peer)));
+  add(lines, "",
+      "sent " + std::to_string(link.sent) + "  received " + std::to_string(link.received) +
+          "  lost " + std::to_string(link.lost) + "  rejected " + std::to_string(link.rejected) +
+          "  stale " + std::to_string(link.stale));
+  if (!link.is_up && !link.last_error.empty()) {
+    add_wrapped(lines, "", "last trouble: " + link.last_error);
+  }
+}
+
+void add_faults(Lines& lines, const api::ArmStatus& arm) {
+  if (arm.faults.empty()) return add(lines, "faults", "none");
+  for (const api::FaultStatus& fault : arm.faults) {
+    add_wrapped(lines, "FAULT",
+                fault.code + " at " + fixed(fault.at_s, 1) + " s: " + fault.message);
+    if (!fault.recording.empty()) add_wrapped(lines, "", "recording " + fault.recording);
+  }
+}
+
+void add_arm(Lines& lines, const api::Status& status, const api::ArmStatus& arm, Glyphs glyphs) {
+  const std::string lease = arm.lease.empty() || arm.lease == "none" ? "nobody" : arm.lease;
+  lines.push_back(fit("arm " + plain(arm.name) + "  " + upper(plain(arm.state)) + "  " +
+                          plain(arm.device) + "  calibration " + plain(arm.calibration) +
+                          "  held by " + plain(lease),
+                      kColumns));
+  if (!arm.instruction.empty()) add_wrapped(lines, "PLEASE", arm.instruction);
+  add_motion(lines, arm, glyphs);
+  for (const api::ServoStatus& servo : status.servos) {
+    if (servo.arm == arm.name) add_servo(lines, servo, glyphs);
+  }
+  for (const api::LinkStatus& link : status.links) {
+    if (link.arm == arm.name) add_link(lines, link, glyphs);
+  }
+  add_faults(lines, arm);
+}
+
+void add_worlds(Lines& lines, const api::Status& status, Glyphs glyphs) {
+  for (const api::WorldStatus& world : status.worlds) {
+    lines.push_back(
+        fit("world " + plain(world.name) + "  " + plain(world.source) + "  " +
+                std::to_string(world.cells[0]) + " x " + std::to_string(world.cells[1]) + " x " +
+                std::to_string(world.cells[2]) + " cells of " + fixed(world.cell_m * 1e3, 2) +
+                " mm  fingers " + std::to_string(world.probes),
+            kColumns));
+    for (const api::LinkStatus& link : status.links) {
+      if (link.arm.empty() && link.world == world.name) add_link(lines, link, glyphs);
+    }
+  }
+}
+
+Lines all_lines(const api::Status& status, Glyphs glyphs) {
+  Lines lines;
+  lines.push_back(
+      fit("thimble " + plain(status.version) + "  up " + uptime_text(status.uptime_s), kColumns));
+  for (const std::string& sentence : status.degraded) add_wrapped(lines, "DEGRADED", sentence);
+  for (const api::ArmStatus& arm : status.arms) add_arm(lines, status, arm, glyphs);
+  add_worlds(lines, status, glyphs);
+  return lines;
+}
+
+const api::WorldStatus* world_of(const api::Status& status, const api::ArmStatus& arm) {
+  const auto found = std::find_if(status.worlds.begin(), status.worlds.end(),
+                                  [&](const auto& world) { return world.name == arm.world; });
+  return found == status.worlds.end() ? nullptr : &*found;
+}
+
+std::string joined(const Lines& lines) {
+  std::string out;
+  for (const std::string& line : lines) {
+    const std::size_t end = line.find_last_not_of(' ');
+    out += line.substr(0, end == std::string::npos ? 0 : end + 1) + "\n";
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string render_status(const api::Status& status, Glyphs glyphs) {
+  return joined(all_lines(status, glyphs));
+}
+
+std::string render_watch(const api::Status& status, Glyphs glyphs, std::size_t rows) {
+  Lines lines = all_lines(status, glyphs);
+  for (const api::ArmStatus& arm : status.arms) {
+    const std::size_t room = rows > lines.size() + 1 ? rows - lines.size() - 1 : 0;
+    const Lines map = finger_map(arm, world_of(status, arm), glyphs, room);
+    lines.insert(lines.end(), map.begin(), map.end());
+  }
+  lines.resize(std::min(lines.size(), std::max<std::size_t>(rows, 2) - 1));
+  return joined(lines);
+}
+
+std::string render_line(const api::Status& status) {
+  Lines lines;
+  for (const api::ArmStatus& arm : status.arms) {
+    std::string line = fixed(status.uptime_s, 1) + " s " + plain(arm.name) + " " + plain(arm.state);
+    for (const double component_m : arm.position_m)
+      line += " " + signed_fixed(component_m * 1e3, 1);
+    line += " mm " + fixed(norm(arm.force_newton), 2) + " N offset " +
+            fixed(norm(arm.offset_m) * 1e3, 1) + " mm contacts " + std::to_string(arm.contacts);
+    if (arm.is_in_contact) line += " touching";
+    if (!arm.faults.empty()) line += " FAULT " + plain(arm.faults[0].code);
+    lines.push_back(std::move(line));
+  }
+  return joined(lines);
+}
+
+std::string render_report(const api::Status& status, Glyphs glyphs) {
+  Lines lines;
+  lines.push_back("session of " + fixed(status.uptime_s, 1) + " s");
+  for (const std::string& sentence : status.degraded) add_wrapped(lines, "DEGRADED", sentence);
+  for (const api::ArmStatus& arm : status.arms) {
+    lines.push_back(fit("arm " + plain(arm.name) + "  " + plain(arm.device), kColumns));
+    add(lines, "contacts", std::to_string(arm.contacts));
+    add(lines, "peak force", fixed(arm.peak_force_newton, 2) + " N");
+    add(lines, "offset",
+        "peak " + fixed(arm.peak_offset_m * 1e3, 2) + " mm, at the end " +
+            fixed(norm(arm.offset_m) * 1e3, 2) + " mm");
+    for (const api::ServoStatus& servo : status.servos) {
+      if (servo.arm == arm.name) add_servo(lines, servo, glyphs);
+    }
+    for (const api::LinkStatus& link : status.links) {
+      if (link.arm == arm.name) add_link(lines, link, glyphs);
+    }
+    add_faults(lines, arm);
+  }
+  return joined(lines);
+}
+
+}  // namespace thimble::cli

@@ -1,0 +1,167 @@
+#include "cli/render.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <vector>
+
+#include "tests/unit/cli/sample_status.hpp"
+
+namespace thimble::cli {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> out;
+  std::size_t begin = 0;
+  for (std::size_t end = text.find('\n'); end != std::string::npos;
+       begin = end + 1, end = text.find('\n', begin)) {
+    out.push_back(text.substr(begin, end - begin));
+  }
+  EXPECT_EQ(begin, text.size()) << "the last line has no end";
+  return out;
+}
+
+// A status whose every text and number is as bad as a document can make it.
+api::Status hostile_status() {
+  const std::string text = std::string(500, 'x') + "\x1b[2J\n\xff";
+  const double huge = std::numeric_limits<double>::max();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const std::uint64_t many = std::numeric_limits<std::uint64_t>::max();
+  api::Status out;
+  out.version = text;
+  out.uptime_s = huge;
+  out.degraded = {text, ""};
+  api::ArmStatus arm;
+  arm.name = arm.device = arm.state = arm.lease = arm.world = arm.instruction = text;
+  arm.calibration = arm.constraint_state = text;
+  arm.position_m = {huge, -huge, nan};
+  arm.force_newton = {huge, huge, huge};
+  arm.offset_m = {-huge, nan, nan};
+  arm.peak_force_newton = huge;
+  arm.contacts = many;
+  arm.faults = {{text, text, nan, text}};
+  out.arms = {arm};
+  out.servos = {{text, huge, many, many, {huge, nan, huge}, {}, {nan, nan, nan}, true}};
+  out.links = {{text, "", text, text, true, huge, many, many, many, many, many},
+               {"", text, text, text, false, nan, 0, 0, 0, 0, 0, nan, text + text}};
+  out.worlds = {{text, "box:" + text, {4294967295U, 0, 1}, huge, 4294967295U}};
+  return out;
+}
+
+void expect_fits(const std::string& text) {
+  for (const std::string& line : lines_of(text)) {
+    EXPECT_LE(columns_of(line), kColumns) << line;
+    for (const char c : line) EXPECT_TRUE(static_cast<unsigned char>(c) >= 0x20) << line;
+  }
+}
+
+TEST(Render, KeepsWithinEightyColumnsWhateverItIsTold) {
+  for (const api::Status& status : {sample_status(), hostile_status(), api::Status{}}) {
+    for (const Glyphs glyphs : {Glyphs::Ascii, Glyphs::Unicode}) {
+      expect_fits(render_status(status, glyphs));
+      expect_fits(render_report(status, glyphs));
+      for (const std::size_t rows : {0U, 1U, 10U, 24U, 25U, 60U}) {
+        expect_fits(render_watch(status, glyphs, rows));
+      }
+    }
+  }
+}
+
+TEST(Render, UsesPlainCharactersWhereTheTerminalHasNoOthers) {
+  for (const char c : render_watch(sample_status(), Glyphs::Ascii, 60)) EXPECT_GE(c, 0);
+}
+
+TEST(RenderWatch, ShowsWhatTheHandFeels) {
+  EXPECT_THAT(
+      render_watch(sample_status(), Glyphs::Ascii, 24),
+      AllOf(HasSubstr("arm right  ACTIVE  sim:phantom-vintage  calibration done"),
+            HasSubstr("+14.8   -3.5   +1.0 mm"), HasSubstr("-1.25  +0.50  +0.25 N"),
+            HasSubstr("1.37"), HasSubstr("[###......"), HasSubstr("peak 3.25"),
+            HasSubstr("+0.0 mm peak 4.2"), HasSubstr("TOUCHING   42 so far   constraints fresh"),
+            HasSubstr("1000 Hz best-effort  ticks 83500  overruns 2"),
+            HasSubstr("p50 10.0 us  p99 80.0 us  max 900.0 us"),
+            HasSubstr("in-process up  round trip 1.00 ms"), HasSubstr("faults     none")));
+}
+
+TEST(RenderWatch, NeverFillsTheLastLineOfTheTerminal) {
+  for (std::size_t rows = 2; rows < 50; ++rows) {
+    EXPECT_LT(lines_of(render_watch(sample_status(), Glyphs::Ascii, rows)).size(), rows);
+  }
+}
+
+TEST(RenderWatch, DrawsTheFingerAtTheRightWallOfTheBoxOnAClassicTerminal) {
+  const std::string sut = render_watch(sample_status(), Glyphs::Ascii, 24);
+  std::string row;
+  for (const std::string& line : lines_of(sut)) {
+    if (line.find("    |") == 0 && line.find('@') != std::string::npos) row = line;
+  }
+  ASSERT_FALSE(row.empty()) << sut;
+  // Hollow to the left of the finger, wall to its right.
+  EXPECT_EQ(row[row.find('@') - 1], ' ') << sut;
+  EXPECT_EQ(row[row.find('@') + 1], ':') << sut;
+}
+
+TEST(RenderWatch, DrawsTheHandApartOnceTheOffsetShows) {
+  api::Status status = sample_status();
+  EXPECT_THAT(render_watch(status, Glyphs::Unicode, 40), AllOf(HasSubstr("●"), HasSubstr("│")));
+  const auto plus_signs = [](const std::string& text) {
+    return std::count(text.begin(), text.end(), '+');
+  };
+  const auto before = plus_signs(render_watch(status, Glyphs::Unicode, 40));
+  status.arms[0].offset_m = {-0.02, 0, 0};
+  EXPECT_EQ(plus_signs(render_watch(status, Glyphs::Unicode, 40)), before + 1);  // x/y, x/z: -sign
+}
+
+TEST(RenderStatus, TellsThePersonWhatToDoAndWhatWentWrong) {
+  api::Status status = sample_status();
+  status.degraded = {"no right to real-time scheduling"};
+  status.arms[0].state = "fault";
+  status.arms[0].instruction = "hold the arm in its rest";
+  status.arms[0].faults = {{"overspeed", "the tip was too fast", 12.5, "/f/1.csv"}};
+  EXPECT_THAT(
+      render_status(status, Glyphs::Ascii),
+      AllOf(HasSubstr("DEGRADED   no right"), HasSubstr("PLEASE     hold the arm"),
+            HasSubstr("FAULT      overspeed at 12.5 s: the tip"), HasSubstr("recording /f/1.csv")));
+}
+
+TEST(RenderStatus, TellsWhyALinkIsDownAndNoRoundTripOfIt) {
+  api::Status status = sample_status();
+  status.links[0].last_error = "the world has no free cell";
+  EXPECT_THAT(render_status(status, Glyphs::Ascii), Not(HasSubstr("no free cell")));
+  status.links[0].is_up = false;
+  const std::string sut = render_status(status, Glyphs::Ascii);
+  EXPECT_THAT(sut, AllOf(HasSubstr("DOWN  round trip -"),
+                         HasSubstr("last trouble: the world has no free cell")));
+}
+
+TEST(RenderLine, IsOneLineForEachArm) {
+  api::Status status = sample_status();
+  EXPECT_EQ(render_line(status),
+            "83.5 s right active +14.8 -3.5 +1.0 mm 1.37 N offset 0.0 mm contacts 42 touching\n");
+  status.arms.clear();
+  EXPECT_EQ(render_line(status), "");
+}
+
+TEST(RenderLine, IsNotCutAtTheWidthOfATerminal) {
+  api::Status status = sample_status();
+  status.arms[0].name = std::string(kColumns, 'n');
+  status.arms[0].faults = {{"estop", "the stop is pressed", 0, ""}};
+  EXPECT_THAT(render_line(status), HasSubstr(" touching FAULT estop\n"));
+}
+
+TEST(RenderReport, SumsUpContactsForceOffsetAndTicks) {
+  EXPECT_THAT(render_report(sample_status(), Glyphs::Ascii),
+              AllOf(HasSubstr("session of 83.5 s"), HasSubstr("contacts   42"),
+                    HasSubstr("peak force 3.25 N"),
+                    HasSubstr("offset     peak 4.20 mm, at the end 0.00 mm"),
+                    HasSubstr("ticks 83500"), Not(HasSubstr("position"))));
+}
+
+}  // namespace
+}  // namespace thimble::cli
