@@ -1,0 +1,177 @@
+#include "cli/status_document.hpp"
+
+#include <algorithm>
+#include <boost/json.hpp>
+#include <cmath>
+#include <limits>
+
+namespace thimble::cli {
+namespace {
+
+namespace json = boost::json;
+
+constexpr std::size_t kMaxElements = 64;
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+const json::value* member(const json::value& value, std::string_view key) {
+  const json::object* object = value.if_object();
+  return object == nullptr ? nullptr : object->if_contains(key);
+}
+
+double as_number(const json::value& value) {
+  if (value.is_double()) return value.get_double();
+  if (value.is_int64()) return static_cast<double>(value.get_int64());
+  if (value.is_uint64()) return static_cast<double>(value.get_uint64());
+  return kUnknown;
+}
+
+double number(const json::value& value, std::string_view key) {
+  const json::value* found = member(value, key);
+  return found == nullptr ? kUnknown : as_number(*found);
+}
+
+std::uint64_t count(const json::value& value, std::string_view key) {
+  const json::value* found = member(value, key);
+  if (found == nullptr) return 0;
+  if (found->is_uint64()) return found->get_uint64();
+  if (found->is_int64() && found->get_int64() > 0) {
+    return static_cast<std::uint64_t>(found->get_int64());
+  }
+  return 0;
+}
+
+std::string text(const json::value& value, std::string_view key) {
+  const json::value* found = member(value, key);
+  if (found == nullptr || !found->is_string()) return {};
+  return std::string(found->get_string());
+}
+
+bool flag(const json::value& value, std::string_view key) {
+  const json::value* found = member(value, key);
+  return found != nullptr && found->is_bool() && found->get_bool();
+}
+
+template <class Convert>
+auto list(const json::value& value, std::string_view key, Convert convert) {
+  std::vector<decltype(convert(value))> out;
+  const json::value* found = member(value, key);
+  const json::array* array = found == nullptr ? nullptr : found->if_array();
+  if (array == nullptr) return out;
+  for (std::size_t i = 0; i < std::min(array->size(), kMaxElements); ++i) {
+    out.push_back(convert((*array)[i]));
+  }
+  return out;
+}
+
+std::array<double, 3> vector(const json::value& value, std::string_view key) {
+  const std::vector<double> numbers = list(value, key, as_number);
+  std::array<double, 3> out{kUnknown, kUnknown, kUnknown};
+  std::copy_n(numbers.begin(), std::min<std::size_t>(numbers.size(), 3), out.begin());
+  return out;
+}
+
+api::Percentiles percentiles(const json::value& value, std::string_view key) {
+  const json::value* found = member(value, key);
+  const json::value none;
+  const json::value& source = found == nullptr ? none : *found;
+  return {number(source, "p50"), number(source, "p99"), number(source, "max")};
+}
+
+api::FaultStatus fault(const json::value& value) {
+  return {text(value, "code"), text(value, "message"), number(value, "at_s"),
+          text(value, "recording")};
+}
+
+api::ArmStatus arm(const json::value& value) {
+  api::ArmStatus out;
+  out.name = text(value, "name");
+  out.device = text(value, "device");
+  out.model = text(value, "model");
+  out.state = text(value, "state");
+  out.calibration = text(value, "calibration");
+  out.instruction = text(value, "instruction");
+  out.position_m = vector(value, "position_m");
+  out.force_newton = vector(value, "force_newton");
+  out.peak_force_newton = number(value, "peak_force_newton");
+  out.offset_m = vector(value, "offset_m");
+  out.peak_offset_m = number(value, "peak_offset_m");
+  out.contacts = count(value, "contacts");
+  out.faults = list(value, "faults", fault);
+  out.is_in_contact = flag(value, "is_in_contact");
+  out.lease = text(value, "lease");
+  out.constraint_state = text(value, "constraint_state");
+  out.world = text(value, "world");
+  return out;
+}
+
+api::ServoStatus servo(const json::value& value) {
+  return {text(value, "arm"),
+          number(value, "rate_hz"),
+          count(value, "ticks"),
+          count(value, "overruns"),
+          percentiles(value, "wakeup_error_s"),
+          percentiles(value, "compute_s"),
+          percentiles(value, "exchange_s"),
+          flag(value, "is_realtime")};
+}
+
+api::LinkStatus link(const json::value& value) {
+  return {text(value, "arm"),       text(value, "world"),     text(value, "peer"),
+          text(value, "kind"),      flag(value, "is_up"),     number(value, "round_trip_s"),
+          count(value, "sent"),     count(value, "received"), count(value, "lost"),
+          count(value, "rejected"), count(value, "stale"),    number(value, "jitter_s"),
+          text(value, "last_error")};
+}
+
+api::WorldStatus world(const json::value& value) {
+  api::WorldStatus out;
+  out.name = text(value, "name");
+  out.source = text(value, "source");
+  const std::array<double, 3> cells = vector(value, "cells");
+  for (std::size_t i = 0; i < 3; ++i) {
+    const bool is_good = cells[i] >= 0 && cells[i] <= 1e6;
+    out.cells[i] = is_good ? static_cast<std::uint32_t>(cells[i]) : 0;
+  }
+  out.cell_m = number(value, "cell_m");
+  out.probes = static_cast<std::uint32_t>(std::min<std::uint64_t>(count(value, "probes"), 1000000));
+  return out;
+}
+
+json::value parse_bytes(std::string_view bytes) {
+  json::error_code error;
+  json::value value = json::parse(bytes, error);
+  return error ? json::value() : value;
+}
+
+}  // namespace
+
+Result<api::Status> parse_status(std::string_view bytes) {
+  const json::value value = parse_bytes(bytes);
+  if (!value.is_object()) {
+    return fail(Errc::Malformed, "the answer is no status document");
+  }
+  api::Status out;
+  out.version = text(value, "version");
+  out.uptime_s = number(value, "uptime_s");
+  out.degraded = list(value, "degraded", [](const json::value& item) {
+    return item.is_string() ? std::string(item.get_string()) : std::string();
+  });
+  out.arms = list(value, "arms", arm);
+  out.servos = list(value, "servos", servo);
+  out.links = list(value, "links", link);
+  out.worlds = list(value, "worlds", world);
+  return out;
+}
+
+std::string parse_error_message(std::string_view bytes, std::string_view otherwise) {
+  const json::value value = parse_bytes(bytes);
+  const json::value* error = member(value, "error");
+  const std::string message = error == nullptr ? "" : text(*error, "message");
+  return message.empty() ? std::string(otherwise) : message;
+}
+
+std::string parse_member(std::string_view bytes, std::string_view key) {
+  return text(parse_bytes(bytes), key);
+}
+
+}  // namespace thimble::cli

@@ -1,0 +1,68 @@
+#include "cli/status_document.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "tests/unit/cli/sample_status.hpp"
+
+namespace thimble::cli {
+namespace {
+
+TEST(StatusDocument, IsReadBackAsTheDaemonWroteIt) {
+  const api::Status status = sample_status();
+  const auto sut = parse_status(api::to_json(status));
+  ASSERT_TRUE(sut);
+  EXPECT_EQ(*sut, status);
+}
+
+TEST(StatusDocument, RefusesWhatIsNoObject) {
+  for (const char* bytes : {"", "{", "[]", "3", "null", "{\"a\": nan}", "\x00"}) {
+    EXPECT_FALSE(parse_status(bytes)) << bytes;
+  }
+}
+
+TEST(StatusDocument, TakesMissingAndMistypedMembersAsUnknown) {
+  const auto sut = parse_status(
+      R"({"uptime_s": "x", "arms": [3, {"position_m": [1, null], "contacts": -2, "faults": {}}]})");
+  ASSERT_TRUE(sut);
+  EXPECT_TRUE(std::isnan(sut->uptime_s));
+  ASSERT_EQ(sut->arms.size(), 2U);
+  EXPECT_EQ(sut->arms[1].position_m[0], 1);
+  EXPECT_TRUE(std::isnan(sut->arms[1].position_m[1]));
+  EXPECT_TRUE(std::isnan(sut->arms[1].position_m[2]));
+  EXPECT_EQ(sut->arms[1].contacts, 0U);
+}
+
+TEST(StatusDocument, BoundsItsLists) {
+  std::string text = R"({"degraded": [)";
+  for (int i = 0; i < 500; ++i) text += i == 0 ? "\"a\"" : ",\"a\"";
+  const auto sut = parse_status(text + "]}");
+  ASSERT_TRUE(sut);
+  EXPECT_EQ(sut->degraded.size(), 64U);
+}
+
+TEST(StatusDocument, SurvivesEveryDamagedByte) {
+  const std::string good = api::to_json(sample_status());
+  std::mt19937 random(1);  // seeded: the same damage in every run
+  for (int round = 0; round < 2000; ++round) {
+    std::string bytes = good;
+    bytes[random() % bytes.size()] = static_cast<char>(random());
+    bytes.resize(bytes.size() - (round % 3 == 0 ? random() % bytes.size() : 0));
+    const auto sut = parse_status(bytes);
+    if (!sut) {
+      EXPECT_EQ(sut.error().code, Errc::Malformed);
+    }
+  }
+}
+
+TEST(ErrorDocument, GivesItsSentenceOrTheOther) {
+  EXPECT_EQ(parse_error_message(R"({"error": {"code": "x", "message": "held"}})", "?"), "held");
+  for (const char* bytes : {"", "{}", R"({"error": 3})", R"({"error": {"message": 3}})"}) {
+    EXPECT_EQ(parse_error_message(bytes, "?"), "?");
+  }
+}
+
+}  // namespace
+}  // namespace thimble::cli
