@@ -1,0 +1,110 @@
+#pragma once
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <string>
+
+#include "tests/support/temporary_folder.hpp"
+
+namespace thimble::doctor {
+
+// A machine with one arm where all is well, as files in a temporary folder.
+class PlantedMachine {
+ public:
+  PlantedMachine() {
+    plant("proc/sys/kernel/osrelease", "6.1.0-50-rt-amd64\n");
+    plant("proc/sys/kernel/version", "#1 SMP PREEMPT_RT Debian 6.1.176-1\n");
+    plant("proc/sys/kernel/sched_rt_runtime_us", "950000\n");
+    plant("sys/kernel/realtime", "1\n");
+    plant(kClock + "current_clocksource", "tsc\n");
+    plant(kClock + "available_clocksource", "tsc hpet acpi_pm \n");
+    for (const char* cpu : {"cpu0", "cpu1"}) plant_governor(cpu, "performance");
+    plant("sys/devices/system/cpu/cpufreq/boost", "1\n");
+    plant_daemon();
+    plant_arm();
+  }
+
+  [[nodiscard]] const std::filesystem::path& root() const { return root_; }
+
+  void plant(const std::string& path, const std::string& text) const { folder_.write(path, text); }
+  void remove(const std::string& path) const { std::filesystem::remove_all(root_ / path); }
+  void chmod(const std::string& path, unsigned mode) const {
+    ::chmod((root_ / path).c_str(), static_cast<mode_t>(mode));
+  }
+
+  void plant_governor(const std::string& cpu, const std::string& governor) const {
+    plant("sys/devices/system/cpu/" + cpu + "/cpufreq/scaling_governor", governor + "\n");
+  }
+  // A daemon of some other user than the files', in the given groups.
+  void plant_status(const std::string& groups) const {
+    plant("proc/77/status",
+          "Name:\tthimbled\nUid:\t64000\t64000\t64000\t64000\n"
+          "Gid:\t64001\t64001\t64001\t64001\nGroups:\t" +
+              groups + " \nCapEff:\t0000000000000000\n");
+  }
+  void plant_limits(const std::string& rtprio, const std::string& memlock) const {
+    plant("proc/77/limits",
+          "Limit                     Soft Limit           Hard Limit           Units     \n"
+          "Max locked memory         65536                " +
+              memlock + "            bytes     \nMax realtime priority     " + rtprio +
+              "                   " + rtprio + "                   \n");
+  }
+  void plant_process(int pid, const std::string& name, const std::string& open_file) const {
+    const std::filesystem::path folder = root_ / "proc" / std::to_string(pid);
+    plant("proc/" + std::to_string(pid) + "/comm", name + "\n");
+    std::filesystem::create_directories(folder / "fd");
+    std::filesystem::remove(folder / "fd/3");
+    std::filesystem::create_symlink(open_file, folder / "fd/3");
+  }
+  [[nodiscard]] static std::string group() { return std::to_string(::getegid()); }
+
+  static inline const std::string kUsb = "sys/devices/pci0000:00/0000:00:14.0/usb1/1-4/";
+  static inline const std::string kClock = "sys/devices/system/clocksource/clocksource0/";
+
+  // Moves the arm to another port: "1-4" is where it is at first.
+  void replug(const std::string& port) const {
+    const std::filesystem::path bus = root_ / "sys/devices/pci0000:00/0000:00:14.0/usb1";
+    std::filesystem::rename(bus / "1-4", bus / port);
+    link_hidraw(port);
+  }
+
+ private:
+  void plant_daemon() const {
+    // Files of the planted tree belong to this user and its group: that is group thimble here.
+    plant("etc/group", "root:x:0:\nthimbles:x:5:\nthimble:x:" + group() + ":someone\n");
+    plant_process(77, "thimbled", "/dev/hidraw0");
+    plant_status(group());
+    plant_limits("98", "unlimited");
+    plant("dev/cpu_dma_latency", "");
+    chmod("dev/cpu_dma_latency", 0660);
+  }
+  void plant_arm() const {
+    plant(kUsb + "speed", "12\n");
+    plant(kUsb + "power/control", "on\n");
+    plant("sys/devices/pci0000:00/0000:00:14.0/usb1/speed", "480\n");
+    const std::string hid = kUsb + "1-4:1.0/0003:1234:0006.0001/";
+    plant(hid + "uevent",
+          "DRIVER=hid-generic\nHID_ID=0003:00001234:00000006\nHID_NAME=mbed\n"
+          "HID_PHYS=usb-0000:00:14.0-4/input0\nHID_UNIQ=A7\n");
+    plant(hid + "hidraw/hidraw0/dev", "243:0\n");
+    std::filesystem::create_symlink("../..", root_ / hid / "hidraw/hidraw0/device");
+    plant("dev/hidraw0", "");
+    chmod("dev/hidraw0", 0660);
+    link_hidraw("1-4");
+  }
+  void link_hidraw(const std::string& port) const {
+    const std::filesystem::path link = root_ / "sys/class/hidraw/hidraw0";
+    std::filesystem::create_directories(link.parent_path());
+    std::filesystem::remove(link);
+    std::filesystem::create_symlink("../../devices/pci0000:00/0000:00:14.0/usb1/" + port +
+                                        "/1-4:1.0/0003:1234:0006.0001/hidraw/hidraw0",
+                                    link);
+  }
+
+  testing_support::TemporaryFolder folder_;
+  const std::filesystem::path root_ = folder_.path();
+};
+
+}  // namespace thimble::doctor
