@@ -1,0 +1,203 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "daemon/config/load.hpp"
+#include "daemon/session/runtime.hpp"
+#include "drivers/phantom/phantom_driver.hpp"
+#include "sim/model/arm/register_arm_models.hpp"
+
+namespace thimble {
+namespace {
+
+using session::ArmSession;
+using std::chrono::milliseconds;
+using testing::HasSubstr;
+
+constexpr const char* kTwoArms = R"(
+[[arm]]
+name = "left"
+device = "hid:left"
+model = "phantom-vintage"
+amplifier_max_a = 3.0
+world = "box"
+[[arm]]
+name = "right"
+device = "hid:right"
+model = "phantom-vintage"
+amplifier_max_a = 3.0
+world = "box"
+[[world]]
+name = "box"
+source = "box:3"
+)";
+
+// A device of which is known how many there are.
+class CountedHid final : public bus::HidDevice {
+ public:
+  CountedHid(std::unique_ptr<bus::HidDevice> below, int& open)
+      : below_(std::move(below)), open_(open) {
+    ++open_;
+  }
+  ~CountedHid() override { --open_; }
+  CountedHid(const CountedHid&) = delete;
+  CountedHid& operator=(const CountedHid&) = delete;
+  IoStatus read_newest(bus::HidReport& out) noexcept override { return below_->read_newest(out); }
+  IoStatus submit(std::span<const std::uint8_t> report) noexcept override {
+    return below_->submit(report);
+  }
+  [[nodiscard]] bus::HidCounters counters() const noexcept override { return below_->counters(); }
+
+ private:
+  std::unique_ptr<bus::HidDevice> below_;
+  int& open_;
+};
+
+// A bus on which somebody else holds a device for a while, and which counts who asks.
+class ReluctantBus final : public bus::BusEnumerator {
+ public:
+  explicit ReluctantBus(sim::SimEnumerator& below) : below_(below) {}
+  [[nodiscard]] std::vector<bus::BusDeviceInfo> list() override { return below_.list(); }
+  [[nodiscard]] std::optional<bus::BusEvent> poll_event() override { return below_.poll_event(); }
+  [[nodiscard]] Result<std::unique_ptr<bus::HidDevice>> open_hid(
+      const bus::DeviceAddress& address) override {
+    ++tries;
+    if (is_busy) return fail(Errc::Busy, address.text + " is held by somebody else");
+    auto device = below_.open_hid(address);
+    if (!device) return device;
+    return std::make_unique<CountedHid>(*std::move(device), open);
+  }
+
+  bool is_busy{false};
+  int tries{0};
+  int open{0};
+
+ private:
+  sim::SimEnumerator& below_;
+};
+
+// Two arms on one bus that is no simulated one as far as the session can tell.
+class HotPlug : public testing::Test {
+ protected:
+  HotPlug() {
+    drivers_.add(phantom::make_phantom_driver());
+    sim::register_arm_models(models_);
+    for (const char* address : {"hid:left", "hid:right"}) plug(address);
+    const config::ConfigResult config = config::parse(kTwoArms, "two-arms.toml", {});
+    if (!config) throw std::runtime_error(to_string(config.error().front()));
+    session::RigParts parts{models_, drivers_};
+    parts.real_buses = &bus_;
+    parts.real_clock = &clock_;
+    auto runtime = session::Runtime::create(*config, parts);
+    if (!runtime) throw std::runtime_error(runtime.error().message);
+    sut_ = *std::move(runtime);
+    run(0.02);
+  }
+  void plug(const char* address) {
+    auto model = models_.find("phantom-vintage")->create_hid({.amplifier_max_a = 3, .seed = 1});
+    EXPECT_TRUE(model);
+    EXPECT_TRUE(plugs_.plug({address}, *std::move(model)));
+  }
+  void run(double s) {
+    const MonotonicTime end = clock_.now() + from_seconds(s);
+    while (clock_.now() < end) {
+      static_cast<void>(clock_.sleep_until(clock_.now() + milliseconds(1)));
+      for (const auto& arm : sut_->arms()) arm->session().loop().tick({});
+      for (const Error& trouble : sut_->follow_buses(clock_.now())) troubles_.push_back(trouble);
+    }
+  }
+  ArmSession& arm(std::size_t i) { return sut_->arms()[i]->session(); }
+  OperatingState state(std::size_t i) { return arm(i).snapshot().frame.state; }
+
+  plugin::DriverRegistry drivers_;
+  plugin::SimModelRegistry models_;
+  sim::VirtualClock clock_;
+  sim::SimEnumerator plugs_{clock_};
+  ReluctantBus bus_{plugs_};
+  std::unique_ptr<session::Runtime> sut_;
+  std::vector<Error> troubles_;
+};
+
+TEST_F(HotPlug, ArmsOnOneBusEachHearOfTheirOwnReturn) {
+  ASSERT_EQ(state(0), OperatingState::Calibrating);
+  ASSERT_EQ(state(1), OperatingState::Calibrating);
+  for (const char* address : {"hid:left", "hid:right"}) {
+    ASSERT_TRUE(plugs_.unplug({address}));
+  }
+  run(3.3);  // so long that the next try by itself is more than a second away
+  EXPECT_EQ(state(0), OperatingState::Lost);
+  EXPECT_EQ(state(1), OperatingState::Lost);
+  // The one that is asked last returns first.
+  ASSERT_TRUE(plugs_.replug({"hid:right"}));
+  ASSERT_TRUE(plugs_.replug({"hid:left"}));
+  run(0.02);
+  EXPECT_EQ(state(0), OperatingState::Configured);
+  EXPECT_EQ(state(1), OperatingState::Configured);
+  run(1.1);  // their controllers start
+  EXPECT_EQ(state(0), OperatingState::Calibrating);
+  EXPECT_EQ(state(1), OperatingState::Calibrating);
+  EXPECT_EQ(troubles_.size(), 0U);
+}
+
+TEST_F(HotPlug, AReturnedArmThatSomebodyElseHoldsIsTriedAgainUntilItCanBeHad) {
+  ASSERT_TRUE(plugs_.unplug({"hid:left"}));
+  run(0.1);
+  bus_.is_busy = true;
+  ASSERT_TRUE(plugs_.replug({"hid:left"}));
+  run(0.5);
+  EXPECT_EQ(state(0), OperatingState::Lost);
+  EXPECT_EQ(state(1), OperatingState::Calibrating) << "the other one is not concerned";
+  EXPECT_THAT(arm(0).trouble(), AllOf(HasSubstr("left"), HasSubstr("held by somebody else")));
+  EXPECT_EQ(arm(1).trouble(), "");
+  bus_.is_busy = false;
+  run(seconds(ArmSession::kLongestRetry) + 0.5);
+  EXPECT_EQ(state(0), OperatingState::Calibrating);
+  EXPECT_EQ(arm(0).trouble(), "");
+}
+
+TEST_F(HotPlug, TriesBecomeRareAndNeverStop) {
+  ASSERT_TRUE(plugs_.unplug({"hid:left"}));
+  run(0.1);
+  bus_.is_busy = true;
+  bus_.tries = 0;
+  ASSERT_TRUE(plugs_.replug({"hid:left"}));
+  run(10);
+  // At 0, 0.05, 0.15, 0.35, 0.75, 1.55, 3.15, 5.15, 7.15 and 9.15 s.
+  EXPECT_EQ(bus_.tries, 10);
+  EXPECT_EQ(troubles_.size(), 10U);
+  run(10);
+  EXPECT_EQ(bus_.tries, 15);
+}
+
+TEST_F(HotPlug, AnArmThatIsThereIsNotOpenedAgain) {
+  const int at_start = bus_.tries;
+  run(3);
+  EXPECT_EQ(bus_.tries, at_start);
+  EXPECT_EQ(at_start, 2);
+}
+
+// No event of the bus is needed for it: nobody plugs anything after the return.
+TEST_F(HotPlug, TheOldDeviceIsPutAwayWithoutAnotherEvent) {
+  ASSERT_TRUE(plugs_.unplug({"hid:left"}));
+  run(0.05);
+  ASSERT_TRUE(plugs_.replug({"hid:left"}));
+  run(0.05);
+  ASSERT_NE(state(0), OperatingState::Lost);
+  EXPECT_EQ(bus_.open, 2);
+}
+
+TEST_F(HotPlug, ALinkToAnotherHostIsRefusedInVirtualTime) {
+  config::ArmConfig said;
+  said.name = "far";
+  said.device = "sim:phantom-vintage";
+  said.amplifier_max_a = 3;
+  const session::RigParts parts{models_, drivers_};
+  const auto rig = session::ArmRig::create(said, {}, nullptr, parts);
+  ASSERT_FALSE(rig);
+  EXPECT_EQ(rig.error().code, Errc::Unsupported);
+  EXPECT_THAT(rig.error().message, HasSubstr("far"));
+}
+
+}  // namespace
+}  // namespace thimble
