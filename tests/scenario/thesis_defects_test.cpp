@@ -1,0 +1,75 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+
+#include "tests/support/arm_watch.hpp"
+#include "tests/support/guided_hand.hpp"
+
+// Defects of the printed programs (docs/thesis-defects.md) that only the whole loop can show.
+namespace thimble {
+namespace {
+
+using test::ArmWatch;
+using test::ClosedLoop;
+
+TEST(ThesisDefect, WhateverTheCallbackAsksForTheArmGetsNoKick) {
+  ClosedLoop sut({"arm.coupling.scheme=thesis-literal", "arm.hand.motion=still"});
+  sut.run_until_driven();
+  test::GuidedHand hand(sut);
+  ArmWatch watch(sut);
+  double largest_wish_newton = 0;
+  double largest_step_newton = 0;
+  double before_newton = 0;
+  hand.go({0.035, 0, 0}, [&] {
+    watch.see();
+    const double wish_newton = norm(sut.frame().wish);
+    largest_step_newton = std::max(largest_step_newton, wish_newton - before_newton);
+    before_newton = wish_newton;
+    largest_wish_newton = std::max(largest_wish_newton, wish_newton);
+  });
+  EXPECT_GT(largest_wish_newton, sut.settings().limiter.max_force_newton) << "proves nothing else";
+  EXPECT_LE(watch.peak_sent_newton(), sut.settings().limiter.max_force_newton);
+  EXPECT_LE(watch.peak_rise(), 1000 * 1.001);
+  EXPECT_EQ(watch.breach(), "");
+}
+
+TEST(ThesisDefect, NoWayOutOfTheLoopLeavesTheMotorsOn) {
+  const std::vector<std::pair<const char*, std::function<void(ClosedLoop&)>>> ways{
+      {"given back", [](ClosedLoop& loop) { loop.controls().want_active = false; }},
+      {"stopped", [](ClosedLoop& loop) { loop.controls().is_estop_healthy = false; }},
+      {"world gone", [](ClosedLoop& loop) { loop.set_network_up(false); }},
+      {"cable pulled", [](ClosedLoop& loop) { loop.unplug(); }},
+  };
+  for (const auto& [name, leave] : ways) {
+    ClosedLoop sut({"arm.hand.motion=still"});
+    sut.run_until_leaning();
+    ArmWatch watch(sut);
+    leave(sut);
+    sut.run(0.6, [&] { watch.see(); });
+    EXPECT_EQ(norm(sut.truth().motor_force), 0) << name;
+    EXPECT_EQ(watch.breach(), "") << name;
+  }
+}
+
+TEST(ThesisDefect, AHandThatStartsDeepInMatterIsNotKicked) {
+  ClosedLoop sut({"arm.hand.motion=still", "arm.activate=false"});
+  ASSERT_TRUE(sut.run_until(5, [&] { return sut.frame().state == OperatingState::Inactive; }));
+  test::GuidedHand hand(sut);
+  hand.go({0.030, 0, 0});
+  ArmWatch watch(sut);
+  double largest_newton = 0;
+  sut.controls().want_active = true;
+  sut.run(1.0, [&] {
+    watch.see();
+    largest_newton = std::max(largest_newton, norm(sut.frame().wish));
+  });
+  EXPECT_EQ(sut.frame().gain, 1);
+  EXPECT_TRUE(sut.frame().is_in_contact) << "the nearest wall came to the finger";
+  EXPECT_NEAR(norm(sut.frame().offset), 0.0145, 0.0005);
+  EXPECT_LT(largest_newton, 1.5 * 800 * 0.0006);
+  EXPECT_EQ(watch.breach(), "");
+}
+
+}  // namespace
+}  // namespace thimble
