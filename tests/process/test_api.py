@@ -1,0 +1,200 @@
+"""The command line and the API over a living daemon: status, watch, leases, faults, rights."""
+
+import json
+import os
+import pathlib
+import pwd
+import resource
+import shutil
+import signal
+import subprocess
+
+from rig import (BIN, HELLO, TIMEOUT_S, ProcessTest, die_with_parent, clean_environment,
+                 http_over, http_request, unix_connection)
+
+IDLE = HELLO.replace('world = "box"\n', 'world = "box"\nactivate = false\n', 1)
+# A hand that moves at all is too fast for this arm.
+TOO_FAST = HELLO.replace("[arm.hand]", "[arm.limits]\noverspeed_m_per_s = 0.0005\n[arm.hand]")
+
+
+def state_is(state):
+    return lambda status: status["arms"][0]["state"] == state
+
+
+class Words(ProcessTest):
+    def test_status_for_people_and_for_programs(self):
+        daemon = self.start(config=HELLO)
+        people = self.thimble(daemon, "status")
+        self.assertEqual((people.returncode, people.stderr), (0, ""))
+        self.assertIn("right", people.stdout)
+        self.assertLessEqual(max(map(len, people.stdout.splitlines())), 80)
+
+        programs = self.thimble(daemon, "status", "--json")
+        self.assertEqual(programs.returncode, 0)
+        self.assertEqual(json.loads(programs.stdout)["arms"][0]["name"], "right")
+
+    def test_watch_into_a_pipe_is_lines_without_escapes(self):
+        daemon = self.start(config=HELLO)
+        result = self.thimble(daemon, "watch", "--for", 2)
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        self.assertGreater(result.stdout.count("\n"), 3)
+        self.assertNotIn("\x1b", result.stdout)
+
+    def test_watch_says_when_the_daemon_ends(self):
+        daemon = self.start("--for", 1, config=HELLO)
+        result = self.thimble(daemon, "watch", "--for", 50)
+        self.assertEqual(result.returncode, 3)
+        self.assert_one_sentence(result.stderr, "daemon")
+
+    def test_no_daemon_is_one_sentence_and_exit_3(self):
+        for words in (["status"], ["status", "--json"], ["watch", "--for", "1"],
+                      ["activate", "right"], ["deactivate"], ["clear-fault"]):
+            result = self.run_program("thimble", *words, "--socket", self.folder / "none")
+            self.assertEqual((result.returncode, result.stdout), (3, ""), words)
+            self.assert_one_sentence(result.stderr, "no daemon is running", "none")
+
+    def test_the_report_of_a_summary(self):
+        daemon = self.start("--for", 1, config=HELLO)
+        self.assertEqual(daemon.wait(), 0)
+        result = self.run_program("thimble", "report", daemon.summary)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("right", result.stdout)
+
+    def test_an_arm_that_is_not_there(self):
+        daemon = self.start(config=HELLO)
+        for verb in ("activate", "deactivate", "clear-fault"):
+            result = self.thimble(daemon, verb, "left")
+            self.assertEqual(result.returncode, 1)
+            self.assert_one_sentence(result.stderr, "left")
+
+
+class Leases(ProcessTest):
+    def test_an_arm_is_active_while_the_connection_that_activated_it_lasts(self):
+        daemon = self.start(config=IDLE)
+        daemon.status_when(state_is("inactive"))
+        with unix_connection(daemon.socket) as connection:
+            code, _, body = http_request(connection, "POST", "/v1/arms/right/activate")
+            self.assertEqual((code, json.loads(body)["lease"], json.loads(body)["state"]),
+                             (200, "client", "active"))
+            self.assertEqual(daemon.status()["arms"][0]["state"], "active")
+            code, _, _ = http_over(daemon.socket, "POST", "/v1/arms/right/activate")
+            self.assertEqual(code, 409, "another connection holds it")
+        status = daemon.status_when(state_is("inactive"))
+        self.assertEqual(status["arms"][0]["lease"], "none")
+        self.assertEqual(status["arms"][0]["force_newton"], [0, 0, 0])
+        self.assertEqual(status["arms"][0]["faults"], [])
+
+    def test_thimble_activate_holds_it_and_its_death_releases_it(self):
+        daemon = self.start(config=IDLE)
+        for number in (signal.SIGINT, signal.SIGKILL):
+            daemon.status_when(state_is("inactive"))
+            holder = subprocess.Popen([str(BIN / "thimble"), "activate", "--socket", daemon.socket],
+                                      stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True,
+                                      env=clean_environment(), preexec_fn=die_with_parent)
+            self.addCleanup(holder.stdout.close)
+            self.addCleanup(holder.wait)
+            self.addCleanup(holder.kill)
+            # Not before it says so: until then a signal ends it as it ends any program.
+            self.assertIn("Ctrl-C releases it", holder.stdout.readline())
+            daemon.status_when(state_is("active"))
+            holder.send_signal(number)
+            self.assertEqual(holder.wait(TIMEOUT_S), 0 if number == signal.SIGINT else -number)
+            daemon.status_when(state_is("inactive"))
+
+    def test_anybody_may_stop_an_arm_and_start_it_again(self):
+        daemon = self.start(config=HELLO)
+        daemon.status_when(state_is("active"))
+        self.assertEqual(self.thimble(daemon, "deactivate").returncode, 0)
+        daemon.status_when(state_is("inactive"))
+        result = self.thimble(daemon, "activate")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("configuration", result.stdout)
+        daemon.status_when(state_is("active"))
+
+
+class Faults(ProcessTest):
+    def test_a_stop_is_told_recorded_and_cleared_once(self):
+        daemon = self.start(config=TOO_FAST)
+        status = daemon.status_when(
+            lambda s: s["arms"][0]["faults"] and s["arms"][0]["faults"][0]["recording"])
+        fault = status["arms"][0]["faults"][0]
+        self.assertIn("overspeed", fault["code"])
+        self.assertEqual(status["arms"][0]["state"], "fault")
+        self.assertEqual(status["arms"][0]["force_newton"], [0, 0, 0])
+        recording = pathlib.Path(fault["recording"])
+        self.assertEqual(recording.parent, daemon.folder)
+        self.assertGreater(recording.stat().st_size, 1000)
+        self.assertIn("overspeed", self.thimble(daemon, "status").stdout)
+
+        refused = self.thimble(daemon, "activate")
+        self.assertEqual(refused.returncode, 1)
+        self.assert_one_sentence(refused.stderr, "overspeed", "clear")
+
+        # Released first, else the hand moves on and the next stop follows.
+        self.assertEqual(self.thimble(daemon, "deactivate").returncode, 0)
+        cleared = self.thimble(daemon, "clear-fault")
+        self.assertEqual((cleared.returncode, cleared.stderr), (0, ""))
+        self.assertIn("the fault is cleared", cleared.stdout)
+        self.assertEqual(daemon.status()["arms"][0]["faults"], [], "answered when it was true")
+        daemon.status_when(state_is("inactive"))  # calibrated again by the simulated person
+        result = self.thimble(daemon, "clear-fault")
+        self.assertEqual(result.returncode, 1)
+        self.assert_one_sentence(result.stderr, "no latched fault")
+        self.assertEqual(daemon.stop(), 0)
+
+    def test_a_recording_that_cannot_be_written_is_told(self):
+        daemon = self.start("--set", "daemon.flight_directory=/proc/nowhere", config=TOO_FAST)
+        status = daemon.status_when(
+            lambda s: s["arms"][0]["faults"] and s["arms"][0]["faults"][0]["recording"])
+        self.assertIn("/proc/nowhere", status["arms"][0]["faults"][0]["recording"])
+        self.assertEqual(status["arms"][0]["state"], "fault")
+        self.assertEqual(daemon.stop(), 0)
+        self.assertIn("could not be written", daemon.log())
+
+
+class Rights(ProcessTest):
+    """A person without real-time rights: no capability, RLIMIT_RTPRIO 0."""
+
+    def setUp(self):
+        super().setUp()
+        self.program = BIN / "thimbled"
+        self.uid = os.getuid()
+        if self.uid == 0:
+            # Nobody may neither read a home folder nor write to the test's.
+            self.uid = pwd.getpwnam("nobody").pw_uid
+            self.program = self.folder / "thimbled"
+            shutil.copy(BIN / "thimbled", self.program)
+            self.folder.chmod(0o755)
+
+    def drop(self):
+        resource.setrlimit(resource.RLIMIT_RTPRIO, (0, 0))
+        if os.getuid() != self.uid:
+            os.setgroups([])
+            os.setresgid(self.uid, self.uid, self.uid)
+            os.setresuid(self.uid, self.uid, self.uid)
+        die_with_parent()
+
+    def start_without_rights(self, realtime):
+        folder = self.folder / "own"
+        folder.mkdir()
+        if os.getuid() != self.uid:
+            os.chown(folder, self.uid, -1)
+        return self.start("--set", f"servo.realtime={realtime}", config=HELLO, name="own",
+                          preexec=self.drop, program=self.program)
+
+    def test_required_refuses_and_names_what_is_missing(self):
+        with self.assertRaises(AssertionError) as refused:
+            self.start_without_rights("required")
+        words = str(refused.exception)
+        self.assertIn("ended with 1", words)
+        self.assertIn("real time is required", words)
+        self.assertIn("RLIMIT_RTPRIO", words)
+        self.assertIn("LimitRTPRIO", words, "names the cure")
+
+    def test_best_effort_runs_and_shows_it(self):
+        daemon = self.start_without_rights("best-effort")
+        status = daemon.status()
+        self.assertFalse(status["servos"][0]["is_realtime"])
+        self.assertTrue(any("RLIMIT_RTPRIO" in line for line in status["degraded"]), status)
+        self.assertIn("RLIMIT_RTPRIO", self.thimble(daemon, "status").stdout.replace("\n", " "))
+        self.assertEqual(daemon.stop(), 0)
