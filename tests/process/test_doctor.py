@@ -1,0 +1,41 @@
+"""`thimble doctor` as a person meets it: its exit code follows what it found."""
+
+import json
+
+from rig import ProcessTest
+
+
+class Doctor(ProcessTest):
+    def setUp(self):
+        super().setUp()
+        self.root = self.folder / "machine"
+        self.plant("proc/self/status", "Uid:\t0\t0\t0\t0\nGid:\t0\t0\t0\t0\nCapEff:\tffffffff\n")
+
+    def plant(self, path, text):
+        file = self.root / path
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text)
+
+    def test_warnings_alone_are_no_failure(self):
+        result = self.run_program("thimble", "doctor", "--root", self.root)
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        self.assertIn("warn   kernel: ", result.stdout)
+        self.assertIn(" 0 wrong\n", result.stdout)
+
+    def test_what_is_wrong_is_an_exit_code(self):
+        self.plant("proc/sys/kernel/sched_rt_runtime_us", "0\n")
+        result = self.run_program("thimble", "doctor", "--json", "--root", self.root)
+        self.assertEqual((result.returncode, result.stderr), (1, ""))
+        document = json.loads(result.stdout)
+        self.assertTrue(document["wrong"])
+        self.assertEqual([check["check"] for check in document["checks"] if check["level"] == "wrong"],
+                         ["rt-share"])
+
+    def test_examines_this_machine_without_a_daemon(self):
+        result = self.run_program("thimble", "doctor")
+        self.assertIn(result.returncode, (0, 1))
+        self.assertIn("kernel: Linux ", result.stdout)
+
+    def test_a_root_that_is_not_there_is_a_wrong_argument(self):
+        result = self.run_program("thimble", "doctor", "--root", self.folder / "none")
+        self.assertEqual(result.returncode, 2)
