@@ -1,0 +1,202 @@
+"""thimbled from its command line to its last command: --check, --for, --summary, signals."""
+
+import signal
+
+from rig import BIN, EXAMPLES, HELLO, TIMEOUT_S, ProcessTest
+
+ARM_KEYS = {"name", "device", "state", "calibration", "position_m", "force_newton",
+            "peak_force_newton", "offset_m", "contacts", "faults"}
+SERVO_KEYS = {"rate_hz", "ticks", "overruns", "wakeup_error_s", "compute_s"}
+LINK_KEYS = {"peer", "round_trip_s", "sent", "received", "lost", "rejected", "stale"}
+
+
+def is_touching(status):
+    return status["arms"][0]["is_in_contact"] and any(status["arms"][0]["force_newton"])
+
+
+class Check(ProcessTest):
+    def test_every_example_is_good(self):
+        for example in sorted(EXAMPLES.glob("*.toml")):
+            result = self.thimbled("--config", example, "--check")
+            self.assertEqual((result.returncode, result.stderr), (0, ""), example)
+            self.assertIn("good", result.stdout)
+
+    def test_names_every_mistake_at_once_with_file_line_and_key(self):
+        file = self.write("bad.toml", '[servo]\nrate_hz = 20\nspeed = 3\n[[arm]]\nname = "right"\n'
+                                      'device = "sim:phantom-vintage"\namplifier_max_a = -1\n'
+                                      'world = "nowhere"\n')
+        result = self.thimbled("--config", file, "--check")
+
+        self.assertEqual(result.returncode, 2)
+        self.assertEqual(result.stdout, "")
+        for line, key in ((2, "servo.rate_hz"), (3, "servo.speed"), (7, "amplifier_max_a"),
+                          (8, "world")):
+            self.assertRegex(result.stderr, rf"(?m)^{file}:{line}.*{key}")
+        self.assertIn("500", result.stderr, "says what was expected")
+
+    def test_a_bad_override_is_a_mistake_too(self):
+        result = self.thimbled("--config", EXAMPLES / "hello-voxel.toml", "--check",
+                               "--set", "servo.rate_hz=fast", "--set", "arm.left.activate=false")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("servo.rate_hz", result.stderr)
+        self.assertIn("left", result.stderr)
+
+    def test_what_the_file_names_is_tried_and_told_with_the_rest(self):
+        self.write("short.npy", b"\x93NUMPY")
+        arm = '[[arm]]\nname = "{0}"\ndevice = "{1}"\n{2}\nworld = "{3}"\n'
+        text = (arm.format("a", "sim:phantom-vintage", "amplifier_max_a = 40", "x")
+                + arm.format("b", "sim:phantom-vintage", 'model = "opera"', "x")
+                + arm.format("c", "sim:opera", "", "y")
+                + arm.format("d", "hid:123", "amplifier_max_a = 3", "y")
+                + '[[world]]\nname = "x"\nsource = "short.npy"\n'
+                + '[[world]]\nname = "y"\nsource = "none.npy"\nthreshhold = 3\n')
+        file = self.write("bad.toml", text)
+        for more in (("--check",), ("--set", f"daemon.socket={self.folder}/s")):
+            result = self.thimbled("--config", file, *more)
+            self.assertEqual(result.returncode, 2)
+            told = [line.removeprefix(f"{file}:") for line in result.stderr.splitlines()]
+            expected = (("4:", "arm.0.amplifier_max_a", "32.767 A"),
+                        ("6:", "arm.1.amplifier_max_a", "missing"),
+                        ("9:", "arm.1.model", "opera", "woody-2015"),
+                        ("13:", "arm.2.device", "sim:opera", "sim:woody-2015"),
+                        ("18:", "arm.3.device", "hid:123", "no hid bus yet"),
+                        ("23:", "world.0.source", "short.npy: "),
+                        ("26:", "world.1.source", "none.npy: "),
+                        ("27:", "world.1.threshhold", "threshold"))
+            self.assertEqual(len(told), len(expected), result.stderr)
+            for line, (start, *parts) in zip(told, expected):
+                self.assertTrue(line.startswith(start), line)
+                for part in parts:
+                    self.assertIn(part, line)
+
+    def test_a_missing_file_is_named(self):
+        result = self.thimbled("--config", self.folder / "none.toml", "--check")
+        self.assertEqual(result.returncode, 2)
+        self.assert_one_sentence(result.stderr, "none.toml")
+
+    def test_a_folder_is_no_configuration(self):
+        result = self.thimbled("--config", self.folder, "--check")
+        self.assertEqual(result.returncode, 2)
+        self.assert_one_sentence(result.stderr, str(self.folder))
+
+    def test_a_wrong_command_line_is_exit_2_and_help_is_0(self):
+        self.assertEqual(self.thimbled().returncode, 2)
+        self.assertEqual(self.thimbled("--config", "a", "--for", "-1").returncode, 2)
+        self.assertEqual(self.thimbled("--help").returncode, 0)
+        self.assertIn("--summary", self.thimbled("--help").stdout)
+
+    def test_a_time_that_is_no_finite_number_is_exit_2(self):
+        good = ("--config", EXAMPLES / "hello-voxel.toml", "--check")
+        for word in ("nan", "-nan", "NAN", "inf", "1e999"):
+            self.assertEqual(self.thimbled(*good, f"--for={word}").returncode, 2, word)
+            for option in ("--for", "--interval"):
+                # There is no daemon: a time that is let through ends with 3.
+                result = self.run_program("thimble", "watch", f"{option}={word}", "--socket",
+                                          self.folder / "none")
+                self.assertEqual(result.returncode, 2, (option, word))
+
+
+class Run(ProcessTest):
+    def test_ends_by_itself_and_summarises(self):
+        daemon = self.start("--config", EXAMPLES / "hello-voxel.toml", "--for", 2)
+        self.assertEqual(daemon.wait(), 0, daemon.log())
+
+        status = daemon.final_status()
+        self.assertEqual(ARM_KEYS - status["arms"][0].keys(), set())
+        self.assertEqual(SERVO_KEYS - status["servos"][0].keys(), set())
+        self.assertEqual(LINK_KEYS - status["links"][0].keys(), set())
+        for histogram in ("wakeup_error_s", "compute_s"):
+            self.assertEqual({"p50", "p99", "max"} - status["servos"][0][histogram].keys(), set())
+        self.assertGreater(status["servos"][0]["ticks"], 0)
+        self.assertEqual(status["arms"][0]["faults"], [])
+        self.assertEqual(status["arms"][0]["force_newton"], [0, 0, 0])
+
+    def test_a_summary_that_cannot_be_written_is_said(self):
+        result = self.thimbled("--config", EXAMPLES / "hello-voxel.toml", "--for", 0.1,
+                               "--set", f"daemon.socket={self.folder}/s",
+                               "--summary", self.folder / "no" / "folder.json")
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("folder.json", result.stderr)
+
+    def test_signals_in_contact_take_the_force_off_and_end_well(self):
+        for number in (signal.SIGTERM, signal.SIGINT):
+            with self.subTest(number.name):
+                daemon = self.start(config=HELLO, name=number.name)
+                daemon.status_when(is_touching)
+                self.assertEqual(daemon.stop(number), 0, daemon.log())
+
+                arm = daemon.final_status()["arms"][0]
+                self.assertEqual(arm["force_newton"], [0, 0, 0])
+                self.assertEqual(arm["faults"], [])
+                self.assertGreater(arm["peak_force_newton"], 0)
+                self.assertFalse((daemon.folder / "thimble.sock").exists())
+
+    def test_tells_the_service_manager(self):
+        daemon = self.start("--for", 1, config=HELLO, environment={"WATCHDOG_USEC": "200000"})
+        self.assertEqual(daemon.wait(), 0)
+        seen = daemon.notifications.seen
+        self.assertLess(seen.index("READY=1"), seen.index("STOPPING=1"))
+        self.assertIn("WATCHDOG=1", seen)
+        self.assertTrue(any(line.startswith("STATUS=") for line in seen), seen)
+
+    def test_a_service_manager_that_stops_reading_holds_nothing_up(self):
+        daemon = self.start("--for", 3, config=HELLO, environment={"WATCHDOG_USEC": "20000"})
+        # Far more is said to it than the kernel keeps.
+        self.assert_servo_goes_on(daemon)
+        self.assertEqual(daemon.process.wait(TIMEOUT_S), 0, daemon.log())
+
+    def test_asks_for_no_watchdog_where_there_is_none(self):
+        daemon = self.start("--for", 0.3, config=HELLO)
+        self.assertEqual(daemon.wait(), 0)
+        self.assertNotIn("WATCHDOG=1", daemon.notifications.seen)
+
+
+class Places(ProcessTest):
+    def test_a_second_daemon_on_the_socket_is_refused_and_the_first_goes_on(self):
+        first = self.start(config=HELLO)
+        second = self.thimbled("--config", first.folder / "thimble.toml",
+                               "--set", f"daemon.socket={first.socket}")
+        self.assertEqual(second.returncode, 1)
+        self.assert_one_sentence(second.stderr, "another daemon is running", first.socket)
+        self.assert_servo_goes_on(first)
+
+    def test_a_stale_socket_is_replaced(self):
+        first = self.start(config=HELLO, name="same")
+        first.process.kill()
+        first.wait()
+        first.close()
+        self.assertTrue((first.folder / "thimble.sock").is_socket())
+        second = self.start(config=HELLO, name="same")
+        self.assert_servo_goes_on(second)
+
+    def test_a_file_where_the_socket_should_be_is_left_alone(self):
+        file = self.write("precious", "text")
+        result = self.thimbled("--config", EXAMPLES / "hello-voxel.toml",
+                               "--set", f"daemon.socket={file}")
+        self.assertEqual(result.returncode, 1)
+        self.assert_one_sentence(result.stderr, str(file))
+        self.assertEqual(file.read_text(), "text")
+
+    def test_the_socket_is_for_owner_and_group_only(self):
+        daemon = self.start(config=HELLO)
+        self.assertEqual((daemon.folder / "thimble.sock").stat().st_mode & 0o777, 0o660)
+
+    def test_an_unwritable_flight_directory_stops_nothing(self):
+        daemon = self.start("--set", "daemon.flight_directory=/proc/nowhere", config=HELLO)
+        self.assert_servo_goes_on(daemon)
+        self.assertEqual(daemon.stop(), 0)
+
+    def test_an_unknown_device_is_named_with_those_there_are(self):
+        result = self.thimbled("--config", EXAMPLES / "hello-voxel.toml",
+                               "--set", f"daemon.socket={self.folder}/s",
+                               "--set", "arm.device=sim:phantom-of-the-opera")
+        self.assertEqual(result.returncode, 2)
+        self.assert_one_sentence(result.stderr, "phantom-of-the-opera", "phantom-vintage")
+
+
+class Programs(ProcessTest):
+    def test_are_where_the_tests_look_for_them(self):
+        for program in ("thimbled", "thimble"):
+            self.assertTrue((BIN / program).is_file(), BIN / program)
+            self.assertEqual(self.run_program(program, "--version").returncode, 0)
+
