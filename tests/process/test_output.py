@@ -1,0 +1,82 @@
+"""What is printed and cannot be written is said; what was never open is not written to."""
+
+import os
+import signal
+
+from rig import EXAMPLES, HELLO, ProcessTest, die_with_parent
+
+CHECK = ("--config", EXAMPLES / "hello-voxel.toml", "--check")
+
+
+def closing(*descriptors):
+    """For `preexec`: the program starts without these."""
+    def close():
+        die_with_parent()
+        for descriptor in descriptors:
+            os.close(descriptor)
+    return close
+
+
+class FullDisk(ProcessTest):
+    def assert_said(self, result, *parts):
+        self.assertEqual(result.returncode, 1, result.args)
+        self.assert_one_sentence(result.stderr, *parts)
+
+    def test_of_the_command_line_is_said(self):
+        daemon = self.start("--for", 0.2, config=HELLO, name="summarised")
+        self.assertEqual(daemon.wait(), 0)
+        summary = daemon.summary
+        daemon = self.start(config=HELLO)
+        with open("/dev/full", "w") as full:
+            for words in (["status"], ["status", "--json"], ["watch", "--for", "0.3"],
+                          ["report", summary], ["activate"], ["--help"], ["--version"]):
+                result = self.thimble(daemon, *words, stdout=full)
+                self.assert_said(result, "thimble: cannot write to standard output")
+
+    def test_of_the_daemon_is_said(self):
+        with open("/dev/full", "w") as full:
+            for words in (CHECK, ("--help",), ("--version",)):
+                self.assert_said(self.thimbled(*words, stdout=full),
+                                 "thimbled: cannot write to standard output")
+
+    def test_for_the_summary_is_said(self):
+        result = self.thimbled("--config", EXAMPLES / "hello-voxel.toml", "--for", 0.1,
+                               "--set", f"daemon.socket={self.folder}/s", "--summary", "/dev/full")
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("the summary could not be written to /dev/full", result.stderr)
+
+    def test_leaves_a_worse_exit_code_alone(self):
+        with open("/dev/full", "w") as full:
+            result = self.run_program("thimble", "status", "--socket", self.folder / "none",
+                                      stdout=full)
+        self.assertEqual(result.returncode, 3)
+
+
+class Gone(ProcessTest):
+    def setUp(self):
+        super().setUp()
+        reader, self.pipe = os.pipe()
+        os.close(reader)
+        self.addCleanup(os.close, self.pipe)
+
+    def test_a_reader_that_is_gone_ends_the_command_line_without_words(self):
+        daemon = self.start(config=HELLO)
+        for words in (["status"], ["status", "--json"], ["watch"], ["--help"]):
+            result = self.thimble(daemon, *words, stdout=self.pipe)
+            self.assertEqual((result.returncode, result.stderr), (-signal.SIGPIPE, ""), words)
+
+
+class Closed(ProcessTest):
+    def test_standard_output_is_no_socket_of_the_daemon(self):
+        daemon = self.start(config=HELLO)
+        for words in (["status"], ["status", "--json"]):
+            result = self.thimble(daemon, *words, preexec=closing(1))
+            self.assertEqual(result.returncode, 1)
+            self.assert_one_sentence(result.stderr, "cannot write to standard output")
+        self.assertEqual(self.thimble(daemon, "status", preexec=closing(0, 2)).returncode, 0)
+
+    def test_standard_descriptors_of_the_daemon_are_nothing_that_it_opened(self):
+        daemon = self.start(config=HELLO, preexec=closing(0, 1, 2))
+        for descriptor in (0, 1, 2):
+            self.assertEqual(os.readlink(f"/proc/{daemon.pid}/fd/{descriptor}"), "/dev/null")
+        self.assertEqual(daemon.stop(), 0)
