@@ -1,0 +1,22 @@
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "cli/doctor/proc_text.hpp"
+#include "hal/base/check.hpp"
+
+// Any bytes that a file below /proc, /sys or /etc may hold give values or nothing.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace thimble::doctor;
+  const std::string_view bytes(reinterpret_cast<const char*>(data), size);
+  for (const auto& word : words_of(bytes)) THIMBLE_CHECK(trimmed(word) == word && !word.empty());
+  static_cast<void>(parse_integer(bytes));
+  static_cast<void>(parse_limit(bytes, "Max locked memory"));
+  static_cast<void>(parse_group(bytes, "thimble"));
+  const auto ids = parse_hid_ids(bytes);
+  if (ids) THIMBLE_CHECK(ids->serial_number.size() <= size);
+  Process process;
+  parse_status(bytes, process);
+  THIMBLE_CHECK(process.groups.size() <= size);
+  return 0;
+}
