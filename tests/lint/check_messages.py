@@ -1,0 +1,117 @@
+#!/usr/bin/env python3
+"""docs/messages.md lists every sentence that the daemon may say, each with its cure, and none that it cannot.
+
+A sentence is a string literal of three or more words in hal, drivers, sim and daemon; adjacent literals, and those
+that + joins with values, count as one, with … for the values. Rows stand below a heading that names the
+folders or files that they are about; a row quotes the beginning of a sentence, and its own … stands for anything.
+"""
+
+import re
+
+import cpp_source
+
+PAGE = "docs/messages.md"
+FOLDERS = ("hal", "drivers", "sim", "daemon")
+# Where the sentences are no messages.
+EXEMPT = (
+    "daemon/app/options.cpp",  # what --help says: thimbled(8)
+    "daemon/config/load.cpp:arm = [",  # a configuration in itself, parsed to list its keys
+    "sim/model/arm/register_arm_models.cpp:PHANToM with a WoodenHaptics-family",  # descriptions
+    "sim/model/arm/register_arm_models.cpp:WoodenHaptics arm of",
+)
+# Names of C types in file headers.
+_TYPE = re.compile(r"(?:(?:un)?signed|long|short|int|char)(?: (?:long|short|int|char))*")
+_LITERAL = re.compile(r'"((?:\\.|[^"\\\n])*)"')
+_RAW = re.compile(r'R"\(.*?\)"', re.DOTALL)
+_NO_MESSAGE = re.compile(r"(?:\bstatic_assert\s*\(|THIMBLE_CHECK\s*\(|#include|\[\[deprecated)[^;]*$")
+_WORD = re.compile(r"[A-Za-z]{2,}")
+# From one literal to the next of the same sentence: nothing, or + VALUE +.
+_JOINT = re.compile(r"\s*|\s*\)?\s*\+[^;{}?]*\+\s*(?:std::string\()?\s*")
+_HEADING = re.compile(r"^##+ .*$", re.MULTILINE)
+_ROW = re.compile(r"^\|\s*`(?P<message>[^`]+)`\s*\|(?P<cure>[^|]*)\|\s*$", re.MULTILINE)
+
+
+def unescaped(text):
+    return re.sub(r"\\(.)", lambda m: {"n": "\n", "r": "\n", "t": "\t"}.get(m.group(1), m.group(1)), text)
+
+
+def normal(text):
+    """One blank between words, and none at the ends; `|` cannot stand in a table."""
+    return " ".join(text.split())
+
+
+def is_sentence(text):
+    return len(_WORD.findall(text)) >= 3 and " " in text and not _TYPE.fullmatch(text)
+
+
+def sentences(source):
+    """(offset, text) of each literal, or run of adjacent ones, that is a sentence."""
+    code = cpp_source.without_comments(source, keep_strings=True)
+    code = _RAW.sub(lambda m: re.sub(r"[^\n]", " ", m.group(0)), code)
+    found = []
+    end = None
+    for match in _LITERAL.finditer(code):
+        between = None if end is None else code[end:match.start()]
+        if between is not None and _JOINT.fullmatch(between):
+            found[-1][1] += (" … " if between.strip() else "") + match.group(1)
+        else:
+            found.append([match.start(), match.group(1)])
+        end = match.end()
+    for offset, text in found:
+        before = code[max(0, offset - 400):offset]
+        statement = before[max(before.rfind(";"), before.rfind("{"), before.rfind("}")) + 1:]
+        text = normal(unescaped(text))
+        if is_sentence(text) and not _NO_MESSAGE.search(statement):
+            yield offset, text
+
+
+class Row:
+    def __init__(self, message, cure, where, places):
+        self.message = normal(message)
+        self.cure = cure.strip()
+        self.where = where
+        self.places = places
+        self.is_said = False
+        parts = [re.escape(part) for part in self.message.split("…")]
+        self.pattern = re.compile(".*".join(parts))
+
+    def lists(self, path, text):
+        return path.startswith(tuple(self.places)) and self.pattern.match(text) is not None
+
+
+def rows_of(page):
+    places = {match.start(): re.findall(r"`([^`]+)`", match.group(0))
+              for match in _HEADING.finditer(page)}
+    for match in _ROW.finditer(page):
+        above = [offset for offset in places if offset < match.start()]
+        yield Row(match.group("message"), match.group("cure"),
+                  f"{PAGE}:{cpp_source.line_of(page, match.start())}",
+                  places[max(above)] if above else [])
+
+
+def check(root):
+    breaches = []
+    rows = list(rows_of(cpp_source.read(root, PAGE)))
+    for row in rows:
+        if not row.cure:
+            breaches.append(f"{row.where}: `{row.message}` has no cure; say what a person does about it")
+        if not _WORD.search(row.message):
+            breaches.append(f"{row.where}: `{row.message}` would list everything; quote a word of it")
+    for path in cpp_source.cpp_files(root, FOLDERS):
+        source = cpp_source.read(root, path)
+        for offset, text in sentences(source):
+            if f"{path}:{text}".startswith(EXEMPT):
+                continue
+            fitting = [row for row in rows if row.lists(path, text)]
+            for row in fitting:
+                row.is_said = True
+            if not fitting:
+                breaches.append(f"{path}:{cpp_source.line_of(source, offset)}: {PAGE} does not list "
+                                f"`{text}`; add a row with its cure")
+    breaches += [f"{row.where}: nothing below {', '.join(row.places) or 'no heading'} says "
+                 f"`{row.message}`; remove or mend the row" for row in rows if not row.is_said]
+    return breaches
+
+
+if __name__ == "__main__":
+    cpp_source.run(check, __doc__)
