@@ -1,0 +1,187 @@
+#!/usr/bin/env python3
+"""House rules that need no compiler: clocks, sleeps, skips, corpora, READMEs, lists of features and defects."""
+
+import pathlib
+import re
+
+import cpp_source
+
+CODE_FOLDERS = cpp_source.PRODUCT_FOLDERS + ("tests", "examples")
+
+_UNFINISHED = re.compile(r"\b(?:TODO|FIXME|XXX)\b(?!\([^)]+\))")
+# Clock::sleep_until() is virtual time and fine; the thread's own is not.
+_SLEEP = re.compile(r"\b(?:sleep_for|this_thread\s*::\s*sleep_until|usleep|nanosleep|"
+                    r"clock_nanosleep)\s*\(|(?<![\w.>])sleep\s*\(")
+_CLOCK = re.compile(r"\b(?:steady_clock|system_clock|high_resolution_clock)\b|"
+                    r"\b(?:clock_gettime|gettimeofday|timespec_get)\s*\(|\bstd::time\s*\(")
+_SKIP = re.compile(r"\bGTEST_SKIP\s*\(\s*\)\s*(<<)?")
+_TEST = re.compile(r"^TEST(?:_F|_P)?\(\s*(\w+),\s*(\w+)\s*\)", re.MULTILINE)
+_PROVED_BY = re.compile(r"`ctest -R ([\w.]+)`")
+_FUZZ = re.compile(r"^\s*thimble_fuzz\(\s*(\w+)", re.MULTILINE)
+
+# Where real time is the subject: the real clock, and what measures or watches real programs.
+CLOCK_FOLDERS = ("hal/linux/", "bench/", "tests/rt/", "tests/vm/", "tests/unit/linux/")
+# Tests that start real programs must wait for them; they poll with a bound.
+SLEEP_FOLDERS = ("tests/rt/", "tests/vm/", "tests/system/")
+
+# Folders whose charter is written one level up.
+README_EXEMPT = (
+    r"tests/unit/.*",   # mirrors the product's folders; tests/README.md
+    r"tests/data/.+",   # data, described in tests/data/README.md
+    r"tests/lint/.+",
+    r"docs/decisions/.+",
+)
+KNOWN_PROGRAMS = ("./run", "ctest", "thimble", "thimbled", "python3", "ninja")
+
+
+def check_code(path, text, breaches):
+    code = cpp_source.without_comments(text)
+
+    def report(source, pattern, words):
+        for match in pattern.finditer(source):
+            breaches.append(f"{path}:{cpp_source.line_of(source, match.start())}: "
+                            f"{match.group(0).strip()}: {words}")
+
+    report(text, _UNFINISHED, "finish it, or give the reason it waits in parentheses: TODO(reason)")
+    if not path.startswith(CLOCK_FOLDERS):
+        report(code, _CLOCK, "only hal/linux reads a clock; take a Clock& (hal/base/time.hpp), in "
+                             "tests the VirtualClock")
+    if path.startswith("tests/") and not path.startswith(SLEEP_FOLDERS):
+        report(code, _SLEEP, "tests do not sleep; run the event queue of sim/time to the moment, or "
+                             "poll with a bound")
+    for match in _SKIP.finditer(code):
+        if not match.group(1):
+            breaches.append(f"{path}:{cpp_source.line_of(code, match.start())}: GTEST_SKIP without "
+                            'a reason: write GTEST_SKIP() << "what is missing here"')
+
+
+def check_corpora(root, paths, breaches):
+    targets = {}
+    for path in paths:
+        if path.endswith("CMakeLists.txt"):
+            for name in _FUZZ.findall(cpp_source.read(root, path)):
+                targets[name] = path
+    corpora = {path.split("/")[3] for path in paths
+               if path.startswith("tests/data/corpus/") and path.count("/") >= 4}
+    for name in sorted(corpora - set(targets)):
+        breaches.append(f"tests/data/corpus/{name}: no fuzz target reads it; add thimble_fuzz({name} "
+                        "…) to tests/fuzz/CMakeLists.txt or remove it")
+    for name in sorted(set(targets) - corpora):
+        breaches.append(f"{targets[name]}: fuzz target {name} has no corpus; put small seed files in "
+                        f"tests/data/corpus/{name}")
+
+
+def check_readmes(paths, breaches):
+    folders = {"/".join(path.split("/")[:-1]) for path in paths if "/" in path}
+    for folder in sorted(folders):
+        if f"{folder}/README.md" in paths:
+            continue
+        if any(re.fullmatch(pattern, folder) for pattern in README_EXEMPT):
+            continue
+        breaches.append(f"{folder}: no README.md; write four lines: charter, may use and used by, "
+                        "entry header, how it is tested")
+
+
+def feature_rows(text):
+    """(line, cells) of the rows of docs/features.md's tables."""
+    for number, line in enumerate(text.splitlines(), 1):
+        if not line.startswith("|") or re.fullmatch(r"[|\s:-]+", line):
+            continue
+        cells = [cell.strip() for cell in line.strip().strip("|").split("|")]
+        if cells[0].lower() != "feature":
+            yield number, cells
+
+
+def check_proof(where, proof, test_words, breaches):
+    command = re.findall(r"`([^`]+)`", proof)
+    if not command:
+        breaches.append(f"{where}: names no `command` that proves it")
+    for words in command:
+        if words.split()[0] not in KNOWN_PROGRAMS:
+            breaches.append(f"{where}: `{words}` starts no known program; use one of "
+                            f"{', '.join(KNOWN_PROGRAMS)}")
+        match = re.search(r"ctest .*-R '?([\w.]+)", words)
+        for word in match.group(1).split(".") if match else ():
+            if not any(known.startswith(word) for known in test_words):  # -R is a pattern
+                breaches.append(f"{where}: no test below tests/ is called {word}; name one that is "
+                                "there")
+
+
+def check_features(root, paths, breaches):
+    if "docs/features.md" not in paths:
+        return
+    test_words = set()
+    for path in paths:
+        if path.startswith("tests/") and path.endswith((".cpp", "CMakeLists.txt", ".py")):
+            test_words.add(pathlib.PurePosixPath(path).stem)
+            test_words.update(re.findall(r"\w+", cpp_source.read(root, path)))
+    for number, cells in feature_rows(cpp_source.read(root, "docs/features.md")):
+        where = f"docs/features.md:{number}"
+        if len(cells) != 4 or cells[3] not in ("there", "not yet"):
+            breaches.append(f"{where}: a row is feature | where | proof | there or not yet")
+            continue
+        if cells[3] == "not yet":
+            continue
+        for place in re.findall(r"`([^`]+)`", cells[1]):
+            if not pathlib.Path(root, place).exists():
+                breaches.append(f"{where}: {place} does not exist; name where the feature lives now")
+        check_proof(where, cells[2], test_words, breaches)
+
+
+def tests_by_name(root, paths):
+    """Suite.Test of every GoogleTest case, Suite of each, and process.NAME of tests/process."""
+    names = set()
+    for path in paths:
+        if path.startswith("tests/") and path.endswith(".cpp"):
+            for suite, test in _TEST.findall(cpp_source.read(root, path)):
+                names.update((suite, f"{suite}.{test}"))
+        match = re.fullmatch(r"tests/process/test_(\w+)\.py", path)
+        if match:
+            names.add(f"process.{match.group(1)}")
+    return names
+
+
+def check_defects(root, paths, breaches):
+    page = "docs/thesis-defects.md"
+    if page not in paths:
+        return
+    known = tests_by_name(root, paths)
+    named = set()
+    for number, line in enumerate(cpp_source.read(root, page).splitlines(), 1):
+        cells = [cell.strip() for cell in line.strip().strip("|").split("|")]
+        if not line.startswith("|") or cells[0] == "defect" or re.fullmatch(r"[|\s:-]+", line):
+            continue
+        where = f"{page}:{number}"
+        if len(cells) != 5 or cells[4] not in ("serious", "minor"):
+            breaches.append(f"{where}: a row is defect | effect | here | proof | serious or minor")
+            continue
+        proofs = _PROVED_BY.findall(cells[3])
+        named.update(proofs)
+        for proof in proofs:
+            if proof not in known:
+                breaches.append(f"{where}: there is no test {proof}; name one that fails if the row "
+                                "is untrue")
+        if not proofs:
+            breaches.append(f"{where}: names no test; write `ctest -R Suite.Test`")
+        if cells[4] == "serious" and not any(p.startswith("ThesisDefect.") for p in proofs):
+            breaches.append(f"{where}: a serious defect has a test named after it, "
+                            "ThesisDefect.WhatOursDoes")
+    for name in sorted(known - named):
+        if name.startswith("ThesisDefect."):
+            breaches.append(f"{page}: {name} has no row; write the one that it proves")
+
+
+def check(root):
+    breaches = []
+    paths = cpp_source.tree_files(root)
+    for path in cpp_source.cpp_files(root, CODE_FOLDERS):
+        check_code(path, cpp_source.read(root, path), breaches)
+    check_corpora(root, paths, breaches)
+    check_readmes(set(paths), breaches)
+    check_features(root, set(paths), breaches)
+    check_defects(root, set(paths), breaches)
+    return breaches
+
+
+if __name__ == "__main__":
+    cpp_source.run(check, __doc__)
