@@ -1,0 +1,70 @@
+import check_messages
+from planted_tree import PlantedTreeTest
+
+SOURCE = "daemon/link/port.cpp"
+PAGE = check_messages.PAGE
+
+
+class CheckMessages(PlantedTreeTest):
+    def setUp(self):
+        super().setUp()
+        self.plant_page("| `the port is taken` | choose another |")
+        self.plant(SOURCE, 'return fail("the port is taken");\n')
+
+    def plant_page(self, *rows, heading="## Links: `daemon/link`"):
+        self.plant(PAGE, "\n".join(["# Messages", heading, "", "| message | cure |", "|---|---|", *rows, ""]))
+
+    def breaches(self):
+        return check_messages.check(self.root)
+
+    def test_accepts_a_page_that_lists_what_is_said(self):
+        self.assertEqual(self.breaches(), [])
+
+    def test_refuses_a_sentence_without_a_row(self):
+        self.plant("hal/device/fault.cpp", 'case A:\n  return "the arm has gone away";\n')
+
+        self.assert_one_breach(self.breaches(), "hal/device/fault.cpp:2", "`the arm has gone away`", "cure")
+
+    def test_refuses_a_row_that_nothing_says(self):
+        self.plant_page("| `the port is taken` | choose another |", "| `the port is closed` | open it |")
+
+        self.assert_one_breach(self.breaches(), PAGE + ":7", "`the port is closed`", "daemon/link")
+
+    def test_refuses_a_row_without_a_cure(self):
+        self.plant_page("| `the port is taken` |  |")
+
+        self.assert_one_breach(self.breaches(), PAGE + ":6", "no cure")
+
+    def test_refuses_a_row_that_would_list_everything(self):
+        self.plant_page("| `…` | nothing helps |")
+
+        self.assert_one_breach(self.breaches(), "would list everything")
+
+    def test_looks_for_a_row_below_a_heading_that_names_the_place(self):
+        self.plant_page("| `the port is taken` | choose another |", heading="## Else: `daemon/api`")
+
+        self.assertEqual(len(self.breaches()), 2)  # the sentence has no row, the row no sentence
+
+    def test_joins_what_the_program_joins(self):
+        self.plant(SOURCE, 'a = "the port " + std::to_string(port) +\n    " is" " taken by " + name;\n')
+        self.plant_page("| `the port … is taken by` | choose another |")
+
+        self.assertEqual(self.breaches(), [])
+
+    def test_takes_each_branch_as_a_sentence_of_its_own(self):
+        self.plant(SOURCE, 'a = is_bad ? "the port is taken" : "all is very well";\n')
+
+        self.assert_one_breach(self.breaches(), "`all is very well`")
+
+    def test_takes_a_row_for_the_beginning_and_dots_for_anything(self):
+        self.plant(SOURCE, 'a = "expected a port above 1024, found " + x;\nb = "expected a name of its own";\n')
+        self.plant_page("| `expected …` | write that |")
+
+        self.assertEqual(self.breaches(), [])
+
+    def test_leaves_words_comments_and_other_folders_alone(self):
+        self.plant(SOURCE, '// "not said to anybody"\nstatic_assert(a, "never said at all");\nb = "two words";\n'
+                           'c = "unsigned long long int"; d = "the port is taken";\n')
+        self.plant("cli/text.cpp", 'a = "said by another program";\n')
+
+        self.assertEqual(self.breaches(), [])
