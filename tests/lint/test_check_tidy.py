@@ -1,0 +1,76 @@
+import json
+
+import check_tidy
+from planted_tree import PlantedTreeTest
+
+CLEAN = """
+namespace thimble {
+enum class Colour { Red };
+inline constexpr int kLimit = 3;
+inline constexpr double kReach_m = 0.3;
+class WrenchLimiter {
+ public:
+  int step_count() const { return step_count_; }
+
+ private:
+  int step_count_{kLimit};
+};
+}  // namespace thimble
+int use() { return thimble::WrenchLimiter{}.step_count(); }
+"""
+
+
+class CheckTidy(PlantedTreeTest):
+    def setUp(self):
+        super().setUp()
+        self.plant_copy(".clang-tidy")
+        self.plant("hal/base/other.hpp", "int other();\n")
+        self.plant("build/x/compile_commands.json", json.dumps([{
+            "directory": str(self.root), "file": "hal/base/a.cpp",
+            "command": f"clang++-14 -std=c++20 -I{self.root} -c hal/base/a.cpp"}]))
+
+    def check(self, text):
+        self.plant("hal/base/a.cpp", text)
+        return check_tidy.check(self.root, self.root / "build" / "x", self.root / "build" / "c")
+
+    def test_accepts_the_names_of_the_house(self):
+        self.assertEqual(self.check(CLEAN), [])
+
+    def test_refuses_each_other_naming(self):
+        for good, bad in (("step_count()", "stepCount()"), ("step_count_", "m_steps"),
+                          ("WrenchLimiter", "wrench_limiter"), ("kLimit", "LIMIT"),
+                          ("Red", "RED_COLOUR"), ("namespace thimble", "namespace Thimble")):
+            with self.subTest(bad):
+                text = CLEAN.replace("thimble", "Thimble") if "Thimble" in bad else \
+                    CLEAN.replace(good, bad)
+                breaches = self.check(text)
+
+                self.assertIn("readability-identifier-naming", breaches[0])
+                self.assertIn("hal/base/a.cpp:", breaches[0])
+                self.assertIn("Mend:", breaches[-1])
+
+    def test_refuses_a_bug_that_it_knows(self):
+        breaches = self.check("bool f(double* a, double* b) "
+                              "{ return __builtin_memcmp(a, b, sizeof(a)) == 0; }\n"
+                              "int g(int a) { if (a) return 1; return a ? a : a; }\n"
+                              "unsigned h(const char* s) { return sizeof(s) / sizeof(s[0]); }\n")
+
+        self.assertIn("bugprone-", breaches[0])
+
+    def test_reads_a_clean_file_once_until_a_header_changes(self):
+        runs, original = [], check_tidy.tidy
+        self.addCleanup(setattr, check_tidy, "tidy", original)
+        check_tidy.tidy = lambda *arguments: runs.append(arguments) or ""
+        text = '#include "hal/base/other.hpp"\n'
+
+        self.check(text)
+        self.check(text)
+        self.assertEqual(len(runs), 1)
+
+        self.plant("hal/base/other.hpp", "long other();\n")
+        self.check(text)
+        self.assertEqual(len(runs), 2)
+
+    def test_reads_a_file_with_breaches_again(self):
+        self.assertTrue(self.check("int BadName() { return 1; }\n"))
+        self.assertTrue(self.check("int BadName() { return 1; }\n"))
