@@ -1,0 +1,43 @@
+# Completion of thimble(1) for bash; bash-completion loads it by its name.
+
+_thimble_arms() {
+  thimble "$@" status 2>/dev/null | sed -n 's/^arm \([a-z0-9-]*\) .*/\1/p'
+}
+
+_thimble() {
+  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]}
+  local commands="status watch report doctor devices flight activate deactivate clear-fault"
+  local options="--help --socket" command= socket=() i
+  for ((i = 1; i < COMP_CWORD; ++i)); do
+    if [[ ${COMP_WORDS[i]} == --socket ]]; then
+      ((++i < COMP_CWORD)) && socket=(--socket "${COMP_WORDS[i]}")
+    elif [[ -z $command && " $commands " == *" ${COMP_WORDS[i]} "* ]]; then
+      command=${COMP_WORDS[i]}
+    fi
+  done
+  COMPREPLY=()
+  case $before in
+    --socket) mapfile -t COMPREPLY < <(compgen -f -- "$word"); return ;;
+    --root) mapfile -t COMPREPLY < <(compgen -d -- "$word"); return ;;
+    --interval | --for | --before) return ;;
+  esac
+  case $command in
+    "") options="--help --version --socket $commands" ;;
+    status) options+=" --json" ;;
+    watch) options+=" --interval --for" ;;
+    doctor | devices) options+=" --json --root" ;;
+    flight)
+      if [[ $word == -* ]]; then
+        options+=" --before"
+      elif [[ " ${COMP_WORDS[*]:0:COMP_CWORD} " == *" show "* ]]; then
+        mapfile -t COMPREPLY < <(compgen -f -- "$word"); return
+      else
+        options=show
+      fi ;;
+    report) [[ $word == -* ]] || { mapfile -t COMPREPLY < <(compgen -f -- "$word"); return; } ;;
+    *) [[ $word == -* ]] || options=$(_thimble_arms "${socket[@]}") ;;
+  esac
+  mapfile -t COMPREPLY < <(compgen -W "$options" -- "$word")
+}
+
+complete -o filenames -F _thimble thimble
