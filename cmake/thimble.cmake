@@ -1,0 +1,58 @@
+# Compiler settings and the two functions that every folder uses.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+find_package(Threads REQUIRED)
+
+add_library(thimble_options INTERFACE)
+target_compile_options(thimble_options INTERFACE
+  -Wall -Wextra -Wconversion -Wsign-conversion -Wshadow -Werror -fvisibility=hidden)
+# GCC 12 reports overlaps in std::string operator+ that cannot happen (GCC bug 105651).
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+  target_compile_options(thimble_options INTERFACE -Wno-restrict)
+endif()
+target_include_directories(thimble_options INTERFACE ${CMAKE_SOURCE_DIR})
+target_link_libraries(thimble_options INTERFACE Threads::Threads)
+if(THIMBLE_SANITIZE)
+  target_compile_options(thimble_options INTERFACE
+    -fsanitize=${THIMBLE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_link_options(thimble_options INTERFACE -fsanitize=${THIMBLE_SANITIZE})
+  # GCC cannot see through the sanitizers' instrumentation and reports what is not there.
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(thimble_options INTERFACE -Wno-maybe-uninitialized -Wno-tsan)
+  endif()
+endif()
+if(THIMBLE_FUZZ)
+  target_compile_options(thimble_options INTERFACE -fsanitize=fuzzer-no-link)
+endif()
+
+# thimble_library(<folder/with/slashes> SOURCES … LINKS …): one static library per folder,
+# named thimble_<folder_with_underscores>. Without SOURCES it is header-only.
+function(thimble_library folder)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
+  string(REPLACE "/" "_" name ${folder})
+  if(ARG_SOURCES)
+    add_library(thimble_${name} STATIC ${ARG_SOURCES})
+    target_link_libraries(thimble_${name} PUBLIC thimble_options ${ARG_LINKS}
+                          PRIVATE ${ARG_PRIVATE_LINKS})
+  else()
+    add_library(thimble_${name} INTERFACE)
+    target_link_libraries(thimble_${name} INTERFACE thimble_options ${ARG_LINKS})
+  endif()
+endfunction()
+
+# thimble_test(<name> LABEL <tier> [THREADED] SOURCES … LINKS …): one GoogleTest program, one
+# ctest entry per test case. THREADED: more than one thread takes part, so ThreadSanitizer has
+# something to see; with THIMBLE_ONLY_THREADED the others are left out.
+function(thimble_test name)
+  cmake_parse_arguments(ARG "THREADED" "LABEL" "SOURCES;LINKS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE thimble_options ${ARG_LINKS} GTest::gtest_main)
+  if(THIMBLE_ONLY_THREADED AND NOT ARG_THREADED)
+    set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)
+    return()
+  endif()
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST
+    PROPERTIES LABELS "${ARG_LABEL}" TIMEOUT 300)
+endfunction()
