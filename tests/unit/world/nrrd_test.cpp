@@ -251,9 +251,9 @@ TEST_F(NrrdFiles, ADetachedHeaderNamesTheFileBesideIt) {
   EXPECT_EQ(missing.error().message,
             path + ": data file: " + folder + "/sub/a.raw: open: No such file or directory");
   std::filesystem::create_directory(folder + "/sub");
-  write("sub/a.raw", data);
+  static_cast<void>(write("sub/a.raw", data));
   expect_one_cell(load_nrrd_file(path, {}));
-  write("sub/a.raw", data + "x");
+  static_cast<void>(write("sub/a.raw", data + "x"));
   EXPECT_EQ(error_of(load_nrrd_file(path, {})),
             path + ": data: the file has 25 bytes for it, sizes ask for 24");
   std::filesystem::remove(folder + "/sub/a.raw");
