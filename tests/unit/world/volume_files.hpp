@@ -11,7 +11,7 @@ namespace thimble::world {
 // Volume files in a folder that goes with the test.
 class VolumeFiles : public ::testing::Test {
  protected:
-  [[nodiscard]] std::string write(const std::string& name, const std::string& bytes) const {
+  std::string write(const std::string& name, const std::string& bytes) const {
     return home_.write(name, bytes).string();
   }
 
