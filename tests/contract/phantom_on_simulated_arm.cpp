@@ -100,7 +100,10 @@ class PhantomOnSimulatedArm : public testing::TestWithParam<Setting> {
 INSTANTIATE_TEST_SUITE_P(Arms, PhantomOnSimulatedArm,
                          testing::Values(Setting{"phantom-vintage", milliseconds(1)},
                                          Setting{"phantom-vintage", microseconds(125)},
-                                         Setting{"woody-2015", milliseconds(2)}));
+                                         Setting{"woody-2015", milliseconds(2)},
+                                         Setting{"premium-1.5", milliseconds(1)},
+                                         Setting{"aluhaptics-2", microseconds(500)},
+                                         Setting{"polhem-1", milliseconds(1)}));
 
 TEST_P(PhantomOnSimulatedArm, SeesTheTipWhereItIsAndPushesAsAsked) {
   calibrate();

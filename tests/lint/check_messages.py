@@ -16,8 +16,6 @@ FOLDERS = ("hal", "drivers", "sim", "daemon")
 EXEMPT = (
     "daemon/app/options.cpp",  # what --help says: thimbled(8)
     "daemon/config/load.cpp:arm = [",  # a configuration in itself, parsed to list its keys
-    "sim/model/arm/register_arm_models.cpp:PHANToM with a WoodenHaptics-family",  # descriptions
-    "sim/model/arm/register_arm_models.cpp:WoodenHaptics arm of",
 )
 # Names of C types in file headers.
 _TYPE = re.compile(r"(?:(?:un)?signed|long|short|int|char)(?: (?:long|short|int|char))*")

@@ -1,7 +1,6 @@
 #include "sim/model/arm/arm_parameters.hpp"
 
 #include <cstddef>
-#include <cstdint>
 #include <numbers>
 #include <string_view>
 
@@ -18,6 +17,7 @@ constexpr AngleRange range_degrees(double min, double max) { return {degrees(min
 ArmParameters facts_of(const phantom::PhantomModel& model) {
   ArmParameters p;
   p.name = model.name;
+  p.description = model.description;
   p.link_m = model.link_m;
   for (std::size_t i = 0; i < 3; ++i) {
     p.drive_ratio[i] = model.drum_diameter_m[i] / model.capstan_diameter_m[i];
@@ -42,33 +42,122 @@ constexpr const phantom::PhantomModel& row(std::string_view name) {
 
 constexpr const phantom::PhantomModel& kVintage = row("phantom-vintage");
 constexpr const phantom::PhantomModel& kWoody = row("woody-2015");
+constexpr const phantom::PhantomModel& kPremium = row("premium-1.5");
+constexpr const phantom::PhantomModel& kAluhaptics = row("aluhaptics-2");
+constexpr const phantom::PhantomModel& kPolhem = row("polhem-1");
 
-enum class Make : std::uint8_t { Vintage, Woody };
+// What nobody has weighed, but for the rotor of a known motor.
+struct Estimates {
+  double upper_arm_kg{};
+  double forearm_kg{};
+  double tip_kg{};
+  double turret_kg_m2{};
+  double rotor_kg_m2{};
+  double balance{};
+  double counterweight_radius_m{};
+  double backdrive_newton{};
+  double viscous_newton_s_per_m{};
+  AngleRange elbow_range{};
+  JointVector parked_rad{};
+};
 
-// Facts, and beside each other what nobody has weighed. The vintage arm's masses are chosen so that
-// its tip weighs below 75 g in every direction of the home pose.
-ArmParameters parameters_of(Make make) {
-  const auto of = [make](const auto& vintage, const auto& woody) {
-    return make == Make::Vintage ? vintage : woody;
-  };
-  ArmParameters p = facts_of(of(kVintage, kWoody));
-  p.upper_arm_kg = of(0.020, 0.060);
-  p.forearm_kg = of(0.012, 0.050);
-  p.tip_kg = of(0.020, 0.025);
-  p.turret_kg_m2 = of(2e-4, 2e-3);
-  p.rotor_kg_m2.fill(of(1.03e-6, 3.33e-6));
-  p.balance = of(1.0, 0.8);
-  p.counterweight_radius_m = of(0.05, 0.07);
-  p.backdrive_newton = of(0.04, 0.10);
-  p.viscous_newton_s_per_m = of(0.05, 0.1);
-  p.elbow_range = of(range_degrees(25, 155), range_degrees(20, 160));
-  p.parked_rad = {degrees(of(12, -8)), degrees(of(60, 12)), degrees(of(10, 75))};
+ArmParameters parameters_of(const phantom::PhantomModel& model, const Estimates& ours) {
+  ArmParameters p = facts_of(model);
+  p.upper_arm_kg = ours.upper_arm_kg;
+  p.forearm_kg = ours.forearm_kg;
+  p.tip_kg = ours.tip_kg;
+  p.turret_kg_m2 = ours.turret_kg_m2;
+  p.rotor_kg_m2.fill(ours.rotor_kg_m2);
+  p.balance = ours.balance;
+  p.counterweight_radius_m = ours.counterweight_radius_m;
+  p.backdrive_newton = ours.backdrive_newton;
+  p.viscous_newton_s_per_m = ours.viscous_newton_s_per_m;
+  p.elbow_range = ours.elbow_range;
+  p.parked_rad = ours.parked_rad;
   return p;
+}
+
+JointVector pose_degrees(double a, double b, double c) {
+  return {degrees(a), degrees(b), degrees(c)};
 }
 
 }  // namespace
 
-ArmParameters phantom_vintage_parameters() { return parameters_of(Make::Vintage); }
-ArmParameters woody_2015_parameters() { return parameters_of(Make::Woody); }
+// The PHANToMs' masses are chosen so that the tip weighs below 75 g in every direction of the home
+// pose.
+ArmParameters phantom_vintage_parameters() {
+  return parameters_of(kVintage, {.upper_arm_kg = 0.020,
+                                  .forearm_kg = 0.012,
+                                  .tip_kg = 0.020,
+                                  .turret_kg_m2 = 2e-4,
+                                  .rotor_kg_m2 = 1.03e-6,
+                                  .balance = 1.0,
+                                  .counterweight_radius_m = 0.05,
+                                  .backdrive_newton = 0.04,
+                                  .viscous_newton_s_per_m = 0.05,
+                                  .elbow_range = range_degrees(25, 155),
+                                  .parked_rad = pose_degrees(12, 60, 10)});
+}
+
+ArmParameters woody_2015_parameters() {
+  return parameters_of(kWoody, {.upper_arm_kg = 0.060,
+                                .forearm_kg = 0.050,
+                                .tip_kg = 0.025,
+                                .turret_kg_m2 = 2e-3,
+                                .rotor_kg_m2 = 3.33e-6,
+                                .balance = 0.8,
+                                .counterweight_radius_m = 0.07,
+                                .backdrive_newton = 0.10,
+                                .viscous_newton_s_per_m = 0.1,
+                                .elbow_range = range_degrees(20, 160),
+                                .parked_rad = pose_degrees(-8, 12, 75)});
+}
+
+ArmParameters premium_1_5_parameters() {
+  return parameters_of(kPremium, {.upper_arm_kg = 0.024,
+                                  .forearm_kg = 0.014,
+                                  .tip_kg = 0.018,
+                                  .turret_kg_m2 = 3e-4,
+                                  .rotor_kg_m2 = 1.03e-6,
+                                  .balance = 1.0,
+                                  .counterweight_radius_m = 0.05,
+                                  .backdrive_newton = 0.04,
+                                  .viscous_newton_s_per_m = 0.05,
+                                  .elbow_range = range_degrees(20, 160),
+                                  .parked_rad = pose_degrees(10, 75, 15)});
+}
+
+ArmParameters aluhaptics_2_parameters() {
+  return parameters_of(kAluhaptics, {.upper_arm_kg = 0.040,
+                                     .forearm_kg = 0.025,
+                                     .tip_kg = 0.022,
+                                     .turret_kg_m2 = 8e-4,
+                                     .rotor_kg_m2 = 3.33e-6,
+                                     .balance = 0.8,
+                                     .counterweight_radius_m = 0.05,
+                                     .backdrive_newton = 0.08,
+                                     .viscous_newton_s_per_m = 0.08,
+                                     .elbow_range = range_degrees(25, 155),
+                                     .parked_rad = pose_degrees(9, 55, 18)});
+}
+
+ArmParameters polhem_1_parameters() {
+  return parameters_of(kPolhem, {.upper_arm_kg = 0.050,
+                                 .forearm_kg = 0.035,
+                                 .tip_kg = 0.045,  // with the gimbal
+                                 .turret_kg_m2 = 1.5e-3,
+                                 .rotor_kg_m2 = 6e-6,
+                                 .balance = 0.8,
+                                 .counterweight_radius_m = 0.06,
+                                 .backdrive_newton = 0.10,
+                                 .viscous_newton_s_per_m = 0.1,
+                                 .elbow_range = range_degrees(20, 160),
+                                 .parked_rad = pose_degrees(-7, 50, 24)});
+}
+
+std::vector<ArmParameters> all_arm_parameters() {
+  return {phantom_vintage_parameters(), woody_2015_parameters(), premium_1_5_parameters(),
+          aluhaptics_2_parameters(), polhem_1_parameters()};
+}
 
 }  // namespace thimble::sim

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <string_view>
+#include <vector>
 
 namespace thimble::sim {
 
@@ -20,6 +21,7 @@ struct AngleRange {
 // stand in README.md; nothing is asserted about a real arm from the latter.
 struct ArmParameters {
   std::string_view name;
+  std::string_view description;
 
   // Facts.
   std::array<double, 3> link_m{};       // La (base height), Lb (upper arm), Lc (forearm)
@@ -56,5 +58,10 @@ struct ArmParameters {
 // The rows of the models table that are simulated, with the estimates for each.
 [[nodiscard]] ArmParameters phantom_vintage_parameters();
 [[nodiscard]] ArmParameters woody_2015_parameters();
+[[nodiscard]] ArmParameters premium_1_5_parameters();
+[[nodiscard]] ArmParameters aluhaptics_2_parameters();
+[[nodiscard]] ArmParameters polhem_1_parameters();
+// All of them, in the order of the table.
+[[nodiscard]] std::vector<ArmParameters> all_arm_parameters();
 
 }  // namespace thimble::sim

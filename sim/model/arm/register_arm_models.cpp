@@ -1,6 +1,7 @@
 #include "sim/model/arm/register_arm_models.hpp"
 
 #include <memory>
+#include <string>
 
 #include "drivers/phantom/phantom_wire.hpp"
 #include "sim/model/arm/phantom_arm_model.hpp"
@@ -20,22 +21,27 @@ Result<std::unique_ptr<plugin::SimHidModel>> create(const ArmParameters& paramet
   return std::make_unique<PhantomArmModel>(parameters, settings);
 }
 
-Result<std::unique_ptr<plugin::SimHidModel>> create_vintage(
-    const plugin::SimModelSettings& settings) {
-  return create(phantom_vintage_parameters(), settings);
+// The registry takes plain functions: one for each arm.
+template <ArmParameters (*parameters)()>
+Result<std::unique_ptr<plugin::SimHidModel>> create_arm(const plugin::SimModelSettings& settings) {
+  return create(parameters(), settings);
 }
 
-Result<std::unique_ptr<plugin::SimHidModel>> create_woody(
-    const plugin::SimModelSettings& settings) {
-  return create(woody_2015_parameters(), settings);
+template <ArmParameters (*parameters)()>
+void add_arm(plugin::SimModelRegistry& registry) {
+  const ArmParameters arm = parameters();
+  registry.add(
+      {std::string(arm.name), std::string(arm.description) + " (HID)", &create_arm<parameters>});
 }
 
 }  // namespace
 
 void register_arm_models(plugin::SimModelRegistry& registry) {
-  registry.add(
-      {"phantom-vintage", "PHANToM with a WoodenHaptics-family controller (HID)", &create_vintage});
-  registry.add({"woody-2015", "WoodenHaptics arm of 2015 (HID)", &create_woody});
+  add_arm<&phantom_vintage_parameters>(registry);
+  add_arm<&woody_2015_parameters>(registry);
+  add_arm<&premium_1_5_parameters>(registry);
+  add_arm<&aluhaptics_2_parameters>(registry);
+  add_arm<&polhem_1_parameters>(registry);
 }
 
 }  // namespace thimble::sim

@@ -114,7 +114,7 @@ TEST_F(PhantomDriverTest, WantsAKnownModel) {
   for (const char* bad : {"", "phantom", "Phantom-Vintage"}) {
     settings.model = bad;
     EXPECT_EQ(refusal(mbed_at("hid:123"), settings), Errc::InvalidArgument);
-    EXPECT_TRUE(says("phantom-vintage, woody-2015"));
+    EXPECT_TRUE(says("phantom-vintage, woody-2015, premium-1.5, aluhaptics-2, polhem-1"));
   }
 }
 

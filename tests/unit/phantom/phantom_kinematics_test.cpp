@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <string>
+#include <vector>
 
 #include "drivers/phantom/find_model.hpp"
 
@@ -35,11 +37,18 @@ class PhantomKinematics : public testing::TestWithParam<const PhantomModel*> {
   std::mt19937 random_{20};
 };
 
-INSTANTIATE_TEST_SUITE_P(AllModels, PhantomKinematics,
-                         testing::Values(find_model("phantom-vintage"), find_model("woody-2015")),
+std::vector<const PhantomModel*> all_models() {
+  std::vector<const PhantomModel*> models;
+  for (const PhantomModel& model : kPhantomModels) models.push_back(&model);
+  return models;
+}
+
+INSTANTIATE_TEST_SUITE_P(AllModels, PhantomKinematics, testing::ValuesIn(all_models()),
                          [](const auto& parameter) {
                            std::string name(parameter.param->name);
-                           std::replace(name.begin(), name.end(), '-', '_');
+                           std::replace_if(
+                               name.begin(), name.end(),
+                               [](char c) { return c == '-' || c == '.'; }, '_');
                            return name;
                          });
 
@@ -198,6 +207,34 @@ TEST_P(PhantomKinematics, OutOfReachHasNoAngles) {
   EXPECT_FALSE(inverse(model_, shoulder));
 }
 
+// An arm that reaches beyond its stops loses its reference there: the workspace must not.
+TEST_P(PhantomKinematics, TheWorkspaceLiesWithinTheStops) {
+  for (int round = 0; round < kRounds; ++round) {
+    const auto angles = inverse(model_, place_in_workspace());
+    ASSERT_TRUE(angles);
+    for (std::size_t i = 0; i < 3; ++i) {
+      ASSERT_GE((*angles)[i], model_.joint_min_rad[i]) << i;
+      ASSERT_LE((*angles)[i], model_.joint_max_rad[i]) << i;
+    }
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_GE(model_.home_angle_rad[i], model_.joint_min_rad[i]);
+    EXPECT_LE(model_.home_angle_rad[i], model_.joint_max_rad[i]);
+  }
+}
+
+// The limiter clamps each motor's current; below that the promised force must fit, or it would be
+// felt too weak without a word.
+TEST_P(PhantomKinematics, ThePeakForceAtTheOriginFitsThePeakCurrents) {
+  const Matrix3 currents = pose_at(model_, *inverse(model_, {})).motor_current_per_force;
+  for (int round = 0; round < kRounds; ++round) {
+    const Force3 any = any_force();
+    const Force3 force = (model_.peak_force_newton / norm(any)) * any;
+    const auto current_a = times(currents, force);
+    for (std::size_t i = 0; i < 3; ++i) ASSERT_LE(std::abs(current_a[i]), model_.peak_current_a[i]);
+  }
+}
+
 // What phantom_models.toml claims of the home pose.
 TEST(PhantomVintage, ReachesACubeOf128MillimetresWithoutComingNearASingularPose) {
   const PhantomModel& model = *find_model("phantom-vintage");
@@ -230,6 +267,39 @@ TEST(PhantomVintage, AxesPointRightUpAndTowardsThePerson) {
   EXPECT_GT(pose_at(model, {0, home[1], home[2] + 0.1}).tip.y, 0.005);
   EXPECT_GT(pose_at(model, {0, home[1] + 0.1, home[2]}).tip.z, 0.005);
   EXPECT_LT(pose_at(model, {0, home[1] + 0.1, home[2]}).tip.y, -0.005);
+}
+
+// That this rebuilt arm is a 1.5: its links reach every corner of the 381 x 267 x 191 mm quoted for
+// one (sheet 2.8, a brochure's figure), from 190 mm before the waist, with its elbow bent.
+TEST(Premium15, ItsLinksReachTheCornersOfTheQuotedWorkspace) {
+  const PhantomModel& model = *find_model("premium-1.5");
+  const Displacement3 middle{0, 0, 0.190 - model.origin_m[0]};
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto side = [corner](int axis, double length_m) {
+      return ((corner >> axis) & 1) != 0 ? length_m / 2 : -length_m / 2;
+    };
+    const Position3 tip = Position3{side(0, 0.381), side(1, 0.267), side(2, 0.191)} + middle;
+    const auto angles = inverse(model, tip);
+    ASSERT_TRUE(angles) << corner;
+    EXPECT_GT(std::sin((*angles)[1] + (*angles)[2]), 0.4) << corner;
+    EXPECT_LT(norm(pose_at(model, *angles).tip - tip), 1e-12);
+  }
+}
+
+// The sheet's own formulas for this arm measure q2 from level and q3 from hanging down.
+TEST(Premium15, AgreesWithTheFormulasOfItsOwnSheet) {
+  const PhantomModel& model = *find_model("premium-1.5");
+  std::mt19937 random{21};
+  std::uniform_real_distribution<double> angle(-1.5, 1.5);
+  for (int round = 0; round < kRounds; ++round) {
+    const double q1 = angle(random), q2 = angle(random), q3 = angle(random);
+    const double reach_m = 0.20955 * std::cos(q2) + 0.169545 * std::sin(q3);
+    const double height_m = 0.20955 * std::sin(q2) - 0.169545 * std::cos(q3);
+    const Position3 tip = pose_at(model, {q1, kPi / 2 - q2, q3}).tip;
+    ASSERT_NEAR(tip.z + model.origin_m[0], std::cos(q1) * reach_m, 1e-12);
+    ASSERT_NEAR(tip.x + model.origin_m[1], std::sin(q1) * reach_m, 1e-12);
+    ASSERT_NEAR(tip.y, height_m, 1e-12) << "the origin is level with the shoulder";
+  }
 }
 
 }  // namespace

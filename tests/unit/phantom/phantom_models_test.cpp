@@ -47,6 +47,44 @@ TEST(PhantomModels, WoodyHomePoseIsWhatItsCalibrationCountsSay) {
   EXPECT_NEAR(sut.home_angle_rad[2], sut.motor_direction[2] * angle_rad, 1e-8);
 }
 
+TEST(PhantomModels, PremiumCarriesTheNumbersOfTheSheet) {
+  const PhantomModel& sut = *find_model("premium-1.5");
+  EXPECT_EQ(sut.link_m[1], 0.20955);
+  EXPECT_EQ(sut.link_m[2], 0.169545);
+  const std::array<double, 3> ratio{13.3, 11.2, 11.2};
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(sut.drum_diameter_m[i] / sut.capstan_diameter_m[i], ratio[i], 1e-12);
+    EXPECT_EQ(sut.counts_per_motor_rev[i], 4 * 1024);
+    EXPECT_EQ(sut.torque_constant_newton_m_per_a[i], 0.0234);
+    EXPECT_LE(sut.continuous_current_a[i], 0.0286 / 0.0234) << "continuous torque of the motor";
+    EXPECT_LE(sut.peak_current_a[i], 0.129 / 0.0234) << "stall";
+  }
+}
+
+TEST(PhantomModels, AluhapticsAndPolhemCarryTheNumbersOfTheSheet) {
+  const PhantomModel& aluhaptics = *find_model("aluhaptics-2");
+  EXPECT_EQ(aluhaptics.link_m, (std::array{0.111, 0.140, 0.111}));
+  EXPECT_EQ(aluhaptics.capstan_diameter_m, (std::array{0.0138, 0.0098, 0.0098}));
+  EXPECT_EQ(aluhaptics.drum_diameter_m, (std::array{0.116, 0.076, 0.076}));
+  EXPECT_EQ(aluhaptics.torque_constant_newton_m_per_a, (std::array{0.0259, 0.0259, 0.0259}));
+  const PhantomModel& polhem = *find_model("polhem-1");
+  EXPECT_EQ(polhem.link_m, (std::array{0.058, 0.174, 0.133}));
+  EXPECT_EQ(polhem.capstan_diameter_m, (std::array{0.010, 0.010, 0.010}));
+  EXPECT_EQ(polhem.drum_diameter_m, (std::array{0.180, 0.100, 0.100}));
+  EXPECT_EQ(polhem.torque_constant_newton_m_per_a, (std::array{0.0538, 0.0538, 0.0538}));
+  EXPECT_EQ(polhem.origin_m, (std::array{0.140, 0.0, 0.100}));
+  for (const PhantomModel* sut : {&aluhaptics, &polhem}) {
+    EXPECT_EQ(sut->counts_per_motor_rev, (std::array{2000.0, 2000.0, 2000.0}));
+    EXPECT_EQ(sut->peak_force_newton, 5.0);
+  }
+  EXPECT_EQ(polhem.max_stiffness_newton_per_m, 800);
+}
+
+// Nobody has tried any of them: no arm is let push harder than those that are best known.
+TEST(PhantomModels, NoModelPromisesMoreThanFiveNewton) {
+  for (const PhantomModel& sut : kPhantomModels) EXPECT_LE(sut.peak_force_newton, 5.0) << sut.name;
+}
+
 TEST(PhantomModels, NoModelAsksForMoreThanTheLargestAmplifier) {
   for (const PhantomModel& sut : kPhantomModels) {
     for (std::size_t joint = 0; joint < 3; ++joint) {

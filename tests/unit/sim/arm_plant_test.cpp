@@ -33,7 +33,7 @@ void run(ArmPlant& plant, double duration_s, Force3 force = {}) {
 }
 
 TEST(ArmPlant, KeepsItsEnergyWhenNothingRubsOrPushes) {
-  for (ArmParameters p : {phantom_vintage_parameters(), woody_2015_parameters()}) {
+  for (ArmParameters p : all_arm_parameters()) {
     p.balance = 0.5;  // so that energy is traded between height and speed
     ArmPlant sut(free_swinging(p));
     sut.set_state(p.home_rad, {3, -2, 4});
@@ -64,7 +64,7 @@ TEST(ArmPlant, KeepsItsEnergyThroughLosslessStops) {
 }
 
 TEST(ArmPlant, NeverGainsEnergyWithFrictionAndStops) {
-  for (const ArmParameters& p : {phantom_vintage_parameters(), woody_2015_parameters()}) {
+  for (const ArmParameters& p : all_arm_parameters()) {
     ArmPlant sut(p);
     RandomPoses random(sut.dynamics(), 11);
     for (int start = 0; start < 20; ++start) {

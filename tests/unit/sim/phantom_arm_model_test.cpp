@@ -62,9 +62,10 @@ TEST(PhantomArmModel, DescribesItselfAsTheBoardDoes) {
 TEST(PhantomArmModel, IsMadeByTheRegistryUnderItsNames) {
   plugin::SimModelRegistry registry;
   register_arm_models(registry);
-  for (const char* name : {"phantom-vintage", "woody-2015"}) {
+  for (const char* name :
+       {"phantom-vintage", "woody-2015", "premium-1.5", "aluhaptics-2", "polhem-1"}) {
     const plugin::SimModelEntry* entry = registry.find(name);
-    ASSERT_NE(entry, nullptr);
+    ASSERT_NE(entry, nullptr) << name;
     const auto model = entry->create_hid({});
     ASSERT_TRUE(model.has_value());
     EXPECT_NE((*model)->arm_backend(), nullptr);
@@ -145,7 +146,7 @@ TEST(PhantomArmModel, RefusesTipsItCannotReachAndStaysWhereItIs) {
 
 TEST(PhantomArmModel, MotorsPushTheTipAsTheSheetSays) {
   // tau = s * I * Kt * drum / capstan per body; F from tau by virtual work at the home pose.
-  for (ArmParameters p : {phantom_vintage_parameters(), woody_2015_parameters()}) {
+  for (ArmParameters p : all_arm_parameters()) {
     p.motor_sign = {1, -1, 1};
     PhantomArmModel sut(still(p), kThreeAmperes);
     UsbFrames usb(sut);
