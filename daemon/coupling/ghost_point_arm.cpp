@@ -12,6 +12,8 @@ constexpr double kSameFaceCosine = 0.97;
 constexpr double kSameNormalCosine = 1 - 1e-9;
 // |n|² may be off by this much; beyond it the plane is garbage, not rounding.
 constexpr double kUnitTolerance = 1e-6;
+// Nothing that a hand touches is as far; beyond it rounding would be felt.
+constexpr double kMaxPlaneOffset_m = 1e6;
 // Shifts below are rounding, not events; relaxation stops this far before a wall.
 constexpr double kNegligible_m = 1e-9;
 constexpr double kStandoff_m = 1e-6;
@@ -23,7 +25,7 @@ double depth_m(const ConstraintPlane& plane, Position3 hand) noexcept {
 }
 
 bool is_sound(const ConstraintPlane& plane) noexcept {
-  if (!is_finite(plane.normal) || !std::isfinite(plane.offset_m)) return false;
+  if (!is_finite(plane.normal) || !(std::abs(plane.offset_m) <= kMaxPlaneOffset_m)) return false;
   return std::abs(dot(plane.normal, plane.normal) - 1) <= kUnitTolerance;
 }
 
@@ -169,17 +171,22 @@ GhostPointArm::Contact GhostPointArm::adopt(const ConstraintPlane& plane, const 
   contact.is_held = true;
   contact.is_barrier = true;
   if (is_unchanged) return contact;
-
-  double keep_m = hysteresis_m_;
   if (depth_felt_m > 0) {
-    const double before = stiffness_of(known->plane).newton_per_m;
-    const double after = stiffness_of(plane).newton_per_m;
-    keep_m = depth_felt_m * (before < after ? before / after : 1.0);
-    if (age_.has_returned()) keep_m = std::max(hysteresis_m_, keep_m * age_.gain());
+    contact.spring.become(stiffness_of(plane), depth_felt_m);
+  } else {
+    contact.spring.reset(stiffness_of(plane));
+  }
+
+  double keep_m = depth_felt_m > 0 ? depth_felt_m : hysteresis_m_;
+  if (depth_felt_m > 0 && age_.has_returned()) {
+    keep_m = std::max(hysteresis_m_, keep_m * age_.gain());
   }
   const double depth = depth_m(plane, tip + offset_);
   if (depth <= hysteresis_m_ || depth - keep_m <= kNegligible_m) return contact;
   shift(along<DisplacementTag>(plane.normal, keep_m - depth));
+  // What the frame could not yield, the wall does: a reply never kicks.
+  const double left_m = depth_m(plane, tip + offset_) - keep_m;
+  if (left_m > kNegligible_m) contact.spring.sink(left_m);
   ++counters_.offset_events;
   contact.ramp_from_m = contact.shown_m;
   contact.ramp_elapsed_s = 0;
@@ -193,6 +200,7 @@ void GhostPointArm::remember(const std::array<bool, kMaxContacts>& is_taken, con
     Contact contact = contacts_[i];
     contact.is_held = false;
     contact.is_pressing = false;
+    contact.spring.reset(stiffness_of(contact.plane));
     contact.ramp_from_m = 0;
     contact.shown_m = 0;
     // A hand well past a face that the world does not name disproves the face.
@@ -248,9 +256,10 @@ void GhostPointArm::press(const ArmInput& input, ArmOutput& output) noexcept {
   for (Contact& contact : contacts_) {
     if (!contact.is_held) continue;
     const double depth = depth_m(contact.plane, last_hand_);
-    if (!(depth > 0)) {
+    if (!(depth > contact.spring.gap_m())) {
       contact.is_pressing = false;
       contact.shown_m = 0;
+      if (!(depth > 0)) contact.spring.reset(stiffness_of(contact.plane));
       continue;
     }
     if (!contact.is_pressing) {
@@ -262,7 +271,7 @@ void GhostPointArm::press(const ArmInput& input, ArmOutput& output) noexcept {
     contact.last_pressed = input.now;
     output.is_in_contact = true;
     const double speed_m_per_s = dot(contact.plane.normal, input.tip_velocity);
-    const double wall_newton = stiffness_of(contact.plane).newton_per_m * depth;
+    const double wall_newton = contact.spring.force_newton(depth);
     // Bounded by the wall's own share, else a strong spring throws a light hand out, lets it
     // come back, and throws it out again (decision 0055).
     const double spring_newton =

@@ -8,6 +8,7 @@
 #include "daemon/coupling/arm_coupling.hpp"
 #include "daemon/coupling/constraint_age.hpp"
 #include "daemon/coupling/messages.hpp"
+#include "daemon/coupling/wall_spring.hpp"
 #include "hal/rt/static_vector.hpp"
 
 namespace thimble::coupling {
@@ -41,7 +42,7 @@ struct GhostPointSettings {
 struct GhostPointCounters {
   std::uint64_t offset_events{0};    // the frame was shifted by a constraint
   std::uint64_t redetections{0};     // a face pressed again within the guard: chatter
-  std::uint64_t rejected_planes{0};  // not finite, or normal not of unit length
+  std::uint64_t rejected_planes{0};  // not finite, normal not of unit length, absurdly far
   bool operator==(const GhostPointCounters&) const = default;
 };
 
@@ -67,6 +68,7 @@ class GhostPointArm final : public ArmCoupling {
   // remembered: as a barrier that relaxation must not cross, and to know it again.
   struct Contact {
     ConstraintPlane plane{};
+    WallSpring spring{};
     bool is_held{false};
     bool is_barrier{false};
     bool is_pressing{false};
