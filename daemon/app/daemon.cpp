@@ -42,8 +42,6 @@ Daemon::~Daemon() {
 }
 
 Result<void> Daemon::start(const linux::RealtimeProcess& process) {
-  // First, so that a signal during start-up finds its handler and the socket file goes again.
-  wait_for_signals();
   Result<std::unique_ptr<linux::EventFd>> wake = linux::EventFd::create();
   if (!wake) return tl::unexpected(wake.error());
   wake_ = *std::move(wake);
@@ -63,6 +61,9 @@ Result<void> Daemon::start(const linux::RealtimeProcess& process) {
   runtime_ = *std::move(runtime);
   commands_.emplace(*runtime_, leases_, clock_);
 
+  // Until here a signal ends the process at once, as a person expects of one that is loading a
+  // large volume: no arm is active. From here it must find its handler: the socket file goes again.
+  wait_for_signals();
   Result<std::unique_ptr<api::Server>> server =
       api::Server::create(io_, server_settings(config_), *this, *commands_);
   if (!server) return tl::unexpected(server.error());

@@ -253,6 +253,12 @@ class ProcessTest(unittest.TestCase):
         for part in parts:
             self.assertIn(part, text)
 
+    def assert_soon(self, condition):
+        deadline = time.monotonic() + TIMEOUT_S
+        while not condition():
+            self.assertLess(time.monotonic(), deadline, "it never came true")
+            time.sleep(0.001)
+
     def assert_servo_goes_on(self, daemon):
         """The ticks count up, and no fault is latched."""
         before = daemon.status()["servos"][0]["ticks"]

@@ -1,13 +1,22 @@
 """thimbled from its command line to its last command: --check, --for, --summary, signals."""
 
+import pathlib
 import signal
+import subprocess
 
-from rig import BIN, EXAMPLES, HELLO, TIMEOUT_S, ProcessTest
+from rig import (BIN, EXAMPLES, HELLO, TIMEOUT_S, ProcessTest, clean_environment,
+                 die_with_parent)
 
 ARM_KEYS = {"name", "device", "state", "calibration", "position_m", "force_newton",
             "peak_force_newton", "offset_m", "contacts", "faults"}
 SERVO_KEYS = {"rate_hz", "ticks", "overruns", "wakeup_error_s", "compute_s"}
 LINK_KEYS = {"peer", "round_trip_s", "sent", "received", "lost", "rejected", "stale"}
+
+
+def bytes_read_by(pid):
+    """As the kernel counts what it read of files."""
+    words = pathlib.Path(f"/proc/{pid}/io").read_text().split()
+    return int(words[words.index("rchar:") + 1])
 
 
 def is_touching(status):
@@ -130,6 +139,28 @@ class Run(ProcessTest):
                 self.assertEqual(arm["faults"], [])
                 self.assertGreater(arm["peak_force_newton"], 0)
                 self.assertFalse((daemon.folder / "thimble.sock").exists())
+
+    def test_a_signal_while_a_large_volume_loads_ends_it_at_once(self):
+        volume = self.folder / "large.npy"
+        header = "{'descr': '<u2', 'fortran_order': False, 'shape': (1024, 1024, 1024), }"
+        with open(volume, "wb") as file:
+            file.write(b"\x93NUMPY\x01\x00" + (118).to_bytes(2, "little") + header.ljust(117).encode() + b"\n")
+            file.truncate(128 + 2 * 1024 ** 3)  # a hole: 2 GiB of zeros, seconds to read
+        config = self.write("large.toml", f'[[world]]\nname = "large"\nsource = "{volume}"\n'
+                                          'workspace_m = 0.09\n[[arm]]\nname = "right"\n'
+                                          'device = "sim:phantom-vintage"\n'
+                                          'amplifier_max_a = 3.0\nworld = "large"\n')
+        process = subprocess.Popen([BIN / "thimbled", "--config", config, "--set",
+                                    f"daemon.socket={self.folder}/s"], stdin=subprocess.DEVNULL,
+                                   stderr=subprocess.PIPE, env=clean_environment(),
+                                   preexec_fn=die_with_parent)
+        self.addCleanup(process.stderr.close)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.kill)
+        self.assert_soon(lambda: bytes_read_by(process.pid) > 1 << 26)  # past its header
+        process.send_signal(signal.SIGTERM)
+        self.assertEqual(process.wait(TIMEOUT_S), -signal.SIGTERM, process.stderr.read())
+        self.assertFalse((self.folder / "s").exists())
 
     def test_tells_the_service_manager(self):
         daemon = self.start("--for", 1, config=HELLO, environment={"WATCHDOG_USEC": "200000"})
