@@ -134,8 +134,8 @@ struct WorldConfig {
   std::optional<std::string> peer;  // the only address that is answered
   std::optional<ImpairmentConfig> impairment;
   // Of volume files.
-  std::optional<double> cell_m{};                  // instead of workspace_m
-  std::string axis_order{"xyz"};                   // axis of the world of each axis of the file
+  std::optional<double> cell_m{};  // instead of workspace_m
+  std::string axis_order{"xyz"};   // axis of the world of each axis of the file; - before: reversed
   std::optional<std::array<double, 3>> spacing{};  // along them, instead of the file's
   std::vector<MaterialConfig> materials{};         // the first that fits counts
   bool operator==(const WorldConfig&) const = default;

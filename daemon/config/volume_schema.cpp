@@ -17,6 +17,16 @@ namespace {
 constexpr Range kFileNumber{-1e9, 1e9};
 constexpr std::size_t kMaxMaterials = 15;  // what daemon/world can tell apart
 
+[[nodiscard]] bool is_axis_order(std::string_view order) {
+  constexpr std::string_view kAxes = "xyz";
+  std::string letters;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    if (order[i] == '-' && i + 1 < order.size() && order[i + 1] != '-') continue;
+    letters += order[i];
+  }
+  return std::is_permutation(letters.begin(), letters.end(), kAxes.begin(), kAxes.end());
+}
+
 MaterialConfig read_material(TableReader& reader) {
   MaterialConfig out;
   reader.require("name", "a name");
@@ -66,10 +76,11 @@ void read_volume(TableReader& reader, WorldConfig& world) {
   if (!world.materials.empty()) check_place("material");
   std::string order;
   if (!reader.read("axis_order", order)) return;
-  constexpr std::string_view kAxes = "xyz";
-  if (!std::is_permutation(order.begin(), order.end(), kAxes.begin(), kAxes.end())) {
+  if (!is_axis_order(order)) {
     return reader.reject("axis_order",
-                         "expected the letters of \"xyz\" in any order, found " + in_quotes(order));
+                         "expected the letters of \"xyz\" in any order, each with or without a - "
+                         "before it, found " +
+                             in_quotes(order));
   }
   world.axis_order = order;
   check_place("axis_order");

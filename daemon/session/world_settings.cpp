@@ -1,6 +1,7 @@
 #include "daemon/session/world_settings.hpp"
 
-#include <algorithm>
+#include <cstddef>
+#include <cstdint>
 
 namespace thimble::session {
 
@@ -16,9 +17,15 @@ world::VolumeOptions volume_options(const config::WorldConfig& said) {
                                   {material.damping_newton_s_per_m.value_or(-1)},
                                   material.friction.value_or(-1)}});
   }
-  // The configuration has checked that these are x, y and z in some order.
-  for (std::size_t i = 0; i < std::min<std::size_t>(3, said.axis_order.size()); ++i) {
-    options.axis_order[i] = static_cast<std::uint8_t>(said.axis_order[i] - 'x');
+  // The configuration has checked that these are x, y and z in some order, each with or without -.
+  std::size_t axis = 0;
+  for (const char letter : said.axis_order) {
+    if (axis >= options.axis_order.size()) break;
+    if (letter == '-') {
+      options.is_reversed[axis] = true;
+    } else {
+      options.axis_order[axis++] = static_cast<std::uint8_t>(letter - 'x');
+    }
   }
   return options;
 }

@@ -83,11 +83,11 @@ VolumeWriter::VolumeWriter(VoxelGrid grid, MaterialMap materials, const VolumeSh
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::size_t to = options.axis_order[axis];
     const std::uint32_t count = shape.sizes[axis];
-    axes_[axis] = {to, firsts(count, grid_.cells()[to])};
+    axes_[axis] = Axis(to, firsts(count, grid_.cells()[to]), options.is_reversed[axis]);
     is_one_to_one_ = is_one_to_one_ && count == grid_.cells()[to];
     left_ *= count;
-    low_[to] = axes_[axis].first[0];
-    high_[to] = axes_[axis].first[1];
+    low_[to] = axes_[axis].low(0);
+    high_[to] = axes_[axis].high(0);
   }
 }
 
@@ -145,9 +145,9 @@ void VolumeWriter::put_cell(Cell cell, std::uint8_t label) noexcept {
 void VolumeWriter::fill(std::size_t fast_index, double value) noexcept {
   const std::uint8_t label = label_of(value);
   const Axis& fast = axes_[shape_.fastest[0]];
-  low_[fast.to] = fast.first[fast_index];
+  low_[fast.to()] = fast.low(fast_index);
   if (is_one_to_one_) return put_cell(low_, label);
-  high_[fast.to] = fast.first[fast_index + 1];
+  high_[fast.to()] = fast.high(fast_index);
   for (Cell cell = low_; cell.z < high_.z; ++cell.z) {
     for (cell.y = low_.y; cell.y < high_.y; ++cell.y) {
       for (cell.x = low_.x; cell.x < high_.x; ++cell.x) put_cell(cell, label);
@@ -159,8 +159,8 @@ void VolumeWriter::next_row() noexcept {
   at_[shape_.fastest[0]] = 0;
   for (const std::size_t axis : {shape_.fastest[1], shape_.fastest[2]}) {
     if (++at_[axis] == shape_.sizes[axis]) at_[axis] = 0;
-    low_[axes_[axis].to] = axes_[axis].first[at_[axis]];
-    high_[axes_[axis].to] = axes_[axis].first[at_[axis] + std::size_t{1}];
+    low_[axes_[axis].to()] = axes_[axis].low(at_[axis]);
+    high_[axes_[axis].to()] = axes_[axis].high(at_[axis]);
     if (at_[axis] != 0) return;
   }
 }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "daemon/world/cell.hpp"
@@ -28,6 +29,7 @@ struct VolumeOptions {
   double workspace_m{kDefaultWorkspace_m};          // spanned by the longest axis of the world
   double threshold{0};                              // a cell is occupied when its number is greater
   std::array<std::uint8_t, 3> axis_order{0, 1, 2};  // axis i of the file is this one of the world
+  std::array<bool, 3> is_reversed{};                // axis i of the file runs against its axis
   std::optional<double> cell_m{};                   // edge of a cell, instead of workspace_m
   std::optional<std::array<double, 3>> spacing{};   // instead of the file's own
   std::vector<MaterialRange> materials{};
@@ -61,10 +63,25 @@ class VolumeWriter {
   [[nodiscard]] MaterialMap take_materials() noexcept { return std::move(materials_); }
 
  private:
-  // Along one axis of the file, number i fills the cells from first[i] up to first[i + 1].
-  struct Axis {
-    std::size_t to{0};  // axis of the world
-    std::vector<std::int32_t> first;
+  // Along one axis of the file, number i fills the cells from first[i] up to first[i + 1]; where
+  // the axis is reversed, as far from the other end.
+  class Axis {
+   public:
+    Axis() = default;
+    Axis(std::size_t to, std::vector<std::int32_t> first, bool is_reversed)
+        : to_(to), first_(std::move(first)), is_reversed_(is_reversed) {}
+    [[nodiscard]] std::size_t to() const noexcept { return to_; }  // axis of the world
+    [[nodiscard]] std::int32_t low(std::size_t i) const noexcept {
+      return is_reversed_ ? first_.back() - first_[i + 1] : first_[i];
+    }
+    [[nodiscard]] std::int32_t high(std::size_t i) const noexcept {
+      return is_reversed_ ? first_.back() - first_[i] : first_[i + 1];
+    }
+
+   private:
+    std::size_t to_{0};
+    std::vector<std::int32_t> first_;
+    bool is_reversed_{false};
   };
   VolumeWriter(VoxelGrid grid, MaterialMap materials, const VolumeShape& shape,
                const VolumeOptions& options);

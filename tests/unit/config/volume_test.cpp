@@ -50,14 +50,14 @@ TEST(ConfigVolume, ReadsEveryKey) {
 }
 
 TEST(ConfigVolume, TakesEveryOrderOfTheAxes) {
-  for (const char* order : {"xyz", "xzy", "yxz", "yzx", "zxy", "zyx"}) {
+  for (const char* order : {"xyz", "xzy", "yxz", "yzx", "zxy", "zyx", "-xyz", "z-y-x"}) {
     const auto sut = parse_text(volume_with(std::string("axis_order = \"") + order + "\"\n"));
     ASSERT_TRUE(sut);
     EXPECT_EQ(sut->worlds.at(0).axis_order, order);
   }
-  for (const char* order : {"xy", "xyy", "XYZ", "xyzx", "x y"}) {
+  for (const char* order : {"xy", "xyy", "XYZ", "xyzx", "x y", "xyz-", "--xyz", "-"}) {
     EXPECT_THAT(mistakes(volume_with(std::string("axis_order = \"") + order + "\"\n")),
-                ElementsAre(HasSubstr("in any order, found")))
+                ElementsAre(HasSubstr("in any order, each with or without a - before it, found")))
         << order;
   }
 }

@@ -26,6 +26,7 @@ struct RandomVolume {
     const Order fastest = kOrders[random() % 6];
     for (std::size_t i = 0; i < 3; ++i) shape.fastest[i] = fastest[i];
     options.axis_order = kOrders[random() % 6];
+    for (bool& is_reversed : options.is_reversed) is_reversed = random() % 2 == 0;
     values.resize(std::size_t{shape.sizes[0]} * shape.sizes[1] * shape.sizes[2]);
     for (double& value : values) value = random() % 2 == 0 ? 1 : 0;
   }
@@ -42,7 +43,8 @@ struct RandomVolume {
     std::array<std::uint32_t, 3> index{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const std::size_t to = options.axis_order[axis];
-      const double middle = (cell[to] + 0.5) / grid.cells()[to];
+      const double along = (cell[to] + 0.5) / grid.cells()[to];
+      const double middle = options.is_reversed[axis] ? 1 - along : along;
       double best = 2;
       bool is_tied = false;
       for (std::uint32_t i = 0; i < shape.sizes[axis]; ++i) {
@@ -85,6 +87,8 @@ TEST(VolumeWriter, PutsEveryNumberWhereTheAxisOrderSays) {
       std::array<std::uint32_t, 3> index{};
       for (std::size_t axis = 0; axis < 3; ++axis) {
         index[axis] = static_cast<std::uint32_t>(cell[volume.options.axis_order[axis]]);
+        if (!volume.options.is_reversed[axis]) continue;
+        index[axis] = volume.shape.sizes[axis] - 1 - index[axis];
       }
       ASSERT_EQ(sut->is_occupied(cell), volume.at(index) > 0) << seed;
     });
