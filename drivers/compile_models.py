@@ -12,7 +12,7 @@ import sys
 import tomllib
 
 CERTAINTIES = ("sheet:", "source:", "ours:")
-KINDS = ("text", "real", "positive", "real3", "positive3", "sign3")
+KINDS = ("text", "real", "positive", "real3", "positive3", "sign3", "zero_or_more3")
 
 
 class ModelsError(Exception):
@@ -31,6 +31,8 @@ def check_scalar(kind, value):
         return f"{value!r} is not a finite number"
     if kind == "positive" and value <= 0:
         return f"{value!r} is not positive"
+    if kind == "zero_or_more" and value < 0:
+        return f"{value!r} is negative"
     if kind == "sign" and value not in (1, -1):
         return f"{value!r} is neither 1 nor -1"
     return None

@@ -9,10 +9,15 @@ namespace {
 constexpr std::string_view kNoReportYet =
     "Wait for the first report of the controller; when none comes, check its power and cable";
 
+bool has_gimbal(const PhantomModel& model) noexcept {
+  return std::any_of(model.gimbal_counts_per_rev.begin(), model.gimbal_counts_per_rev.end(),
+                     [](double counts) { return counts > 0; });
+}
+
 HapticCapabilities capabilities_of(const PhantomModel& model, double amplifier_max_a) {
   HapticCapabilities capabilities;
   capabilities.model = model.name;
-  capabilities.joint_count = 3;
+  capabilities.joint_count = has_gimbal(model) ? kMaxJoints : kFirstGimbalJoint;
   capabilities.peak_force_newton = model.peak_force_newton;
   capabilities.continuous_force_newton = model.continuous_force_newton;
   capabilities.max_stiffness_newton_per_m = model.max_stiffness_newton_per_m;
@@ -89,12 +94,21 @@ IoStatus PhantomDevice::read(HapticState& out) noexcept {
 
   out.sampled_at = arrival.at;
   out.sample_sequence = arrival.sequence;
-  out.joint_position_rad = {pose_.angle_rad[0], pose_.angle_rad[1], pose_.angle_rad[2]};
+  out.joint_position_rad = joint_angle_rad(*parsed);
   out.tip = pose_.tip;
   out.motor_current_per_force = pose_.motor_current_per_force;
   out.buttons = parsed->is_stylus_pressed ? 1U : 0U;
   out.calibration = homing_.state();
   return IoStatus::Ok;
+}
+
+std::array<double, kMaxJoints> PhantomDevice::joint_angle_rad(
+    const DeviceReport& report) const noexcept {
+  std::array<double, kMaxJoints> all{pose_.angle_rad[0], pose_.angle_rad[1], pose_.angle_rad[2]};
+  if (homing_.state() != CalibrationState::Ok) return all;
+  const std::array<double, 3> gimbal_rad = gimbal_angle_rad(model_, report.gimbal_counts);
+  std::copy(gimbal_rad.begin(), gimbal_rad.end(), all.begin() + kFirstGimbalJoint);
+  return all;
 }
 
 IoStatus PhantomDevice::take(const DeviceReport& report, const Arrival& arrival) noexcept {

@@ -59,6 +59,8 @@ class PhantomDevice final : public HapticDevice {
   Duration since_last(const Arrival& arrival) const noexcept;
   void publish_calibration() noexcept;
   IoStatus count_malformed() noexcept;
+  [[nodiscard]] std::array<double, kMaxJoints> joint_angle_rad(
+      const DeviceReport& report) const noexcept;
   [[nodiscard]] std::array<double, 3> currents_for(Force3 force) const noexcept;
 
   std::unique_ptr<bus::HidDevice> bus_;

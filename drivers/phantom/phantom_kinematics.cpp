@@ -33,6 +33,17 @@ BodyAngles body_angles(const PhantomModel& model,
   return angle_rad;
 }
 
+std::array<double, 3> gimbal_angle_rad(const PhantomModel& model,
+                                       const std::array<std::int16_t, 3>& counts) noexcept {
+  std::array<double, 3> angle_rad{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (model.gimbal_counts_per_rev[i] == 0) continue;
+    const double turns = counts[i] / model.gimbal_counts_per_rev[i];
+    angle_rad[i] = 2 * std::numbers::pi * std::remainder(turns, 1);
+  }
+  return angle_rad;
+}
+
 ArmPose pose_at(const PhantomModel& model, const BodyAngles& angle_rad) noexcept {
   const double sin_a = std::sin(angle_rad[0]), cos_a = std::cos(angle_rad[0]);
   const double sin_b = std::sin(angle_rad[1]), cos_b = std::cos(angle_rad[1]);

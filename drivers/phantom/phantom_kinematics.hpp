@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 
 #include "drivers/phantom/phantom_model.hpp"
@@ -34,6 +35,11 @@ struct ArmPose {
 // `counts` from the home pose on, unwrapped.
 THIMBLE_RT [[nodiscard]] BodyAngles body_angles(
     const PhantomModel& model, const std::array<EncoderCounts, 3>& counts_from_home) noexcept;
+// Angles of the gimbal's axes d, e, f in -π to π, 0 where the counters are 0. The 16-bit counters
+// may wrap: a whole number of turns fits them for every gimbal of the table. 0 for an axis without
+// encoder.
+THIMBLE_RT [[nodiscard]] std::array<double, 3> gimbal_angle_rad(
+    const PhantomModel& model, const std::array<std::int16_t, 3>& counts) noexcept;
 THIMBLE_RT [[nodiscard]] ArmPose pose_at(const PhantomModel& model,
                                          const BodyAngles& angle_rad) noexcept;
 // The tip cannot move in some direction, or nearly so: within 5 mm of the waist axis, or the

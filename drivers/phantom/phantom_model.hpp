@@ -23,6 +23,7 @@ struct PhantomModel {
   std::array<double, 3> motor_direction{};                 // s of the sheet: +1 or -1
   std::array<double, 3> counts_per_motor_rev{};            // quadrupled
   std::array<double, 3> torque_constant_newton_m_per_a{};  // newton metre per ampere
+  std::array<double, 3> gimbal_counts_per_rev{};           // d, e, f; all 0: has no gimbal
   std::array<double, 3> home_angle_rad{};                  // body angles in the home pose
   std::array<double, 3> joint_min_rad{};                   // body angles at the stops
   std::array<double, 3> joint_max_rad{};                   // body angles at the stops

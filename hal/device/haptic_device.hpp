@@ -16,6 +16,8 @@
 namespace thimble {
 
 inline constexpr std::size_t kMaxJoints = 6;
+// Where the gimbal's angles stand among the joints: behind the three that carry the tip.
+inline constexpr std::size_t kFirstGimbalJoint = 3;
 
 enum class CalibrationState : std::uint8_t {
   Unknown,    // the counters mean nothing yet
@@ -28,7 +30,7 @@ std::string_view to_string(CalibrationState state) noexcept;
 // arm's data sheet at the tip; 0 means "not known", and then the configuration must give it.
 struct HapticCapabilities {
   std::string model;
-  std::size_t joint_count{3};
+  std::size_t joint_count{3};  // 3: the tip only; 6: a gimbal, too, whose angles are measured
   double peak_force_newton{0};
   double continuous_force_newton{0};
   double max_stiffness_newton_per_m{0};  // at 1 kHz
@@ -45,6 +47,9 @@ struct HapticCapabilities {
 struct HapticState {
   MonotonicTime sampled_at{};        // when its report reached the host, clock of the bus
   std::uint64_t sample_sequence{0};  // +1 for every report of the device
+  // 0 to 2 carry the tip (the driver's README draws them). 3 to 5 are the gimbal's axes, in -π to
+  // π: each about its own axis, 0 as the stylus was held while the arm was calibrated. Angles, not
+  // an orientation in the base frame. Beyond joint_count, and until calibrated: 0.
   std::array<double, kMaxJoints> joint_position_rad{};
   Position3 tip{};
   // Motor currents [A] for a force [N] at the tip in this pose: I = M · F.

@@ -8,12 +8,13 @@ import tempfile
 import unittest
 
 COMPILER = sys.argv.pop(1)
-SCHEMA = '[schema]\nnote = "text"\nlink_m = "positive3"\ndirection = "sign3"\nforce_newton = "positive"\n'
+SCHEMA = '[schema]\nnote = "text"\nlink_m = "positive3"\ndirection = "sign3"\nforce_newton = "positive"\ncounts = "zero_or_more3"\n'
 MODEL = {
     "note": '{ value = "an \\"arm\\"", from = "ours: a test" }',
     "link_m": '{ value = [0.1, 2, 3e-1], from = "sheet: 1" }',
     "direction": '{ value = [1, -1, 1], from = "source: 2" }',
     "force_newton": '{ value = 5, from = "sheet: 3" }',
+    "counts": '{ value = [0, 1024, 0], from = "sheet: 4" }',
 }
 
 
@@ -51,6 +52,7 @@ class CompileModels(unittest.TestCase):
         self.assertIn('.note = "an \\"arm\\"",', header)
         self.assertIn("// sheet: 1\n        .link_m = {0.1, 2.0, 0.3},", header)
         self.assertIn(".direction = {1.0, -1.0, 1.0},", header)
+        self.assertIn(".counts = {0.0, 1024.0, 0.0},", header)
         self.assertIn("std::array<S, 1> kTable", header)
 
     def test_names_a_missing_key(self):
@@ -65,6 +67,8 @@ class CompileModels(unittest.TestCase):
             ("link_m", "[0.1, 0.2, 0]", "positive"),
             ("link_m", '[0.1, 0.2, "x"]', "number"),
             ("direction", "[1, 2, 1]", "neither"),
+            ("counts", "[0, -1, 0]", "negative"),
+            ("counts", "[0, nan, 0]", "finite"),
             ("force_newton", "nan", "finite"),
             ("force_newton", "inf", "finite"),
             ("force_newton", "true", "number"),

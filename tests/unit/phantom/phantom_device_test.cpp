@@ -7,62 +7,12 @@
 #include <numbers>
 #include <random>
 
-#include "drivers/phantom/find_model.hpp"
-#include "tests/unit/phantom/scripted_hid.hpp"
-
-// This program links no limiter: here the friend of LimitedWrench only makes wrenches.
-namespace thimble::servo {
-class WrenchLimiter {
- public:
-  static LimitedWrench make(Force3 force) { return LimitedWrench(force); }
-};
-}  // namespace thimble::servo
+#include "tests/unit/phantom/phantom_device_fixture.hpp"
 
 namespace thimble::phantom {
 namespace {
 
 using std::chrono::milliseconds;
-
-constexpr std::array<int, 7> kRest{};
-constexpr std::array<int, 7> kPressed{0, 0, 0, 0, 0, 0, 1};
-constexpr int kSettleReports = 20;
-
-LimitedWrench wrench(double x, double y, double z) { return servo::WrenchLimiter::make({x, y, z}); }
-
-class PhantomDeviceTest : public testing::Test {
- protected:
-  void open(ReportForm form = ReportForm::Mbed, double amplifier_max_a = 3) {
-    sut_ = std::make_unique<PhantomDevice>(std::make_unique<ScriptedHid>(script_), model_,
-                                           PhantomDevice::Settings{form, amplifier_max_a});
-  }
-  IoStatus read(const std::array<int, 7>& field, Duration after = milliseconds(1)) {
-    script_.arrive(field, after, form_bytes_);
-    return sut_->read(state_);
-  }
-  void press() {
-    for (int i = 0; i < Homing::kPressReports; ++i) EXPECT_EQ(read(kPressed), IoStatus::Ok);
-  }
-  void calibrate() {
-    EXPECT_EQ(read(kRest), IoStatus::Ok);
-    press();
-    for (int i = 0; i <= kSettleReports; ++i) EXPECT_EQ(read(kRest), IoStatus::Ok);
-    EXPECT_EQ(state_.calibration, CalibrationState::Ok);
-  }
-  void expect_no_current() {
-    EXPECT_EQ(sut_->write(wrench(1, 2, 3)), IoStatus::Ok);
-    for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(script_.sent(wire::kCurrentA + i), 0);
-  }
-  double current_a(std::size_t motor, Force3 force) const {
-    const auto& row = state_.motor_current_per_force.row[motor];
-    return row[0] * force.x + row[1] * force.y + row[2] * force.z;
-  }
-
-  const PhantomModel& model_{*find_model("phantom-vintage")};
-  std::size_t form_bytes_{14};
-  HidScript script_;
-  HapticState state_;
-  std::unique_ptr<PhantomDevice> sut_;
-};
 
 TEST_F(PhantomDeviceTest, SaysWhatItCanDo) {
   open(ReportForm::Mbed, 3);

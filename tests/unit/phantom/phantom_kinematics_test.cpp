@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <random>
 #include <string>
@@ -175,6 +176,28 @@ TEST_P(PhantomKinematics, OneTurnOfAMotorTurnsItsBodyByTheDrive) {
                 model_.motor_direction[i] * 2 * kPi * model_.capstan_diameter_m[i] /
                     model_.drum_diameter_m[i],
                 1e-12);
+  }
+}
+
+// Counted round by round beside it: a turning gimbal never jumps but where -π meets π.
+TEST_P(PhantomKinematics, GimbalAnglesFollowTheCountersThroughTurnsAndWraps) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto per_rev = static_cast<int>(model_.gimbal_counts_per_rev[axis]);
+    for (int turned = -100'000; turned <= 100'000; turned += 7) {
+      std::array<std::int16_t, 3> counts{};
+      counts[axis] = static_cast<std::int16_t>(static_cast<std::uint16_t>(turned & 0xffff));
+      const std::array<double, 3> angle_rad = gimbal_angle_rad(model_, counts);
+      for (std::size_t other = 0; other < 3; ++other) {
+        if (other != axis || per_rev == 0) {
+          ASSERT_EQ(angle_rad[other], 0);
+          continue;
+        }
+        ASSERT_LE(std::abs(angle_rad[axis]), kPi + 1e-12);
+        const double turned_rad = 2 * kPi * turned / per_rev;
+        ASSERT_NEAR(std::cos(angle_rad[axis]), std::cos(turned_rad), 1e-9);
+        ASSERT_NEAR(std::sin(angle_rad[axis]), std::sin(turned_rad), 1e-9);
+      }
+    }
   }
 }
 

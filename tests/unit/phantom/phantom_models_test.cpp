@@ -80,6 +80,23 @@ TEST(PhantomModels, AluhapticsAndPolhemCarryTheNumbersOfTheSheet) {
   EXPECT_EQ(polhem.max_stiffness_newton_per_m, 800);
 }
 
+TEST(PhantomModels, OnlyPolhemHasAGimbal) {
+  for (const PhantomModel& sut : kPhantomModels) {
+    const double counts = sut.name == "polhem-1" ? 1024 : 0;
+    EXPECT_EQ(sut.gimbal_counts_per_rev, (std::array{counts, counts, counts})) << sut.name;
+  }
+}
+
+// What gimbal_angle_rad() relies on.
+TEST(PhantomModels, AWholeNumberOfTurnsOfAnyGimbalFitsItsCounter) {
+  for (const PhantomModel& sut : kPhantomModels) {
+    for (const double counts : sut.gimbal_counts_per_rev) {
+      if (counts == 0) continue;
+      EXPECT_EQ(std::fmod(65536, counts), 0) << sut.name;
+    }
+  }
+}
+
 // Nobody has tried any of them: no arm is let push harder than those that are best known.
 TEST(PhantomModels, NoModelPromisesMoreThanFiveNewton) {
   for (const PhantomModel& sut : kPhantomModels) EXPECT_LE(sut.peak_force_newton, 5.0) << sut.name;
