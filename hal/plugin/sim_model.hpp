@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -33,6 +34,9 @@ struct ArmTruth {
   Velocity3 tip_velocity{};
   Force3 motor_force{};  // what the motors exert at the tip now
   std::array<double, 3> motor_current_a{};
+  // Of the gimbal's axes, 0 with the arm in its home pose and the stylus straight; 0 without
+  // gimbal.
+  std::array<double, 3> gimbal_rad{};
   double mechanical_energy_j{0};  // kinetic + potential
   bool is_amplifier_on{false};
 };
@@ -46,6 +50,9 @@ class ArmBackend {
   virtual bool move_tip_to(Position3 tip) noexcept = 0;  // at rest; false: out of reach
   virtual void press_calibration_button(bool pressed) noexcept = 0;
   virtual void press_stylus_button(bool pressed) noexcept = 0;
+  // How the person holds the stylus from now on: yaw, pitch and roll in rad. It keeps that
+  // direction while the arm moves under it, so the gimbal turns.
+  virtual void turn_stylus(const std::array<double, 3>& angle_rad) noexcept = 0;
   // The pose in which the arm must be held while the calibration button is pressed.
   [[nodiscard]] virtual Position3 home_position() const noexcept = 0;
   [[nodiscard]] virtual ArmTruth truth() const noexcept = 0;

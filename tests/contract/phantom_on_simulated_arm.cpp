@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
+#include <numbers>
 #include <string>
 
 #include "daemon/servo/wrench_limiter.hpp"
@@ -119,6 +122,26 @@ TEST_P(PhantomOnSimulatedArm, SeesTheTipWhereItIsAndPushesAsAsked) {
     }
   }
   EXPECT_EQ(sut_->counters().malformed, 0U);
+}
+
+TEST_P(PhantomOnSimulatedArm, SeesTheGimbalAsItIsHeldWhereThereIsOne) {
+  calibrate();
+  const bool has_gimbal = sut_->capabilities().joint_count == kMaxJoints;
+  EXPECT_EQ(has_gimbal, std::string(GetParam().model) == "polhem-1");
+  for (const double turned_rad : {0.0, 1.2, -2.9, 40.0}) {
+    // Five turns of the first axis would read as its button: the wire has no room for more.
+    arm_->turn_stylus({std::min(turned_rad, 30.0), -turned_rad, 0.5 * turned_rad});
+    arm_->press_stylus_button(turned_rad < 0);
+    run_for(milliseconds(10));
+    const std::array<double, 3> held_rad = arm_->truth().gimbal_rad;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double seen_rad = state_.joint_position_rad[kFirstGimbalJoint + i];
+      EXPECT_NEAR(std::remainder(seen_rad - held_rad[i], 2 * std::numbers::pi), 0, 0.0125)
+          << "two steps of its encoder";
+    }
+    EXPECT_EQ(state_.buttons, has_gimbal && turned_rad < 0 ? 1U : 0U);
+  }
+  EXPECT_EQ(state_.calibration, CalibrationState::Ok);
 }
 
 TEST_P(PhantomOnSimulatedArm, MovesNoMotorBeforeCalibration) {

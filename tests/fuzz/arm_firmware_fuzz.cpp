@@ -9,17 +9,20 @@
 #include "sim/model/arm/controller_firmware.hpp"
 
 // Any sequence of host reports leaves the board's currents within full scale and its exchange in
-// step. Each report: one byte of length, one of frames to wait before it, then its bytes.
+// step. The first byte says which build of the board. Each report: one byte of length, one of
+// frames to wait before it, then its bytes.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace thimble;
   constexpr double kFullScaleA = 3;
   constexpr Duration kFrame{1'000'000};
-  sim::ControllerFirmware board({.amplifier_max_a = kFullScaleA});
+  if (size == 0) return 0;
+  const bool is_teensy = data[0] % 2 != 0;
+  sim::ControllerFirmware board({.amplifier_max_a = kFullScaleA, .is_teensy = is_teensy});
   const sim::EncoderTotals totals{1, -2, 3, 0, 0, 0};
   board.power_up({}, Duration{0}, totals);
 
   MonotonicTime now{};
-  std::span<const std::uint8_t> rest(data, size);
+  std::span<const std::uint8_t> rest(data + 1, size - 1);
   while (rest.size() >= 2) {
     const std::size_t length = std::min<std::size_t>(rest[0], rest.size() - 2);
     now = now + (1 + 4 * rest[1]) * kFrame;
@@ -30,7 +33,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     board.out_report(now, rest.subspan(2, length));
     std::array<std::uint8_t, 64> in{};
     const std::size_t sent = board.in_report(now, in);
-    if (sent != 0 && sent != 14) std::abort();
+    if (sent != 0 && sent != board.report_bytes()) std::abort();
     rest = rest.subspan(2 + length);
   }
   board.run_until(now + 1000 * kFrame, totals);

@@ -25,6 +25,7 @@ ArmParameters facts_of(const phantom::PhantomModel& model) {
   p.motor_sign = model.motor_direction;
   p.torque_constant_newton_m_per_a = model.torque_constant_newton_m_per_a;
   p.counts_per_motor_turn = model.counts_per_motor_rev;
+  p.gimbal_counts_per_turn = model.gimbal_counts_per_rev;
   p.origin_m = model.origin_m;
   p.home_rad = model.home_angle_rad;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -142,17 +143,19 @@ ArmParameters aluhaptics_2_parameters() {
 }
 
 ArmParameters polhem_1_parameters() {
-  return parameters_of(kPolhem, {.upper_arm_kg = 0.050,
-                                 .forearm_kg = 0.035,
-                                 .tip_kg = 0.045,  // with the gimbal
-                                 .turret_kg_m2 = 1.5e-3,
-                                 .rotor_kg_m2 = 6e-6,
-                                 .balance = 0.8,
-                                 .counterweight_radius_m = 0.06,
-                                 .backdrive_newton = 0.10,
-                                 .viscous_newton_s_per_m = 0.1,
-                                 .elbow_range = range_degrees(20, 160),
-                                 .parked_rad = pose_degrees(-7, 50, 24)});
+  ArmParameters p = parameters_of(kPolhem, {.upper_arm_kg = 0.050,
+                                            .forearm_kg = 0.035,
+                                            .tip_kg = 0.045,  // with the gimbal
+                                            .turret_kg_m2 = 1.5e-3,
+                                            .rotor_kg_m2 = 6e-6,
+                                            .balance = 0.8,
+                                            .counterweight_radius_m = 0.06,
+                                            .backdrive_newton = 0.10,
+                                            .viscous_newton_s_per_m = 0.1,
+                                            .elbow_range = range_degrees(20, 160),
+                                            .parked_rad = pose_degrees(-7, 50, 24)});
+  p.is_teensy_board = true;
+  return p;
 }
 
 std::vector<ArmParameters> all_arm_parameters() {

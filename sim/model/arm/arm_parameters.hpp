@@ -29,6 +29,8 @@ struct ArmParameters {
   std::array<double, 3> motor_sign{};   // s of arms.md 3.1: body angle = s * motor angle / ratio
   std::array<double, 3> torque_constant_newton_m_per_a{};
   std::array<double, 3> counts_per_motor_turn{};
+  std::array<double, 3> gimbal_counts_per_turn{};  // all 0: no gimbal
+  bool is_teensy_board{false};       // 64-byte reports with the stylus button folded in; else 14
   std::array<double, 3> origin_m{};  // device frame: ox, oy, oz
   JointVector home_rad{};            // pose in which the arm is held for calibration
 

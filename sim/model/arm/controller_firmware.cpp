@@ -68,6 +68,9 @@ void ControllerFirmware::send(const EncoderTotals& totals) noexcept {
     report_[2 * field + 1] = static_cast<std::uint8_t>(low >> 8U);
   };
   for (std::size_t i = 0; i < totals.size(); ++i) put(wire::kEncoderA + i, totals[i] - zero_[i]);
+  if (settings_.is_teensy && is_stylus_pressed_) {
+    put(wire::kEncoderD, totals[3] - zero_[3] + wire::kButtonFold);
+  }
   put(wire::kInfo, has_button_flag_ ? wire::kInfoCalibrationPressed : 0);
   state_ = State::Sending;
 }
@@ -80,7 +83,7 @@ std::int16_t ControllerFirmware::host_field(std::size_t index) const noexcept {
 
 void ControllerFirmware::handle_host_report(MonotonicTime t, const EncoderTotals& totals) noexcept {
   has_host_report_ = false;
-  if (host_report_bytes_ != wire::kMbedReportBytes) {
+  if (host_report_bytes_ != report_bytes()) {
     ++counters_.wrong_length;
     return;
   }
@@ -120,12 +123,16 @@ void ControllerFirmware::out_report(MonotonicTime t, std::span<const std::uint8_
 }
 
 std::size_t ControllerFirmware::in_report(MonotonicTime t, std::span<std::uint8_t> out) noexcept {
-  if (state_ != State::Sending || out.size() < wire::kMbedReportBytes) return 0;
-  std::copy_n(report_.begin(), wire::kMbedReportBytes, out.begin());
+  if (state_ != State::Sending || out.size() < report_bytes()) return 0;
+  std::copy_n(report_.begin(), report_bytes(), out.begin());
   state_ = State::Waiting;
   resumes_at_ = t + settings_.frame_period;
   ++counters_.reports_sent;
-  return wire::kMbedReportBytes;
+  return report_bytes();
+}
+
+std::size_t ControllerFirmware::report_bytes() const noexcept {
+  return settings_.is_teensy ? wire::kTeensyReportBytes : wire::kMbedReportBytes;
 }
 
 void ControllerFirmware::set_calibration_button(bool pressed) noexcept {

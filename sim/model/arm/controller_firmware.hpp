@@ -19,8 +19,8 @@ using EncoderTotals = std::array<std::int64_t, 6>;
 struct FirmwareCounters {
   std::uint64_t reports_sent{0};
   std::uint64_t reports_handled{0};
-  std::uint64_t wrong_length{0};     // host reports that were not 14 bytes: without effect
-  std::uint64_t superseded{0};       // host reports drained unread because a newer one was there
+  std::uint64_t wrong_length{0};  // host reports of another length than the board's: without effect
+  std::uint64_t superseded{0};    // host reports drained unread because a newer one was there
   std::uint64_t unknown_command{0};  // neither 0 nor 1: the firmware takes them as currents
   std::uint64_t watchdog_trips{0};
   std::uint64_t saturations{0};     // motor commands beyond full scale
@@ -45,6 +45,9 @@ class ControllerFirmware {
     double amplifier_max_a{3};
     Duration frame_period{1'000'000};
     Duration pwm_phase{0};
+    // The Teensy build: reports of 64 bytes, the stylus button folded into counter d. Else the
+    // mbed build: 14 bytes, no such button.
+    bool is_teensy{false};
   };
   enum class State : std::uint8_t { Booting, Sending, Waiting };
 
@@ -63,6 +66,9 @@ class ControllerFirmware {
 
   // The calibration button's pin; its pressing edge sets the flag that reports carry.
   THIMBLE_RT void set_calibration_button(bool pressed) noexcept;
+  // The level of the stylus button; without effect on the mbed build.
+  THIMBLE_RT void set_stylus_button(bool pressed) noexcept { is_stylus_pressed_ = pressed; }
+  [[nodiscard]] std::size_t report_bytes() const noexcept;
 
   [[nodiscard]] State state() const noexcept { return state_; }
   [[nodiscard]] const MotorAmplifier& amplifier() const noexcept { return amplifier_; }
@@ -86,6 +92,7 @@ class ControllerFirmware {
   EncoderTotals zero_{};  // total at which each counter reads 0
   bool is_button_down_{false};
   bool has_button_flag_{false};
+  bool is_stylus_pressed_{false};
 
   std::array<std::uint8_t, bus::kMaxHidReportBytes> host_report_{};
   std::size_t host_report_bytes_{0};

@@ -11,14 +11,16 @@ namespace {
 
 namespace wire = phantom::wire;
 
-ControllerFirmware::Settings firmware_settings(const plugin::SimModelSettings& settings) {
+ControllerFirmware::Settings firmware_settings(const ArmParameters& parameters,
+                                               const plugin::SimModelSettings& settings) {
   // The board's PWM runs freely against the host's frames: any phase is as good as another.
   const std::uint64_t substeps_per_period =
       static_cast<std::uint64_t>(kPwmPeriod / PhantomArmModel::kSubstep);
   const auto phase = static_cast<std::int64_t>(settings.seed % substeps_per_period);
   return {.amplifier_max_a = settings.amplifier_max_a,
           .frame_period = wire::kSamplePeriod,
-          .pwm_phase = phase * PhantomArmModel::kSubstep};
+          .pwm_phase = phase * PhantomArmModel::kSubstep,
+          .is_teensy = parameters.is_teensy_board};
 }
 
 }  // namespace
@@ -26,7 +28,7 @@ ControllerFirmware::Settings firmware_settings(const plugin::SimModelSettings& s
 PhantomArmModel::PhantomArmModel(const ArmParameters& parameters,
                                  const plugin::SimModelSettings& settings)
     : plant_(parameters),
-      firmware_(firmware_settings(settings)),
+      firmware_(firmware_settings(parameters, settings)),
       home_(plant_.dynamics().tip(ArmDynamics::pose(parameters.home_rad))) {
   start_at({});
   is_started_ = false;
@@ -37,14 +39,15 @@ bus::BusDeviceInfo PhantomArmModel::describe() const {
   bus::BusDeviceInfo info;
   info.address = {"sim:" + name};
   info.kind = bus::BusKind::Hid;
-  info.vendor_id = wire::kMbedVendorId;
-  info.product_id = wire::kMbedProductId;
+  const bool is_teensy = plant_.dynamics().parameters().is_teensy_board;
+  info.vendor_id = is_teensy ? wire::kTeensyVendorId : wire::kMbedVendorId;
+  info.product_id = is_teensy ? wire::kTeensyProductId : wire::kMbedProductId;
   // Ours: no source tells the strings of a real board; a simulated one says what it is.
   info.manufacturer = "Thimble";
   info.product = "Simulated arm " + name;
   info.serial_number = "SIM-" + name;
-  info.input_report_bytes = wire::kMbedReportBytes;
-  info.output_report_bytes = wire::kMbedReportBytes;
+  info.input_report_bytes = firmware_.report_bytes();
+  info.output_report_bytes = firmware_.report_bytes();
   return info;
 }
 
@@ -60,13 +63,28 @@ void PhantomArmModel::start_at(MonotonicTime t) noexcept {
 
 EncoderTotals PhantomArmModel::encoder_totals() const noexcept {
   const ArmParameters& p = plant_.dynamics().parameters();
-  EncoderTotals totals{};  // d, e and f: these arms have no gimbal
+  EncoderTotals totals{};
   for (std::size_t i = 0; i < 3; ++i) {
     const double motor_turns =
         p.motor_sign[i] * plant_.joint_rad()[i] * p.drive_ratio[i] / (2 * std::numbers::pi);
     totals[i] = static_cast<std::int64_t>(std::floor(motor_turns * p.counts_per_motor_turn[i]));
   }
+  const std::array<double, 3> turned_rad = gimbal_rad();
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double turns = turned_rad[i] / (2 * std::numbers::pi);
+    totals[3 + i] = static_cast<std::int64_t>(std::floor(turns * p.gimbal_counts_per_turn[i]));
+  }
   return totals;
+}
+
+// The first axis undoes what the waist turns, the second what the forearm does, the third is the
+// roll. Ours: nobody says how the axes lie.
+std::array<double, 3> PhantomArmModel::gimbal_rad() const noexcept {
+  const ArmParameters& p = plant_.dynamics().parameters();
+  if (p.gimbal_counts_per_turn == std::array<double, 3>{}) return {};
+  const JointVector& q = plant_.joint_rad();
+  return {stylus_rad_[0] - (q[0] - p.home_rad[0]), stylus_rad_[1] - (q[2] - p.home_rad[2]),
+          stylus_rad_[2]};
 }
 
 JointVector PhantomArmModel::motor_torque() const noexcept {
@@ -143,6 +161,11 @@ void PhantomArmModel::press_stylus_button(bool pressed) noexcept {
 void PhantomArmModel::set_stylus_button(bool pressed) noexcept {
   if (pressed && !is_stylus_down_) ++stylus_presses_;
   is_stylus_down_ = pressed;
+  firmware_.set_stylus_button(pressed);
+}
+
+void PhantomArmModel::turn_stylus(const std::array<double, 3>& angle_rad) noexcept {
+  if (is_finite(angle_rad[0], angle_rad[1], angle_rad[2])) stylus_rad_ = angle_rad;
 }
 
 plugin::ArmTruth PhantomArmModel::truth() const noexcept {
@@ -152,6 +175,7 @@ plugin::ArmTruth PhantomArmModel::truth() const noexcept {
   truth.motor_force =
       plant_.dynamics().force_of(ArmDynamics::pose(plant_.joint_rad()), motor_torque());
   truth.motor_current_a = firmware_.amplifier().current_a();
+  truth.gimbal_rad = gimbal_rad();
   truth.mechanical_energy_j = plant_.mechanical_energy_j();
   truth.is_amplifier_on = firmware_.amplifier().is_on();
   return truth;

@@ -45,13 +45,15 @@ class PhantomArmModel final : public plugin::SimHidModel, public plugin::ArmBack
   THIMBLE_RT bool move_tip_to(Position3 tip) noexcept override;
   THIMBLE_RT void press_calibration_button(bool pressed) noexcept override;
   THIMBLE_RT void press_stylus_button(bool pressed) noexcept override;
+  // Not finite: the stylus stays as it is.
+  THIMBLE_RT void turn_stylus(const std::array<double, 3>& angle_rad) noexcept override;
   [[nodiscard]] Position3 home_position() const noexcept override { return home_; }
   THIMBLE_RT [[nodiscard]] plugin::ArmTruth truth() const noexcept override;
 
   // What happened that a driver cannot see.
   struct Counters {
     FirmwareCounters firmware{};
-    std::uint64_t stylus_presses{0};     // the 14-byte firmware has no such button: not reported
+    std::uint64_t stylus_presses{0};     // only the 64-byte firmware reports the button
     std::uint64_t non_finite_forces{0};  // of push_tip() or a load: taken as zero
     bool operator==(const Counters&) const = default;
   };
@@ -60,6 +62,7 @@ class PhantomArmModel final : public plugin::SimHidModel, public plugin::ArmBack
 
  private:
   [[nodiscard]] EncoderTotals encoder_totals() const noexcept;
+  [[nodiscard]] std::array<double, 3> gimbal_rad() const noexcept;
   [[nodiscard]] JointVector motor_torque() const noexcept;
   [[nodiscard]] Force3 force_of_load() noexcept;
   void start_at(MonotonicTime t) noexcept;
@@ -72,6 +75,7 @@ class PhantomArmModel final : public plugin::SimHidModel, public plugin::ArmBack
   plugin::TipLoad* load_{nullptr};
   Force3 push_{};
   bool is_started_{false};
+  std::array<double, 3> stylus_rad_{};
   bool is_stylus_down_{false};
   bool is_stylus_held_down_{false};  // by press_stylus_button()
   MonotonicTime now_{};              // of the bus

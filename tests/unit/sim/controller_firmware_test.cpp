@@ -243,6 +243,31 @@ TEST_F(ControllerFirmwareTest, BootsSilentlyAndForgetsEverything) {
   EXPECT_FALSE(sut.amplifier().is_on());
 }
 
+TEST(TeensyFirmware, TakesAndSendsReportsOf64BytesOnly) {
+  ControllerFirmware sut({.amplifier_max_a = 3, .is_teensy = true});
+  const EncoderTotals totals{};
+  sut.power_up({}, Duration{0}, totals);
+  std::array<std::uint8_t, 64> in{};
+  std::int64_t ms = 1;
+  const auto frame_of = [&](std::size_t size) {
+    const MonotonicTime t{(ms++) * kMs};
+    sut.run_until(t, totals);
+    std::array<std::uint8_t, 64> out{};
+    out[0] = 100;  // mA
+    sut.out_report(t, {out.data(), size});
+    return sut.in_report(t, in);
+  };
+  EXPECT_EQ(frame_of(14), 64U);
+  EXPECT_EQ(frame_of(64), 64U);
+  EXPECT_EQ(sut.counters().wrong_length, 1U);
+  EXPECT_EQ(sut.counters().reports_handled, 0U);
+  frame_of(64);
+  EXPECT_EQ(sut.counters().reports_handled, 1U);
+  EXPECT_TRUE(sut.amplifier().is_on());
+  sut.run_until({ms * kMs}, totals);
+  EXPECT_EQ(sut.in_report({ms * kMs}, {in.data(), 63}), 0U);
+}
+
 TEST_F(ControllerFirmwareTest, RefusesAHostBufferThatIsTooShort) {
   std::array<std::uint8_t, 13> in{};
   sut.run_until(at(1), totals);

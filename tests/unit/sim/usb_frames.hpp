@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -37,13 +38,16 @@ inline Fields set_counters(std::int16_t a, std::int16_t b, std::int16_t c) {
 // Runs a model's USB frames of 1 ms as the bus does: advance, then OUT, then IN.
 class UsbFrames {
  public:
-  explicit UsbFrames(plugin::SimHidModel& model) : model_(model) {}
+  explicit UsbFrames(plugin::SimHidModel& model)
+      : model_(model), report_bytes_(model.describe().input_report_bytes) {}
 
   // One frame; returns what the device sent in it.
   std::optional<Fields> frame(std::optional<Fields> out = std::nullopt) {
     if (out.has_value()) {
+      std::array<std::uint8_t, 64> padded{};
       const auto bytes = bytes_of(*out);
-      return frame_of_bytes(bytes);
+      std::copy(bytes.begin(), bytes.end(), padded.begin());
+      return frame_of_bytes({padded.data(), report_bytes_});
     }
     return frame_of_bytes({});
   }
@@ -53,7 +57,7 @@ class UsbFrames {
     if (!out.empty()) model_.out_report(out);
     std::array<std::uint8_t, 64> in{};
     const std::size_t size = model_.in_report(in);
-    if (size != 14) return std::nullopt;
+    if (size != report_bytes_) return std::nullopt;
     return fields_of(in);
   }
   // Repeats one report in every frame for that long; returns the last answer.
@@ -69,6 +73,7 @@ class UsbFrames {
 
  private:
   plugin::SimHidModel& model_;
+  std::size_t report_bytes_;
   MonotonicTime time_{Duration(7'000'000'000)};  // no clock starts at zero
 };
 
