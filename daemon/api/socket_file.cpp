@@ -94,13 +94,18 @@ SocketFile::~SocketFile() {
 
 int SocketFile::release_descriptor() noexcept { return std::exchange(socket_, -1); }
 
+Result<void> SocketFile::busy() const {
+  return fail(Errc::Busy, "another daemon is running at " + path_ +
+                              "; end it, or give this one a place of its own with daemon.socket");
+}
+
 Result<void> SocketFile::take_lock() {
   const std::string lock_path = path_ + ".lock";
   lock_ = ::open(lock_path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
   if (lock_ < 0) return fail_errno("cannot open " + lock_path);
   if (::flock(lock_, LOCK_EX | LOCK_NB) == 0) return {};
   if (errno != EWOULDBLOCK) return fail_errno("cannot lock " + lock_path);
-  return fail(Errc::Busy, "another daemon is running at " + path_);
+  return busy();
 }
 
 Result<void> SocketFile::remove_stale() const {
@@ -116,7 +121,7 @@ Result<void> SocketFile::remove_stale() const {
   if (probe < 0) return fail_errno("socket");
   const bool is_refused = call_with(::connect, probe, path_) != 0 && errno == ECONNREFUSED;
   ::close(probe);
-  if (!is_refused) return fail(Errc::Busy, "another daemon is running at " + path_);
+  if (!is_refused) return busy();
   if (::unlink(path_.c_str()) != 0) return fail_errno("cannot remove the stale socket " + path_);
   return {};
 }

@@ -33,6 +33,7 @@ class SocketFile {
  private:
   SocketFile() = default;
   Result<void> take_lock();
+  [[nodiscard]] Result<void> busy() const;
   Result<void> remove_stale() const;
   Result<void> listen(const SocketFileSettings& settings);
 

@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <exception>
 #include <fstream>
+#include <optional>
+#include <string>
 
 #include "daemon/app/daemon.hpp"
 #include "daemon/app/exit_code.hpp"
@@ -22,17 +24,20 @@ namespace {
 void log_to_standard_error() {
   auto logger = std::make_shared<spdlog::logger>("thimbled",
                                                  std::make_shared<spdlog::sinks::stderr_sink_mt>());
-  logger->set_pattern("%L %v");
+  logger->set_pattern("%l: %v");
   logger->flush_on(spdlog::level::info);
   spdlog::set_default_logger(std::move(logger));
 }
 
-bool write_summary(const std::string& path, const api::Status& status) {
-  std::ofstream file(path, std::ios::trunc);
-  file << api::to_json(status);
+// Writes nothing when there is no place. `how` leaves or replaces what is there.
+bool write_summary(const std::optional<std::string>& path, std::ios::openmode how,
+                   const std::string& text) {
+  if (!path) return true;
+  std::ofstream file(*path, how);
+  file << text;
   file.close();
   if (file) return true;
-  std::fprintf(stderr, "thimbled: the summary could not be written to %s\n", path.c_str());
+  std::fprintf(stderr, "thimbled: the summary could not be written to %s\n", path->c_str());
   return false;
 }
 
@@ -52,6 +57,9 @@ int run_checked(const Options& options) {
     std::printf("%s: the configuration is good\n", options.config.c_str());
     return kExitOk;
   }
+  // A place that cannot be written is told before an experiment, not after it; what an earlier one
+  // left there stays until there is something better.
+  if (!write_summary(options.summary, std::ios::app, "")) return kExitFailure;
   // Before any other thread exists: it sets the size of their stacks and locks their memory.
   const linux::RealtimeProcess process;
   Daemon daemon(*config, options);
@@ -61,10 +69,8 @@ int run_checked(const Options& options) {
     return kExitFailure;
   }
   daemon.run();
-  if (options.summary && !write_summary(*options.summary, daemon.final_status())) {
-    return kExitFailure;
-  }
-  return kExitOk;
+  const std::string summary = api::to_json(daemon.final_status());
+  return write_summary(options.summary, std::ios::trunc, summary) ? kExitOk : kExitFailure;
 }
 
 }  // namespace

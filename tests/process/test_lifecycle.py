@@ -120,12 +120,19 @@ class Run(ProcessTest):
         self.assertEqual(status["arms"][0]["faults"], [])
         self.assertEqual(status["arms"][0]["force_newton"], [0, 0, 0])
 
-    def test_a_summary_that_cannot_be_written_is_said(self):
-        result = self.thimbled("--config", EXAMPLES / "hello-voxel.toml", "--for", 0.1,
+    def test_a_summary_that_cannot_be_written_is_said_before_anything_begins(self):
+        result = self.thimbled("--config", EXAMPLES / "hello-voxel.toml",
                                "--set", f"daemon.socket={self.folder}/s",
                                "--summary", self.folder / "no" / "folder.json")
         self.assertEqual(result.returncode, 1)
-        self.assertIn("folder.json", result.stderr)
+        self.assert_one_sentence(result.stderr, "folder.json")
+
+    def test_a_summary_that_finds_the_disk_full_at_the_end_is_said(self):
+        result = self.thimbled("--config", EXAMPLES / "hello-voxel.toml", "--for", 0.1,
+                               "--set", f"daemon.socket={self.folder}/s",
+                               "--summary", "/dev/full")
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("the summary could not be written to /dev/full", result.stderr)
 
     def test_signals_in_contact_take_the_force_off_and_end_well(self):
         for number in (signal.SIGTERM, signal.SIGINT):
