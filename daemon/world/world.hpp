@@ -39,7 +39,7 @@ struct WorldInfo {
   std::string source;                    // e.g. "box:3"
   std::array<std::uint32_t, 3> cells{};  // 0 where the world has no cells
   double cell_m{0};
-  std::array<double, 3> extent_m{};  // the world is centred on the origin
+  std::array<double, 3> extent_m{};  // the world is centred on the origin; 0 where it has no end
 };
 
 // A world that ghost points move through.
