@@ -123,9 +123,21 @@ struct MaterialConfig {
   bool operator==(const MaterialConfig&) const = default;
 };
 
+// The ball and floor of thesis 3.2, y up. As it stands: the ball rests on the bottom of the
+// thesis's workspace, and an arm that starts at the origin is 5 mm above its top.
+struct SphereConfig {
+  double radius_m{0.02};
+  std::array<double, 3> center_m{0, -0.025, 0};
+  double floor_m{-0.045};
+  std::optional<double> stiffness_newton_per_m{};  // else the arm's
+  std::optional<double> damping_newton_s_per_m{};  // else the arm's
+  std::optional<double> friction{};                // Coulomb's coefficient, else none
+  bool operator==(const SphereConfig&) const = default;
+};
+
 struct WorldConfig {
   std::string name;
-  std::string source;  // "box:N", or the path of a volume file, joined with the file's folder
+  std::string source;  // "box:N", "sphere", or the path of a volume file, with the file's folder
   double workspace_m{0.09};
   double threshold{0};  // cells above it are filled (files)
   ConstraintModel constraint_model{ConstraintModel::GhostPoint};
@@ -138,6 +150,7 @@ struct WorldConfig {
   std::string axis_order{"xyz"};   // axis of the world of each axis of the file; - before: reversed
   std::optional<std::array<double, 3>> spacing{};  // along them, instead of the file's
   std::vector<MaterialConfig> materials{};         // the first that fits counts
+  std::optional<SphereConfig> sphere{};            // of the source "sphere", and only there
   bool operator==(const WorldConfig&) const = default;
 };
 

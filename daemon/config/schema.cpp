@@ -222,13 +222,17 @@ void read_other_side(TableReader& reader, ArmConfig& arm) {
 }
 
 void read_source(TableReader& reader, const std::filesystem::path& folder, WorldConfig& world) {
-  reader.require("source", "\"box:N\" or the path of an .npy, .nrrd or .nhdr file");
+  reader.require("source", "\"box:N\", \"sphere\" or the path of an .npy, .nrrd or .nhdr file");
   std::string source;
   if (!reader.read("source", source)) return;
   if (is_volume_file(source)) {
     std::optional<std::string> path;
     read_path(reader, "source", folder, path);
     world.source = path.value_or(source);
+    return;
+  }
+  if (source == kSphereSource) {
+    world.source = source;
     return;
   }
   unsigned cells = 0;
@@ -238,7 +242,7 @@ void read_source(TableReader& reader, const std::filesystem::path& folder, World
   const bool is_number = error == std::errc{} && end == text.data() + text.size();
   if (!source.starts_with("box:") || !is_number || cells < 3 || cells > 1024) {
     return reader.reject("source",
-                         "expected \"box:N\" with N from 3 to 1024, or the path of an "
+                         "expected \"box:N\" with N from 3 to 1024, \"sphere\", or the path of an "
                          ".npy, .nrrd or .nhdr file, found " +
                              in_quotes(source));
   }
@@ -313,6 +317,7 @@ Entry<WorldConfig> read_world(TableReader reader, const std::filesystem::path& f
   read_name(reader, out.name);
   read_source(reader, folder, out);
   read_volume(reader, out);
+  read_sphere(reader, out);
   read_choice(reader, "constraint_model", kConstraintModels, out.constraint_model);
   read_listener(reader, out);
   out.impairment = read_impairment(reader.table("impairment"));

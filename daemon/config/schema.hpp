@@ -28,6 +28,10 @@ void read_volume(TableReader& reader, WorldConfig& world);
 // Whether `source` ends as the volume files do that can be read.
 [[nodiscard]] bool is_volume_file(std::string_view source);
 
+// The source that is no file and has no cells, and its keys.
+inline constexpr std::string_view kSphereSource = "sphere";
+void read_sphere(TableReader& reader, WorldConfig& world);
+
 // What no table can tell alone: names are unique, references resolve, addresses do not clash.
 void check_relations(std::vector<Entry<ArmConfig>>& arms, std::vector<Entry<WorldConfig>>& worlds);
 

@@ -240,7 +240,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadLine{"", "[servo]\nrealtime = \"yes\"\n", "one of \"best-effort\", \"required\""},
         BadLine{"", "[[world]]\nname = \"box\"\nsource = \"box:4\"\n",
                 "world.1.name: expected a name of its own"},
-        BadLine{"", "[[world]]\nname = \"b\"\nsource = \"sphere\"\n", "found \"sphere\""},
+        BadLine{"", "[[world]]\nname = \"b\"\nsource = \"ball\"\n", "found \"ball\""},
         BadLine{"", "[servp]\n", "did you mean \"servo\"?"},
         BadLine{"", "[\"\\u001b[2J\"]\n", "\"\\x1b[2J\": there is no such key"}));
 
