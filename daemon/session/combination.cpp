@@ -6,28 +6,39 @@ namespace {
 // Faces of cells lie across the axes; other worlds may turn theirs any way.
 [[nodiscard]] bool has_cells(const world::World& world) noexcept { return world.grid() != nullptr; }
 
+[[nodiscard]] Result<void> as_result(const std::optional<Refusal>& refusal) {
+  if (!refusal) return {};
+  return fail(Errc::Unsupported, refusal->key + ": " + refusal->reason);
+}
+
 }  // namespace
 
-Result<void> check_combination(const world::World& world, const config::WorldConfig& said) {
-  if (has_cells(world)) return {};
+std::optional<Refusal> find_refusal(const world::World& world, const config::WorldConfig& said) {
+  if (has_cells(world)) return std::nullopt;
   if (said.constraint_model == config::ConstraintModel::Simple) {
-    return fail(Errc::Unsupported, "constraint_model: \"simple\" works on cells, of which " +
-                                       world.info().source + " has none; use \"ghost-point\"");
+    return Refusal{"constraint_model", "\"simple\" works on cells, of which " +
+                                           world.info().source + " has none; use \"ghost-point\""};
   }
   if (said.listen) {
-    return fail(Errc::Unsupported,
-                "listen: the datagrams of 1999 carry faces across the axes only, " +
-                    world.info().source + " has others; name it as the world of " +
-                    "an arm of this configuration");
+    return Refusal{"listen", "the datagrams of 1999 carry faces across the axes only, " +
+                                 world.info().source + " has others; name it as the world of " +
+                                 "an arm of this configuration"};
   }
-  return {};
+  return std::nullopt;
+}
+
+std::optional<Refusal> find_refusal(const world::World& world, const config::CouplingConfig& arm) {
+  if (has_cells(world) || arm.scheme != config::CouplingScheme::ThesisLiteral) return std::nullopt;
+  return Refusal{"coupling.scheme", "\"thesis-literal\" feels faces across the axes only, " +
+                                        world.info().source + " has others; use \"ghost-point\""};
+}
+
+Result<void> check_combination(const world::World& world, const config::WorldConfig& said) {
+  return as_result(find_refusal(world, said));
 }
 
 Result<void> check_combination(const world::World& world, const config::CouplingConfig& arm) {
-  if (has_cells(world) || arm.scheme != config::CouplingScheme::ThesisLiteral) return {};
-  return fail(Errc::Unsupported,
-              "coupling.scheme: \"thesis-literal\" feels faces across the axes only, " +
-                  world.info().source + " has others; use \"ghost-point\"");
+  return as_result(find_refusal(world, arm));
 }
 
 }  // namespace thimble::session

@@ -1,14 +1,28 @@
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include "daemon/config/config.hpp"
 #include "daemon/world/world.hpp"
 #include "hal/base/result.hpp"
 
 namespace thimble::session {
 
-// Which worlds go with which schemes: the table of docs/worlds-and-schemes.md. Pure. Errors:
-// Unsupported, with the reason and what to use instead.
+// Which worlds go with which schemes: the table of docs/worlds-and-schemes.md. Pure.
 
+// What does not go together: the key that says so, below its arm or world, and the reason with what
+// to use instead.
+struct Refusal {
+  std::string key;
+  std::string reason;
+};
+[[nodiscard]] std::optional<Refusal> find_refusal(const world::World& world,
+                                                  const config::WorldConfig& said);
+[[nodiscard]] std::optional<Refusal> find_refusal(const world::World& world,
+                                                  const config::CouplingConfig& arm);
+
+// The same as a Result. Errors: Unsupported, "KEY: reason".
 // What is said of the world itself: its constraint model, and whether it listens.
 [[nodiscard]] Result<void> check_combination(const world::World& world,
                                              const config::WorldConfig& said);

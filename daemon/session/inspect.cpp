@@ -7,6 +7,7 @@
 #include "daemon/config/report.hpp"
 #include "daemon/devices/arm_opener.hpp"
 #include "daemon/session/arm_settings.hpp"
+#include "daemon/session/combination.hpp"
 #include "daemon/session/world_settings.hpp"
 #include "daemon/world/io/world_source.hpp"
 
@@ -107,6 +108,24 @@ class ArmInspection {
   std::vector<Objection> objections_;
 };
 
+// A world without cells costs nothing to make, so whether it goes with what is said is seen at
+// once; one with cells goes with everything.
+void inspect_sphere(const config::Config& config, std::size_t index, std::vector<Objection>& out) {
+  const config::WorldConfig& said = config.worlds[index];
+  const Result<std::unique_ptr<world::World>> made = make_world(said);
+  if (!made) return out.push_back({Objection::Table::World, index, "source", made.error().message});
+  if (const auto refusal = find_refusal(**made, said)) {
+    out.push_back({Objection::Table::World, index, refusal->key, refusal->reason});
+  }
+  for (std::size_t i = 0; i < config.arms.size(); ++i) {
+    if (config.arms[i].world != said.name) continue;
+    if (const auto refusal = find_refusal(**made, config.arms[i].coupling)) {
+      // The arm's own table knows "coupling", not what is below it.
+      out.push_back({Objection::Table::Arm, i, "coupling", refusal->reason});
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<Objection> inspect(const config::Config& config, const RigParts& parts) {
@@ -119,6 +138,10 @@ std::vector<Objection> inspect(const config::Config& config, const RigParts& par
   for (std::size_t i = 0; i < config.worlds.size(); ++i) {
     const config::WorldConfig& said = config.worlds[i];
     if (said.source.empty()) continue;
+    if (said.sphere) {
+      inspect_sphere(config, i, out);
+      continue;
+    }
     const Result<void> checked = world::check_world(said.source, volume_options(said));
     if (!checked) out.push_back({Objection::Table::World, i, "source", checked.error().message});
   }

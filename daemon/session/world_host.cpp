@@ -7,7 +7,6 @@
 #include "daemon/session/arm_settings.hpp"
 #include "daemon/session/combination.hpp"
 #include "daemon/session/world_settings.hpp"
-#include "daemon/world/io/world_source.hpp"
 
 namespace thimble::session {
 
@@ -57,8 +56,7 @@ Result<std::unique_ptr<WorldHost>> WorldHost::create(const config::WorldConfig& 
   std::unique_ptr<WorldHost> host(new WorldHost());
   host->name_ = said.name;
   host->model_ = said.constraint_model;
-  Result<std::unique_ptr<world::World>> world =
-      world::make_world(said.source, volume_options(said));
+  Result<std::unique_ptr<world::World>> world = make_world(said);
   if (!world) return tl::unexpected(world.error().in(name));
   host->world_ = *std::move(world);
   if (const auto good = check_combination(*host->world_, said); !good) {

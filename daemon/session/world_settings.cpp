@@ -3,7 +3,23 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "daemon/world/io/world_source.hpp"
+#include "daemon/world/sphere_world.hpp"
+
 namespace thimble::session {
+namespace {
+
+Result<std::unique_ptr<world::World>> make_sphere(const config::SphereConfig& said) {
+  const auto& [x_m, y_m, z_m] = said.center_m;
+  Result<world::SphereWorld> sphere = world::SphereWorld::create(
+      {{x_m, y_m, z_m}, said.radius_m, said.floor_m}, {{said.stiffness_newton_per_m.value_or(-1)},
+                                                       {said.damping_newton_s_per_m.value_or(-1)},
+                                                       said.friction.value_or(-1)});
+  if (!sphere) return tl::unexpected(sphere.error());
+  return std::make_unique<world::SphereWorld>(*std::move(sphere));
+}
+
+}  // namespace
 
 world::VolumeOptions volume_options(const config::WorldConfig& said) {
   world::VolumeOptions options{.workspace_m = said.workspace_m,
@@ -28,6 +44,11 @@ world::VolumeOptions volume_options(const config::WorldConfig& said) {
     }
   }
   return options;
+}
+
+Result<std::unique_ptr<world::World>> make_world(const config::WorldConfig& said) {
+  if (said.sphere) return make_sphere(*said.sphere);
+  return world::make_world(said.source, volume_options(said));
 }
 
 }  // namespace thimble::session

@@ -1,11 +1,19 @@
 #pragma once
 
+#include <memory>
+
 #include "daemon/config/config.hpp"
 #include "daemon/world/io/volume_writer.hpp"
+#include "daemon/world/world.hpp"
+#include "hal/base/result.hpp"
 
 namespace thimble::session {
 
 // What the configuration's words about a world mean to the readers of volumes. Pure.
 [[nodiscard]] world::VolumeOptions volume_options(const config::WorldConfig& said);
+
+// The world that a configuration describes. Not RT; reads the file where there is one. Errors: one
+// sentence that starts with the source.
+[[nodiscard]] Result<std::unique_ptr<world::World>> make_world(const config::WorldConfig& said);
 
 }  // namespace thimble::session

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "daemon/world/sphere_world.hpp"
 #include "daemon/world/voxel_world.hpp"
-#include "tests/unit/coupling/fake_box.hpp"
 
 namespace thimble::session {
 namespace {
@@ -69,10 +69,12 @@ void expect_as_on_page(const std::string& world, const std::string& column,
 
 TEST(Combination, IsAcceptedOrRefusedWithItsReasonAsTheMatrixSays) {
   const world::VoxelWorld with_cells(world::make_box(3).value(), "box:3");
-  const coupling::testing::FakeBox without_cells(0.015);
+  const auto sphere = world::SphereWorld::create({{}, 0.02, -0.02});
+  ASSERT_TRUE(sphere);
   const std::map<std::string, const world::World*> worlds{{"with cells", &with_cells},
-                                                          {"without cells", &without_cells}};
+                                                          {"`sphere`", &*sphere}};
   ASSERT_EQ(page().at("world").size(), 6U) << "a new column needs a line here";
+  ASSERT_EQ(page().size(), 1 + 1 + worlds.size()) << "a new row needs a world here";
   for (const auto& [name, world] : worlds) {
     config::WorldConfig said;
     config::CouplingConfig arm;

@@ -1,0 +1,70 @@
+#include "daemon/session/inspect.hpp"
+
+#include <gtest/gtest.h>
+
+namespace thimble::session {
+namespace {
+
+using Table = config::Objection::Table;
+
+config::Config with_sphere() {
+  config::Config config;
+  config::WorldConfig world;
+  world.name = "hello";
+  world.source = "sphere";
+  world.sphere.emplace();
+  config.worlds.push_back(world);
+  return config;
+}
+
+class InspectSphere : public ::testing::Test {
+ protected:
+  [[nodiscard]] std::vector<config::Objection> inspected() const {
+    return inspect(config, {models, drivers});
+  }
+  plugin::SimModelRegistry models;
+  plugin::DriverRegistry drivers;
+  config::Config config{with_sphere()};
+};
+
+TEST_F(InspectSphere, HasNothingAgainstIt) { EXPECT_TRUE(inspected().empty()); }
+
+TEST_F(InspectSphere, ObjectsToTheModelThatWorksOnCells) {
+  config.worlds[0].constraint_model = config::ConstraintModel::Simple;
+  const auto sut = inspected();
+  ASSERT_EQ(sut.size(), 1U);
+  EXPECT_EQ(sut[0].table, Table::World);
+  EXPECT_EQ(sut[0].key, "constraint_model");
+  EXPECT_NE(sut[0].message.find("works on cells"), std::string::npos);
+}
+
+TEST_F(InspectSphere, ObjectsToAListener) {
+  config.worlds[0].listen = config::UdpEndpoint{"127.0.0.1", 0};
+  const auto sut = inspected();
+  ASSERT_EQ(sut.size(), 1U);
+  EXPECT_EQ(sut[0].key, "listen");
+}
+
+TEST_F(InspectSphere, ObjectsToTheSchemeOfAnArmThatTouchesItAndOfNoOther) {
+  config::ArmConfig arm;
+  arm.coupling.scheme = config::CouplingScheme::ThesisLiteral;
+  arm.world = "another";
+  config.arms.push_back(arm);
+  arm.world = "hello";
+  config.arms.push_back(arm);
+  const auto sut = inspected();
+  ASSERT_EQ(sut.size(), 1U);
+  EXPECT_EQ(sut[0].table, Table::Arm);
+  EXPECT_EQ(sut[0].index, 1U);
+  EXPECT_EQ(sut[0].key, "coupling");
+}
+
+TEST_F(InspectSphere, ObjectsToOneThatCannotBe) {
+  config.worlds[0].sphere->radius_m = -1;
+  const auto sut = inspected();
+  ASSERT_EQ(sut.size(), 1U);
+  EXPECT_EQ(sut[0].key, "source");
+}
+
+}  // namespace
+}  // namespace thimble::session
