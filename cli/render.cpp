@@ -116,14 +116,18 @@ void add_arm(Lines& lines, const api::Status& status, const api::ArmStatus& arm,
   add_faults(lines, arm);
 }
 
+// Nothing of a world that has none.
+std::string cells_of(const api::WorldStatus& world) {
+  if (world.cells[0] == 0) return "";
+  return "  " + std::to_string(world.cells[0]) + " x " + std::to_string(world.cells[1]) + " x " +
+         std::to_string(world.cells[2]) + " cells of " + fixed(world.cell_m * 1e3, 2) + " mm";
+}
+
 void add_worlds(Lines& lines, const api::Status& status, Glyphs glyphs) {
   for (const api::WorldStatus& world : status.worlds) {
-    lines.push_back(
-        fit("world " + plain(world.name) + "  " + plain(world.source) + "  " +
-                std::to_string(world.cells[0]) + " x " + std::to_string(world.cells[1]) + " x " +
-                std::to_string(world.cells[2]) + " cells of " + fixed(world.cell_m * 1e3, 2) +
-                " mm  fingers " + std::to_string(world.probes),
-            kColumns));
+    lines.push_back(fit("world " + plain(world.name) + "  " + plain(world.source) +
+                            cells_of(world) + "  fingers " + std::to_string(world.probes),
+                        kColumns));
     for (const api::LinkStatus& link : status.links) {
       if (link.arm.empty() && link.world == world.name) add_link(lines, link, glyphs);
     }
