@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -51,11 +52,22 @@ std::string percentiles_text(const api::Percentiles& p, Glyphs glyphs) {
          time_text(p.max, glyphs);
 }
 
+void add_gimbal(Lines& lines, const api::ArmStatus& arm) {
+  if (arm.gimbal_rad.empty()) return;
+  std::string text;
+  for (const double angle_rad : arm.gimbal_rad) {
+    const std::string number = signed_fixed(angle_rad * 180 / std::numbers::pi, 1);
+    text.append(number.size() < 7 ? 7 - number.size() : 1, ' ') += number;
+  }
+  add(lines, "gimbal", text + " degrees");
+}
+
 void add_motion(Lines& lines, const api::ArmStatus& arm, Glyphs glyphs) {
   const double force_newton = norm(arm.force_newton);
   add(lines, "position",
       fit(vector_text(arm.position_m, 1e3, 1, "mm"), 28) + "offset" +
           vector_text(arm.offset_m, 1e3, 1, "mm") + " peak " + fixed(arm.peak_offset_m * 1e3, 1));
+  add_gimbal(lines, arm);
   add(lines, "force",
       vector_text(arm.force_newton, 1, 2, "N ") + "   " + fit(fixed(force_newton, 2), 6) + "[" +
           bar(force_newton / kFullBar_newton, 20, glyphs) + "]  peak " +

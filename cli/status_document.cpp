@@ -91,6 +91,8 @@ api::ArmStatus arm(const json::value& value) {
   out.calibration = text(value, "calibration");
   out.instruction = text(value, "instruction");
   out.position_m = vector(value, "position_m");
+  out.gimbal_rad = list(value, "gimbal_rad", as_number);
+  out.gimbal_rad.resize(std::min<std::size_t>(out.gimbal_rad.size(), 3));
   out.force_newton = vector(value, "force_newton");
   out.peak_force_newton = number(value, "peak_force_newton");
   out.offset_m = vector(value, "offset_m");

@@ -28,6 +28,8 @@ struct ArmStatus {
   std::string calibration;  // "unknown", "needs-user" or "ok"
   std::string instruction;  // what the person should do now; empty when nothing
   std::array<double, 3> position_m{};
+  // Angles of the gimbal's axes; empty where the arm has none, or while they mean nothing.
+  std::vector<double> gimbal_rad;
   std::array<double, 3> force_newton{};
   double peak_force_newton{0};  // largest norm since the start
   std::array<double, 3> offset_m{};

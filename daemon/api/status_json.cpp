@@ -37,6 +37,7 @@ json::object to_value(const ArmStatus& arm) {
           {"instruction", arm.instruction},
           {"lease", arm.lease},
           {"position_m", vector_of(arm.position_m)},
+          {"gimbal_rad", list_of(arm.gimbal_rad, [](double angle_rad) { return angle_rad; })},
           {"force_newton", vector_of(arm.force_newton)},
           {"peak_force_newton", arm.peak_force_newton},
           {"offset_m", vector_of(arm.offset_m)},

@@ -35,6 +35,12 @@ std::vector<api::FaultStatus> faults_of(const servo::ServoSnapshot& snapshot,
   return {fault};
 }
 
+std::vector<double> gimbal_of(const HapticCapabilities& arm, const servo::ServoSnapshot& snapshot) {
+  const bool is_measured = arm.joint_count > kFirstGimbalJoint;
+  if (!is_measured || snapshot.frame.calibration != CalibrationState::Ok) return {};
+  return {snapshot.gimbal_rad.begin(), snapshot.gimbal_rad.end()};
+}
+
 api::ArmStatus arm_status(session::ArmRig& rig, std::size_t index, const StatusContext& context) {
   session::ArmSession& session = rig.session();
   const servo::ServoSnapshot& snapshot = session.snapshot();
@@ -49,6 +55,7 @@ api::ArmStatus arm_status(session::ArmRig& rig, std::size_t index, const StatusC
                         ? std::string(session.device().calibration_instruction())
                         : session.trouble() + "; trying again";
   arm.position_m = as_array(frame.tip);
+  arm.gimbal_rad = gimbal_of(session.device().capabilities(), snapshot);
   arm.force_newton = as_array(frame.force);
   arm.peak_force_newton = snapshot.peak_force_newton;
   arm.offset_m = as_array(frame.offset);

@@ -275,6 +275,8 @@ void ServoLoop::record(ServoFrame& frame) noexcept {
 
 void ServoLoop::publish(const ServoFrame& frame) noexcept {
   snapshot_.frame = frame;
+  const auto gimbal = arm_.joint_position_rad.begin() + kFirstGimbalJoint;
+  std::copy_n(gimbal, snapshot_.gimbal_rad.size(), snapshot_.gimbal_rad.begin());
   if (latch_.is_latched()) snapshot_.fault = latch_.fault();
   if (!latch_.is_latched() && state_ != OperatingState::Lost) snapshot_.fault = {};
   snapshot_.peak_force_newton = std::max(snapshot_.peak_force_newton, norm(frame.force));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "daemon/servo/servo_frame.hpp"
@@ -11,8 +12,9 @@ namespace thimble::servo {
 struct ServoSnapshot {
   ServoFrame frame{};
   Fault fault{};
-  double peak_force_newton{0};  // largest norm sent since the servo was made
-  double peak_offset_m{0};      // largest norm of the coordinate offset since then
+  std::array<double, 3> gimbal_rad{};  // joints 3 to 5 of HapticState, where the arm has them
+  double peak_force_newton{0};         // largest norm sent since the servo was made
+  double peak_offset_m{0};             // largest norm of the coordinate offset since then
   std::uint64_t total_contacts{0};
   std::uint64_t overruns{0};  // periods that passed without a tick
   std::uint64_t missed_exchanges{0};

@@ -19,3 +19,17 @@ class Devices(ProcessTest):
         document = json.loads(self.thimble(daemon, "devices", "--json").stdout)
         used = [entry["address"] for entry in document["devices"] if entry["users"]]
         self.assertEqual(used, ["sim:phantom-vintage"])
+
+
+class EveryArm(ProcessTest):
+    def test_is_driven_and_shows_its_gimbal_where_it_has_one(self):
+        for model in ("premium-1.5", "aluhaptics-2", "polhem-1"):
+            with self.subTest(model=model):
+                daemon = self.start("--set", f"arm.0.device=sim:{model}", config=HELLO, name=model)
+                status = daemon.status_when(lambda s: s["arms"][0]["state"] == "active")
+                arm = status["arms"][0]
+                self.assertEqual(arm["model"], model)
+                has_gimbal = model == "polhem-1"
+                self.assertEqual(len(arm["gimbal_rad"]), 3 if has_gimbal else 0)
+                self.assertEqual(has_gimbal, "gimbal" in self.thimble(daemon, "status").stdout)
+                self.assertEqual(daemon.stop(), 0)

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <string>
 
 #include "sim/model/arm/arm_parameters.hpp"
@@ -79,6 +81,23 @@ TEST_P(EveryArm, ExploringTheBoxBreaksNoRule) {
   EXPECT_EQ(sut.frame().state, OperatingState::Active);
   EXPECT_EQ(sut.snapshot().fault.code, FaultCode::None);
   EXPECT_GT(sut.snapshot().total_contacts, 0U);
+}
+
+TEST(Gimbal, TheStatusShowsTheStylusAsThePersonHoldsIt) {
+  test::ClosedLoop sut({"arm.0.device=sim:polhem-1"});
+  sut.run_until_driven();
+  sut.sim_arm().backend().turn_stylus({0.3, -0.4, 2.5});
+  double farthest_rad = 0;
+  sut.run(8, [&] {
+    const std::array<double, 3> truth_rad = sut.truth().gimbal_rad;
+    const std::array<double, 3>& seen_rad = sut.snapshot().gimbal_rad;
+    for (std::size_t i = 0; i < 3; ++i) {
+      // Two encoder steps, and what the hand does within the two frames of an exchange.
+      ASSERT_NEAR(seen_rad[i], truth_rad[i], 0.03);
+    }
+    farthest_rad = std::max(farthest_rad, std::abs(seen_rad[0] - 0.3));
+  });
+  EXPECT_GT(farthest_rad, 0.05) << "the waist turned under it";
 }
 
 }  // namespace

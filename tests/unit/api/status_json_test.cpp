@@ -48,8 +48,8 @@ TEST(StatusJson, HasTheNamesThatOthersRelyOn) {
             (Names{"version", "uptime_s", "degraded", "arms", "servos", "links", "worlds"}));
   EXPECT_EQ(keys_of(sut.at("arms").at(0)),
             (Names{"name", "device", "model", "state", "calibration", "instruction", "position_m",
-                   "force_newton", "peak_force_newton", "offset_m", "peak_offset_m", "contacts",
-                   "faults", "is_in_contact", "lease", "constraint_state", "world"}));
+                   "gimbal_rad", "force_newton", "peak_force_newton", "offset_m", "peak_offset_m",
+                   "contacts", "faults", "is_in_contact", "lease", "constraint_state", "world"}));
   EXPECT_EQ(keys_of(sut.at("arms").at(0).at("faults").at(0)),
             (Names{"code", "message", "at_s", "recording"}));
   EXPECT_EQ(keys_of(sut.at("servos").at(0)),
@@ -67,6 +67,12 @@ TEST(StatusJson, CarriesTheValues) {
   const auto sut = json::parse(to_json(sample()));
   EXPECT_DOUBLE_EQ(sut.at("arms").at(0).at("position_m").at(1).to_number<double>(), -0.5);
   EXPECT_DOUBLE_EQ(sut.at("arms").at(0).at("position_m").at(2).to_number<double>(), 1e-9);
+  EXPECT_TRUE(sut.at("arms").at(0).at("gimbal_rad").as_array().empty());
+  Status turned = sample();
+  turned.arms[0].gimbal_rad = {0.5, -1.25, std::nan("")};
+  const auto gimbal = json::parse(to_json(turned)).at("arms").at(0).at("gimbal_rad");
+  EXPECT_DOUBLE_EQ(gimbal.at(1).to_number<double>(), -1.25);
+  EXPECT_TRUE(gimbal.at(2).is_null());
   EXPECT_EQ(sut.at("arms").at(0).at("contacts").to_number<int>(), 3);
   EXPECT_TRUE(sut.at("arms").at(0).at("is_in_contact").as_bool());
   EXPECT_EQ(sut.at("links").at(0).at("stale").to_number<int>(), 5);

@@ -43,6 +43,7 @@ api::Status hostile_status() {
   arm.position_m = {huge, -huge, nan};
   arm.force_newton = {huge, huge, huge};
   arm.offset_m = {-huge, nan, nan};
+  arm.gimbal_rad = {huge, -huge, nan};
   arm.peak_force_newton = huge;
   arm.contacts = many;
   arm.faults = {{text, text, nan, text}};
@@ -75,6 +76,16 @@ TEST(Render, KeepsWithinEightyColumnsWhateverItIsTold) {
 
 TEST(Render, UsesPlainCharactersWhereTheTerminalHasNoOthers) {
   for (const char c : render_watch(sample_status(), Glyphs::Ascii, 60)) EXPECT_GE(c, 0);
+}
+
+TEST(Render, ShowsAGimbalInDegreesWhereThereIsOne) {
+  api::Status status = sample_status();
+  EXPECT_THAT(render_status(status, Glyphs::Ascii), Not(HasSubstr("gimbal")));
+  status.arms[0].gimbal_rad = {0.5235988, -1.5707963, 0};
+  for (const std::string& text :
+       {render_status(status, Glyphs::Ascii), render_watch(status, Glyphs::Ascii, 40)}) {
+    EXPECT_THAT(text, HasSubstr("  gimbal       +30.0  -90.0   +0.0 degrees\n"));
+  }
 }
 
 TEST(RenderWatch, ShowsWhatTheHandFeels) {

@@ -11,10 +11,13 @@ namespace thimble::cli {
 namespace {
 
 TEST(StatusDocument, IsReadBackAsTheDaemonWroteIt) {
-  const api::Status status = sample_status();
-  const auto sut = parse_status(api::to_json(status));
-  ASSERT_TRUE(sut);
-  EXPECT_EQ(*sut, status);
+  api::Status status = sample_status();
+  for (const bool has_gimbal : {false, true}) {
+    if (has_gimbal) status.arms[0].gimbal_rad = {0.5, -1.25, 3};
+    const auto sut = parse_status(api::to_json(status));
+    ASSERT_TRUE(sut);
+    EXPECT_EQ(*sut, status);
+  }
 }
 
 TEST(StatusDocument, RefusesWhatIsNoObject) {
