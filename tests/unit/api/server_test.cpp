@@ -27,6 +27,7 @@ using testing::StartsWith;
 class FakeDaemon : public StatusView, public Commands {
  public:
   [[nodiscard]] Status status() const override {
+    ++statuses;
     Status out;
     out.version = std::string(padding, 'v');
     out.arms.resize(2);
@@ -68,7 +69,8 @@ class FakeDaemon : public StatusView, public Commands {
   std::string lease{"none"};
   ClientId holder{};
   std::size_t padding{1};
-  bool is_slow{false};  // keeps the answer to clear-fault
+  mutable int statuses{0};  // asked for
+  bool is_slow{false};      // keeps the answer to clear-fault
   Answer later;
 };
 
@@ -336,6 +338,24 @@ TEST_F(ServerTest, DropsAReaderThatNeverReads) {
   client.send(kGetStatus);
   EXPECT_TRUE(until([&] { return sut_->connections() == 1; }));
   EXPECT_TRUE(until([&] { return sut_->connections() == 0; }));
+}
+
+// While it does not read, others are served; then its arm is free again.
+TEST_F(ServerTest, DropsAHolderThatStopsReadingAndFreesItsArm) {
+  settings_.write_timeout = std::chrono::milliseconds(200);
+  start();
+  Client holder(settings_.socket_path);
+  ask(holder, post("/v1/arms/right/activate"));
+  ASSERT_EQ(daemon_.lease, "client");
+  daemon_.padding = 1U << 20U;
+  daemon_.statuses = 0;
+  holder.send(kGetStatus);
+  EXPECT_TRUE(until([&] { return daemon_.statuses > 0; }));
+  daemon_.padding = 0;
+  Client other(settings_.socket_path);
+  EXPECT_THAT(ask(other, kGetStatus), StartsWith("HTTP/1.1 200"));
+  EXPECT_TRUE(until([&] { return sut_->connections() == 1; }));
+  EXPECT_EQ(daemon_.lease, "none");
 }
 
 TEST_F(ServerTest, LeavesHandlersInFlightHarmless) {
