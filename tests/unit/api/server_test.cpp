@@ -347,6 +347,8 @@ TEST_F(ServerTest, DropsAHolderThatStopsReadingAndFreesItsArm) {
   Client holder(settings_.socket_path);
   ask(holder, post("/v1/arms/right/activate"));
   ASSERT_EQ(daemon_.lease, "client");
+  context_.restart();
+  context_.poll();  // it waits for the next request, and has asked whether a lease is held
   daemon_.padding = 1U << 20U;
   daemon_.statuses = 0;
   holder.send(kGetStatus);
