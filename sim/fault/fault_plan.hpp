@@ -18,7 +18,7 @@ enum class FaultKind : std::uint8_t {
   CorruptOut,  // one byte of an output report is another one
   TruncateIn,  // an input report is cut short
   Stall,       // nothing passes; the newest output report waits
-  Disconnect,  // the device is gone, for good as far as this handle goes
+  Disconnect,  // the device is gone, for good as far as a handle used meanwhile goes
 };
 inline constexpr std::size_t kFaultKindCount = 8;
 

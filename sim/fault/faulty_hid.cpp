@@ -66,7 +66,7 @@ bus::HidCounters FaultyHid::counters() const noexcept {
 bool FaultyHid::is_disconnected(MonotonicTime now) noexcept {
   if (is_disconnected_) return true;
   for (const ScriptedFault& fault : plan_.script) {
-    if (fault.kind != FaultKind::Disconnect || now < fault.from) continue;
+    if (fault.kind != FaultKind::Disconnect || !fault.covers(now)) continue;
     tally_->add(FaultKind::Disconnect);
     is_disconnected_ = true;
     return true;

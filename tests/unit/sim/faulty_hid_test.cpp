@@ -216,6 +216,14 @@ TEST(FaultyHid, ADisconnectLatchesForTheHandleOnly) {
   EXPECT_EQ(bench.faulty.list().size(), 1U);
 }
 
+TEST(FaultyHid, AHandleOpenedAfterADisconnectWorks) {
+  Bench bench(script_of(during(FaultKind::Disconnect, 3, 1)));
+  bench.read_frames(4);
+  bench.sut.reset();
+  bench.sut = bench.faulty.open_hid(kAddress).value();
+  EXPECT_EQ(bench.read_frames(2), (std::vector<int>{5, 6}));
+}
+
 TEST(FaultyHid, ARealUnplugPassesThrough) {
   Bench bench({});
   ASSERT_TRUE(bench.buses.unplug(kAddress).has_value());
