@@ -26,6 +26,10 @@ class ReplaceableDevice final : public HapticDevice {
   // Puts `device` in place of the present one. False (and `device` is kept by the caller)
   // while an earlier offer still waits for the servo.
   bool offer(std::unique_ptr<HapticDevice>& device);
+  // Puts nothing in place of a device that is of no use any more, so that its handle is closed:
+  // a bus may refuse a second one while the first, dead as it is, is open. What was known of
+  // the device stays. True when this call did it.
+  bool retire();
   // Destroys the device that the servo has let go of, if any.
   void collect();
 
@@ -43,6 +47,7 @@ class ReplaceableDevice final : public HapticDevice {
   std::unique_ptr<HapticDevice> known_;           // control: the newest offered
   std::unique_ptr<HapticDevice> previous_;        // control: until the servo lets go of it
   std::atomic<HapticDevice*> incoming_{nullptr};  // control → servo
+  bool is_retired_{false};                        // control
 };
 
 }  // namespace thimble::devices

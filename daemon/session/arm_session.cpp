@@ -84,6 +84,11 @@ Result<void> ArmSession::follow(MonotonicTime now) {
     look_at_once();
     return {};
   }
+  // The dead handle goes first: decision 0150.
+  if (device_.retire()) {
+    offered_at_tick_ = snapshot().frame.tick;
+    return {};
+  }
   if (next_try_ && now < *next_try_) return {};
   next_try_ = now + retry_;
   retry_ = std::min(2 * retry_, kLongestRetry);

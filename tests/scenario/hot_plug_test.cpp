@@ -36,14 +36,16 @@ source = "box:3"
 // A device of which is known how many there are.
 class CountedHid final : public bus::HidDevice {
  public:
-  CountedHid(std::unique_ptr<bus::HidDevice> below, int& open)
-      : below_(std::move(below)), open_(open) {
+  CountedHid(std::unique_ptr<bus::HidDevice> below, int& open, const int& generation)
+      : below_(std::move(below)), open_(open), generation_(generation), opened_in_(generation) {
     ++open_;
   }
   ~CountedHid() override { --open_; }
   CountedHid(const CountedHid&) = delete;
   CountedHid& operator=(const CountedHid&) = delete;
-  IoStatus read_newest(bus::HidReport& out) noexcept override { return below_->read_newest(out); }
+  IoStatus read_newest(bus::HidReport& out) noexcept override {
+    return generation_ == opened_in_ ? below_->read_newest(out) : IoStatus::Disconnected;
+  }
   IoStatus submit(std::span<const std::uint8_t> report) noexcept override {
     return below_->submit(report);
   }
@@ -52,6 +54,8 @@ class CountedHid final : public bus::HidDevice {
  private:
   std::unique_ptr<bus::HidDevice> below_;
   int& open_;
+  const int& generation_;
+  int opened_in_;
 };
 
 // A bus on which somebody else holds a device for a while, and which counts who asks.
@@ -66,8 +70,11 @@ class ReluctantBus final : public bus::BusEnumerator {
     if (is_busy) return fail(Errc::Busy, address.text + " is held by somebody else");
     auto device = below_.open_hid(address);
     if (!device) return device;
-    return std::make_unique<CountedHid>(*std::move(device), open);
+    return std::make_unique<CountedHid>(*std::move(device), open, generation_);
   }
+
+  // Every handle that is open now is of no use any more.
+  void kill_handles() { ++generation_; }
 
   bool is_busy{false};
   int tries{0};
@@ -75,6 +82,7 @@ class ReluctantBus final : public bus::BusEnumerator {
 
  private:
   sim::SimEnumerator& below_;
+  int generation_{0};
 };
 
 // Two arms on one bus that is no simulated one as far as the session can tell.
@@ -185,6 +193,20 @@ TEST_F(HotPlug, TheOldDeviceIsPutAwayWithoutAnotherEvent) {
   run(0.05);
   ASSERT_NE(state(0), OperatingState::Lost);
   EXPECT_EQ(bus_.open, 2);
+}
+
+// A handle that failed while its device stayed: the port opens no second one beside it.
+TEST_F(HotPlug, AnArmWhoseHandleDiedIsOpenedAgainThoughItNeverLeft) {
+  run(0.1);
+  bus_.kill_handles();
+  run(0.002);
+  EXPECT_EQ(state(0), OperatingState::Lost);
+  EXPECT_EQ(state(1), OperatingState::Lost);
+  run(0.2);
+  EXPECT_EQ(state(0), OperatingState::Calibrating);
+  EXPECT_EQ(state(1), OperatingState::Calibrating);
+  EXPECT_EQ(bus_.open, 2);
+  EXPECT_EQ(troubles_.size(), 0U);
 }
 
 TEST_F(HotPlug, ALinkToAnotherHostIsRefusedInVirtualTime) {

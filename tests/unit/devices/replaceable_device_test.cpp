@@ -10,7 +10,10 @@ namespace {
 
 class CountingDevice final : public HapticDevice {
  public:
-  CountingDevice(int id, std::atomic<int>& alive) : id_(id), alive_(alive) { ++alive_; }
+  CountingDevice(int id, std::atomic<int>& alive) : id_(id), alive_(alive) {
+    ++alive_;
+    capabilities_.model = "counting";
+  }
   ~CountingDevice() override {
     is_dead_ = true;
     --alive_;
@@ -18,8 +21,14 @@ class CountingDevice final : public HapticDevice {
   [[nodiscard]] const HapticCapabilities& capabilities() const noexcept override {
     return capabilities_;
   }
-  [[nodiscard]] std::string_view calibration_instruction() const noexcept override { return ""; }
-  [[nodiscard]] DeviceCounters counters() const noexcept override { return {}; }
+  [[nodiscard]] std::string_view calibration_instruction() const noexcept override {
+    return "count";
+  }
+  [[nodiscard]] DeviceCounters counters() const noexcept override {
+    DeviceCounters counters;
+    counters.reports_in = static_cast<std::uint64_t>(id_);
+    return counters;
+  }
   void forget_calibration() noexcept override {}
   IoStatus read(HapticState& out) noexcept override {
     EXPECT_FALSE(is_dead_);
@@ -68,6 +77,38 @@ TEST(ReplaceableDevice, KeepsTheOldDeviceUntilTheServoLetsGoOfIt) {
   EXPECT_TRUE(sut.offer(third));
 
   EXPECT_EQ(alive, 2) << "the first is gone, second waits for the servo's next read";
+}
+
+TEST(ReplaceableDevice, ARetiredDeviceIsClosedAndWhatItWasIsRemembered) {
+  std::atomic<int> alive{0};
+  ReplaceableDevice sut(std::make_unique<CountingDevice>(7, alive));
+  EXPECT_TRUE(sut.retire());
+  EXPECT_FALSE(sut.retire()) << "once is enough";
+  sut.collect();
+  EXPECT_EQ(alive, 1) << "the servo has not let go of it yet";
+
+  HapticState state;
+  EXPECT_EQ(sut.read(state), IoStatus::Disconnected);
+  sut.collect();
+
+  EXPECT_EQ(alive, 0);
+  EXPECT_EQ(sut.capabilities().model, "counting");
+  EXPECT_EQ(sut.calibration_instruction(), "count");
+  EXPECT_EQ(sut.counters().reports_in, 7U);
+  EXPECT_EQ(sut.write(LimitedWrench::zero()), IoStatus::Disconnected);
+}
+
+TEST(ReplaceableDevice, ARetiredDeviceIsReplacedByTheNext) {
+  std::atomic<int> alive{0};
+  ReplaceableDevice sut(std::make_unique<CountingDevice>(1, alive));
+  HapticState state;
+  ASSERT_TRUE(sut.retire());
+  sut.read(state);
+  std::unique_ptr<HapticDevice> next = std::make_unique<CountingDevice>(2, alive);
+  ASSERT_TRUE(sut.offer(next));
+  EXPECT_EQ(sut.read(state), IoStatus::Ok);
+  EXPECT_EQ(state.sample_sequence, 2U);
+  EXPECT_TRUE(sut.retire()) << "a new device may go as well";
 }
 
 TEST(ReplaceableDevice, HandsOverWhileTheServoRuns) {
