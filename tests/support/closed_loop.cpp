@@ -14,13 +14,10 @@
 namespace thimble::test {
 namespace {
 
-const bus::DeviceAddress kDevice{"sim:phantom-vintage"};
-
-std::unique_ptr<bus::BusEnumerator> behind_cables(bus::BusEnumerator& buses, const Clock& clock,
-                                                  const sim::FaultPlan& plan) {
-  auto cables = std::make_unique<sim::FaultyEnumerator>(buses, clock);
-  cables->set_plan(kDevice, plan);
-  return cables;
+void register_models(const std::vector<plugin::SimModelEntry>& entries,
+                     plugin::SimModelRegistry& models) {
+  if (entries.empty()) sim::register_arm_models(models);
+  for (const plugin::SimModelEntry& entry : entries) models.add(entry);
 }
 
 }  // namespace
@@ -30,9 +27,10 @@ std::string hello_text() {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-ClosedLoop::ClosedLoop(const std::vector<std::string>& overrides, const Setup& setup) {
+ClosedLoop::ClosedLoop(const std::vector<std::string>& overrides, const Setup& setup,
+                       const std::vector<plugin::SimModelEntry>& models) {
   drivers_.add(phantom::make_phantom_driver());
-  sim::register_arm_models(models_);
+  register_models(models, models_);
   const std::string text = setup.text.empty() ? hello_text() : setup.text;
   const config::ConfigResult config = config::parse(text, "closed-loop.toml", overrides);
   if (!config) {
@@ -40,8 +38,11 @@ ClosedLoop::ClosedLoop(const std::vector<std::string>& overrides, const Setup& s
     return;
   }
   session::RigParts parts{models_, drivers_};
-  parts.wrap_sim_bus = [&setup](bus::BusEnumerator& buses, const Clock& clock) {
-    return behind_cables(buses, clock, setup.cables);
+  parts.wrap_sim_bus = [&](bus::BusEnumerator& buses, const Clock& clock) {
+    auto cables = std::make_unique<sim::FaultyEnumerator>(buses, clock);
+    for (const config::ArmConfig& arm : config->arms) cables->set_plan({arm.device}, setup.cables);
+    cables_.push_back(cables.get());
+    return cables;
   };
   Result<std::unique_ptr<session::Runtime>> runtime = session::Runtime::create(*config, parts);
   if (!runtime) {
@@ -110,7 +111,9 @@ void ClosedLoop::run_until_leaning() {
   ASSERT_GT(norm(truth().motor_force), 1);
 }
 
-void ClosedLoop::unplug() { EXPECT_TRUE(sim_arm().buses().unplug(kDevice).has_value()); }
-void ClosedLoop::replug() { EXPECT_TRUE(sim_arm().buses().replug(kDevice).has_value()); }
+bus::DeviceAddress ClosedLoop::device() { return {arm().session().config().device}; }
+void ClosedLoop::unplug() { EXPECT_TRUE(sim_arm().buses().unplug(device()).has_value()); }
+void ClosedLoop::replug() { EXPECT_TRUE(sim_arm().buses().replug(device()).has_value()); }
+sim::FaultCounts ClosedLoop::injected() { return cables_.front()->injected(device()); }
 
 }  // namespace thimble::test

@@ -24,8 +24,9 @@ class ClosedLoop {
     sim::FaultPlan cables;  // of every arm's bus
   };
 
-  // `overrides` as --set takes them.
-  explicit ClosedLoop(const std::vector<std::string>& overrides = {}, const Setup& setup = {});
+  // `overrides` as --set takes them. `models`: empty for those of sim/model/arm.
+  explicit ClosedLoop(const std::vector<std::string>& overrides = {}, const Setup& setup = {},
+                      const std::vector<plugin::SimModelEntry>& models = {});
 
   [[nodiscard]] session::Runtime& runtime() { return *runtime_; }
   // Arms as the configuration lists them.
@@ -67,13 +68,17 @@ class ClosedLoop {
   // The cable of the first arm.
   void unplug();
   void replug();
+  // What was done to the reports of the first arm.
+  [[nodiscard]] sim::FaultCounts injected();
 
  private:
+  [[nodiscard]] bus::DeviceAddress device();
   void sleep_until(MonotonicTime t);
   void pump_until(MonotonicTime t);
 
   plugin::DriverRegistry drivers_;
   plugin::SimModelRegistry models_;
+  std::vector<sim::FaultyEnumerator*> cables_;  // of the arms' rigs, in their order
   std::unique_ptr<session::Runtime> runtime_;
   std::vector<Error> troubles_;
   MonotonicTime next_{};
