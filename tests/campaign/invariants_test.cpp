@@ -1,0 +1,306 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "tests/campaign/good_course.hpp"
+
+// Every invariant is seen to hold on a good course and to break on a planted breach.
+namespace thimble::campaign {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::HasSubstr;
+
+constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
+
+TEST(SentForce, HoldsOnAGoodCourse) { EXPECT_EQ(GoodCourse(&make_sent_force).broken(), ""); }
+
+TEST(SentForce, SeesWhatIsNotFinite) {
+  for (const auto spoil : {+[](Observation& now) { now.servo.frame.force.y = kNotANumber; },
+                           +[](Observation& now) { now.servo.frame.tip.x = kNotANumber; },
+                           +[](Observation& now) { now.servo.frame.offset.z = 1.0 / 0.0; },
+                           +[](Observation& now) { now.servo.frame.gain = kNotANumber; }}) {
+    GoodCourse course(&make_sent_force);
+    course.run(1, spoil);
+    EXPECT_THAT(course.broken(), HasSubstr("finite"));
+  }
+}
+
+TEST(SentForce, SeesANormBeyondTheLimit) {
+  GoodCourse course(&make_sent_force);
+  double newton = 1;
+  course.run(20, [&](Observation& now) { now.servo.frame.force = {newton += 0.3, 0, 0}; });
+  EXPECT_THAT(course.broken(), HasSubstr("norm"));
+}
+
+TEST(SentForce, SeesARiseAndAReversalThatAreTooFastButNoFall) {
+  GoodCourse falls(&make_sent_force);
+  falls.run(1, [](Observation& now) { now.servo.frame.force = {}; });
+  EXPECT_EQ(falls.broken(), "");
+  for (const Force3 jump : {Force3{2.1, 0, 0}, Force3{-1.1, 0, 0}, Force3{1, 1.1, 0}}) {
+    GoodCourse course(&make_sent_force);
+    course.run(1, [&](Observation& now) { now.servo.frame.force = jump; });
+    EXPECT_THAT(course.broken(), HasSubstr("rise"));
+  }
+}
+
+TEST(SentForce, SeesThatALateTickMakesUpForItsRise) {
+  GoodCourse course(&make_sent_force);
+  course.run(1, [](Observation& now) {
+    now.servo.frame.dt = milliseconds(20);
+    now.servo.frame.force = {4, 0, 0};
+  });
+  EXPECT_THAT(course.broken(), HasSubstr("rise"));
+}
+
+TEST(SentForce, SeesForceWhileNotActive) {
+  GoodCourse course(&make_sent_force);
+  course.run(1, [](Observation& now) { now.servo.frame.state = OperatingState::Inactive; });
+  EXPECT_THAT(course.broken(), HasSubstr("while not Active"));
+}
+
+TEST(ArmForce, HoldsOnAGoodCourse) { EXPECT_EQ(GoodCourse(&make_arm_force).broken(), ""); }
+
+TEST(ArmForce, SeesCurrentsAtTheWireAndInTheMotors) {
+  GoodCourse wire(&make_arm_force);
+  wire.run(1, [](Observation& now) { now.wire.largest_a[2] = 3.01; });
+  EXPECT_THAT(wire.broken(), HasSubstr("wire"));
+  GoodCourse motor(&make_arm_force);
+  motor.run(1, [](Observation& now) { now.truth.motor_current_a[1] = -3.01; });
+  EXPECT_THAT(motor.broken(), HasSubstr("motor"));
+}
+
+TEST(ArmForce, SeesANormThatOnlyTheArmShows) {
+  GoodCourse course(&make_arm_force);
+  double newton = 1;
+  course.run(100, [&](Observation& now) { now.truth.motor_force = {0, newton += 0.1, 0}; });
+  EXPECT_THAT(course.broken(), HasSubstr("norm of the force at the arm"));
+}
+
+TEST(ArmForce, SeesARiseThatOnlyTheArmShows) {
+  GoodCourse course(&make_arm_force, 100);
+  course.run(1, [](Observation& now) { now.truth.motor_force = {4.9, 0, 0}; });
+  EXPECT_THAT(course.broken(), HasSubstr("rise of the force at the arm"));
+}
+
+TEST(ArmForce, ExcusesASpoiltReportUntilTheNextOneActs) {
+  GoodCourse course(&make_arm_force);
+  const auto wrong = [](Observation& now) { now.truth.motor_current_a[0] = 20; };
+  course.run(1, [&](Observation& now) { ++now.spoilt_out; });
+  course.run(4, wrong);
+  EXPECT_EQ(course.broken(), "");
+  course.run(10, wrong);
+  EXPECT_THAT(course.broken(), HasSubstr("motor"));
+}
+
+TEST(ZeroAfterStop, HoldsOnAGoodCourse) {
+  GoodCourse course(&make_zero_after_stop);
+  course.stop(OperatingState::Fault, FaultCode::Estop);
+  course.run(700);
+  EXPECT_EQ(course.broken(), "");
+}
+
+TEST(ZeroAfterStop, SeesAStopThatIsNotWritten) {
+  GoodCourse course(&make_zero_after_stop);
+  course.stop(OperatingState::Fault, FaultCode::Estop);
+  course.run(1, [](Observation& now) { now.servo.frame.write_status = IoStatus::NoData; });
+  EXPECT_THAT(course.broken(), HasSubstr("its own tick"));
+}
+
+TEST(ZeroAfterStop, SeesAReportThatAsksForCurrent) {
+  GoodCourse course(&make_zero_after_stop);
+  course.stop(OperatingState::Fault, FaultCode::Estop);
+  course.run(50);
+  course.run(1, [](Observation& now) { now.wire.last_nonzero = now.servo.frame.now; });
+  EXPECT_THAT(course.broken(), HasSubstr("asks for current"));
+}
+
+TEST(ZeroAfterStop, SeesAMotorThatGoesOn) {
+  GoodCourse course(&make_zero_after_stop);
+  course.stop(OperatingState::Fault, FaultCode::Estop);
+  course.run(10, [](Observation& now) { now.truth.motor_current_a = {0.01, 0, 0}; });
+  EXPECT_THAT(course.broken(), HasSubstr("motor"));
+}
+
+TEST(ZeroAfterStop, WaitsForTheWatchdogOfAnArmThatHearsNothing) {
+  GoodCourse course(&make_zero_after_stop);
+  const MonotonicTime last = course.now.wire.last_report;
+  course.stop(OperatingState::Fault, FaultCode::StaleSample);
+  const auto deaf = [&](Observation& now) {
+    now.wire.last_report = now.wire.last_nonzero = last;
+    now.truth.motor_current_a = {1, 0, 0};
+  };
+  course.run(490, deaf);
+  EXPECT_EQ(course.broken(), "");
+  course.run(20, deaf);
+  EXPECT_THAT(course.broken(), HasSubstr("motor"));
+}
+
+TEST(Latch, HoldsOnAGoodCourse) {
+  GoodCourse course(&make_latch);
+  course.stop(OperatingState::Fault, FaultCode::Estop);
+  course.run(10);
+  EXPECT_EQ(course.broken(), "");
+}
+
+// What a person's granted request looks like.
+void clear(Observation& now) {
+  now.clear_asked = ++now.servo.clear_answered;
+  now.servo.clear_outcome = ClearOutcome::Cleared;
+  now.servo.frame.fault = FaultCode::None;
+  now.servo.frame.state = OperatingState::Configured;
+}
+
+TEST(Latch, EndsByAGrantedRequestOnly) {
+  GoodCourse granted(&make_latch);
+  granted.stop(OperatingState::Fault, FaultCode::Estop);
+  granted.run(1);
+  granted.run(1, clear);
+  EXPECT_EQ(granted.broken(), "");
+  GoodCourse by_itself(&make_latch);
+  by_itself.stop(OperatingState::Fault, FaultCode::Estop);
+  by_itself.run(1);
+  by_itself.run(1, [](Observation& now) {
+    now.servo.frame.fault = FaultCode::None;
+    now.servo.frame.state = OperatingState::Configured;
+  });
+  EXPECT_THAT(by_itself.broken(), HasSubstr("stays latched"));
+}
+
+TEST(Latch, SeesAClearThatNobodyMayGet) {
+  for (const auto spoil : {+[](Observation& now) { now.is_clear_for_other = true; },
+                           +[](Observation& now) { now.is_estop_healthy = false; }}) {
+    GoodCourse course(&make_latch);
+    course.stop(OperatingState::Fault, FaultCode::Estop);
+    course.run(1);
+    course.run(1, [&](Observation& now) {
+      clear(now);
+      spoil(now);
+    });
+    EXPECT_THAT(course.broken(), HasSubstr("no fault is cleared"));
+  }
+}
+
+TEST(Latch, SeesALaterFaultThatReplacesTheFirst) {
+  GoodCourse course(&make_latch);
+  course.stop(OperatingState::Fault, FaultCode::Estop);
+  course.run(1);
+  course.run(1, [](Observation& now) { now.servo.frame.fault = FaultCode::Overspeed; });
+  EXPECT_THAT(course.broken(), HasSubstr("stays latched"));
+}
+
+TEST(Latch, SeesFaultAndStateThatDisagree) {
+  GoodCourse driven(&make_latch);
+  driven.run(1, [](Observation& now) {
+    now.servo.frame.fault = FaultCode::Overspeed;
+    ++now.servo.faults;
+  });
+  EXPECT_THAT(driven.broken(), HasSubstr("means Fault or Lost"));
+  GoodCourse uncounted(&make_latch);
+  uncounted.run(1, [](Observation& now) {
+    now.servo.frame.fault = FaultCode::Overspeed;
+    now.servo.frame.state = OperatingState::Fault;
+  });
+  EXPECT_THAT(uncounted.broken(), HasSubstr("counted once"));
+  GoodCourse groundless(&make_latch);
+  groundless.run(1, [](Observation& now) { now.servo.frame.state = OperatingState::Fault; });
+  EXPECT_THAT(groundless.broken(), HasSubstr("Fault means a fault"));
+}
+
+TEST(Latch, SeesAnEstopThatStopsNothingAndARequestWithoutAnswer) {
+  GoodCourse estop(&make_latch);
+  estop.run(1, [](Observation& now) { now.is_estop_healthy = false; });
+  EXPECT_THAT(estop.broken(), HasSubstr("e-stop"));
+  GoodCourse asked(&make_latch);
+  asked.run(1, [](Observation& now) { ++now.clear_asked; });
+  EXPECT_THAT(asked.broken(), HasSubstr("answered"));
+}
+
+TEST(Recovery, HoldsOnAGoodCourse) { EXPECT_EQ(GoodCourse(&make_recovery).broken(), ""); }
+
+void pause(GoodCourse& course) {
+  course.run(1, [](Observation& now) {
+    now.servo.frame.state = OperatingState::Inactive;
+    now.servo.frame.gain = 0;
+  });
+}
+
+TEST(Recovery, SeesAGainThatJumps) {
+  GoodCourse course(&make_recovery);
+  pause(course);
+  course.run(1, [](Observation& now) { now.servo.frame.gain = 0.01; });
+  EXPECT_THAT(course.broken(), HasSubstr("gain"));
+}
+
+TEST(Recovery, SeesAForceBeyondItsGain) {
+  GoodCourse course(&make_recovery);
+  pause(course);
+  course.run(1, [](Observation& now) { now.servo.frame.force = {0.5, 0, 0}; });
+  EXPECT_THAT(course.broken(), HasSubstr("beyond its gain"));
+}
+
+TEST(Recovery, SeesAGhostThatDoesNotStartAtTheHand) {
+  const auto deep = [](Observation& now) { now.servo.frame.wish = {0, 1.5, 0}; };
+  GoodCourse activated(&make_recovery);
+  pause(activated);
+  activated.run(1, deep);
+  EXPECT_THAT(activated.broken(), HasSubstr("restart"));
+  GoodCourse stale(&make_recovery);
+  stale.run(5, [](Observation& now) { now.servo.frame.is_stale = true; });
+  stale.run(1, [&](Observation& now) {
+    now.servo.frame.is_stale = false;
+    deep(now);
+  });
+  EXPECT_THAT(stale.broken(), HasSubstr("restart"));
+}
+
+TEST(Progress, HoldsOnAGoodCourse) { EXPECT_EQ(GoodCourse(&make_progress).broken(), ""); }
+
+TEST(Progress, SeesATickThatIsLeftOutAndTimeThatStandsStill) {
+  GoodCourse skipped(&make_progress);
+  skipped.run(1, [](Observation& now) { ++now.servo.frame.tick; });
+  EXPECT_THAT(skipped.broken(), HasSubstr("one by one"));
+  GoodCourse still(&make_progress);
+  still.run(1,
+            [](Observation& now) { now.servo.frame.now = now.servo.frame.now - milliseconds(1); });
+  EXPECT_THAT(still.broken(), HasSubstr("time advances"));
+}
+
+TEST(Progress, SeesThatNoSampleIsTaken) {
+  const auto deaf = [](Observation& now) { now.servo.frame.read_status = IoStatus::NoData; };
+  GoodCourse course(&make_progress);
+  course.run(1200);  // beyond the start of the firmware
+  course.run(50, deaf);
+  EXPECT_EQ(course.broken(), "");
+  course.run(1, deaf);
+  EXPECT_THAT(course.broken(), HasSubstr("no sample"));
+}
+
+TEST(Progress, ExcusesADisturbedCable) {
+  GoodCourse course(&make_progress);
+  course.run(1200);
+  course.run(500, [](Observation& now) {
+    now.servo.frame.read_status = IoStatus::NoData;
+    now.cable_ok_since = now.servo.frame.now;
+  });
+  EXPECT_EQ(course.broken(), "");
+}
+
+TEST(Progress, SeesThatNoReplyIsUsed) {
+  GoodCourse course(&make_progress);
+  course.run(60, [](Observation& now) { now.servo.frame.is_frozen = true; });
+  EXPECT_THAT(course.broken(), HasSubstr("no reply"));
+}
+
+TEST(Progress, SeesAnArmThatStaysLost) {
+  const auto lost = [](Observation& now) { now.servo.frame.state = OperatingState::Lost; };
+  GoodCourse course(&make_progress);
+  course.run(2000, lost);
+  EXPECT_EQ(course.broken(), "");
+  course.run(60, lost);
+  EXPECT_THAT(course.broken(), HasSubstr("stays lost"));
+}
+
+}  // namespace
+}  // namespace thimble::campaign

@@ -1,0 +1,64 @@
+#include "tests/campaign/tapped_arm.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "drivers/phantom/phantom_wire.hpp"
+#include "sim/model/arm/register_arm_models.hpp"
+
+namespace thimble::campaign {
+namespace {
+
+namespace wire = phantom::wire;
+
+std::int16_t field(std::span<const std::uint8_t> bytes, std::size_t index) noexcept {
+  const auto low = static_cast<unsigned>(bytes[2 * index]);
+  const auto high = static_cast<unsigned>(bytes[2 * index + 1]);
+  return static_cast<std::int16_t>(static_cast<std::uint16_t>(low | (high << 8U)));
+}
+
+Result<std::unique_ptr<plugin::SimHidModel>> create(const char* name,
+                                                    const plugin::SimModelSettings& settings) {
+  plugin::SimModelRegistry models;
+  sim::register_arm_models(models);
+  auto arm = models.find(name)->create_hid(settings);
+  if (!arm) return arm;
+  return std::make_unique<TappedArm>(*std::move(arm));
+}
+
+}  // namespace
+
+TappedArm::TappedArm(std::unique_ptr<plugin::SimHidModel> arm)
+    : arm_(std::move(arm)), backend_(arm_->arm_backend()) {}
+
+WireSeen TappedArm::look() noexcept {
+  const WireSeen seen = seen_;
+  seen_.largest_a = {};
+  return seen;
+}
+
+void TappedArm::out_report(std::span<const std::uint8_t> bytes) noexcept {
+  ++seen_.reports;
+  seen_.last_report = now_;
+  const bool is_of_currents = bytes.size() >= wire::kMbedReportBytes &&
+                              field(bytes, wire::kCommand) != wire::kCommandSetCounters;
+  for (std::size_t motor = 0; is_of_currents && motor < 3; ++motor) {
+    const double a = std::abs(0.001 * field(bytes, wire::kCurrentA + motor));
+    if (a > 0) seen_.last_nonzero = now_;
+    seen_.largest_a[motor] = std::max(seen_.largest_a[motor], a);
+  }
+  arm_->out_report(bytes);
+}
+
+std::vector<plugin::SimModelEntry> tapped_arms() {
+  return {{"phantom-vintage", "with a tap",
+           [](const plugin::SimModelSettings& settings) {
+             return create("phantom-vintage", settings);
+           }},
+          {"woody-2015", "with a tap", [](const plugin::SimModelSettings& settings) {
+             return create("woody-2015", settings);
+           }}};
+}
+
+}  // namespace thimble::campaign
