@@ -49,6 +49,7 @@ struct RandomFaults {
   double stall{0};       // per input report
   Duration max_delay{};  // a delay is uniform in (0, max_delay]
   Duration stall_lasts{};
+  bool operator==(const RandomFaults&) const = default;
 };
 
 // Everything that is to go wrong on one handle; the same plan gives the same faults.

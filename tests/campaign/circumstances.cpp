@@ -1,0 +1,132 @@
+#include "tests/campaign/circumstances.hpp"
+
+#include <algorithm>
+
+#include "daemon/world/voxel_world.hpp"
+
+namespace thimble::campaign {
+
+Circumstances::Circumstances(const Programme& programme, test::ClosedLoop& loop)
+    : programme_(&programme), loop_(&loop) {
+  for (std::size_t i = 0; i < programme.events.size(); ++i) {
+    const Event& event = programme.events[i];
+    edges_.push_back({MonotonicTime{event.at}, i, true});
+    edges_.push_back({MonotonicTime{event.at + event.lasts}, i, false});
+  }
+  std::stable_sort(edges_.begin(), edges_.end(),
+                   [](const Edge& a, const Edge& b) { return a.at < b.at; });
+}
+
+Duration Circumstances::prepare(MonotonicTime now) {
+  late_ = {};
+  for (; next_ < edges_.size() && edges_[next_].at <= now; ++next_) {
+    const Event& event = programme_->events[edges_[next_].event];
+    int& count = on_[static_cast<std::size_t>(event.kind)];
+    if (edges_[next_].is_begin) {
+      ++count;
+      begin(event);
+    } else {
+      --count;
+      end(event);
+    }
+  }
+  return late_;
+}
+
+void Circumstances::begin(const Event& event) {
+  ++happened_[static_cast<std::size_t>(event.kind)];
+  if (event.kind == EventKind::Unplug && on_[static_cast<std::size_t>(event.kind)] == 1) {
+    loop_->unplug();
+  }
+  if (event.kind == EventKind::Clear) ask_to_clear(false);
+  if (event.kind == EventKind::ClearOther) ask_to_clear(true);
+  if (event.kind == EventKind::LateServo) late_ += event.lasts;
+  if (event.kind == EventKind::Shove) push_ += event.push;
+  if (event.kind == EventKind::FillCell) fill(event, true);
+  apply(event.kind);
+}
+
+void Circumstances::end(const Event& event) {
+  if (event.kind == EventKind::Unplug && !is_on(EventKind::Unplug)) loop_->replug();
+  if (event.kind == EventKind::Shove)
+    push_ = is_on(EventKind::Shove) ? push_ - event.push : Force3{};
+  if (event.kind == EventKind::FillCell) fill(event, false);
+  apply(event.kind);
+}
+
+// Everything that is as it is for as long as one of a kind lasts.
+void Circumstances::apply(EventKind kind) {
+  servo::ServoControls& controls = loop_->controls();
+  switch (kind) {
+    case EventKind::Estop:
+      controls.is_estop_healthy = !is_on(kind);
+      break;
+    case EventKind::DeadmanOpen:
+      controls.is_deadman_held = !is_on(kind);
+      break;
+    case EventKind::Withdraw:
+      controls.want_active = !is_on(kind);
+      break;
+    case EventKind::NetworkDown:
+      loop_->set_network_up(!is_on(kind));
+      break;
+    case EventKind::Shove:
+      loop_->sim_arm().backend().push_tip(push_);
+      break;
+    default:
+      break;
+  }
+}
+
+void Circumstances::ask_to_clear(bool is_for_other) {
+  const std::uint32_t number = loop_->snapshot().fault.number;
+  is_clear_for_other_ = is_for_other;
+  clear_asked_ = loop_->controls().request_clear(is_for_other ? number + 1 : number);
+}
+
+void Circumstances::fill(const Event& event, bool is_filled) {
+  auto& world = dynamic_cast<world::VoxelWorld&>(loop_->world());
+  const auto& cells = world.info().cells;
+  std::uint64_t rest = event.cell;
+  const auto draw = [&rest](std::uint32_t n) {
+    const auto index = static_cast<std::int32_t>(rest % n);
+    rest /= n;
+    return index;
+  };
+  const std::int32_t x = draw(cells[0]);
+  const std::int32_t y = draw(cells[1]);
+  const std::int32_t z = draw(cells[2]);
+  world.set_cell({x, y, z}, is_filled);
+}
+
+bool Circumstances::is_cable_disturbed() const noexcept {
+  for (std::size_t kind = 0; kind < sim::kFaultKindCount; ++kind) {
+    if (on_[kind] > 0) return true;
+  }
+  return is_on(EventKind::Unplug);
+}
+
+void Circumstances::describe(Observation& observation) {
+  const MonotonicTime now = observation.servo.frame.now;
+  const sim::FaultCounts injected = loop_->injected();
+  const bool is_injected = injected.by_kind != injected_.by_kind;
+  injected_ = injected;
+  if (is_cable_disturbed() || is_injected || late_ > Duration{}) cable_ok_since_ = now;
+  if (is_on(EventKind::NetworkDown)) network_ok_since_ = now;
+  observation.is_plugged = !is_on(EventKind::Unplug);
+  observation.is_open_refused = is_on(EventKind::RefuseOpen);
+  if (!observation.is_plugged || observation.is_open_refused || is_on(EventKind::Disconnect)) {
+    opening_ok_since_ = now;
+  }
+  observation.is_estop_healthy = !is_on(EventKind::Estop);
+  observation.clear_asked = clear_asked_;
+  observation.is_clear_for_other = is_clear_for_other_;
+  observation.spoilt_in =
+      injected.of(sim::FaultKind::CorruptIn) + injected.of(sim::FaultKind::TruncateIn);
+  observation.spoilt_out = injected.of(sim::FaultKind::CorruptOut);
+  observation.cable_ok_since = cable_ok_since_;
+  observation.network_ok_since = network_ok_since_;
+  observation.opening_ok_since = opening_ok_since_;
+}
+
+}  // namespace thimble::campaign

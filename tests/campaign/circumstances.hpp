@@ -1,0 +1,61 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "tests/campaign/invariant.hpp"
+#include "tests/campaign/programme.hpp"
+#include "tests/support/closed_loop.hpp"
+
+namespace thimble::campaign {
+
+// Makes a programme's events happen to a session, and knows what is happening to it now.
+//
+// Thread: that of the loop, which it must not outlive.
+class Circumstances {
+ public:
+  Circumstances(const Programme& programme, test::ClosedLoop& loop);
+
+  // Before a tick: what begins or ends until now. How late the servo wakes for it.
+  [[nodiscard]] Duration prepare(MonotonicTime now);
+  // After it: what an invariant has to know of them.
+  void describe(Observation& observation);
+  [[nodiscard]] const std::array<std::uint64_t, kEventKindCount>& happened() const noexcept {
+    return happened_;
+  }
+
+ private:
+  struct Edge {
+    MonotonicTime at{};
+    std::size_t event{0};
+    bool is_begin{true};
+  };
+  void begin(const Event& event);
+  void end(const Event& event);
+  void apply(EventKind kind);
+  void ask_to_clear(bool is_for_other);
+  void fill(const Event& event, bool is_filled);
+  [[nodiscard]] bool is_on(EventKind kind) const noexcept {
+    return on_[static_cast<std::size_t>(kind)] > 0;
+  }
+  [[nodiscard]] bool is_cable_disturbed() const noexcept;
+
+  const Programme* programme_;
+  test::ClosedLoop* loop_;
+  std::vector<Edge> edges_;  // by time
+  std::size_t next_{0};
+  std::array<int, kEventKindCount> on_{};  // how many of a kind last
+  std::array<std::uint64_t, kEventKindCount> happened_{};
+  Force3 push_{};
+  Duration late_{};
+  sim::FaultCounts injected_{};
+  std::uint32_t clear_asked_{0};
+  bool is_clear_for_other_{false};
+  MonotonicTime cable_ok_since_{};
+  MonotonicTime network_ok_since_{};
+  MonotonicTime opening_ok_since_{};
+};
+
+}  // namespace thimble::campaign

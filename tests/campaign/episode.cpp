@@ -1,0 +1,138 @@
+#include "tests/campaign/episode.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <stdexcept>
+
+#include "tests/campaign/circumstances.hpp"
+#include "tests/campaign/tapped_arm.hpp"
+#include "tests/support/closed_loop.hpp"
+
+namespace thimble::campaign {
+namespace {
+
+// A word at a time; sim::TraceHash goes by bytes, too slow for every tick of a billion.
+class Trace {
+ public:
+  void add(std::uint64_t word) noexcept {
+    hash_ = (hash_ ^ word) * 0x9fb21c651e98df25U;
+    hash_ ^= hash_ >> 29U;
+  }
+  void add(double value) noexcept { add(std::bit_cast<std::uint64_t>(value)); }
+  void add(const servo::ServoFrame& frame, const plugin::ArmTruth& truth) noexcept {
+    add(frame.tick ^ (static_cast<std::uint64_t>(frame.state) << 56U));
+    add(static_cast<std::uint64_t>(frame.now.since_epoch.count()));
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      add(frame.force[axis]);
+      add(frame.offset[axis]);
+      add(truth.tip[axis]);
+      add(truth.motor_current_a[axis]);
+    }
+  }
+  [[nodiscard]] std::uint64_t value() const noexcept { return hash_; }
+
+ private:
+  std::uint64_t hash_{0};
+};
+
+Bounds bounds_of(const Setup& setup, const servo::ServoSettings& servo, double cell_m) {
+  Bounds bounds;
+  bounds.servo = servo;
+  bounds.stiffness_newton_per_m = setup.is_thesis_literal ? 800 : setup.stiffness_newton_per_m;
+  bounds.damping_newton_s_per_m = setup.is_thesis_literal ? 10 : 5;
+  bounds.hysteresis_m = setup.is_thesis_literal ? 0.0005 : std::min(0.0005, cell_m / 4);
+  // Where order is lost a reply waits for those that overtook it, where delay and jitter add up.
+  bounds.round_trip = from_seconds(setup.delay_s + setup.jitter_s + 0.01);
+  bounds.is_network_lossless = setup.loss == 0 && setup.reorder == 0;
+  bounds.is_energy_bounded = !setup.is_thesis_literal;
+  return bounds;
+}
+
+void count(const servo::ServoSnapshot& before, const servo::ServoSnapshot& now, bool& is_down,
+           Tally& tally) {
+  const servo::ServoFrame& frame = now.frame;
+  ++tally.ticks;
+  ++tally.ticks_in[static_cast<std::size_t>(frame.state)];
+  if (now.faults != before.faults) ++tally.latched[static_cast<std::size_t>(frame.fault)];
+  if (now.clear_answered != before.clear_answered && now.clear_outcome == ClearOutcome::Cleared) {
+    ++tally.cleared;
+  }
+  const bool is_lost = frame.state == OperatingState::Lost;
+  if (is_lost && before.frame.state != OperatingState::Lost) ++tally.unplugged;
+  is_down = is_down || is_lost || frame.state == OperatingState::Fault;
+  if (!is_down || frame.gain < 1) return;
+  is_down = false;
+  ++tally.recoveries;
+}
+
+void finish(test::ClosedLoop& loop, const Circumstances& circumstances, Tally& tally) {
+  tally.episodes = 1;
+  tally.events = circumstances.happened();
+  tally.reports = loop.injected();
+  const link::LinkStatus link = loop.arm().link_status();
+  tally.messages_lost = link.counters.injected.lost;
+  tally.messages_duplicated = link.counters.injected.duplicated;
+  tally.messages_reordered = link.counters.injected.reordered;
+  tally.contacts = loop.snapshot().total_contacts;
+  tally.peak_newton = loop.snapshot().peak_force_newton;
+  tally.played_s = seconds(loop.now().since_epoch);
+}
+
+}  // namespace
+
+void Tally::add(const Tally& other) noexcept {
+  const auto add_all = [](auto& sums, const auto& more) {
+    for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += more[i];
+  };
+  episodes += other.episodes;
+  ticks += other.ticks;
+  played_s += other.played_s;
+  add_all(events, other.events);
+  add_all(reports.by_kind, other.reports.by_kind);
+  messages_lost += other.messages_lost;
+  messages_duplicated += other.messages_duplicated;
+  messages_reordered += other.messages_reordered;
+  add_all(ticks_in, other.ticks_in);
+  add_all(latched, other.latched);
+  cleared += other.cleared;
+  unplugged += other.unplugged;
+  recoveries += other.recoveries;
+  contacts += other.contacts;
+  peak_newton = std::max(peak_newton, other.peak_newton);
+}
+
+Ending play(const Programme& programme, const Planted& planted) {
+  test::ClosedLoop::Setup setup;
+  setup.cables = cables_of(programme);
+  test::ClosedLoop loop(overrides(programme.setup), setup,
+                        planted.models.empty() ? tapped_arms() : planted.models);
+  auto* const tap = dynamic_cast<TappedArm*>(&loop.sim_arm().backend());
+  if (tap == nullptr) throw std::logic_error("an arm without a tap");
+  const Bounds bounds = bounds_of(programme.setup, loop.settings(), loop.world().info().cell_m);
+  const auto invariants = planted.invariants ? planted.invariants(bounds) : make_invariants(bounds);
+
+  Circumstances circumstances(programme, loop);
+  Findings findings;
+  Ending ending;
+  Observation observation;
+  Trace trace;
+  bool is_down = false;
+  while (ending.tally.ticks < programme.ticks && !findings.breach()) {
+    const servo::ServoSnapshot before = observation.servo;
+    loop.tick(circumstances.prepare(loop.now()));
+    observation.servo = loop.snapshot();
+    observation.truth = loop.truth();
+    observation.wire = tap->look();
+    circumstances.describe(observation);
+    findings.look_at(observation.servo.frame);
+    for (const auto& invariant : invariants) invariant->see(observation, findings);
+    trace.add(observation.servo.frame, observation.truth);
+    count(before, observation.servo, is_down, ending.tally);
+  }
+  finish(loop, circumstances, ending.tally);
+  ending.breach = findings.breach();
+  ending.trace = trace.value();
+  return ending;
+}
+
+}  // namespace thimble::campaign

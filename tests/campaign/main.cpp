@@ -1,0 +1,114 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <ctime>
+#include <exception>
+#include <optional>
+#include <string>
+
+#include "hal/linux/monotonic_clock.hpp"
+#include "tests/campaign/campaign.hpp"
+#include "tests/campaign/report.hpp"
+#include "tests/campaign/shrink.hpp"
+
+namespace {
+
+namespace campaign = thimble::campaign;
+
+constexpr int kExitKept = 0;
+constexpr int kExitBroken = 1;
+constexpr int kExitUsage = 2;
+
+struct Arguments {
+  campaign::Order order;
+  std::optional<std::uint64_t> episode;
+  bool is_to_shrink{true};
+  bool is_quiet{false};
+};
+
+void say(const std::string& text) {
+  std::fputs(text.c_str(), stdout);
+  std::fflush(stdout);
+}
+
+void say_failure(const Arguments& arguments, const campaign::Failure& failure) {
+  const std::string replay = "./run campaign --seed " + std::to_string(arguments.order.seed) +
+                             " --episode " + std::to_string(failure.episode);
+  say("\nBROKEN: " + campaign::to_text(*failure.ending.breach) + "\nreplay: " + replay + "\n");
+  if (!arguments.is_to_shrink) return;
+  say("shrinking ...\n");
+  const auto play = [](const campaign::Programme& programme) {
+    return campaign::play(programme).breach;
+  };
+  const auto shrunk = campaign::shrink(failure.programme, play);
+  if (!shrunk) {
+    say("it did not break again: it is not deterministic, which is a defect of its own\n");
+    return;
+  }
+  say("after " + std::to_string(shrunk->plays) + " plays\n" + to_text(shrunk->programme) +
+      "break " + to_text(shrunk->breach) + "\n");
+}
+
+int run_one(const Arguments& arguments) {
+  campaign::Failure one;
+  one.episode = *arguments.episode;
+  one.programme = campaign::programme_of(arguments.order, one.episode);
+  say(to_text(one.programme));
+  one.ending = campaign::play(one.programme);
+  say(campaign::to_text(one.ending.tally) + "trace " + std::to_string(one.ending.trace) + "\n");
+  if (!one.ending.breach) return kExitKept;
+  say_failure(arguments, one);
+  return kExitBroken;
+}
+
+// The processor's time of all jobs: how fast one core is, whoever else is on the machine.
+double core_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+int run_all(const Arguments& arguments) {
+  const thimble::linux::MonotonicClock clock;
+  const thimble::MonotonicTime started = clock.now();
+  thimble::MonotonicTime told = started;
+  const auto progress = [&](const campaign::Tally& tally) {
+    if (arguments.is_quiet || clock.now() - told < std::chrono::seconds(10)) return;
+    told = clock.now();
+    say(std::to_string(tally.ticks) + " of " + std::to_string(arguments.order.ticks) + " ticks\n");
+  };
+  const campaign::Outcome outcome = campaign::run(arguments.order, {}, progress);
+  const double wall_s = thimble::seconds(clock.now() - started);
+  say(campaign::to_text(outcome.tally) + "trace " + std::to_string(outcome.trace) + "\n");
+  char speed[160];
+  std::snprintf(speed, sizeof speed, "%.1f s: %.0f x real time, %.0f x on each core\n", wall_s,
+                outcome.tally.played_s / wall_s, outcome.tally.played_s / core_s());
+  say(speed);
+  if (!outcome.failure) {
+    say("no rule was broken\n");
+    return kExitKept;
+  }
+  say_failure(arguments, *outcome.failure);
+  return kExitBroken;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments arguments;
+  CLI::App app{
+      "Plays episodes of random faults in virtual time while a simulated hand explores, and "
+      "judges every tick (docs/campaign.md)"};
+  app.add_option("--ticks", arguments.order.ticks, "Ticks in all")->capture_default_str();
+  app.add_option("--seed", arguments.order.seed, "Seed of the campaign")->capture_default_str();
+  app.add_option("--episode", arguments.episode, "Play this one again, and nothing else");
+  app.add_option("--jobs", arguments.order.jobs, "Episodes at a time")
+      ->check(CLI::Range(1U, 256U))
+      ->capture_default_str();
+  app.add_flag("!--no-shrink", arguments.is_to_shrink, "Leave a failing episode as it is");
+  app.add_flag("--quiet", arguments.is_quiet, "Say nothing before the end");
+  try {
+    app.parse(argc, argv);
+    return arguments.episode ? run_one(arguments) : run_all(arguments);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kExitKept : kExitUsage;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "campaign: %s\n", error.what());
+    return kExitUsage;
+  }
+}

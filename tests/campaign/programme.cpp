@@ -1,0 +1,250 @@
+#include "tests/campaign/programme.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "tests/campaign/dice.hpp"
+
+namespace thimble::campaign {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+
+constexpr std::array<std::string_view, kEventKindCount> kNames{
+    "drop-in",     "drop-out",   "delay-in",     "corrupt-in",  "corrupt-out",
+    "truncate-in", "stall",      "disconnect",   "refuse-open", "lose-events",
+    "unplug",      "estop",      "deadman-open", "withdraw",    "clear",
+    "clear-other", "late-servo", "network-down", "shove",       "fill-cell"};
+
+// How long an event of each kind lasts: about as long as its limits of DESIGN section 4 and
+// longer, so that both sides of each are met.
+struct Spread {
+  double shortest_s;
+  double longest_s;
+};
+constexpr std::array<Spread, kEventKindCount> kSpreads{{
+    {0.001, 0.03},   // drop-in
+    {0.001, 0.6},    // drop-out: beyond the watchdog of the arm
+    {0.001, 0.05},   // delay-in
+    {0.001, 0.004},  // corrupt-in
+    {0.001, 0.004},  // corrupt-out
+    {0.001, 0.01},   // truncate-in
+    {0.001, 0.04},   // stall
+    {0.002, 0.3},    // disconnect
+    {0.01, 1.0},     // refuse-open
+    {0.01, 1.0},     // lose-events
+    {0.002, 1.5},    // unplug
+    {0.001, 0.5},    // estop
+    {0.001, 0.4},    // deadman-open
+    {0.001, 0.4},    // withdraw
+    {0, 0},          // clear
+    {0, 0},          // clear-other
+    {0.0005, 0.03},  // late-servo
+    {0.005, 0.6},    // network-down
+    {0.005, 0.3},    // shove
+    {0.05, 2.0},     // fill-cell
+}};
+
+// Long ones are rarer: the square of the chance.
+Duration length_of(EventKind kind, Dice& dice) {
+  const Spread spread = kSpreads[static_cast<std::size_t>(kind)];
+  const double share = dice.uniform(0, 1);
+  const double s = spread.shortest_s + (spread.longest_s - spread.shortest_s) * share * share;
+  return from_seconds(s) / microseconds(100) * microseconds(100);
+}
+
+Force3 some_push(Dice& dice) {
+  const double newton = dice.chance(0.1) ? 40 : 8;
+  return {dice.uniform(-newton, newton), dice.uniform(-newton, newton),
+          dice.uniform(-newton, newton)};
+}
+
+Event some_event(EventKind kind, Duration at, Dice& dice) {
+  Event event{kind, at, length_of(kind, dice)};
+  if (kind == EventKind::FillCell) event.cell = dice.bits();
+  if (kind == EventKind::Shove) event.push = some_push(dice);
+  return event;
+}
+
+// A person clears what has latched every now and then; else most of an episode is silence.
+void add_clears(Duration end, Dice& dice, std::vector<Event>& events) {
+  Duration at{};
+  while (true) {
+    at += milliseconds(dice.chance(0.7) ? 50 + dice.below(300) : 300 + dice.below(1500));
+    if (at >= end) return;
+    events.push_back(some_event(EventKind::Clear, at, dice));
+  }
+}
+
+void add_events(Duration end, double per_s, Dice& dice, std::vector<Event>& events) {
+  // In the first two seconds the person calibrates and the force ramps up: mostly left alone.
+  Duration at = dice.chance(0.8) ? milliseconds(1800) : Duration{};
+  while (true) {
+    at += microseconds(100) *
+          static_cast<std::int64_t>(1 + dice.below(static_cast<std::uint64_t>(20'000 / per_s)));
+    if (at >= end) return;
+    const auto kind = static_cast<EventKind>(dice.below(kEventKindCount));
+    events.push_back(some_event(kind, at, dice));
+    // Troubles do not come alone.
+    if (!dice.chance(0.2)) continue;
+    const auto other = static_cast<EventKind>(dice.below(kEventKindCount));
+    events.push_back(some_event(other, at + milliseconds(dice.below(30)), dice));
+  }
+}
+
+sim::RandomFaults some_noise(Dice& dice) {
+  sim::RandomFaults noise;
+  if (dice.chance(0.5)) return noise;
+  const double level = dice.chance(0.3) ? 0.02 : 0.002;
+  for (double* chance : {&noise.drop_in, &noise.drop_out, &noise.delay_in, &noise.corrupt_in,
+                         &noise.corrupt_out, &noise.truncate_in}) {
+    if (dice.chance(0.3)) *chance = dice.uniform(0, level);
+  }
+  noise.max_delay = microseconds(100 + dice.below(10'000));
+  if (dice.chance(0.3)) noise.stall = dice.uniform(0, 0.001);
+  noise.stall_lasts = microseconds(500 + dice.below(15'000));
+  return noise;
+}
+
+void draw_link(Dice& dice, Setup& setup) {
+  setup.is_lock_step = dice.chance(0.3);
+  if (dice.chance(0.6))
+    setup.delay_s = dice.chance(0.8) ? dice.uniform(0, 0.1) : dice.uniform(0, 0.5);
+  if (dice.chance(0.3)) setup.jitter_s = dice.uniform(0, setup.delay_s);
+  if (dice.chance(0.3)) setup.loss = dice.uniform(0, 0.1);
+  if (dice.chance(0.2)) setup.duplicate = dice.uniform(0, 0.1);
+  if (dice.chance(0.2)) setup.reorder = dice.uniform(0, 0.1);
+}
+
+Setup some_setup(Dice& dice) {
+  constexpr std::array kRates{1000, 1000, 1000, 1000, 500, 2000, 4000, 8000};
+  constexpr std::array<std::string_view, 8> kMotions{"explore", "explore", "explore", "poke",
+                                                     "sweep",   "circle",  "tremor",  "still"};
+  constexpr std::array kCells{3, 3, 5, 8, 64};
+  Setup setup;
+  setup.rate_hz = kRates[dice.below(kRates.size())];
+  if (dice.chance(0.2)) setup.device = "sim:woody-2015";
+  setup.motion = kMotions[dice.below(kMotions.size())];
+  setup.hand_seed = dice.below(1'000'000);
+  setup.hand_speed_m_per_s = dice.uniform(0.05, 0.25);
+  setup.hand_reach_m = dice.uniform(0.015, 0.03);
+  setup.hand_newton_per_m = dice.uniform(100, 800);
+  setup.cells = kCells[dice.below(kCells.size())];
+  setup.is_simple_model = dice.chance(0.15);
+  setup.is_thesis_literal = dice.chance(0.15);
+  setup.stiffness_newton_per_m = dice.chance(0.1) ? 3000 : dice.uniform(200, 800);
+  if (dice.chance(0.3)) setup.force_newton = dice.uniform(0.5, 5);
+  if (dice.chance(0.2)) setup.rise_newton_per_s = dice.uniform(50, 1000);
+  setup.amplifier_a = dice.chance(0.2) ? dice.uniform(0.5, 6) : 3;
+  if (dice.chance(0.2)) setup.ramp_s = dice.uniform(0.5, 1.5);
+  setup.is_realtime_required = dice.chance(0.1);
+  draw_link(dice, setup);
+  setup.noise = some_noise(dice);
+  return setup;
+}
+
+std::string line_of(const Event& event) {
+  std::array<char, 160> line{};
+  int size = std::snprintf(line.data(), line.size(), "  %9.4f s  %-13s", seconds(event.at),
+                           std::string(to_string(event.kind)).c_str());
+  const auto room = [&] { return line.size() - static_cast<std::size_t>(size); };
+  char* const end = line.data();
+  if (event.lasts > Duration{}) {
+    size += std::snprintf(end + size, room(), " for %.1f ms", 1e3 * seconds(event.lasts));
+  }
+  if (event.kind == EventKind::Shove) {
+    std::snprintf(end + size, room(), ", %.17g %.17g %.17g N", event.push.x, event.push.y,
+                  event.push.z);
+  }
+  if (event.kind == EventKind::FillCell) {
+    std::snprintf(end + size, room(), ", number %llu", static_cast<unsigned long long>(event.cell));
+  }
+  return std::string(line.data()) + '\n';
+}
+
+}  // namespace
+
+std::string_view to_string(EventKind kind) noexcept {
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
+std::vector<std::string> overrides(const Setup& setup) {
+  std::vector<std::string> all;
+  const auto set = [&all](const char* key, const auto& value) {
+    if constexpr (std::is_arithmetic_v<std::decay_t<decltype(value)>>) {
+      all.push_back(std::string(key) + '=' + std::to_string(value));
+    } else {
+      all.push_back(std::string(key) + '=' + std::string(value));
+    }
+  };
+  set("arm.device", setup.device);
+  set("servo.rate_hz", setup.rate_hz);
+  set("arm.hand.motion", setup.motion);
+  set("arm.hand.seed", setup.hand_seed);
+  set("arm.hand.speed_m_per_s", setup.hand_speed_m_per_s);
+  set("arm.hand.reach_m", setup.hand_reach_m);
+  set("arm.hand.stiffness_newton_per_m", setup.hand_newton_per_m);
+  set("world.source", "box:" + std::to_string(setup.cells));
+  if (setup.is_simple_model) set("world.constraint_model", "simple");
+  if (setup.is_thesis_literal) set("arm.coupling.scheme", "thesis-literal");
+  if (!setup.is_thesis_literal) {
+    set("arm.coupling.stiffness_newton_per_m", setup.stiffness_newton_per_m);
+  }
+  if (setup.is_lock_step) set("arm.coupling.mode", "lock-step");
+  if (setup.force_newton > 0) set("arm.limits.force_newton", setup.force_newton);
+  set("arm.limits.rise_newton_per_s", setup.rise_newton_per_s);
+  set("arm.limits.ramp_s", setup.ramp_s);
+  set("arm.amplifier_max_a", setup.amplifier_a);
+  if (setup.is_realtime_required) set("servo.realtime", "required");
+  set("arm.impairment.delay_s", setup.delay_s);
+  set("arm.impairment.jitter_s", setup.jitter_s);
+  set("arm.impairment.loss", setup.loss);
+  set("arm.impairment.duplicate", setup.duplicate);
+  set("arm.impairment.reorder", setup.reorder);
+  set("arm.impairment.seed", setup.hand_seed + 1);
+  return all;
+}
+
+Programme draw(std::uint64_t seed, std::uint64_t episode) {
+  Programme programme;
+  programme.seed = derive(seed, episode);
+  Dice dice(programme.seed);
+  programme.setup = some_setup(dice);
+  programme.ticks =
+      (10'000 + dice.below(30'000)) * static_cast<std::uint64_t>(programme.setup.rate_hz) / 1000;
+  constexpr std::array kEvents_per_s{0.2, 1.0, 1.0, 5.0};
+  const double per_s = kEvents_per_s[dice.below(kEvents_per_s.size())];
+  const Duration end = from_seconds(static_cast<double>(programme.ticks) / programme.setup.rate_hz);
+  add_events(end, per_s, dice, programme.events);
+  add_clears(end, dice, programme.events);
+  std::stable_sort(programme.events.begin(), programme.events.end(),
+                   [](const Event& a, const Event& b) { return a.at < b.at; });
+  return programme;
+}
+
+std::string to_text(const Programme& programme) {
+  std::string text = std::to_string(programme.ticks) + " ticks of\n";
+  for (const std::string& line : overrides(programme.setup)) text += "  --set " + line + '\n';
+  text += "and in it\n";
+  for (const Event& event : programme.events) text += line_of(event);
+  return text;
+}
+
+sim::FaultPlan cables_of(const Programme& programme) {
+  sim::FaultPlan plan;
+  plan.seed = programme.seed;
+  plan.random = programme.setup.noise;
+  for (const Event& event : programme.events) {
+    if (static_cast<std::size_t>(event.kind) >= sim::kFaultKindCount) continue;
+    sim::ScriptedFault fault;
+    fault.kind = static_cast<sim::FaultKind>(event.kind);
+    fault.from = MonotonicTime{event.at};
+    fault.lasts = event.lasts;
+    fault.delay = event.lasts;  // of DelayIn: as much as one that lasts
+    plan.script.push_back(fault);
+  }
+  return plan;
+}
+
+}  // namespace thimble::campaign

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hal/base/geometry.hpp"
+#include "hal/base/time.hpp"
+#include "sim/fault/fault_plan.hpp"
+
+namespace thimble::campaign {
+
+// What goes wrong, or what somebody does. The first eight are those of sim::FaultKind, in its
+// order; while one lasts, every report of its direction suffers it.
+enum class EventKind : std::uint8_t {
+  DropIn,
+  DropOut,
+  DelayIn,
+  CorruptIn,
+  CorruptOut,
+  TruncateIn,
+  Stall,
+  Disconnect,   // the handle is dead; one opened after it is not
+  RefuseOpen,   // somebody else holds the device
+  LoseEvents,   // arrivals and departures are not told
+  Unplug,       // the cable is out while it lasts
+  Estop,        // the input is not healthy while it lasts
+  DeadmanOpen,  // while it lasts
+  Withdraw,     // nobody wants the arm active while it lasts
+  Clear,        // of the fault that is latched then
+  ClearOther,   // of another fault than that
+  LateServo,    // one tick comes later by `lasts`
+  NetworkDown,  // while it lasts
+  Shove,        // somebody pushes the tip while it lasts
+  FillCell,     // a cell of the world is filled while it lasts
+};
+inline constexpr std::size_t kEventKindCount = 20;
+[[nodiscard]] std::string_view to_string(EventKind kind) noexcept;
+
+struct Event {
+  EventKind kind{};
+  Duration at{};  // since the episode's start
+  Duration lasts{};
+  std::uint64_t cell{0};  // FillCell
+  Force3 push{};          // Shove
+  bool operator==(const Event&) const = default;
+};
+
+// The configuration of one episode: what differs from tests/data/hello.toml.
+struct Setup {
+  int rate_hz{1000};
+  std::string_view device{"sim:phantom-vintage"};
+  std::string_view motion{"explore"};
+  std::uint64_t hand_seed{1};
+  double hand_speed_m_per_s{0.15};
+  double hand_reach_m{0.018};
+  double hand_newton_per_m{200};
+  int cells{3};
+  bool is_simple_model{false};
+  bool is_thesis_literal{false};
+  bool is_lock_step{false};
+  double stiffness_newton_per_m{800};
+  double force_newton{0};  // 0: the arm's own
+  double rise_newton_per_s{1000};
+  double amplifier_a{3};
+  double ramp_s{0.5};
+  bool is_realtime_required{false};
+  double delay_s{0};
+  double jitter_s{0};
+  double loss{0};
+  double duplicate{0};
+  double reorder{0};
+  sim::RandomFaults noise{};  // of the cable
+  bool operator==(const Setup&) const = default;
+};
+// As --set takes them.
+[[nodiscard]] std::vector<std::string> overrides(const Setup& setup);
+
+// One episode, all of it: playing it twice is the same to the last bit.
+struct Programme {
+  std::uint64_t seed{0};
+  std::uint64_t ticks{0};
+  Setup setup;
+  std::vector<Event> events;  // by time
+};
+
+// Episode number `episode` of the campaign that `seed` names.
+[[nodiscard]] Programme draw(std::uint64_t seed, std::uint64_t episode);
+// For a person: the configuration and one line an event.
+[[nodiscard]] std::string to_text(const Programme& programme);
+// What its cable suffers.
+[[nodiscard]] sim::FaultPlan cables_of(const Programme& programme);
+
+}  // namespace thimble::campaign

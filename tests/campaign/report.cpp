@@ -1,0 +1,56 @@
+#include "tests/campaign/report.hpp"
+
+#include <array>
+#include <cstdio>
+
+namespace thimble::campaign {
+namespace {
+
+template <class... Values>
+std::string format(const char* pattern, Values... values) {
+  std::array<char, 200> line{};
+  std::snprintf(line.data(), line.size(), pattern, values...);
+  return line.data();
+}
+
+std::string count(std::string_view name, std::uint64_t n) {
+  return format("  %-20s %12llu\n", std::string(name).c_str(), static_cast<unsigned long long>(n));
+}
+
+constexpr std::array<const char*, sim::kFaultKindCount> kReportNames{
+    "dropped in",    "dropped out",  "delayed in", "corrupted in",
+    "corrupted out", "truncated in", "stalled",    "handles killed"};
+
+}  // namespace
+
+std::string to_text(const Tally& tally) {
+  std::string text = format("%llu episodes, %llu ticks, %.0f s of the arms' time\n",
+                            static_cast<unsigned long long>(tally.episodes),
+                            static_cast<unsigned long long>(tally.ticks), tally.played_s);
+  text += "events\n";
+  for (std::size_t i = 0; i < kEventKindCount; ++i) {
+    text += count(to_string(static_cast<EventKind>(i)), tally.events[i]);
+  }
+  text += "reports on the bus\n";
+  for (std::size_t i = 0; i < sim::kFaultKindCount; ++i) {
+    text += count(kReportNames[i], tally.reports.by_kind[i]);
+  }
+  text += "messages on the link\n" + count("lost", tally.messages_lost) +
+          count("duplicated", tally.messages_duplicated) +
+          count("reordered", tally.messages_reordered);
+  text += "ticks by state\n";
+  for (std::size_t i = 0; i < kOperatingStateCount; ++i) {
+    if (tally.ticks_in[i] == 0) continue;
+    text += count(to_string(static_cast<OperatingState>(i)), tally.ticks_in[i]);
+  }
+  text += "faults latched\n";
+  for (std::size_t i = 1; i < kFaultCodeCount; ++i) {
+    text += count(to_string(static_cast<FaultCode>(i)), tally.latched[i]);
+  }
+  text += "and then\n" + count("cleared", tally.cleared) + count("arms lost", tally.unplugged) +
+          count("driven again", tally.recoveries) + count("contacts", tally.contacts) +
+          format("  %-20s %12.3f N\n", "largest force sent", tally.peak_newton);
+  return text;
+}
+
+}  // namespace thimble::campaign
