@@ -321,6 +321,11 @@ Entry<WorldConfig> read_world(TableReader reader, const std::filesystem::path& f
   read_choice(reader, "constraint_model", kConstraintModels, out.constraint_model);
   read_listener(reader, out);
   out.impairment = read_impairment(reader.table("impairment"));
+  if (out.constraint_model == ConstraintModel::Simple && !out.materials.empty()) {
+    reader.object("material",
+                  "expected only with constraint_model = \"ghost-point\": the simple model tells "
+                  "no surface");
+  }
   reader.finish();
   return {std::move(reader), std::move(out)};
 }

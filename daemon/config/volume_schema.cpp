@@ -15,6 +15,8 @@ bool is_volume_file(std::string_view source) {
 namespace {
 
 constexpr Range kFileNumber{-1e9, 1e9};
+constexpr std::array<std::string_view, 3> kSurfaceKeys{"stiffness_newton_per_m",
+                                                       "damping_newton_s_per_m", "friction"};
 constexpr std::size_t kMaxMaterials = 15;  // what daemon/world can tell apart
 
 [[nodiscard]] bool is_axis_order(std::string_view order) {
@@ -27,7 +29,22 @@ constexpr std::size_t kMaxMaterials = 15;  // what daemon/world can tell apart
   return std::is_permutation(letters.begin(), letters.end(), kAxes.begin(), kAxes.end());
 }
 
-MaterialConfig read_material(TableReader& reader) {
+// What changes nothing is a mistake: who wrote it expects to feel it.
+void refuse_without_effect(TableReader& reader, const MaterialConfig& material, double threshold) {
+  if (material.to >= material.from && material.to <= threshold) {
+    reader.object(reader.has("to") ? "to" : "from",
+                  "expected a number above world.threshold, " + shown(threshold) +
+                      ", since no other cell is filled; found " + shown(material.to));
+  }
+  const auto is_said = [&](std::string_view key) { return reader.has(key); };
+  if (std::none_of(kSurfaceKeys.begin(), kSurfaceKeys.end(), is_said)) {
+    reader.object("name",
+                  "expected stiffness_newton_per_m, damping_newton_s_per_m or friction beside it, "
+                  "found none");
+  }
+}
+
+MaterialConfig read_material(TableReader& reader, double threshold) {
   MaterialConfig out;
   reader.require("name", "a name");
   reader.read("name", out.name);
@@ -40,13 +57,14 @@ MaterialConfig read_material(TableReader& reader) {
   reader.read("stiffness_newton_per_m", {0, 20000, true}, out.stiffness_newton_per_m);
   reader.read("damping_newton_s_per_m", {0, 1000}, out.damping_newton_s_per_m);
   reader.read("friction", {0, 1}, out.friction);
+  refuse_without_effect(reader, out, threshold);
   reader.finish();
   return out;
 }
 
 void read_materials(TableReader& reader, WorldConfig& world) {
   for (TableReader& table : reader.tables("material"))
-    world.materials.push_back(read_material(table));
+    world.materials.push_back(read_material(table, world.threshold));
   if (world.materials.size() > kMaxMaterials) {
     reader.reject("material", "expected at most " + std::to_string(kMaxMaterials) +
                                   " materials, found " + std::to_string(world.materials.size()));

@@ -88,22 +88,43 @@ TEST(ConfigVolume, ReadsItsMaterials) {
 
 TEST(ConfigVolume, RefusesMaterialsThatAreNone) {
   for (const auto& [lines, said] :
-       {std::pair{"from = 1\n", "world.0.material.0.name: expected a name"},
-        std::pair{"name = \"a\"\n", "world.0.material.0.from: expected a number of the file"},
-        std::pair{"name = \"a\"\nfrom = 2\nto = 1\n", "not below from, found 1"},
+       {std::pair{"from = 1\nfriction = 0\n", "world.0.material.0.name: expected a name"},
+        std::pair{"name = \"a\"\nfriction = 0\n",
+                  "world.0.material.0.from: expected a number of the file"},
+        std::pair{"name = \"a\"\nfrom = 2\nto = 1\nfriction = 0\n", "not below from, found 1"},
         std::pair{"name = \"a\"\nfrom = 2\nstiffness_newton_per_m = 0\n", "above 0 up to 20000"},
         std::pair{"name = \"a\"\nfrom = 2\nfriction = 1.1\n", "from 0 to 1, found 1.1"},
-        std::pair{"name = \"a\"\nfrom = 2\nfrictoin = 0\n", "there is no such key"}}) {
+        std::pair{"name = \"a\"\nfrom = 2\nfriction = 0\nfrictoin = 0\n",
+                  "there is no such key"}}) {
     EXPECT_THAT(mistakes(volume_with(std::string("[[world.material]]\n") + lines)),
                 ElementsAre(HasSubstr(said)))
         << lines;
   }
   std::string many;
-  for (int i = 0; i < 16; ++i) many += "[[world.material]]\nname = \"a\"\nfrom = 1\n";
+  for (int i = 0; i < 16; ++i) {
+    many += "[[world.material]]\nname = \"a\"\nfrom = 1\nfriction = 0\n";
+  }
   EXPECT_THAT(mistakes(volume_with(many)),
               ElementsAre(HasSubstr("at most 15 materials, found 16")));
-  EXPECT_THAT(mistakes(hello_with_world("[[world.material]]\nname = \"a\"\nfrom = 1\n")),
-              ElementsAre(HasSubstr("only with a volume file")));
+  EXPECT_THAT(
+      mistakes(hello_with_world("[[world.material]]\nname = \"a\"\nfrom = 1\nfriction = 0\n")),
+      ElementsAre(HasSubstr("only with a volume file")));
+}
+
+TEST(ConfigVolume, RefusesMaterialsThatWouldNeverBeFelt) {
+  const std::string bone = "[[world.material]]\nname = \"bone\"\n";
+  EXPECT_THAT(
+      mistakes(volume_with("threshold = 3\n" + bone + "from = 2\nfriction = 0\n")),
+      ElementsAre(HasSubstr("material.0.from: expected a number above world.threshold, 3")));
+  EXPECT_THAT(mistakes(volume_with("threshold = 3\n" + bone + "from = 2\nto = 3\nfriction = 0\n")),
+              ElementsAre(HasSubstr("material.0.to: expected a number above world.threshold, 3")));
+  EXPECT_TRUE(
+      mistakes(volume_with("threshold = 3\n" + bone + "from = 2\nto = 4\nfriction = 0\n")).empty());
+  EXPECT_THAT(mistakes(volume_with(bone + "from = 2\n")),
+              ElementsAre(HasSubstr("or friction beside it, found none")));
+  EXPECT_THAT(
+      mistakes(volume_with("constraint_model = \"simple\"\n" + bone + "from = 2\nfriction = 0\n")),
+      ElementsAre(HasSubstr("the simple model tells no surface")));
 }
 
 TEST(ConfigVolume, ABoxTakesNoneOfItsKeys) {
