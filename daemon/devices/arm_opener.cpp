@@ -5,6 +5,14 @@
 
 namespace thimble::devices {
 
+std::optional<bus::BusDeviceInfo> find_device(bus::BusEnumerator& buses,
+                                              const bus::DeviceAddress& address) {
+  for (const bus::BusDeviceInfo& device : buses.list()) {
+    if (device.address == address) return device;
+  }
+  return std::nullopt;
+}
+
 Result<std::unique_ptr<HapticDevice>> open_arm(bus::BusEnumerator& buses,
                                                const plugin::DriverRegistry& drivers,
                                                const bus::DeviceAddress& address,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "hal/base/result.hpp"
@@ -9,6 +10,10 @@
 #include "hal/plugin/driver_registry.hpp"
 
 namespace thimble::devices {
+
+// What `buses` lists at `address`, if anything. Thread: control plane.
+[[nodiscard]] std::optional<bus::BusDeviceInfo> find_device(bus::BusEnumerator& buses,
+                                                            const bus::DeviceAddress& address);
 
 // Finds the device at `address` on `buses`, lets the drivers claim it, opens it.
 // Thread: control plane. Errors: NotFound (naming what is there), or the driver's refusal with

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "daemon/devices/arm_opener.hpp"
+#include "daemon/devices/returned_arm.hpp"
 #include "daemon/session/arm_settings.hpp"
 
 namespace thimble::session {
@@ -27,6 +28,7 @@ Result<std::unique_ptr<ArmSession>> ArmSession::create(const config::ArmConfig& 
                                                        const config::ServoConfig& servo,
                                                        const ArmSessionParts& parts) {
   const std::string name = "arm '" + arm.name + "'";
+  const std::optional<bus::BusDeviceInfo> info = devices::find_device(parts.buses, {arm.device});
   Result<std::unique_ptr<HapticDevice>> device = open_device(arm, parts);
   if (!device) return tl::unexpected(device.error().in(name));
   const Result<servo::ServoSettings> settings =
@@ -39,6 +41,7 @@ Result<std::unique_ptr<ArmSession>> ArmSession::create(const config::ArmConfig& 
   // The constructor is private, so make_unique cannot reach it.
   std::unique_ptr<ArmSession> session(
       new ArmSession(arm, parts, *std::move(device), *std::move(coupling)));
+  session->identity_ = info.value_or(bus::BusDeviceInfo{});
   session->loop_ = std::make_unique<servo::ServoLoop>(
       servo::ServoParts{session->device_, *session->coupling_, parts.link, session->controls_,
                         parts.clock, parts.stopwatch},
@@ -105,16 +108,16 @@ bool ArmSession::is_lost_for_servo() {
 }
 
 Result<void> ArmSession::reopen() {
-  const std::vector<bus::BusDeviceInfo> present = parts_.buses.list();
-  const bool is_there = std::any_of(present.begin(), present.end(), [&](const auto& device) {
-    return device.address.text == arm_.device;
-  });
-  if (!is_there) return {};  // unplugged, which the state says already
+  const auto found = devices::find_device(parts_.buses, {arm_.device});
+  if (!found) return {};  // unplugged, which the state says already
+  const std::string refusal = "arm '" + arm_.name + "' is back but cannot be opened";
+  const Result<void> is_same = devices::check_same_device(identity_, *found);
+  if (!is_same) return tl::unexpected(is_same.error().in(refusal));
   Result<std::unique_ptr<HapticDevice>> device = open_device(arm_, parts_);
-  if (!device) {
-    return tl::unexpected(
-        device.error().in("arm '" + arm_.name + "' is back but cannot be opened"));
-  }
+  if (!device) return tl::unexpected(device.error().in(refusal));
+  const Result<void> is_alike =
+      devices::check_same_limits(device_.capabilities(), (*device)->capabilities());
+  if (!is_alike) return tl::unexpected(is_alike.error().in(refusal));
   (*device)->forget_calibration();
   if (!device_.offer(*device)) return fail(Errc::Busy, "arm '" + arm_.name + "' is being replaced");
   offered_at_tick_ = snapshot().frame.tick;

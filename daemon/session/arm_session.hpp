@@ -57,7 +57,7 @@ class ArmSession {
   void on_bus_event(const bus::BusEvent& event);
   // Opens a lost arm again as soon as it can be had, trying less and less often, and puts away
   // what the servo has let go of. `now` is the caller's own time. Errors: the arm is there, but
-  // this try could not open it.
+  // this try could not open it, or another device stands in its place: that is left alone.
   Result<void> follow(MonotonicTime now);
   // Why a returned arm is still lost, for a person; empty when nothing is wrong.
   [[nodiscard]] const std::string& trouble() const noexcept { return trouble_; }
@@ -77,6 +77,7 @@ class ArmSession {
 
   config::ArmConfig arm_;
   ArmSessionParts parts_;
+  bus::BusDeviceInfo identity_;  // of the arm that the session was made for
   devices::ReplaceableDevice device_;
   std::unique_ptr<coupling::ArmCoupling> coupling_;
   servo::ServoControls controls_;

@@ -39,6 +39,7 @@ struct HapticCapabilities {
   std::array<double, 3> continuous_current_a{};  // per motor: its thermal limit
   Duration sample_period{};                      // of the device's own reports
   Duration device_watchdog{};                    // 0: none or unknown
+  bool operator==(const HapticCapabilities&) const = default;
 };
 
 // One measured state. Base frame of the arm: x right, y up, z towards the user; its origin is

@@ -36,8 +36,8 @@ source = "box:3"
 // A device of which is known how many there are.
 class CountedHid final : public bus::HidDevice {
  public:
-  CountedHid(std::unique_ptr<bus::HidDevice> below, int& open, const int& generation)
-      : below_(std::move(below)), open_(open), generation_(generation), opened_in_(generation) {
+  CountedHid(std::unique_ptr<bus::HidDevice> below, int& open, const int& generation, int opened_in)
+      : below_(std::move(below)), open_(open), generation_(generation), opened_in_(opened_in) {
     ++open_;
   }
   ~CountedHid() override { --open_; }
@@ -62,7 +62,14 @@ class CountedHid final : public bus::HidDevice {
 class ReluctantBus final : public bus::BusEnumerator {
  public:
   explicit ReluctantBus(sim::SimEnumerator& below) : below_(below) {}
-  [[nodiscard]] std::vector<bus::BusDeviceInfo> list() override { return below_.list(); }
+  [[nodiscard]] std::vector<bus::BusDeviceInfo> list() override {
+    std::vector<bus::BusDeviceInfo> devices = below_.list();
+    for (bus::BusDeviceInfo& device : devices) {
+      if (serial_numbers.count(device.address.text) == 0) continue;
+      device.serial_number = serial_numbers.at(device.address.text);
+    }
+    return devices;
+  }
   [[nodiscard]] std::optional<bus::BusEvent> poll_event() override { return below_.poll_event(); }
   [[nodiscard]] Result<std::unique_ptr<bus::HidDevice>> open_hid(
       const bus::DeviceAddress& address) override {
@@ -70,13 +77,16 @@ class ReluctantBus final : public bus::BusEnumerator {
     if (is_busy) return fail(Errc::Busy, address.text + " is held by somebody else");
     auto device = below_.open_hid(address);
     if (!device) return device;
-    return std::make_unique<CountedHid>(*std::move(device), open, generation_);
+    return std::make_unique<CountedHid>(*std::move(device), open, generation_,
+                                        are_born_dead ? -1 : generation_);
   }
 
   // Every handle that is open now is of no use any more.
   void kill_handles() { ++generation_; }
 
+  std::map<std::string, std::string> serial_numbers;  // instead of the models' own
   bool is_busy{false};
+  bool are_born_dead{false};
   int tries{0};
   int open{0};
 
@@ -85,11 +95,33 @@ class ReluctantBus final : public bus::BusEnumerator {
   int generation_{0};
 };
 
+// The family's driver, which finds that an arm of the same name can do less than before.
+class ChangingDriver final : public plugin::Driver {
+ public:
+  explicit ChangingDriver(const bool& is_weaker) : is_weaker_(is_weaker) {}
+  [[nodiscard]] std::string_view name() const noexcept override { return below_->name(); }
+  [[nodiscard]] Result<void> probe(const bus::BusDeviceInfo& info,
+                                   const plugin::DriverSettings& settings) const override {
+    return below_->probe(info, settings);
+  }
+  [[nodiscard]] Result<std::unique_ptr<HapticDevice>> open(
+      bus::BusEnumerator& buses, const bus::BusDeviceInfo& info,
+      const plugin::DriverSettings& settings) const override {
+    plugin::DriverSettings said = settings;
+    if (is_weaker_) said.amplifier_max_a = 1.5;
+    return below_->open(buses, info, said);
+  }
+
+ private:
+  std::unique_ptr<plugin::Driver> below_{phantom::make_phantom_driver()};
+  const bool& is_weaker_;
+};
+
 // Two arms on one bus that is no simulated one as far as the session can tell.
 class HotPlug : public testing::Test {
  protected:
   HotPlug() {
-    drivers_.add(phantom::make_phantom_driver());
+    drivers_.add(std::make_unique<ChangingDriver>(is_weaker_));
     sim::register_arm_models(models_);
     for (const char* address : {"hid:left", "hid:right"}) plug(address);
     const config::ConfigResult config = config::parse(kTwoArms, "two-arms.toml", {});
@@ -118,6 +150,7 @@ class HotPlug : public testing::Test {
   ArmSession& arm(std::size_t i) { return sut_->arms()[i]->session(); }
   OperatingState state(std::size_t i) { return arm(i).snapshot().frame.state; }
 
+  bool is_weaker_{false};
   plugin::DriverRegistry drivers_;
   plugin::SimModelRegistry models_;
   sim::VirtualClock clock_;
@@ -193,6 +226,49 @@ TEST_F(HotPlug, TheOldDeviceIsPutAwayWithoutAnotherEvent) {
   run(0.05);
   ASSERT_NE(state(0), OperatingState::Lost);
   EXPECT_EQ(bus_.open, 2);
+}
+
+TEST_F(HotPlug, AnotherArmAtTheSamePlaceIsRefusedAndNotEvenOpened) {
+  ASSERT_TRUE(plugs_.unplug({"hid:left"}));
+  run(0.1);
+  bus_.tries = 0;
+  bus_.serial_numbers["hid:left"] = "ANOTHER-1";
+  ASSERT_TRUE(plugs_.replug({"hid:left"}));
+  run(3);
+  EXPECT_EQ(state(0), OperatingState::Lost);
+  EXPECT_EQ(bus_.tries, 0) << "nothing is sent to a stranger";
+  EXPECT_THAT(arm(0).trouble(), AllOf(HasSubstr("left"), HasSubstr("ANOTHER-1"),
+                                      HasSubstr("SIM-phantom-vintage"), HasSubstr("restart")));
+  EXPECT_EQ(state(1), OperatingState::Calibrating) << "the other one is not concerned";
+
+  ASSERT_TRUE(plugs_.unplug({"hid:left"}));
+  bus_.serial_numbers.clear();
+  run(0.1);
+  ASSERT_TRUE(plugs_.replug({"hid:left"}));
+  run(1.2);
+  EXPECT_EQ(state(0), OperatingState::Calibrating) << "the one that left is welcome";
+  EXPECT_EQ(arm(0).trouble(), "");
+}
+
+TEST_F(HotPlug, AnArmThatReturnsWithoutTheSerialNumberThatItHadIsAnother) {
+  ASSERT_TRUE(plugs_.unplug({"hid:left"}));
+  bus_.serial_numbers["hid:left"] = "";
+  run(0.1);
+  ASSERT_TRUE(plugs_.replug({"hid:left"}));
+  run(0.5);
+  EXPECT_EQ(state(0), OperatingState::Lost);
+  EXPECT_THAT(arm(0).trouble(), HasSubstr("no serial number"));
+}
+
+TEST_F(HotPlug, AnArmThatReturnsWithOtherLimitsIsRefused) {
+  ASSERT_TRUE(plugs_.unplug({"hid:left"}));
+  run(0.1);
+  is_weaker_ = true;
+  ASSERT_TRUE(plugs_.replug({"hid:left"}));
+  run(0.5);
+  EXPECT_EQ(state(0), OperatingState::Lost);
+  EXPECT_THAT(arm(0).trouble(), AllOf(HasSubstr("limits"), HasSubstr("restart")));
+  EXPECT_EQ(bus_.open, 1) << "and closed again";
 }
 
 // A handle that failed while its device stayed: the port opens no second one beside it.
