@@ -84,7 +84,8 @@ Result<void> ArmSession::follow(MonotonicTime now) {
   device_.collect();
   if (!is_lost_for_servo()) {
     trouble_.clear();
-    look_at_once();
+    // One that dies before its first report was never had: the tries go on as rare as they were.
+    if (device_.counters().reports_in > 0) look_at_once();
     return {};
   }
   // The dead handle goes first: decision 0150.

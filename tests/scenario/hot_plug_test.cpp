@@ -228,6 +228,20 @@ TEST_F(HotPlug, TheOldDeviceIsPutAwayWithoutAnotherEvent) {
   EXPECT_EQ(bus_.open, 2);
 }
 
+TEST_F(HotPlug, AnArmWhoseHandlesDieAtOnceIsTriedLessAndLessOften) {
+  run(0.1);
+  bus_.are_born_dead = true;
+  bus_.kill_handles();
+  bus_.tries = 0;
+  run(10);
+  EXPECT_LE(bus_.tries, 2 * 12) << "as often as one that cannot be opened";
+  EXPECT_GE(bus_.tries, 2 * 8);
+  bus_.are_born_dead = false;
+  run(seconds(ArmSession::kLongestRetry) + 0.5);
+  EXPECT_EQ(state(0), OperatingState::Calibrating);
+  EXPECT_EQ(bus_.open, 2);
+}
+
 TEST_F(HotPlug, AnotherArmAtTheSamePlaceIsRefusedAndNotEvenOpened) {
   ASSERT_TRUE(plugs_.unplug({"hid:left"}));
   run(0.1);
