@@ -18,6 +18,7 @@
 #include "daemon/app/recording_writer.hpp"
 #include "daemon/app/service_notifier.hpp"
 #include "daemon/app/servo_threads.hpp"
+#include "daemon/app/status_source.hpp"
 #include "daemon/config/config.hpp"
 #include "daemon/session/plugins.hpp"
 #include "daemon/session/runtime.hpp"
@@ -60,7 +61,7 @@ class Daemon final : private api::StatusView {
   session::Plugins plugins_;
   Leases leases_;
   LatenessWatch lateness_;
-  std::map<std::string, std::string> recordings_;  // newest path (or trouble) by arm
+  Recordings recordings_;
 
   boost::asio::io_context io_{1};
   boost::asio::signal_set signals_{io_};

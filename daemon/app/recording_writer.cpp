@@ -31,11 +31,12 @@ Result<StoredRecording> store(const std::string& directory, const session::Recor
 void RecordingWriter::write(session::Recording recording) {
   boost::asio::post(*worker_, [this, recording = std::move(recording)] {
     const Result<StoredRecording> stored = store(directory_, recording);
+    const servo::FlightHeader& header = recording.header;
     const std::lock_guard lock(mutex_);
     if (stored) {
-      finished_.push_back({recording.header.arm, stored->path, "", stored->removed});
+      finished_.push_back({header.arm, header.fault.code, stored->path, "", stored->removed});
     } else {
-      finished_.push_back({recording.header.arm, "", stored.error().message, 0});
+      finished_.push_back({header.arm, header.fault.code, "", stored.error().message, 0});
     }
   });
 }

@@ -24,6 +24,7 @@ class RecordingWriter {
  public:
   struct Outcome {
     std::string arm;
+    FaultCode cause{};
     std::string path;        // empty when it could not be written
     std::string error;       // why
     std::size_t removed{0};  // older recordings that made room

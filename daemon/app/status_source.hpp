@@ -2,6 +2,7 @@
 
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "daemon/api/status.hpp"
@@ -12,12 +13,15 @@
 
 namespace thimble::app {
 
+// By the arm's name and what stopped it: the path of the newest such recording, or why it could not
+// be written.
+using Recordings = std::map<std::pair<std::string, FaultCode>, std::string>;
+
 // What the status needs besides the runtime itself; see api::Status for the meaning.
 struct StatusContext {
   const Leases& leases;
   const ServoThreads* threads{nullptr};  // nullptr before they run
-  // Newest recording of each arm, by name: its path, or why it could not be written.
-  const std::map<std::string, std::string>& recordings;
+  const Recordings& recordings;
   const LatenessWatch& lateness;
   MonotonicTime started{};
   MonotonicTime now{};

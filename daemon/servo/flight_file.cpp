@@ -31,6 +31,11 @@ std::string format_flight(const FlightHeader& header, const std::vector<ServoFra
   out += "# cause: " + std::string(to_string(header.fault.code)) + " at tick " +
          std::to_string(header.fault.tick) + "\n";
   out += "# meaning: " + std::string(explain(header.fault.code)) + "\n";
+  if (header.without_room > 0) {
+    out +=
+        "# later stops that came too fast to be recorded: " + std::to_string(header.without_room) +
+        "\n";
+  }
   out +=
       "tick,now_s,lateness_s,sample_age_s,state,calibration,read,write,fault,"
       "tip_x_m,tip_y_m,tip_z_m,velocity_x_m_per_s,velocity_y_m_per_s,velocity_z_m_per_s,"

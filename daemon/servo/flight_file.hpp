@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@ struct FlightHeader {
   std::string arm;
   std::string device;
   Fault fault{};
+  std::uint64_t without_room{0};  // later stops that came too fast to be recorded
 };
 
 // A recording as text: comment lines with the cause in words, then one CSV row per tick,

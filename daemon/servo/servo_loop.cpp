@@ -121,7 +121,7 @@ void ServoLoop::answer_clear_request(bool is_healthy) noexcept {
 void ServoLoop::advance_lifecycle(ServoFrame& frame) noexcept {
   if (frame.read_status == IoStatus::Disconnected && state_ != OperatingState::Lost) {
     snapshot_.fault = {FaultCode::Disconnected, frame.now, frame.tick};
-    is_stop_to_record_ = true;
+    stops_.push_back(snapshot_.fault);
     gain_.cut();
     arm_.calibration = CalibrationState::Unknown;
     apply(LifecycleEvent::Unplug);
@@ -267,10 +267,13 @@ void ServoLoop::write(ServoFrame& frame, const LimitedWrench& wrench) noexcept {
 }
 
 void ServoLoop::record(ServoFrame& frame) noexcept {
-  recorder_.record(frame);
-  if (!is_stop_to_record_) return;
-  is_stop_to_record_ = false;
-  recorder_.freeze();
+  if (stops_.empty()) return recorder_.record(frame);
+  // Every recording ends with the tick of its own stop.
+  for (const Fault& cause : stops_) {
+    recorder_.record(frame);
+    recorder_.freeze(cause);
+  }
+  stops_.clear();
 }
 
 void ServoLoop::publish(const ServoFrame& frame) noexcept {
@@ -288,7 +291,7 @@ void ServoLoop::fail(FaultCode code, const ServoFrame& frame) noexcept {
   if (!latch_.latch(code, frame.now, frame.tick)) return;
   ++snapshot_.faults;
   latched_at_ = frame.now;
-  is_stop_to_record_ = true;
+  stops_.push_back(latch_.fault());
   gain_.cut();
   apply(LifecycleEvent::Fail);
 }

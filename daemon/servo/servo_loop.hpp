@@ -20,6 +20,7 @@
 #include "hal/device/haptic_device.hpp"
 #include "hal/device/operating_state.hpp"
 #include "hal/rt/annotations.hpp"
+#include "hal/rt/static_vector.hpp"
 #include "hal/rt/word_seqlock.hpp"
 
 namespace thimble::servo {
@@ -125,7 +126,8 @@ class ServoLoop {
   MonotonicTime last_write_{};
   MonotonicTime latched_at_{};
   bool has_written_{false};
-  bool is_stop_to_record_{false};
+  // Of this tick: what latched, what was unplugged, and what latched again after a clear.
+  rt::StaticVector<Fault, 3> stops_;
   bool is_outage_over_{false};
   bool is_let_go_{false};  // driven, but at zero force: the hand may have gone anywhere
   ServoSnapshot snapshot_{};

@@ -57,15 +57,10 @@ const servo::ServoSnapshot& ArmSession::snapshot() {
 
 std::optional<Recording> ArmSession::take_recording() {
   if (!loop_->recorder().is_frozen()) return std::nullopt;
+  servo::FlightStop stop = loop_->recorder().take();
   Recording recording;
-  recording.frames = loop_->recorder().take();
-  recording.header = {arm_.name, arm_.device, snapshot().fault};
-  // A fault that a person cleared in the meantime is still what the frames end with.
-  if (!recording.frames.empty()) {
-    const servo::ServoFrame& last = recording.frames.back();
-    const FaultCode code = last.fault != FaultCode::None ? last.fault : FaultCode::Disconnected;
-    recording.header.fault = {code, last.now, last.tick};
-  }
+  recording.frames = std::move(stop.frames);
+  recording.header = {arm_.name, arm_.device, stop.cause, stop.without_room};
   return recording;
 }
 

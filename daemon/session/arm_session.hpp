@@ -51,7 +51,7 @@ class ArmSession {
   // The newest state; what was known before when the servo wrote all the while.
   [[nodiscard]] const servo::ServoSnapshot& snapshot();
 
-  // A latched stop that waits to be written, if any.
+  // The oldest stop that waits to be written, if any; two may wait.
   [[nodiscard]] std::optional<Recording> take_recording();
   // Hot-plug: `event` concerns some device; when ours arrives it is looked for at once.
   void on_bus_event(const bus::BusEvent& event);

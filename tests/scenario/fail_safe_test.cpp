@@ -139,5 +139,22 @@ TEST_P(FailSafe, EveryStopLeavesARecordingOfTwoSecondsThatEndsWithTheFault) {
   EXPECT_FALSE(sut.arm().session().take_recording().has_value()) << "once";
 }
 
+TEST_P(FailSafe, AnUnplugRightAfterAStopIsRecordedBesideIt) {
+  ClosedLoop sut(with(kStill));
+  sut.run_until_leaning();
+  stop(sut);
+  sut.unplug();
+  sut.run(0.01);
+  const std::optional<session::Recording> first = sut.arm().session().take_recording();
+  const std::optional<session::Recording> second = sut.arm().session().take_recording();
+  ASSERT_TRUE(first.has_value());
+  ASSERT_TRUE(second.has_value());
+  EXPECT_EQ(first->header.fault.code, FaultCode::Estop);
+  EXPECT_EQ(second->header.fault.code, FaultCode::Disconnected);
+  EXPECT_EQ(second->frames.front().tick, first->frames.back().tick + 1) << "without a gap";
+  EXPECT_EQ(second->frames.back().state, OperatingState::Lost);
+  EXPECT_FALSE(sut.arm().session().take_recording().has_value());
+}
+
 }  // namespace
 }  // namespace thimble

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
 #include <sstream>
 
 #include "daemon/servo/flight_file.hpp"
@@ -16,38 +17,94 @@ ServoFrame numbered(std::uint64_t tick) {
   return frame;
 }
 
+Fault numbered_cause(std::uint64_t tick) { return {FaultCode::Estop, {}, tick, 1}; }
+
 TEST(FlightRecorder, KeepsTheLastFramesOldestFirst) {
   FlightRecorder sut(5);
   for (std::uint64_t i = 1; i <= 12; ++i) sut.record(numbered(i));
-  sut.freeze();
+  sut.freeze(numbered_cause(12));
 
-  const std::vector<ServoFrame> frames = sut.take();
+  const FlightStop stop = sut.take();
 
-  ASSERT_EQ(frames.size(), 5U);
-  for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(frames[i].tick, 8 + i);
+  EXPECT_EQ(stop.cause.tick, 12U);
+  ASSERT_EQ(stop.frames.size(), 5U);
+  for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(stop.frames[i].tick, 8 + i);
 }
 
-TEST(FlightRecorder, GivesNothingUntilFrozenAndStartsAnewAfterTake) {
+TEST(FlightRecorder, GivesNothingUntilFrozenAndStartsAnewAfterAStop) {
   FlightRecorder sut(5);
   sut.record(numbered(1));
-  EXPECT_TRUE(sut.take().empty());
-  sut.freeze();
+  EXPECT_TRUE(sut.take().frames.empty());
+  sut.freeze(numbered_cause(1));
   sut.record(numbered(2));
-  EXPECT_EQ(sut.take().size(), 1U) << "what comes after the freeze is not recorded";
+  EXPECT_EQ(sut.take().frames.size(), 1U) << "what comes after the stop is no part of it";
+  EXPECT_FALSE(sut.is_frozen());
   sut.record(numbered(3));
-  sut.freeze();
-  EXPECT_EQ(sut.take().front().tick, 3U);
+  sut.freeze(numbered_cause(3));
+  EXPECT_EQ(sut.take().frames.front().tick, 2U) << "it belongs to the next";
+}
+
+TEST(FlightRecorder, CountsTheStopsThatFoundNoRoom) {
+  FlightRecorder sut(5);
+  for (std::uint64_t i = 1; i <= 4; ++i) {
+    sut.record(numbered(i));
+    sut.freeze(numbered_cause(i));
+  }
+  const FlightStop first = sut.take();
+  EXPECT_EQ(first.cause.tick, 1U);
+  EXPECT_EQ(first.without_room, 2U);
+  const FlightStop second = sut.take();
+  EXPECT_EQ(second.cause.tick, 2U);
+  EXPECT_EQ(second.without_room, 0U);
+  EXPECT_FALSE(sut.is_frozen());
+  EXPECT_TRUE(sut.take().frames.empty());
+}
+
+// Against an oracle that keeps everything in lists.
+TEST(FlightRecorder, AnyOrderOfStopsAndTakesLosesNoCauseUncounted) {
+  std::mt19937 random(3);
+  FlightRecorder sut(7);
+  std::uint64_t tick = 0, stops = 0, taken = 0, without_room = 0, last_taken_tick = 0;
+  for (int round = 0; round < 20'000; ++round) {
+    const auto choice = random() % 10;
+    if (choice < 7) sut.record(numbered(++tick));
+    if (choice == 7) {
+      sut.record(numbered(++tick));
+      sut.freeze(numbered_cause(tick));
+      ++stops;
+    }
+    if (choice < 8 || !sut.is_frozen()) continue;
+    const FlightStop stop = sut.take();
+    ++taken;
+    without_room += stop.without_room;
+    ASSERT_GT(stop.cause.tick, last_taken_tick);
+    last_taken_tick = stop.cause.tick;
+    ASSERT_FALSE(stop.frames.empty());
+    ASSERT_LE(stop.frames.size(), 7U);
+    ASSERT_EQ(stop.frames.back().tick, stop.cause.tick);
+    for (std::size_t i = 1; i < stop.frames.size(); ++i) {
+      ASSERT_EQ(stop.frames[i].tick, stop.frames[i - 1].tick + 1) << "no hole";
+    }
+  }
+  while (sut.is_frozen()) {
+    without_room += sut.take().without_room;
+    ++taken;
+  }
+  EXPECT_EQ(taken + without_room, stops);
+  EXPECT_GT(without_room, 0U);
 }
 
 TEST(FlightFile, NamesTheCauseAndHasARowPerTickWithAsManyFieldsAsTheHeader) {
-  const FlightHeader header{"right", "sim:phantom-vintage", {FaultCode::Overspeed, {}, 7}};
+  const FlightHeader header{"right", "sim:phantom-vintage", {FaultCode::Overspeed, {}, 7, 1}, 2};
   std::istringstream text(format_flight(header, {numbered(6), numbered(7)}));
   std::string line;
   std::string columns;
   std::size_t rows = 0;
   bool has_cause = false;
+  bool has_count = false;
   while (std::getline(text, line)) {
     if (line.rfind("# cause: overspeed at tick 7", 0) == 0) has_cause = true;
+    if (line == "# later stops that came too fast to be recorded: 2") has_count = true;
     if (line[0] == '#') continue;
     if (columns.empty()) {
       columns = line;
@@ -58,6 +115,7 @@ TEST(FlightFile, NamesTheCauseAndHasARowPerTickWithAsManyFieldsAsTheHeader) {
               std::count(columns.begin(), columns.end(), ','));
   }
   EXPECT_TRUE(has_cause);
+  EXPECT_TRUE(has_count);
   EXPECT_EQ(rows, 2U);
 }
 

@@ -196,12 +196,47 @@ TEST(ServoLoop, EveryLatchedStopFreezesARecordingThatEndsWithTheFault) {
   rig.tick(3);
 
   ASSERT_TRUE(rig.sut.recorder().is_frozen());
-  const std::vector<ServoFrame> frames = rig.sut.recorder().take();
+  const std::vector<ServoFrame> frames = rig.sut.recorder().take().frames;
 
   ASSERT_GT(frames.size(), 500U);
   EXPECT_EQ(frames.back().fault, FaultCode::Estop);
   EXPECT_EQ(frames.back().force, Force3{});
   EXPECT_EQ(frames[frames.size() - 2].force.x, 4);
+}
+
+TEST(ServoLoop, ASecondStopBeforeTheFirstIsTakenHasARecordingOfItsOwn) {
+  ServoRig rig;
+  rig.activate_fully();
+  rig.controls.is_estop_healthy = false;
+  rig.tick();
+  rig.device.next_status = IoStatus::Disconnected;
+  rig.tick();
+
+  const FlightStop first = rig.sut.recorder().take();
+  const FlightStop second = rig.sut.recorder().take();
+
+  EXPECT_EQ(first.cause.code, FaultCode::Estop);
+  EXPECT_EQ(second.cause.code, FaultCode::Disconnected);
+  ASSERT_EQ(second.frames.size(), 1U);
+  EXPECT_EQ(second.frames.back().tick, first.frames.back().tick + 1);
+  EXPECT_FALSE(rig.sut.recorder().is_frozen());
+}
+
+TEST(ServoLoop, TwoStopsInOneTickHaveTwoRecordings) {
+  ServoRig rig;
+  rig.activate_fully();
+  rig.controls.is_estop_healthy = false;
+  rig.device.next_status = IoStatus::Disconnected;
+  rig.tick();
+
+  const FlightStop first = rig.sut.recorder().take();
+  const FlightStop second = rig.sut.recorder().take();
+
+  EXPECT_EQ(first.cause.code, FaultCode::Estop);
+  EXPECT_EQ(second.cause.code, FaultCode::Disconnected);
+  ASSERT_FALSE(first.frames.empty());
+  ASSERT_FALSE(second.frames.empty());
+  EXPECT_EQ(first.frames.back().tick, second.frames.back().tick);
 }
 
 TEST(ServoLoop, UnplugMeansLostAndNoFurtherWrites) {
