@@ -1,0 +1,268 @@
+/* What a driver built outside this tree and thimbled agree on: plain C99, nothing else included.
+ *
+ * A plugin is a shared object that exports one constant, THIMBLE_PLUGIN, and hides the rest. The
+ * host compares its numbers before it calls anything in it. docs/plugins.md tells how to write one.
+ *
+ * Version 0 may change with every release. Each change counts up the revision, and the host takes
+ * its own revision only. From version 1 on structures grow at their end only: `struct_bytes` says
+ * how much of one the writer knows, what is missing reads as zero, and the symbol's name changes
+ * with the version, so that one object can serve two.
+ *
+ * Bytes of the bus are handed in and out: a plugin has no handle on the bus, so it cannot wait for
+ * it, and can send nothing but what encode() makes of a force that the limiter has let through.
+ *
+ * Thread: the functions of one device, and those of one simulated device, are called by one thread
+ *   at a time; those of different devices may run at once, so a plugin has no state but theirs.
+ * Real time: where it says RT, the servo thread waits: no allocation, lock, system call, log or
+ *   unbounded loop, and microseconds rather than milliseconds. Nothing here reads a clock.
+ * Errors: enum thimble_status; a reason is a sentence for a person. No exception may leave a
+ *   function: it would end the process, as a crash does. The host does not contain a plugin; it
+ *   refuses what it can see, and checks every number that comes back.
+ * Ownership: all that is passed belongs to the caller and is valid during the call, unless said.
+ *   The plugin's own structures are constant, lie in its object, and last as long as the process:
+ *   it is never unloaded.
+ * Text: UTF-8, ended by a zero byte within its array.
+ * Units: SI, as the names say. Base frame of an arm: x to the right, y up, z towards the user, its
+ *   origin in the middle of the workspace. Times are nanoseconds on the clock of the bus.
+ */
+#ifndef THIMBLE_PLUGIN_ABI_H
+#define THIMBLE_PLUGIN_ABI_H
+
+#include <stdint.h>
+
+/* NOLINTBEGIN(readability-identifier-naming): names as C has them. */
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define THIMBLE_PLUGIN_MAGIC UINT32_C(0x504d4854) /* "THMP" in memory */
+#define THIMBLE_PLUGIN_ABI_VERSION UINT32_C(0)
+#define THIMBLE_PLUGIN_ABI_REVISION UINT32_C(1)
+
+#define THIMBLE_NAME_BYTES 32    /* names are 1 to 31 of a-z, 0-9 and - */
+#define THIMBLE_TEXT_BYTES 192   /* one sentence */
+#define THIMBLE_STRING_BYTES 128 /* of a device's descriptor; longer ones are cut */
+#define THIMBLE_REPORT_BYTES 64  /* full-speed interrupt packet, USB 2.0 */
+#define THIMBLE_JOINTS 6
+#define THIMBLE_MOTORS 3
+
+enum thimble_status {
+  THIMBLE_OK = 0,
+  THIMBLE_NO_DATA = 1,        /* decode(): a sound report without a new sample */
+  THIMBLE_PROTOCOL_ERROR = 2, /* decode(), encode(): counted; no sample, nothing sent */
+  THIMBLE_NOT_MINE = 3,       /* match(): ask the next driver */
+  THIMBLE_REFUSED = 4         /* match(), open(), create(), move_tip_to(): see the reason */
+};
+
+enum thimble_calibration {
+  THIMBLE_CALIBRATION_UNKNOWN = 0,
+  THIMBLE_CALIBRATION_NEEDS_PERSON = 1, /* who must do what calibration_instruction says */
+  THIMBLE_CALIBRATION_DONE = 2          /* the tip is known; without it no force is asked for */
+};
+
+struct thimble_reason {
+  char text[THIMBLE_TEXT_BYTES];
+};
+
+/* What can be known of a HID device without touching it. */
+struct thimble_hid_info {
+  uint32_t struct_bytes;
+  uint16_t vendor_id;
+  uint16_t product_id;
+  uint32_t input_report_bytes;        /* without a report id: devices here use none */
+  uint32_t output_report_bytes;       /* both 1 to THIMBLE_REPORT_BYTES */
+  char address[THIMBLE_STRING_BYTES]; /* "hid:SERIAL", "sim:MODEL" */
+  char manufacturer[THIMBLE_STRING_BYTES];
+  char product[THIMBLE_STRING_BYTES];
+  char serial_number[THIMBLE_STRING_BYTES]; /* empty when it has none */
+};
+
+/* What the configuration says of the arm. */
+struct thimble_driver_settings {
+  uint32_t struct_bytes;
+  uint32_t reserved;
+  double amplifier_max_a;           /* full scale of the amplifiers; 0: not said */
+  char model[THIMBLE_STRING_BYTES]; /* empty: not said */
+};
+
+/* Constant while the device is open. The limiter works with these limits, and the host refuses
+ * what no arm has: each range is given, and no number may be infinite or NaN. */
+struct thimble_capabilities {
+  uint32_t struct_bytes;
+  uint32_t joint_count;           /* 3, or 6 with a gimbal whose angles are measured */
+  char model[THIMBLE_NAME_BYTES]; /* a name */
+  char calibration_instruction[THIMBLE_TEXT_BYTES]; /* what a person must do, one sentence */
+  double peak_force_newton;                         /* above 0 up to 100 */
+  double continuous_force_newton;                   /* above 0 up to the peak */
+  double max_stiffness_newton_per_m;                /* at 1 kHz; above 0 up to 20000 */
+  double workspace_radius_m;                        /* above 0 up to 2 */
+  double peak_current_a[THIMBLE_MOTORS];            /* above 0 up to 100: the limiter's clamp */
+  double continuous_current_a[THIMBLE_MOTORS];      /* above 0 up to the peak: its model of heat */
+  int64_t sample_period_ns;                         /* of the reports; 100 us to 10 ms */
+  int64_t device_watchdog_ns; /* motors off after so long without a report; 0: none; up to 10 s */
+};
+
+/* One input report. */
+struct thimble_hid_report {
+  uint32_t struct_bytes;
+  uint32_t size;         /* of `bytes` */
+  int64_t arrived_at_ns; /* never backwards */
+  uint64_t sequence;     /* +1 for every report that arrived, handed over or not */
+  uint8_t bytes[THIMBLE_REPORT_BYTES];
+};
+
+/* One measured state. When it was measured is the host's to say: when its report arrived. */
+struct thimble_sample {
+  uint32_t struct_bytes;
+  int32_t calibration; /* enum thimble_calibration */
+  uint32_t buttons;    /* bit 0: stylus button */
+  uint32_t reserved;   /* 0 */
+  /* 0 to 2 carry the tip: up to 1e6 either way. 3 to 5 are the gimbal's axes, -pi to pi, 0 as the
+   * stylus was held during calibration. Those beyond joint_count, and all before, count as 0. */
+  double joint_position_rad[THIMBLE_JOINTS];
+  double tip_m[3]; /* base frame; up to 10 either way */
+  /* Currents for a force at the tip in this pose: I = M * F, a row for each motor. Up to 1e4; not
+   * all zero once calibrated, for then no current would be limited. */
+  double motor_current_a_per_newton[THIMBLE_MOTORS][3];
+};
+
+/* A force at the tip, base frame, that the limiter has let through. */
+struct thimble_wrench {
+  uint32_t struct_bytes;
+  uint32_t reserved;
+  double force_newton[3];
+};
+
+/* Finds and opens devices of one family. Every function must be there. */
+struct thimble_driver {
+  uint32_t struct_bytes;
+  uint32_t reserved;
+  char name[THIMBLE_NAME_BYTES]; /* a name that no other driver has */
+
+  /* Whether the driver drives that device with those settings: OK, NOT_MINE, or REFUSED and why.
+   * Passive. Thread: control plane, any number at once. */
+  int32_t (*match)(const struct thimble_hid_info* info,
+                   const struct thimble_driver_settings* settings, struct thimble_reason* reason);
+  /* After a match, for a device that the host has opened: makes what the other functions get as
+   * `device` (not null) and fills in the capabilities. OK, or REFUSED and why.
+   * Thread: control plane. */
+  int32_t (*open)(const struct thimble_hid_info* info,
+                  const struct thimble_driver_settings* settings,
+                  struct thimble_capabilities* capabilities, void** device,
+                  struct thimble_reason* reason);
+  /* Ends the life of `device`. The host has sent zero before. Thread: control plane. */
+  void (*close)(void* device);
+
+  /* The reference is worth nothing any more: the arm must be calibrated again. RT. */
+  void (*forget_calibration)(void* device);
+  /* Makes a sample of the newest report; older ones may have been left out, which its number shows.
+   * The bytes may be anything. The sample comes zeroed. OK, NO_DATA or PROTOCOL_ERROR. RT. */
+  int32_t (*decode)(void* device, const struct thimble_hid_report* report,
+                    struct thimble_sample* sample);
+  /* Makes the output report, of just output_report_bytes, that has the arm exert `wrench` until the
+   * next one or its own watchdog. Called once a tick, also with zero, also before the first
+   * report. `bytes` comes zeroed. OK, or PROTOCOL_ERROR: nothing is sent. RT. */
+  int32_t (*encode)(void* device, const struct thimble_wrench* wrench,
+                    uint8_t bytes[THIMBLE_REPORT_BYTES]);
+};
+
+/* Who holds the tip of a simulated arm. Belongs to the host; valid until hold_tip(NULL) or
+ * destroy(). Call it only within advance(), once a step of the plant. RT. */
+struct thimble_tip_load {
+  uint32_t struct_bytes;
+  uint32_t reserved;
+  void* context; /* first argument of both */
+  /* Force of the hand on the tip at `t_ns`, which may not go backwards nor beyond what advance()
+   * was told; dt_ns above 0 up to 10 ms. Zero for anything else. */
+  void (*force_on_tip)(void* context, int64_t t_ns, int64_t dt_ns, const double tip_m[3],
+                       const double velocity_m_per_s[3], double force_newton[3]);
+  int32_t (*is_button_pressed)(void* context, int64_t t_ns); /* stylus button: 0 or 1 */
+};
+
+/* The truth inside a simulated arm, for tests. */
+struct thimble_arm_truth {
+  uint32_t struct_bytes;
+  int32_t is_amplifier_on; /* 0 or 1 */
+  double tip_m[3];
+  double tip_velocity_m_per_s[3];
+  double motor_force_newton[3]; /* that the motors exert at the tip now */
+  double motor_current_a[THIMBLE_MOTORS];
+  double gimbal_rad[3];       /* 0 at home with the stylus straight; 0 without a gimbal */
+  double mechanical_energy_j; /* kinetic and potential */
+};
+
+struct thimble_model_settings {
+  uint32_t struct_bytes;
+  uint32_t reserved;
+  double amplifier_max_a; /* full scale that the firmware was built with; 0: not said */
+  uint64_t seed;          /* all that may differ by chance comes from it */
+};
+
+/* What a simulated device says of itself. */
+struct thimble_model_facts {
+  uint32_t struct_bytes;
+  uint32_t reserved;
+  int64_t frame_period_ns; /* of the bus: 125 us to 10 ms */
+  double home_m[3];        /* where the tip must be held while the calibration button is pressed */
+  struct thimble_hid_info info; /* its address is the host's to give */
+};
+
+/* A simulated arm: mechanics, motors and firmware behind the same reports. Every function must be
+ * there. Same calls, same answers: no chance but the seed's, no time but advance()'s.
+ * Thread: create() and destroy() control plane; the rest that of the bus, RT. */
+struct thimble_model {
+  uint32_t struct_bytes;
+  uint32_t reserved;
+  char name[THIMBLE_NAME_BYTES];        /* a name that no other model has: "sim:NAME" */
+  char description[THIMBLE_TEXT_BYTES]; /* for lists */
+
+  /* OK, or REFUSED and why. `device` (not null) is what the others get. */
+  int32_t (*create)(const struct thimble_model_settings* settings,
+                    struct thimble_model_facts* facts, void** device,
+                    struct thimble_reason* reason);
+  void (*destroy)(void* device);
+
+  /* The bus's face. Once a frame: advance(), then out_report() where the host had sent one before
+   * the frame began, then in_report(). */
+  void (*advance)(void* device, int64_t t_ns); /* never backwards; the first call sets the clock */
+  void (*out_report)(void* device, const uint8_t* bytes, uint32_t size);
+  uint32_t (*in_report)(void* device, uint8_t bytes[THIMBLE_REPORT_BYTES]); /* its size; 0: none */
+  /* Power cut and restored, as when unplugged: the host's bus does the unplugging itself. */
+  void (*power_cycle)(void* device);
+
+  /* The backend's face, in physical verbs. */
+  void (*hold_tip)(void* device, const struct thimble_tip_load* load); /* NULL: nobody holds it */
+  void (*push_tip)(void* device, const double force_newton[3]);        /* until the next push */
+  int32_t (*move_tip_to)(void* device, const double tip_m[3]); /* at rest; REFUSED: out of reach */
+  void (*press_calibration_button)(void* device, int32_t pressed);
+  void (*press_stylus_button)(void* device, int32_t pressed);
+  /* How a person holds the stylus: yaw, pitch, roll. Nothing where there is no gimbal. */
+  void (*turn_stylus)(void* device, const double angle_rad[3]);
+  void (*read_truth)(void* device, struct thimble_arm_truth* truth); /* comes zeroed */
+};
+
+struct thimble_plugin {
+  uint32_t magic;        /* THIMBLE_PLUGIN_MAGIC */
+  uint32_t abi_version;  /* THIMBLE_PLUGIN_ABI_VERSION */
+  uint32_t abi_revision; /* THIMBLE_PLUGIN_ABI_REVISION */
+  uint32_t struct_bytes;
+  const struct thimble_driver* driver;       /* NULL: none */
+  const struct thimble_model* const* models; /* NULL: none */
+  uint32_t model_count;                      /* up to 16 */
+  uint32_t reserved;
+};
+
+/* What a plugin exports: THIMBLE_PLUGIN = {THIMBLE_PLUGIN_MAGIC, ...}; at file scope. */
+#define THIMBLE_PLUGIN_SYMBOL "thimble_plugin_v0"
+#if defined(__GNUC__)
+__attribute__((visibility("default")))
+#endif
+extern const struct thimble_plugin thimble_plugin_v0;
+#define THIMBLE_PLUGIN const struct thimble_plugin thimble_plugin_v0
+
+#ifdef __cplusplus
+}
+#endif
+/* NOLINTEND(readability-identifier-naming) */
+
+#endif
