@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -85,7 +86,7 @@ struct SimModelSettings {
 struct SimModelEntry {
   std::string name;
   std::string description;
-  Result<std::unique_ptr<SimHidModel>> (*create_hid)(const SimModelSettings&) = nullptr;
+  std::function<Result<std::unique_ptr<SimHidModel>>(const SimModelSettings&)> create_hid;
 };
 
 class SimModelRegistry {

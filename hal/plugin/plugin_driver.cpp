@@ -1,0 +1,108 @@
+#include "hal/plugin/plugin_driver.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "hal/plugin/abi_text.hpp"
+#include "hal/plugin/plugin_check.hpp"
+#include "hal/plugin/plugin_device.hpp"
+
+namespace thimble::plugin {
+namespace {
+
+constexpr std::string_view kSimScheme = "sim:";
+
+thimble_hid_info info_for(const bus::BusDeviceInfo& info) {
+  thimble_hid_info out{};
+  out.struct_bytes = sizeof(out);
+  out.vendor_id = info.vendor_id;
+  out.product_id = info.product_id;
+  out.input_report_bytes = static_cast<std::uint32_t>(info.input_report_bytes);
+  out.output_report_bytes = static_cast<std::uint32_t>(info.output_report_bytes);
+  put_text(info.address.text, out.address);
+  put_text(info.manufacturer, out.manufacturer);
+  put_text(info.product, out.product);
+  put_text(info.serial_number, out.serial_number);
+  return out;
+}
+
+thimble_driver_settings settings_for(const DriverSettings& settings) {
+  thimble_driver_settings out{};
+  out.struct_bytes = sizeof(out);
+  out.amplifier_max_a = settings.amplifier_max_a.value_or(0);
+  put_text(settings.model, out.model);
+  return out;
+}
+
+tl::unexpected<Error> refusal(const thimble_reason& reason) {
+  const std::string text = text_of(reason.text);
+  return fail(Errc::InvalidArgument,
+              text.empty() ? "the plugin refuses it and does not say why" : text);
+}
+
+class PluginDriver final : public Driver {
+ public:
+  explicit PluginDriver(const thimble_driver& driver)
+      : driver_(&driver), name_(text_of(driver.name)) {}
+
+  [[nodiscard]] std::string_view name() const noexcept override { return name_; }
+
+  [[nodiscard]] Result<void> probe(const bus::BusDeviceInfo& info,
+                                   const DriverSettings& settings) const override {
+    if (info.kind != bus::BusKind::Hid ||
+        !check_report_bytes(info.input_report_bytes, info.output_report_bytes)) {
+      return fail(Errc::NotMine, "plugins drive HID devices with reports both ways");
+    }
+    thimble_reason reason{};
+    const thimble_hid_info hid = info_for(info);
+    const thimble_driver_settings said = settings_for(settings);
+    const std::int32_t status = driver_->match(&hid, &said, &reason);
+    if (status == THIMBLE_NOT_MINE) return fail(Errc::NotMine, "not a device of this plugin");
+    if (status != THIMBLE_OK) return refusal(reason);
+    if (!settings.is_named_by_person && !info.address.text.starts_with(kSimScheme)) {
+      return fail(Errc::Permission,
+                  "a plugin's device must be named by the configuration: set "
+                  "the arm's device to \"" +
+                      info.address.text + "\"");
+    }
+    return {};
+  }
+
+  [[nodiscard]] Result<std::unique_ptr<HapticDevice>> open(
+      bus::BusEnumerator& buses, const bus::BusDeviceInfo& info,
+      const DriverSettings& settings) const override {
+    const auto mine = probe(info, settings);
+    if (!mine) return tl::unexpected(mine.error());
+    auto hid = buses.open_hid(info.address);
+    if (!hid) return tl::unexpected(hid.error());
+    thimble_capabilities said{};
+    said.struct_bytes = sizeof(said);
+    void* device = nullptr;
+    thimble_reason reason{};
+    const thimble_hid_info about = info_for(info);
+    const thimble_driver_settings wanted = settings_for(settings);
+    const std::int32_t status = driver_->open(&about, &wanted, &said, &device, &reason);
+    if (status != THIMBLE_OK) return refusal(reason);
+    if (device == nullptr) return fail(Errc::Malformed, "the plugin opened it and gave no device");
+    auto capabilities = read_capabilities(said);
+    if (!capabilities) {
+      driver_->close(device);
+      return tl::unexpected(capabilities.error().in("the plugin"));
+    }
+    return std::make_unique<PluginDevice>(
+        PluginDevice::Parts{driver_, device, *std::move(hid), info.output_report_bytes},
+        *std::move(capabilities), text_of(said.calibration_instruction));
+  }
+
+ private:
+  const thimble_driver* driver_;
+  std::string name_;
+};
+
+}  // namespace
+
+std::unique_ptr<Driver> make_plugin_driver(const thimble_driver& driver) {
+  return std::make_unique<PluginDriver>(driver);
+}
+
+}  // namespace thimble::plugin
