@@ -1,0 +1,106 @@
+#include "hal/plugin/plugin_loader.hpp"
+
+#include <dlfcn.h>
+#include <link.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "hal/plugin/abi_text.hpp"
+#include "hal/plugin/plugin_check.hpp"
+#include "hal/plugin/plugin_driver.hpp"
+#include "hal/plugin/plugin_file.hpp"
+#include "hal/plugin/plugin_model.hpp"
+
+namespace thimble::plugin {
+namespace {
+
+// The object that has `address` in one of its segments, or nullptr.
+const link_map* object_of(const void* address) {
+  Dl_info info{};
+  void* object = nullptr;
+  if (dladdr1(address, &info, &object, RTLD_DL_LINKMAP) == 0) return nullptr;
+  return static_cast<const link_map*>(object);
+}
+
+bool is_in(const link_map* object, const void* start, std::size_t bytes) {
+  const auto first = reinterpret_cast<std::uintptr_t>(start);
+  if (bytes == 0 || first > UINTPTR_MAX - bytes) return false;
+  const auto* last = static_cast<const char*>(start) + (bytes - 1);
+  return object_of(start) == object && object_of(last) == object;
+}
+
+// The linker's own word for what the symbol is and how large; nullptr when it has none.
+const ElfW(Sym) * symbol_at(const void* address) {
+  Dl_info info{};
+  void* symbol = nullptr;
+  if (dladdr1(address, &info, &symbol, RTLD_DL_SYMENT) == 0) return nullptr;
+  const bool is_ours = info.dli_saddr == address && info.dli_sname != nullptr &&
+                       std::string_view(info.dli_sname) == THIMBLE_PLUGIN_SYMBOL;
+  return is_ours ? static_cast<const ElfW(Sym)*>(symbol) : nullptr;
+}
+
+std::string reason_of(const char* said, const std::string& path) {
+  std::string reason = said == nullptr ? "no reason given" : said;
+  if (reason.starts_with(path + ": ")) reason.erase(0, path.size() + 2);
+  return reason;
+}
+
+Result<const thimble_plugin*> descriptor_in(void* handle) {
+  const void* found = dlsym(handle, THIMBLE_PLUGIN_SYMBOL);
+  const link_map* object = nullptr;
+  if (found == nullptr || dlinfo(handle, RTLD_DI_LINKMAP, &object) != 0 ||
+      object_of(found) != object) {
+    return fail(Errc::Malformed, "is no plugin: it does not export " THIMBLE_PLUGIN_SYMBOL);
+  }
+  const auto* symbol = symbol_at(found);
+  if (symbol == nullptr || ELF64_ST_TYPE(symbol->st_info) != STT_OBJECT ||
+      reinterpret_cast<std::uintptr_t>(found) % alignof(thimble_plugin) != 0) {
+    return fail(Errc::Malformed, "is no plugin: its " THIMBLE_PLUGIN_SYMBOL " is not data");
+  }
+  const auto* plugin = static_cast<const thimble_plugin*>(found);
+  const auto checked = check_plugin(
+      *plugin, symbol->st_size,
+      [object](const void* start, std::size_t bytes) { return is_in(object, start, bytes); });
+  if (!checked) return tl::unexpected(checked.error());
+  return plugin;
+}
+
+}  // namespace
+
+Result<const thimble_plugin*> load_plugin(const std::string& path) {
+  const auto file = trusted_plugin_path(path);
+  if (!file) return tl::unexpected(file.error().in(path));
+  void* handle = dlopen(file->c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (handle == nullptr) {
+    return fail(Errc::Malformed, path + ": cannot be loaded: " + reason_of(dlerror(), *file));
+  }
+  auto plugin = descriptor_in(handle);
+  if (!plugin) return tl::unexpected(plugin.error().in(path));
+  return plugin;
+}
+
+Result<void> register_plugin(const thimble_plugin& plugin, DriverRegistry& drivers,
+                             SimModelRegistry& models) {
+  const std::string name = plugin.driver == nullptr ? "" : text_of(plugin.driver->name);
+  const auto& known = drivers.drivers();
+  if (std::any_of(known.begin(), known.end(),
+                  [&](const auto& driver) { return driver->name() == name; })) {
+    return fail(Errc::InvalidArgument, "there is a driver '" + name + "' already");
+  }
+  for (std::uint32_t i = 0; i < plugin.model_count; ++i) {
+    const std::string model = text_of(plugin.models[i]->name);
+    if (models.find(model) != nullptr) {
+      return fail(Errc::InvalidArgument, "there is a model '" + model + "' already");
+    }
+  }
+  if (plugin.driver != nullptr) drivers.add(make_plugin_driver(*plugin.driver));
+  for (std::uint32_t i = 0; i < plugin.model_count; ++i) {
+    models.add(plugin_model_entry(*plugin.models[i]));
+  }
+  return {};
+}
+
+}  // namespace thimble::plugin

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "hal/base/result.hpp"
+#include "hal/plugin/driver_registry.hpp"
+#include "hal/plugin/plugin_abi.h"
+#include "hal/plugin/sim_model.hpp"
+
+namespace thimble::plugin {
+
+// Loads the shared object at an absolute path and looks at its descriptor. Its code runs with the
+// rights of this process from then on, and it stays for as long as the process lives, refused or
+// not: code that was unloaded could still be called.
+//
+// Thread: control plane, while no servo runs.
+// Errors: those of trusted_plugin_path() and check_plugin(), or Malformed; one sentence with the
+// path in front.
+[[nodiscard]] Result<const thimble_plugin*> load_plugin(const std::string& path);
+
+// Adds what a plugin brings. InvalidArgument, and nothing is added, when a name is taken.
+[[nodiscard]] Result<void> register_plugin(const thimble_plugin& plugin, DriverRegistry& drivers,
+                                           SimModelRegistry& models);
+
+}  // namespace thimble::plugin

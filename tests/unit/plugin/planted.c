@@ -1,0 +1,144 @@
+/* One plugin for each way to be wrong: CMakeLists.txt says by definitions what each does. */
+#include <stdlib.h>
+
+#include "hal/plugin/plugin_abi.h"
+
+#ifndef MAGIC
+#define MAGIC THIMBLE_PLUGIN_MAGIC
+#endif
+#ifndef VERSION
+#define VERSION THIMBLE_PLUGIN_ABI_VERSION
+#endif
+#ifndef REVISION
+#define REVISION THIMBLE_PLUGIN_ABI_REVISION
+#endif
+#ifndef BYTES
+#define BYTES sizeof(struct thimble_plugin)
+#endif
+#ifndef DRIVER
+#define DRIVER &driver
+#endif
+#ifndef DRIVER_BYTES
+#define DRIVER_BYTES sizeof(struct thimble_driver)
+#endif
+#ifndef DRIVER_NAME
+#define DRIVER_NAME "planted"
+#endif
+#ifndef DECODE
+#define DECODE decode
+#endif
+#ifndef MODELS
+#define MODELS models
+#endif
+#ifndef MODEL_COUNT
+#define MODEL_COUNT 1
+#endif
+#ifndef MODEL_NAME
+#define MODEL_NAME "planted"
+#endif
+#ifndef ADVANCE
+#define ADVANCE advance
+#endif
+
+static int32_t match(const struct thimble_hid_info* info,
+                     const struct thimble_driver_settings* settings,
+                     struct thimble_reason* reason) {
+  (void)info, (void)settings, (void)reason;
+  return THIMBLE_NOT_MINE;
+}
+static int32_t open_arm(const struct thimble_hid_info* info,
+                        const struct thimble_driver_settings* settings,
+                        struct thimble_capabilities* capabilities, void** device,
+                        struct thimble_reason* reason) {
+  (void)info, (void)settings, (void)capabilities, (void)device, (void)reason;
+  return THIMBLE_REFUSED;
+}
+static void leave(void* device) { (void)device; }
+static int32_t decode(void* device, const struct thimble_hid_report* report,
+                      struct thimble_sample* sample) {
+  (void)device, (void)report, (void)sample;
+  return THIMBLE_NO_DATA;
+}
+static int32_t encode(void* device, const struct thimble_wrench* wrench, uint8_t* bytes) {
+  (void)device, (void)wrench, (void)bytes;
+  return THIMBLE_PROTOCOL_ERROR;
+}
+
+static int32_t create(const struct thimble_model_settings* settings,
+                      struct thimble_model_facts* facts, void** device,
+                      struct thimble_reason* reason) {
+  (void)settings, (void)facts, (void)device, (void)reason;
+  return THIMBLE_REFUSED;
+}
+static void advance(void* device, int64_t t_ns) { (void)device, (void)t_ns; }
+static void out_report(void* device, const uint8_t* bytes, uint32_t size) {
+  (void)device, (void)bytes, (void)size;
+}
+static uint32_t in_report(void* device, uint8_t* bytes) {
+  (void)device, (void)bytes;
+  return 0;
+}
+static void hold_tip(void* device, const struct thimble_tip_load* load) {
+  (void)device, (void)load;
+}
+static void push_tip(void* device, const double* force_newton) { (void)device, (void)force_newton; }
+static void turn_stylus(void* device, const double* angle_rad) { (void)device, (void)angle_rad; }
+static int32_t move_tip_to(void* device, const double* tip_m) {
+  (void)device, (void)tip_m;
+  return THIMBLE_REFUSED;
+}
+static void press(void* device, int32_t pressed) { (void)device, (void)pressed; }
+static void read_truth(void* device, struct thimble_arm_truth* truth) { (void)device, (void)truth; }
+
+static const struct thimble_driver driver = {DRIVER_BYTES, 0,     DRIVER_NAME, match, open_arm,
+                                             leave,        leave, DECODE,      encode};
+
+static const struct thimble_model model = {sizeof(struct thimble_model),
+                                           0,
+                                           MODEL_NAME,
+                                           "planted",
+                                           create,
+                                           leave,
+                                           ADVANCE,
+                                           out_report,
+                                           in_report,
+                                           leave,
+                                           hold_tip,
+                                           push_tip,
+                                           move_tip_to,
+                                           press,
+                                           press,
+                                           turn_stylus,
+                                           read_truth};
+static const struct thimble_model* const models[] = {&model, &model};
+
+/* For those that point elsewhere. */
+#define ELSEWHERE ((const void*)&environ)
+#define NOWHERE ((const void*)8)
+extern char** environ;
+extern int is_nowhere_defined(void);
+
+#if defined(NO_SYMBOL)
+
+const void* unused(void) { return &models; }
+const void* unused_too(void) { return &driver; }
+#elif defined(UNDEFINED)
+__attribute__((visibility("default"))) int call(void) { return is_nowhere_defined(); }
+#elif defined(SHORT)
+/* Another object of the name, with the head of a plugin and nothing else. */
+__asm__(
+    ".globl thimble_plugin_v0\n.type thimble_plugin_v0, @object\n.size thimble_plugin_v0, 12\n"
+    ".section .data\n.balign 8\nthimble_plugin_v0: .long 0x504d4854, 0, 1\n.text\n");
+const void* unused(void) { return &models; }
+const void* unused_too(void) { return &driver; }
+#elif defined(FUNCTION)
+__asm__(
+    ".globl thimble_plugin_v0\n.type thimble_plugin_v0, @function\n.text\n.balign 16\n"
+    "thimble_plugin_v0: ret\n.size thimble_plugin_v0, 1\n");
+const void* unused(void) { return &models; }
+const void* unused_too(void) { return &driver; }
+#else
+THIMBLE_PLUGIN = {MAGIC, VERSION, REVISION, BYTES, DRIVER, MODELS, MODEL_COUNT, 0};
+const void* unused(void) { return &driver; }
+const void* unused_too(void) { return &models; }
+#endif

@@ -1,0 +1,126 @@
+#include "hal/plugin/plugin_loader.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include "daemon/session/plugins.hpp"
+#include "tests/support/private_copy.hpp"
+
+namespace thimble::plugin {
+namespace {
+
+using testing::AllOf;
+using testing::EndsWith;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+class PluginLoader : public testing::Test {
+ protected:
+  std::string planted(const std::string& name) {
+    return testing_support::private_copy(folder_, std::string(THIMBLE_PLANTED "/") + name + ".so");
+  }
+  std::string refusal(const std::string& path) {
+    const auto plugin = load_plugin(path);
+    return plugin ? "" : plugin.error().message;
+  }
+  testing_support::TemporaryFolder folder_;
+};
+
+TEST_F(PluginLoader, TakesAGoodOneAndRegistersWhatItBrings) {
+  const auto plugin = load_plugin(planted("good"));
+  ASSERT_TRUE(plugin) << plugin.error().message;
+  session::Plugins sut;
+  ASSERT_TRUE(register_plugin(**plugin, sut.drivers, sut.models));
+  EXPECT_EQ(sut.drivers.drivers().back()->name(), "planted");
+  ASSERT_NE(sut.models.find("planted"), nullptr);
+  EXPECT_EQ(sut.models.find("planted")->description, "planted");
+}
+
+TEST_F(PluginLoader, TakesModelsWithoutADriver) {
+  session::Plugins sut;
+  const std::size_t drivers = sut.drivers.drivers().size();
+  EXPECT_THAT(sut.load({planted("only_model")}), testing::IsEmpty());
+  EXPECT_EQ(sut.drivers.drivers().size(), drivers);
+  EXPECT_NE(sut.models.find("planted"), nullptr);
+}
+
+struct Plant {
+  const char* name;
+  const char* reason;
+};
+
+class PlantedPlugin : public PluginLoader, public testing::WithParamInterface<Plant> {};
+
+TEST_P(PlantedPlugin, IsRefusedInOneSentenceThatNamesFileAndReason) {
+  const std::string path = planted(GetParam().name);
+  const std::string said = refusal(path);
+  EXPECT_THAT(said, AllOf(StartsWith(path + ": "), HasSubstr(GetParam().reason)));
+  EXPECT_EQ(said.find('\n'), std::string::npos) << said;
+  EXPECT_EQ(refusal(path), said) << "asked again, it says the same";
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Loader, PlantedPlugin,
+    testing::Values(Plant{"no_symbol", "is no plugin: it does not export thimble_plugin_v0"},
+                    Plant{"undefined", "cannot be loaded: undefined symbol: is_nowhere_defined"},
+                    Plant{"function", "its thimble_plugin_v0 is not data"},
+                    Plant{"short", "too small to be a plugin's"},
+                    Plant{"wrong_magic", "the magic number is wrong"},
+                    Plant{"other_version", "built for version 1 revision 1"},
+                    Plant{"other_revision", "built for version 0 revision 99"},
+                    Plant{"says_smaller", "it says 16 bytes, but has 40"},
+                    Plant{"says_larger", "it says 65536 bytes, but has 40"},
+                    Plant{"nothing", "has neither a driver nor a model"},
+                    Plant{"driver_elsewhere", "its driver is not in the file"},
+                    Plant{"driver_nowhere", "its driver is not in the file"},
+                    Plant{"driver_small", "its driver says 40 bytes, but has 88"},
+                    Plant{"driver_large", "its driver says 96 bytes, but has 88"},
+                    Plant{"no_name", "its driver has the name ''"},
+                    Plant{"odd_name", "its driver has the name 'Not plain'"},
+                    Plant{"endless_name", "its driver has the name 'aaaa"},
+                    Plant{"missing_function", "its driver lacks the function decode"},
+                    Plant{"foreign_function",
+                          "its driver has a function decode that is not in the file"},
+                    Plant{"models_nowhere", "its list of models is not in the file"},
+                    Plant{"many_models", "has 1000 models, of at most 16"},
+                    Plant{"twin_models", "has two models of the name 'planted'"},
+                    Plant{"model_without_function", "its model 1 lacks the function advance"}),
+    [](const auto& plant) { return std::string(plant.param.name); });
+
+TEST_F(PluginLoader, RefusesWhatIsNoSharedObject) {
+  const auto text = folder_.write("text.so", "not a shared object, although its name says so");
+  EXPECT_THAT(refusal(text.string()), EndsWith("text.so: cannot be loaded: file too short"));
+  const auto noise = folder_.write("noise.so", std::string(4096, 'x'));
+  EXPECT_THAT(refusal(noise.string()), HasSubstr("invalid ELF header"));
+  EXPECT_THAT(refusal((folder_ / "none.so").string()), EndsWith("none.so: there is no such file"));
+  EXPECT_THAT(refusal("none.so"), StartsWith("none.so: is not an absolute path"));
+}
+
+TEST_F(PluginLoader, RefusesWhatOthersMayWriteBeforeAnyOfItRuns) {
+  const std::string path = planted("good");
+  ASSERT_EQ(::chmod(path.c_str(), 0666), 0);
+  EXPECT_THAT(refusal(path), HasSubstr("chmod go-w"));
+}
+
+TEST_F(PluginLoader, ANameThatIsTakenIsRefusedAndNothingIsAdded) {
+  session::Plugins sut;
+  const std::size_t drivers = sut.drivers.drivers().size();
+  const std::size_t models = sut.models.entries().size();
+  const auto refused = sut.load({planted("taken_driver"), planted("taken_model")});
+  ASSERT_EQ(refused.size(), 2U);
+  EXPECT_THAT(refused[0].message, EndsWith(".so: there is a driver 'phantom' already"));
+  EXPECT_THAT(refused[1].message, EndsWith(".so: there is a model 'phantom-vintage' already"));
+  EXPECT_EQ(sut.drivers.drivers().size(), drivers);
+  EXPECT_EQ(sut.models.entries().size(), models);
+}
+
+TEST_F(PluginLoader, TheSameFileTwiceIsOneTooMany) {
+  session::Plugins sut;
+  const std::string path = planted("good");
+  EXPECT_THAT(sut.load({path, path}),
+              testing::ElementsAre(testing::Field(&Error::message, HasSubstr("already"))));
+}
+
+}  // namespace
+}  // namespace thimble::plugin
