@@ -18,6 +18,7 @@ struct DaemonConfig {
   std::uint32_t socket_mode{0660};    // permission bits of the socket; never open to others
   std::optional<std::string> group;   // that owns the socket
   std::optional<std::string> flight_directory;  // else default_flight_directory()
+  std::vector<std::string> plugins{};           // absolute paths of shared objects
   bool operator==(const DaemonConfig&) const = default;
 };
 

@@ -29,7 +29,8 @@ Config read_tree(const toml::table& root, const std::filesystem::path& file, Rep
   const std::filesystem::path folder = file.parent_path();
   TableReader reader(&root, "", "", {file.string(), 0, 0}, report);
   Config out;
-  out.daemon = read_daemon(reader.table("daemon"), folder);
+  Entry<DaemonConfig> daemon = read_daemon(reader.table("daemon"), folder);
+  out.daemon = daemon.value;
   out.servo = read_servo(reader.table("servo"));
   std::vector<Entry<ArmConfig>> arms;
   for (TableReader& arm : reader.tables("arm")) arms.push_back(read_arm(std::move(arm)));
@@ -46,10 +47,17 @@ Config read_tree(const toml::table& root, const std::filesystem::path& file, Rep
   out.worlds = values_of(worlds);
   if (!inspect) return out;
   for (const Objection& objection : inspect(out)) {
-    const bool is_arm = objection.table == Objection::Table::Arm;
-    TableReader& table =
-        is_arm ? arms.at(objection.index).reader : worlds.at(objection.index).reader;
-    table.object(objection.key, objection.message);
+    switch (objection.table) {
+      case Objection::Table::Daemon:
+        daemon.reader.object(objection.key, objection.message);
+        break;
+      case Objection::Table::Arm:
+        arms.at(objection.index).reader.object(objection.key, objection.message);
+        break;
+      case Objection::Table::World:
+        worlds.at(objection.index).reader.object(objection.key, objection.message);
+        break;
+    }
   }
   return out;
 }

@@ -38,11 +38,11 @@ using ConfigResult = tl::expected<Config, std::vector<ConfigError>>;
 
 // What is wrong with a value although the schema likes it.
 struct Objection {
-  enum class Table : std::uint8_t { Arm, World };
+  enum class Table : std::uint8_t { Daemon, Arm, World };
   Table table{};
-  std::size_t index{0};
-  std::string key;      // of the table; empty: the table itself
-  std::string message;  // what was expected, what was found
+  std::size_t index{0};  // of arms and worlds
+  std::string key;       // of the table; empty: the table itself
+  std::string message;   // what was expected, what was found
 };
 
 // Judges what needs more than the file to be known: devices, models, volumes. It sees values that

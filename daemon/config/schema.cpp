@@ -19,6 +19,7 @@ constexpr Range kDamping{0, 1000};
 constexpr Range kInjectedTime{0, 2};  // what the links take
 constexpr Range kAge{0, 60, true};
 constexpr std::size_t kMaxNameBytes = 32;
+constexpr std::size_t kMaxPlugins = 16;
 
 constexpr std::array<Choice<Realtime>, 2> kRealtime{{
     {"best-effort", Realtime::BestEffort},
@@ -273,16 +274,28 @@ void read_listener(TableReader& reader, WorldConfig& world) {
                     in_quotes(to_string(*world.listen)));
 }
 
+// Code is named in full: what runs must not depend on where a file lies or a command is typed.
+void read_plugins(TableReader& reader, std::vector<std::string>& out) {
+  std::vector<std::string> paths;
+  if (!reader.read("plugins", kMaxPlugins, paths)) return;
+  for (const std::string& path : paths) {
+    if (path.starts_with('/')) continue;
+    return reader.reject("plugins", "expected absolute paths, found " + in_quotes(path));
+  }
+  out = std::move(paths);
+}
+
 }  // namespace
 
-DaemonConfig read_daemon(TableReader reader, const std::filesystem::path& folder) {
+Entry<DaemonConfig> read_daemon(TableReader reader, const std::filesystem::path& folder) {
   DaemonConfig out;
   read_path(reader, "socket", folder, out.socket);
   read_socket_mode(reader, out.socket_mode);
   reader.read("group", out.group);
   read_path(reader, "flight_directory", folder, out.flight_directory);
+  read_plugins(reader, out.plugins);
   reader.finish();
-  return out;
+  return {std::move(reader), std::move(out)};
 }
 
 ServoConfig read_servo(TableReader reader) {

@@ -8,7 +8,7 @@
 
 namespace thimble::config {
 
-// One arm or world beside the reader of its table, for complaints that need both.
+// What a table says beside the reader of its table, for complaints that need both.
 template <class Item>
 struct Entry {
   TableReader reader;
@@ -17,7 +17,8 @@ struct Entry {
 
 // Each reads one kind of table; a value that is wrong keeps its default. `folder` is that of
 // the configuration file, for relative paths.
-[[nodiscard]] DaemonConfig read_daemon(TableReader reader, const std::filesystem::path& folder);
+[[nodiscard]] Entry<DaemonConfig> read_daemon(TableReader reader,
+                                              const std::filesystem::path& folder);
 [[nodiscard]] ServoConfig read_servo(TableReader reader);
 [[nodiscard]] Entry<ArmConfig> read_arm(TableReader reader);
 [[nodiscard]] Entry<WorldConfig> read_world(TableReader reader,

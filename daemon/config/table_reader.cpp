@@ -76,13 +76,16 @@ bool TableReader::mismatch(std::string_view key, const std::string& expected,
 
 bool TableReader::read(std::string_view key, std::string& out) {
   const toml::node* node = find(key);
-  if (node == nullptr) return false;
-  const auto* text = node->as_string();
-  if (text == nullptr) return mismatch(key, "a string", *node);
-  if (text->get().empty()) return mismatch(key, "a string that is not empty", *node);
+  return node != nullptr && read_string(key, *node, out);
+}
+
+bool TableReader::read_string(std::string_view key, const toml::node& node, std::string& out) {
+  const auto* text = node.as_string();
+  if (text == nullptr) return mismatch(key, "a string", node);
+  if (text->get().empty()) return mismatch(key, "a string that is not empty", node);
   // Names and paths go to system calls, which would stop at the zero byte.
   if (text->get().find('\0') != std::string::npos) {
-    return mismatch(key, "a string without zero bytes", *node);
+    return mismatch(key, "a string without zero bytes", node);
   }
   out = text->get();
   return true;
@@ -163,6 +166,20 @@ bool TableReader::read(std::string_view key, Range range,
     numbers[i] = *number;
   }
   out = numbers;
+  return true;
+}
+
+bool TableReader::read(std::string_view key, std::size_t max_count, std::vector<std::string>& out) {
+  const toml::node* node = find(key);
+  if (node == nullptr) return false;
+  const std::string expected = "an array of at most " + std::to_string(max_count) + " strings";
+  const toml::array* elements = node->as_array();
+  if (elements == nullptr || elements->size() > max_count) return mismatch(key, expected, *node);
+  std::vector<std::string> texts(elements->size());
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    if (!read_string(key, *elements->get(i), texts[i])) return false;
+  }
+  out = std::move(texts);
   return true;
 }
 

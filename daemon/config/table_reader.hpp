@@ -56,6 +56,8 @@ class TableReader {
   bool read(std::string_view key, std::optional<std::string>& out);
   bool read(std::string_view key, Range range, std::optional<double>& out);
 
+  // An array of at most so many strings, none of them empty.
+  bool read(std::string_view key, std::size_t max_count, std::vector<std::string>& out);
   // An array of just so many numbers.
   bool read(std::string_view key, Range range, std::optional<std::array<double, 3>>& out);
 
@@ -78,6 +80,8 @@ class TableReader {
   const toml::node* find(std::string_view key);
   // False for the message's sake: `return mismatch(…)`.
   bool mismatch(std::string_view key, const std::string& expected, const toml::node& found);
+  // Complains about `node`, which the key or an element of its array has, unless it is good.
+  bool read_string(std::string_view key, const toml::node& node, std::string& out);
   bool read_choice(std::string_view key, const std::vector<std::string>& words, std::size_t& index);
   [[nodiscard]] std::string path_of(std::string_view key) const;
 

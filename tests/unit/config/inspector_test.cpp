@@ -39,6 +39,15 @@ TEST(ConfigInspector, ItsObjectionsStandAmongTheMistakesWithTheirPlaces) {
               "--set world.source: world.0.source: no such file");
 }
 
+TEST(ConfigInspector, ObjectsToTheDaemonsTableToo) {
+  const auto inspect = [](const Config& config) {
+    EXPECT_EQ(config.daemon.plugins, std::vector<std::string>{"/a.so"});
+    return std::vector<Objection>{{Objection::Table::Daemon, 0, "plugins", "no such file"}};
+  };
+  EXPECT_THAT(mistakes_with("[daemon]\nplugins = ['/a.so']\n" + std::string(kHello), inspect),
+              ElementsAre("/etc/thimble/t.toml:2:11: daemon.plugins: no such file"));
+}
+
 TEST(ConfigInspector, SeesNoValueThatTheSchemaRefusedAndRepeatsNoComplaint) {
   std::string text = hello_with_arm("amplifier_max_a = -1\n");
   text.replace(text.find("sim:phantom"), 4, "sum:");

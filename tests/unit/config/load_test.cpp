@@ -44,6 +44,7 @@ socket = "/run/x.sock"
 socket_mode = "0600"
 group = "haptics"
 flight_directory = "flights"
+plugins = ["/lib/a.so", "/lib/b.so"]
 [servo]
 rate_hz = 2000
 realtime = "required"
@@ -104,7 +105,10 @@ loss = 1
 TEST(ConfigLoad, ReadsEveryKey) {
   const auto sut = parse_text(kFull);
   ASSERT_TRUE(sut) << mistakes(kFull).front();
-  EXPECT_EQ(sut->daemon, (DaemonConfig{"/run/x.sock", 0600, "haptics", "/etc/thimble/flights"}));
+  EXPECT_EQ(
+      sut->daemon,
+      (DaemonConfig{
+          "/run/x.sock", 0600, "haptics", "/etc/thimble/flights", {"/lib/a.so", "/lib/b.so"}}));
   EXPECT_EQ(sut->servo, (ServoConfig{2000, Realtime::Required, 70, 1}));
   const ArmConfig arm{"right",
                       "sim:phantom-vintage",
