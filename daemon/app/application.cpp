@@ -42,11 +42,11 @@ bool write_summary(const std::optional<std::string>& path, std::ios::openmode ho
 }
 
 int run_checked(const Options& options) {
-  const session::Plugins plugins;
-  const session::RigParts parts{plugins.models, plugins.drivers};
+  session::Plugins plugins;
   const config::ConfigResult config =
-      config::load(options.config, options.overrides,
-                   [&](const config::Config& said) { return session::inspect(said, parts); });
+      config::load(options.config, options.overrides, [&plugins](const config::Config& said) {
+        return session::inspect_with_plugins(said, plugins);
+      });
   if (!config) {
     for (const config::ConfigError& error : config.error()) {
       std::fprintf(stderr, "%s\n", to_string(error).c_str());
@@ -62,7 +62,7 @@ int run_checked(const Options& options) {
   if (!write_summary(options.summary, std::ios::app, "")) return kExitFailure;
   // Before any other thread exists: it sets the size of their stacks and locks their memory.
   const linux::RealtimeProcess process;
-  Daemon daemon(*config, options);
+  Daemon daemon(*config, options, plugins);
   const Result<void> started = daemon.start(process);
   if (!started) {
     std::fprintf(stderr, "thimbled: %s\n", started.error().message.c_str());

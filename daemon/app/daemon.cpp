@@ -32,8 +32,13 @@ api::ServerSettings server_settings(const config::Config& config) {
 
 }  // namespace
 
-Daemon::Daemon(const config::Config& config, const Options& options)
-    : config_(config), options_(options), started_(clock_.now()), leases_(leases_of(config)) {}
+Daemon::Daemon(const config::Config& config, const Options& options,
+               const session::Plugins& plugins)
+    : config_(config),
+      options_(options),
+      started_(clock_.now()),
+      plugins_(plugins),
+      leases_(leases_of(config)) {}
 
 Daemon::~Daemon() {
   threads_.reset();

@@ -34,7 +34,8 @@ namespace thimble::app {
 //         signal, --for or the service manager.
 class Daemon final : private api::StatusView {
  public:
-  Daemon(const config::Config& config, const Options& options);
+  // `plugins`, which must outlive it, has what the configuration names.
+  Daemon(const config::Config& config, const Options& options, const session::Plugins& plugins);
   ~Daemon() override;
 
   [[nodiscard]] Result<void> start(const linux::RealtimeProcess& process);
@@ -58,7 +59,7 @@ class Daemon final : private api::StatusView {
   Options options_;
   linux::MonotonicClock clock_;
   MonotonicTime started_;
-  session::Plugins plugins_;
+  const session::Plugins& plugins_;
   Leases leases_;
   LatenessWatch lateness_;
   Recordings recordings_;

@@ -148,4 +148,14 @@ std::vector<Objection> inspect(const config::Config& config, const RigParts& par
   return out;
 }
 
+std::vector<Objection> inspect_with_plugins(const config::Config& config, Plugins& plugins) {
+  std::string refused;  // of one key there is one objection
+  for (const Error& error : plugins.load(config.daemon.plugins)) {
+    refused += (refused.empty() ? "" : "; ") + error.message;
+  }
+  std::vector<Objection> out = inspect(config, {plugins.models, plugins.drivers});
+  if (!refused.empty()) out.push_back({Objection::Table::Daemon, 0, "plugins", refused});
+  return out;
+}
+
 }  // namespace thimble::session

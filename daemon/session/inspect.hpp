@@ -4,6 +4,7 @@
 
 #include "daemon/config/load.hpp"
 #include "daemon/session/arm_rig.hpp"
+#include "daemon/session/plugins.hpp"
 
 namespace thimble::session {
 
@@ -14,5 +15,9 @@ namespace thimble::session {
 // Thread: control plane. Not RT.
 [[nodiscard]] std::vector<config::Objection> inspect(const config::Config& config,
                                                      const RigParts& parts);
+
+// The same with the plugins that the configuration names, which are loaded into `plugins` first.
+[[nodiscard]] std::vector<config::Objection> inspect_with_plugins(const config::Config& config,
+                                                                  Plugins& plugins);
 
 }  // namespace thimble::session
