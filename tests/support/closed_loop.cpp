@@ -8,15 +8,13 @@
 #include <utility>
 
 #include "daemon/config/load.hpp"
-#include "drivers/phantom/phantom_driver.hpp"
-#include "sim/model/arm/register_arm_models.hpp"
 
 namespace thimble::test {
 namespace {
 
-void register_models(const std::vector<plugin::SimModelEntry>& entries,
-                     plugin::SimModelRegistry& models) {
-  if (entries.empty()) sim::register_arm_models(models);
+void replace_models(const std::vector<plugin::SimModelEntry>& entries,
+                    plugin::SimModelRegistry& models) {
+  if (!entries.empty()) models = {};
   for (const plugin::SimModelEntry& entry : entries) models.add(entry);
 }
 
@@ -29,15 +27,17 @@ std::string hello_text() {
 
 ClosedLoop::ClosedLoop(const std::vector<std::string>& overrides, const Setup& setup,
                        const std::vector<plugin::SimModelEntry>& models) {
-  drivers_.add(phantom::make_phantom_driver());
-  register_models(models, models_);
+  replace_models(models, plugins_.models);
   const std::string text = setup.text.empty() ? hello_text() : setup.text;
   const config::ConfigResult config = config::parse(text, "closed-loop.toml", overrides);
   if (!config) {
     ADD_FAILURE() << to_string(config.error().front());
     return;
   }
-  session::RigParts parts{models_, drivers_};
+  for (const Error& refused : plugins_.load(config->daemon.plugins)) {
+    ADD_FAILURE() << refused.message;
+  }
+  session::RigParts parts{plugins_.models, plugins_.drivers};
   parts.wrap_sim_bus = [&](bus::BusEnumerator& buses, const Clock& clock) {
     auto cables = std::make_unique<sim::FaultyEnumerator>(buses, clock);
     for (const config::ArmConfig& arm : config->arms) cables->set_plan({arm.device}, setup.cables);

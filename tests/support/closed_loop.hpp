@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/session/plugins.hpp"
 #include "daemon/session/runtime.hpp"
 #include "sim/fault/faulty_enumerator.hpp"
 
@@ -76,8 +77,7 @@ class ClosedLoop {
   void sleep_until(MonotonicTime t);
   void pump_until(MonotonicTime t);
 
-  plugin::DriverRegistry drivers_;
-  plugin::SimModelRegistry models_;
+  session::Plugins plugins_;
   std::vector<sim::FaultyEnumerator*> cables_;  // of the arms' rigs, in their order
   std::unique_ptr<session::Runtime> runtime_;
   std::vector<Error> troubles_;
