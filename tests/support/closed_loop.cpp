@@ -34,6 +34,7 @@ ClosedLoop::ClosedLoop(const std::vector<std::string>& overrides, const Setup& s
     ADD_FAILURE() << to_string(config.error().front());
     return;
   }
+  if (setup.bring) setup.bring(plugins_);
   for (const Error& refused : plugins_.load(config->daemon.plugins)) {
     ADD_FAILURE() << refused.message;
   }

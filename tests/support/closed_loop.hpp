@@ -21,8 +21,9 @@ namespace thimble::test {
 class ClosedLoop {
  public:
   struct Setup {
-    std::string text;       // empty: hello_text()
-    sim::FaultPlan cables;  // of every arm's bus
+    std::string text;                              // empty: hello_text()
+    sim::FaultPlan cables;                         // of every arm's bus
+    std::function<void(session::Plugins&)> bring;  // drivers and models of the test's own
   };
 
   // `overrides` as --set takes them. `models`: empty for those of sim/model/arm.
