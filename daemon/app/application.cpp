@@ -1,12 +1,15 @@
 #include "daemon/app/application.hpp"
 
-#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/sinks/base_sink.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <cstdio>
 #include <exception>
 #include <fstream>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 
@@ -15,17 +18,29 @@
 #include "daemon/config/load.hpp"
 #include "daemon/session/inspect.hpp"
 #include "daemon/session/plugins.hpp"
+#include "hal/linux/line_output.hpp"
 #include "hal/linux/realtime_process.hpp"
 #include "hal/linux/standard_streams.hpp"
 
 namespace thimble::app {
 namespace {
 
+// A log that nobody reads must not hold up the thread that looks after the arms.
+class StandardErrorSink final : public spdlog::sinks::base_sink<std::mutex> {
+ private:
+  void sink_it_(const spdlog::details::log_msg& message) override {
+    spdlog::memory_buf_t line;
+    formatter_->format(message, line);
+    output_.write({line.data(), line.size()});
+  }
+  void flush_() override {}
+
+  linux::LineOutput output_{STDERR_FILENO};
+};
+
 void log_to_standard_error() {
-  auto logger = std::make_shared<spdlog::logger>("thimbled",
-                                                 std::make_shared<spdlog::sinks::stderr_sink_mt>());
+  auto logger = std::make_shared<spdlog::logger>("thimbled", std::make_shared<StandardErrorSink>());
   logger->set_pattern("%l: %v");
-  logger->flush_on(spdlog::level::info);
   spdlog::set_default_logger(std::move(logger));
 }
 

@@ -1,5 +1,6 @@
 """What is printed and cannot be written is said; what was never open is not written to."""
 
+import contextlib
 import os
 import signal
 
@@ -15,6 +16,32 @@ def closing(*descriptors):
         for descriptor in descriptors:
             os.close(descriptor)
     return close
+
+
+def with_stuck_standard_error():
+    """For `preexec`: standard error is a full pipe that nobody reads. The reader must stay open."""
+    reader, writer = os.pipe()
+    os.set_blocking(writer, False)
+    with contextlib.suppress(BlockingIOError):
+        while True:
+            os.write(writer, b"x" * 4096)
+    os.set_blocking(writer, True)
+
+    def redirect():
+        die_with_parent()
+        os.dup2(writer, 2)
+    return redirect, (reader, writer)
+
+
+class StuckStandardError(ProcessTest):
+    def test_holds_up_neither_start_nor_status_nor_stop(self):
+        redirect, ends = with_stuck_standard_error()
+        for end in ends:
+            self.addCleanup(os.close, end)
+        daemon = self.start(config=HELLO, preexec=redirect)
+        daemon.status_when(lambda status: status["arms"][0]["state"] == "active")
+        self.assert_servo_goes_on(daemon)
+        self.assertEqual(daemon.stop(), 0)
 
 
 class FullDisk(ProcessTest):
