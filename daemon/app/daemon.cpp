@@ -136,7 +136,8 @@ void Daemon::pump() {
 
 void Daemon::supervise() {
   for (const Error& trouble : runtime_->follow_buses(clock_.now())) {
-    spdlog::warn("{}; trying again", trouble.message);
+    const auto warning = warnings_.admit(trouble.message + "; trying again", clock_.now());
+    if (warning) spdlog::warn("{}", *warning);
   }
   for (std::size_t i = 0; i < runtime_->arms().size(); ++i) {
     lateness_.note(i, clock_.now(), runtime_->arms()[i]->session().snapshot().overruns);

@@ -16,6 +16,7 @@
 #include "daemon/app/leases.hpp"
 #include "daemon/app/options.hpp"
 #include "daemon/app/recording_writer.hpp"
+#include "daemon/app/repeated_warnings.hpp"
 #include "daemon/app/service_notifier.hpp"
 #include "daemon/app/servo_threads.hpp"
 #include "daemon/app/status_source.hpp"
@@ -63,6 +64,7 @@ class Daemon final : private api::StatusView {
   Leases leases_;
   LatenessWatch lateness_;
   Recordings recordings_;
+  RepeatedWarnings warnings_;
 
   boost::asio::io_context io_{1};
   boost::asio::signal_set signals_{io_};
