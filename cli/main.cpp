@@ -6,6 +6,7 @@
 #include <functional>
 #include <iostream>
 #include <string>
+#include <vector>
 
 #include "cli/commands.hpp"
 #include "cli/devices/devices.hpp"
@@ -34,6 +35,7 @@ struct Arguments {
   std::string file;
   std::string root{"/"};
   double before_s{thimble::flight::kDefaultBefore_s};
+  std::vector<std::string> plugins;
   bool is_json{false};
   WatchOptions watch;
 };
@@ -64,8 +66,8 @@ void add_status_commands(CLI::App& app, Arguments& arguments, int& code) {
   report->callback([&] { code = run_report(arguments.file); });
 }
 
-void add_machine_command(CLI::App& app, const char* name, const char* what, Arguments& arguments,
-                         const std::function<void()>& run) {
+CLI::App* add_machine_command(CLI::App& app, const char* name, const char* what,
+                              Arguments& arguments, const std::function<void()>& run) {
   CLI::App* command = app.add_subcommand(name, what);
   command->add_flag("--json", arguments.is_json, "As a JSON document");
   command
@@ -73,15 +75,25 @@ void add_machine_command(CLI::App& app, const char* name, const char* what, Argu
       ->check(CLI::ExistingDirectory)
       ->capture_default_str();
   command->callback(run);
+  return command;
 }
 
 void add_machine_commands(CLI::App& app, Arguments& arguments, int& code) {
   add_machine_command(app, "doctor",
                       "Say what on this machine is in the way of an arm, and what mends it",
                       arguments, [&] { code = run_doctor(arguments.root, arguments.is_json); });
-  add_machine_command(
-      app, "devices", "List what arm.device could name, and why anything cannot be used", arguments,
-      [&] { code = run_devices(arguments.socket_path, arguments.root, arguments.is_json); });
+  add_machine_command(app, "devices",
+                      "List what arm.device could name, and why anything cannot be used", arguments,
+                      [&] {
+                        code = run_devices({arguments.socket_path, arguments.root,
+                                            arguments.plugins, arguments.is_json});
+                      })
+      ->add_option(
+          "--plugin", arguments.plugins,
+          "Also what this shared object brings (daemon.plugins); may be given several times")
+      ->type_name("FILE")
+      ->type_size(1)
+      ->allow_extra_args(false);
 }
 
 void add_flight_commands(CLI::App& app, Arguments& arguments, int& code) {

@@ -7,7 +7,7 @@
 namespace thimble::devices_list {
 namespace {
 
-// Any full scale that a driver takes: whether it is asked for shows without it.
+// Any full scale that a driver takes: whether that is all it lacks.
 constexpr double kSomeCurrent_a = 1;
 
 Entry simulated_entry(const plugin::SimModelEntry& model, const plugin::DriverRegistry& drivers) {
@@ -20,6 +20,8 @@ Entry simulated_entry(const plugin::SimModelEntry& model, const plugin::DriverRe
   bus::BusDeviceInfo info = (*made)->describe();
   info.address = {entry.address};
   plugin::DriverSettings settings;
+  const auto bare = drivers.match(info, settings);
+  if (bare) return entry;
   settings.amplifier_max_a = kSomeCurrent_a;
   if (const auto driver = drivers.match(info, settings); !driver) {
     entry.obstacle = driver.error().code == Errc::NotFound
@@ -27,10 +29,7 @@ Entry simulated_entry(const plugin::SimModelEntry& model, const plugin::DriverRe
                          : driver.error().message;
     return entry;
   }
-  settings.amplifier_max_a.reset();
-  if (const auto driver = drivers.match(info, settings); !driver) {
-    entry.needs = driver.error().message;
-  }
+  entry.needs = bare.error().message;
   return entry;
 }
 

@@ -17,7 +17,7 @@ _thimble() {
   done
   COMPREPLY=()
   case $before in
-    --socket) mapfile -t COMPREPLY < <(compgen -f -- "$word"); return ;;
+    --socket | --plugin) mapfile -t COMPREPLY < <(compgen -f -- "$word"); return ;;
     --root) mapfile -t COMPREPLY < <(compgen -d -- "$word"); return ;;
     --interval | --for | --before) return ;;
   esac
@@ -25,7 +25,8 @@ _thimble() {
     "") options="--help --version --socket $commands" ;;
     status) options+=" --json" ;;
     watch) options+=" --interval --for" ;;
-    doctor | devices) options+=" --json --root" ;;
+    doctor) options+=" --json --root" ;;
+    devices) options+=" --json --root --plugin" ;;
     flight)
       if [[ $word == -* ]]; then
         options+=" --before"

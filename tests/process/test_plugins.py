@@ -1,5 +1,6 @@
 """A driver that was built outside the tree, loaded by the real daemon."""
 
+import json
 import os
 import pathlib
 import shutil
@@ -78,3 +79,14 @@ class Plugins(ProcessTest):
         file = self.write("thimble.toml", self.configuration("sample_driver.so"))
         result = self.thimbled("--config", file, "--check")
         self.assertIn("expected absolute paths", result.stderr)
+
+    def test_devices_lists_what_it_brings(self):
+        listed = self.run_program("thimble", "devices", "--plugin", self.plugin, "--json",
+                                  "--socket", self.folder / "none")
+        self.assertEqual((listed.returncode, listed.stderr), (0, ""))
+        usable = {entry["address"]: entry["usable"] for entry in json.loads(listed.stdout)["devices"]}
+        self.assertEqual(usable.get("sim:gantry"), True)
+        refused = self.run_program("thimble", "devices", "--plugin", self.folder / "none.so",
+                                   "--socket", self.folder / "none")
+        self.assertEqual(refused.returncode, 1)
+        self.assert_one_sentence(refused.stderr, "none.so", "no such file")
