@@ -1,5 +1,6 @@
 #include "daemon/world/material_map.hpp"
 
+#include <algorithm>
 #include <string>
 
 namespace thimble::world {
@@ -44,6 +45,23 @@ void MaterialMap::set(Cell cell, std::uint8_t label) noexcept {
   const std::uint64_t mask = ((std::uint64_t{1} << bits_) - 1) << (bit % 64);
   std::uint64_t& word = words_[bit / 64];
   word = (word & ~mask) | (std::uint64_t{label} << (bit % 64));
+}
+
+void MaterialMap::set_row(Cell from, std::int32_t end_x, std::uint8_t label) noexcept {
+  from.x = std::max(from.x, 0);
+  const std::int32_t end = std::min(end_x, static_cast<std::int32_t>(cells_[0]));
+  if (!is_inside(from) || from.x >= end || label >= materials_.size()) return;
+  std::uint64_t pattern = label;
+  for (unsigned width = bits_; width < 64; width *= 2) pattern |= pattern << width;
+  std::size_t bit = index_of(from) * bits_;
+  for (std::size_t left = static_cast<std::size_t>(end - from.x) * bits_; left > 0;) {
+    const std::size_t count = std::min(left, 64 - bit % 64);
+    const std::uint64_t mask = (~std::uint64_t{0} >> (64 - count)) << (bit % 64);
+    std::uint64_t& word = words_[bit / 64];
+    word = (word & ~mask) | (pattern & mask);
+    bit += count;
+    left -= count;
+  }
 }
 
 }  // namespace thimble::world

@@ -40,6 +40,10 @@ class MaterialMap {
   }
   // A cell outside the grid and a label that does not exist are left alone.
   THIMBLE_RT void set(Cell cell, std::uint8_t label) noexcept;
+  // The cells of one row from `from` up to, not including, x = `end_x`, cut to the grid; as set().
+  THIMBLE_RT void set_row(Cell from, std::int32_t end_x, std::uint8_t label) noexcept;
+  // Labels above 0.
+  [[nodiscard]] std::size_t count() const noexcept { return materials_.size() - 1; }
   [[nodiscard]] std::size_t memory_bytes() const noexcept { return words_.size() * 8; }
 
  private:

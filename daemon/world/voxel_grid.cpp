@@ -42,6 +42,34 @@ void VoxelGrid::set_occupied(Cell cell, bool is_occupied) noexcept {
   word = is_occupied ? word | mask : word & ~mask;
 }
 
+std::size_t VoxelGrid::set_row(Cell from, std::int32_t end_x, bool is_occupied) noexcept {
+  from.x = std::max(from.x, 0);
+  const std::int32_t end = std::min(end_x, static_cast<std::int32_t>(cells_[0]));
+  if (!is_inside(from) || from.x >= end) return 0;
+  std::size_t changed = 0;
+  std::size_t bit = bit_of(from);
+  for (auto left = static_cast<std::size_t>(end - from.x); left > 0;) {
+    const std::size_t count = std::min(left, 64 - bit % 64);
+    const std::uint64_t mask = (~std::uint64_t{0} >> (64 - count)) << (bit % 64);
+    std::uint64_t& word = words_[bit / 64];
+    const std::uint64_t after = is_occupied ? word | mask : word & ~mask;
+    changed += static_cast<std::size_t>(std::popcount(word ^ after));
+    word = after;
+    bit += count;
+    left -= count;
+  }
+  return changed;
+}
+
+std::size_t VoxelGrid::count_occupied() const noexcept {
+  const std::size_t cells = static_cast<std::size_t>(cells_[0]) * cells_[1] * cells_[2];
+  std::size_t count = 0;
+  for (const std::uint64_t word : words_) count += static_cast<std::size_t>(std::popcount(word));
+  if (cells % 64 == 0) return count;
+  // fill() sets the unused bits of the last word, too.
+  return count - static_cast<std::size_t>(std::popcount(words_.back() >> (cells % 64)));
+}
+
 std::int32_t VoxelGrid::next_free_in_row(Cell from) const noexcept {
   const auto end = static_cast<std::int32_t>(cells_[0]);
   Cell cell = from;

@@ -49,6 +49,11 @@ class VoxelGrid {
   // A cell outside the grid is left alone.
   void set_occupied(Cell cell, bool is_occupied) noexcept;
 
+  // The cells of one row from `from` up to, not including, x = `end_x`, cut to the grid. Returns
+  // how many were not so before.
+  std::size_t set_row(Cell from, std::int32_t end_x, bool is_occupied) noexcept;
+  [[nodiscard]] std::size_t count_occupied() const noexcept;
+
   // The first free cell at or after `from.x` in the row of `from`; x = cells()[0] when none.
   [[nodiscard]] std::int32_t next_free_in_row(Cell from) const noexcept;
   // `p` moved into the box of the world widened by one cell on every side, component by

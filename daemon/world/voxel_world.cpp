@@ -67,7 +67,7 @@ void search_row(const VoxelGrid& grid, Position3 p, Cell row, double row2_m2,
 }  // namespace
 
 VoxelWorld::VoxelWorld(VoxelGrid grid, std::string source, MaterialMap materials)
-    : grid_(std::move(grid)), materials_(std::move(materials)) {
+    : grid_(std::move(grid)), materials_(std::move(materials)), occupied_(grid_.count_occupied()) {
   info_.source = std::move(source);
   info_.cells = grid_.cells();
   info_.cell_m = grid_.cell_m();
@@ -100,6 +100,13 @@ ProbeMotion VoxelWorld::move_probe(ProbeId probe, Position3 hand, Duration dt) n
   ProbeMotion motion = move_ghost(grid_, (*slot)->ghost, hand, dt);
   paint((*slot)->ghost.point, motion);
   return motion;
+}
+
+std::size_t VoxelWorld::set_row(Cell from, std::int32_t end_x, std::uint8_t value) noexcept {
+  if (value > 0) materials_.set_row(from, end_x, static_cast<std::uint8_t>(value - 1));
+  const std::size_t changed = grid_.set_row(from, end_x, value > 0);
+  occupied_ = value > 0 ? occupied_ + changed : occupied_ - changed;
+  return changed;
 }
 
 // A plane belongs to the cell beyond it; a ghost in matter is held by the cell that it is in.

@@ -24,6 +24,7 @@ class VoxelWorld final : public World {
 
   [[nodiscard]] const WorldInfo& info() const noexcept override { return info_; }
   [[nodiscard]] const VoxelGrid* grid() const noexcept override { return &grid_; }
+  [[nodiscard]] VoxelWorld* editable() noexcept override { return this; }
   [[nodiscard]] Result<ProbeId> add_probe(Position3 hand) override;
   void remove_probe(ProbeId probe) noexcept override;
   ProbeMotion move_probe(ProbeId probe, Position3 hand, Duration dt) noexcept override;
@@ -32,8 +33,15 @@ class VoxelWorld final : public World {
   // material of its own.
   void set_cell(Cell cell, bool is_occupied) noexcept {
     if (is_occupied && !grid_.is_occupied(cell)) materials_.set(cell, 0);
-    grid_.set_occupied(cell, is_occupied);
+    const std::size_t changed = grid_.set_row(cell, cell.x + 1, is_occupied);
+    occupied_ = is_occupied ? occupied_ + changed : occupied_ - changed;
   }
+  // The cells of one row from `from` up to, not including, x = `end_x`: 0 frees them, 1 fills them
+  // with what has no material, 1 + n with the n-th material; also those that were filled. Returns
+  // how many were freed or filled.
+  std::size_t set_row(Cell from, std::int32_t end_x, std::uint8_t value) noexcept;
+  [[nodiscard]] std::size_t materials() const noexcept { return materials_.count(); }
+  [[nodiscard]] std::size_t occupied_cells() const noexcept override { return occupied_; }
   [[nodiscard]] bool is_occupied(Cell cell) const noexcept { return grid_.is_occupied(cell); }
 
  private:
@@ -47,6 +55,7 @@ class VoxelWorld final : public World {
 
   VoxelGrid grid_;
   MaterialMap materials_;
+  std::size_t occupied_;
   WorldInfo info_;
   std::array<std::optional<Probe>, kMaxProbes> probes_{};
   std::uint32_t last_id_{0};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
@@ -12,6 +13,7 @@
 namespace thimble::world {
 
 class VoxelGrid;
+class VoxelWorld;
 
 struct ProbeId {
   std::uint32_t value{0};
@@ -51,6 +53,10 @@ class World {
   [[nodiscard]] virtual const WorldInfo& info() const noexcept = 0;
   // The cells it is made of, for models that work on them; nullptr where it has none.
   [[nodiscard]] virtual const VoxelGrid* grid() const noexcept { return nullptr; }
+  // Filled ones, of those of its grid.
+  [[nodiscard]] virtual std::size_t occupied_cells() const noexcept { return 0; }
+  // Itself where its cells may be edited; nullptr where they may not, or there are none.
+  [[nodiscard]] virtual VoxelWorld* editable() noexcept { return nullptr; }
   // The ghost starts at `hand` if that place is free, else at the nearest free place.
   // NotFound when the world has no free place, Busy when it has no room for another probe.
   [[nodiscard]] virtual Result<ProbeId> add_probe(Position3 hand) = 0;
