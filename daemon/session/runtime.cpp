@@ -3,6 +3,13 @@
 #include <utility>
 
 namespace thimble::session {
+namespace {
+
+// Between slices of edits while no servo wakes the net plane. Ours: the pace of the servo's
+// default.
+constexpr Duration kEditPace = std::chrono::milliseconds(1);
+
+}  // namespace
 
 Result<std::unique_ptr<Runtime>> Runtime::create(const config::Config& config,
                                                  const RigParts& parts) {
@@ -22,7 +29,7 @@ Result<std::unique_ptr<Runtime>> Runtime::create(const config::Config& config,
   return runtime;
 }
 
-WorldHost* Runtime::find_world(const std::string& name) noexcept {
+WorldHost* Runtime::find_world(std::string_view name) noexcept {
   for (const auto& host : worlds_) {
     if (host->name() == name) return host.get();
   }
@@ -31,6 +38,13 @@ WorldHost* Runtime::find_world(const std::string& name) noexcept {
 
 std::optional<MonotonicTime> Runtime::pump(MonotonicTime now) {
   std::optional<MonotonicTime> earliest;
+  // Before the links: who asks next is answered by what the cells are now.
+  for (const auto& host : worlds_) {
+    world::EditQueue* edits = host->edits();
+    if (edits == nullptr || edits->is_idle()) continue;
+    edits->step();
+    if (!edits->is_idle()) earliest = now + kEditPace;
+  }
   for (const auto& arm : arms_) {
     const std::optional<MonotonicTime> due = arm->pump(now);
     if (due && (!earliest || *due < *earliest)) earliest = due;

@@ -25,7 +25,10 @@ class Runtime {
 
   [[nodiscard]] std::vector<std::unique_ptr<ArmRig>>& arms() noexcept { return arms_; }
   [[nodiscard]] std::vector<std::unique_ptr<WorldHost>>& worlds() noexcept { return worlds_; }
-  // Moves everything that is due on all links; returns when to come again at the latest.
+  // nullptr: no world of that name.
+  [[nodiscard]] WorldHost* find_world(std::string_view name) noexcept;
+  // One slice of the edits that wait for each world, then everything that is due on all links;
+  // returns when to come again at the latest.
   std::optional<MonotonicTime> pump(MonotonicTime now);
   // Arrivals and departures: every arm on a bus hears of each, whoever else is on that bus.
   // Call it every few ms, `now` on the caller's clock. What went wrong just now, for the log.
@@ -34,7 +37,6 @@ class Runtime {
  private:
   Runtime() = default;
   void tell_events_of(bus::BusEnumerator& buses);
-  [[nodiscard]] WorldHost* find_world(const std::string& name) noexcept;
 
   // The order matters: links on the arms' side use the worlds.
   std::vector<std::unique_ptr<WorldHost>> worlds_;

@@ -59,6 +59,7 @@ Result<std::unique_ptr<WorldHost>> WorldHost::create(const config::WorldConfig& 
   Result<std::unique_ptr<world::World>> world = make_world(said);
   if (!world) return tl::unexpected(world.error().in(name));
   host->world_ = *std::move(world);
+  if (world::VoxelWorld* cells = host->world_->editable()) host->edits_.emplace(*cells);
   if (const auto good = check_combination(*host->world_, said); !good) {
     return tl::unexpected(good.error().in(name));
   }
@@ -81,6 +82,17 @@ Result<std::unique_ptr<coupling::WorldCoupling>> WorldHost::make_world_half(
                          ? coupling::ConstraintModel::Simple
                          : coupling::ConstraintModel::GhostPoint;
   return coupling::make_world_coupling(model, *world_, first_session);
+}
+
+Result<std::uint64_t> WorldHost::submit_edits(std::vector<world::CellEdit> edits) {
+  const std::string name = "world '" + name_ + "'";
+  if (!edits_) {
+    return fail(Errc::Unsupported, name + ": " + world_->info().source +
+                                       " is made of no cells, so none can be edited");
+  }
+  Result<std::uint64_t> number = edits_->submit(std::move(edits));
+  if (!number) return tl::unexpected(number.error().in(name));
+  return number;
 }
 
 std::optional<link::LinkStatus> WorldHost::listener_status() const {

@@ -3,11 +3,13 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "daemon/config/config.hpp"
 #include "daemon/coupling/world_coupling.hpp"
 #include "daemon/link/link_counters.hpp"
 #include "daemon/session/arm_rig.hpp"
+#include "daemon/world/edit_queue.hpp"
 #include "daemon/world/world.hpp"
 #include "hal/base/result.hpp"
 
@@ -31,6 +33,14 @@ class WorldHost {
   // `first_session` up. Errors: as coupling::make_world_coupling().
   [[nodiscard]] Result<std::unique_ptr<coupling::WorldCoupling>> make_world_half(
       std::uint32_t first_session);
+  // Edits of its cells; they wait for their turn. The number of the batch. Errors: Unsupported
+  // where nothing can be edited, else as EditQueue::submit(); named by world.
+  [[nodiscard]] Result<std::uint64_t> submit_edits(std::vector<world::CellEdit> edits);
+  // Where its edits wait; nullptr where there can be none.
+  [[nodiscard]] world::EditQueue* edits() noexcept { return edits_ ? &*edits_ : nullptr; }
+  [[nodiscard]] const world::EditQueue* edits() const noexcept {
+    return edits_ ? &*edits_ : nullptr;
+  }
   // Nothing where the world does not listen.
   [[nodiscard]] std::optional<link::LinkStatus> listener_status() const;
 
@@ -41,6 +51,7 @@ class WorldHost {
   std::string name_;
   config::ConstraintModel model_{config::ConstraintModel::GhostPoint};
   std::unique_ptr<world::World> world_;
+  std::optional<world::EditQueue> edits_;
   std::unique_ptr<Listener> listener_;  // last: it uses the world
 };
 
