@@ -136,6 +136,9 @@ api::WorldStatus world(const json::value& value) {
   }
   out.cell_m = number(value, "cell_m");
   out.probes = static_cast<std::uint32_t>(std::min<std::uint64_t>(count(value, "probes"), 1000000));
+  out.occupied_cells = count(value, "occupied_cells");
+  out.edits_applied = count(value, "edits_applied");
+  out.edits_waiting = count(value, "edits_waiting");
   return out;
 }
 
@@ -170,6 +173,10 @@ std::string parse_error_message(std::string_view bytes, std::string_view otherwi
   const json::value* error = member(value, "error");
   const std::string message = error == nullptr ? "" : text(*error, "message");
   return message.empty() ? std::string(otherwise) : message;
+}
+
+std::uint64_t parse_count(std::string_view bytes, std::string_view key) {
+  return count(parse_bytes(bytes), key);
 }
 
 std::string parse_member(std::string_view bytes, std::string_view key) {

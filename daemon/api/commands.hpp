@@ -1,10 +1,13 @@
 #pragma once
 
+#include <array>
 #include <compare>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "hal/base/result.hpp"
 
@@ -23,20 +26,43 @@ struct Done {
 };
 using Answer = std::function<void(const Result<Done>&)>;
 
+// A change of a world's cells, as docs/api.md has it.
+struct CellEdit {
+  enum class Kind : std::uint8_t { Fill, Box, Paint };
+  Kind kind{Kind::Fill};
+  std::array<std::int32_t, 3> min{};  // Fill, Box; ends included
+  std::array<std::int32_t, 3> max{};
+  std::array<double, 3> center_m{};  // Paint
+  double radius_m{0};
+  std::uint8_t cell{1};  // 0 free, 1 filled, 1 + n of the n-th material
+  bool operator==(const CellEdit&) const = default;
+};
+// Edits that are in the world now.
+struct Edited {
+  std::size_t edits{0};
+  std::uint64_t changed_cells{0};
+};
+using EditAnswer = std::function<void(const Result<Edited>&)>;
+
 // What a client may ask of the daemon. An arm that a client activated is that client's lease:
 // client_gone() must release it.
 //
 // Thread: the net thread; must not block. What takes the servo's time is answered later: each
 // `answer` is called once, within the call or within a bounded time, and not after
 // client_gone() of its client.
-// Errors: NotFound for an unknown arm, Busy when the state or another lease forbids it,
-//         Disconnected for a lost arm, Timeout when it did not come true in time.
+// Errors: NotFound for an unknown arm or world, Busy when the state or another lease forbids it,
+//         Disconnected for a lost arm, Timeout when it did not come true in time, Unsupported
+//         for a world that cannot be edited, InvalidArgument for edits that its cells forbid.
 class Commands {
  public:
   virtual ~Commands() = default;
   virtual void activate(std::string_view arm, ClientId client, Answer answer) = 0;
   virtual void deactivate(std::string_view arm, ClientId client, Answer answer) = 0;
   virtual void clear_fault(std::string_view arm, ClientId client, Answer answer) = 0;
+  // All of the edits or none. Answered when the last of them is applied; a client that goes
+  // meanwhile does not take them back.
+  virtual void edit_world(std::string_view world, const std::vector<CellEdit>& edits,
+                          ClientId client, EditAnswer answer) = 0;
   // Called once for every client that sent a command, after its last one.
   virtual void client_gone(ClientId client) = 0;
 };

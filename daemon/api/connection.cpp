@@ -127,29 +127,45 @@ void Connection::watch_for_hang_up() {
 void Connection::command(const Action& action, bool is_kept) {
   if (!std::exchange(has_commanded_, true)) watch_for_hang_up();
   // Nothing is read before the answer, so there is never more than one under way.
+  if (action.kind == ActionKind::EditWorld) {
+    return context_.commands.edit_world(
+        action.name, action.edits, id_,
+        [self = shared_from_this(), world = action.name, is_kept](const Result<Edited>& edited) {
+          self->on_edited(world, edited, is_kept);
+        });
+  }
   const auto answer = [self = shared_from_this(), action, is_kept](const Result<Done>& done) {
     self->on_done(action, done, is_kept);
   };
   if (action.kind == ActionKind::Activate) {
-    context_.commands.activate(action.arm, id_, answer);
+    context_.commands.activate(action.name, id_, answer);
   } else if (action.kind == ActionKind::Deactivate) {
-    context_.commands.deactivate(action.arm, id_, answer);
+    context_.commands.deactivate(action.name, id_, answer);
   } else {
-    context_.commands.clear_fault(action.arm, id_, answer);
+    context_.commands.clear_fault(action.name, id_, answer);
   }
 }
 
 void Connection::on_done(const Action& action, const Result<Done>& done, bool is_kept) {
   if (is_closed_) return;  // the command ended the server
   if (!done) return respond(tl::unexpected(to_request_error(done.error())), is_kept);
-  const std::string lease = lease_of(action.arm);
-  if (action.kind == ActionKind::Activate && lease == "client") leases_.insert(action.arm);
-  if (action.kind == ActionKind::Deactivate) leases_.erase(action.arm);
-  respond(to_text(boost::json::object{{"arm", action.arm},
+  const std::string lease = lease_of(action.name);
+  if (action.kind == ActionKind::Activate && lease == "client") leases_.insert(action.name);
+  if (action.kind == ActionKind::Deactivate) leases_.erase(action.name);
+  respond(to_text(boost::json::object{{"arm", action.name},
                                       {"lease", lease},
                                       {"state", done->state},
                                       {"instruction", done->instruction}}),
           is_kept);
+}
+
+void Connection::on_edited(const std::string& world, const Result<Edited>& edited, bool is_kept) {
+  if (is_closed_) return;
+  if (!edited) return respond(tl::unexpected(to_request_error(edited.error())), is_kept);
+  respond(
+      to_text(boost::json::object{
+          {"world", world}, {"edits", edited->edits}, {"changed_cells", edited->changed_cells}}),
+      is_kept);
 }
 
 std::string Connection::lease_of(const std::string& arm) const {

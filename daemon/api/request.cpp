@@ -5,22 +5,26 @@
 #include <boost/json.hpp>
 #include <optional>
 
+#include "daemon/api/edits.hpp"
 #include "daemon/api/json_text.hpp"
 
 namespace thimble::api {
 namespace {
 
 constexpr std::string_view kArms = "/v1/arms/";
+constexpr std::string_view kWorlds = "/v1/worlds/";
 constexpr std::size_t kMaxNameBytes = 32;
 
 struct Verb {
+  std::string_view folder;
   std::string_view word;
   ActionKind kind;
 };
-constexpr std::array<Verb, 3> kVerbs{{
-    {"activate", ActionKind::Activate},
-    {"deactivate", ActionKind::Deactivate},
-    {"clear-fault", ActionKind::ClearFault},
+constexpr std::array<Verb, 4> kVerbs{{
+    {kArms, "activate", ActionKind::Activate},
+    {kArms, "deactivate", ActionKind::Deactivate},
+    {kArms, "clear-fault", ActionKind::ClearFault},
+    {kWorlds, "edits", ActionKind::EditWorld},
 }};
 
 bool is_name(std::string_view text) {
@@ -32,13 +36,15 @@ bool is_name(std::string_view text) {
 
 std::optional<Action> parse_target(std::string_view target) {
   if (target == "/v1/status") return Action{ActionKind::Status, ""};
-  if (!target.starts_with(kArms)) return std::nullopt;
-  target.remove_prefix(kArms.size());
+  const std::string_view folder = target.starts_with(kArms) ? kArms : kWorlds;
+  if (!target.starts_with(folder)) return std::nullopt;
+  target.remove_prefix(folder.size());
   const std::size_t slash = target.find('/');
   if (slash == std::string_view::npos || !is_name(target.substr(0, slash))) return std::nullopt;
   const std::string_view word = target.substr(slash + 1);
-  const auto* verb = std::find_if(kVerbs.begin(), kVerbs.end(),
-                                  [&](const Verb& candidate) { return candidate.word == word; });
+  const auto* verb = std::find_if(kVerbs.begin(), kVerbs.end(), [&](const Verb& candidate) {
+    return candidate.folder == folder && candidate.word == word;
+  });
   if (verb == kVerbs.end()) return std::nullopt;
   return Action{verb->kind, std::string(target.substr(0, slash))};
 }
@@ -75,8 +81,8 @@ tl::expected<Action, RequestError> parse_request(std::string_view method, std::s
   auto action = parse_target(target);
   if (!action) {
     return tl::unexpected(RequestError{404, "not-found",
-                                       "there is only /v1/status and /v1/arms/NAME/activate, "
-                                       "deactivate and clear-fault",
+                                       "there is only /v1/status, /v1/arms/NAME/activate, "
+                                       "deactivate and clear-fault, and /v1/worlds/NAME/edits",
                                        ""});
   }
   const std::string_view allowed = action->kind == ActionKind::Status ? "GET" : "POST";
@@ -85,7 +91,13 @@ tl::expected<Action, RequestError> parse_request(std::string_view method, std::s
                                        "this takes " + std::string(allowed) + " only",
                                        std::string(allowed)});
   }
-  // Nothing takes parameters yet; refusing them now leaves their meaning free.
+  if (action->kind == ActionKind::EditWorld) {
+    auto edits = parse_edits(body);
+    if (!edits) return tl::unexpected(std::move(edits.error()));
+    action->edits = *std::move(edits);
+    return std::move(*action);
+  }
+  // Nothing else takes parameters yet; refusing them now leaves their meaning free.
   if (!body.empty() && body != "{}") {
     return tl::unexpected(RequestError{400, "malformed", "this takes no body", ""});
   }

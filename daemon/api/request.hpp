@@ -3,17 +3,20 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "daemon/api/commands.hpp"
 #include "hal/base/result.hpp"
 
 namespace thimble::api {
 
-enum class ActionKind : std::uint8_t { Status, Activate, Deactivate, ClearFault };
+enum class ActionKind : std::uint8_t { Status, Activate, Deactivate, ClearFault, EditWorld };
 
 // What a request asks for.
 struct Action {
   ActionKind kind{};
-  std::string arm;  // empty for Status; else a-z, 0-9 and -
+  std::string name;  // of the arm or world: a-z, 0-9 and -; empty for Status
+  std::vector<CellEdit> edits{};
   bool operator==(const Action&) const = default;
 };
 

@@ -89,6 +89,9 @@ struct WorldStatus {
   std::array<std::uint32_t, 3> cells{};
   double cell_m{0};
   std::uint32_t probes{0};
+  std::uint64_t occupied_cells{0};
+  std::uint64_t edits_applied{0};  // since the start
+  std::uint64_t edits_waiting{0};
   bool operator==(const WorldStatus&) const = default;
 };
 

@@ -91,7 +91,10 @@ json::object to_value(const WorldStatus& world) {
           {"source", world.source},
           {"cells", vector_of(world.cells)},
           {"cell_m", world.cell_m},
-          {"probes", world.probes}};
+          {"probes", world.probes},
+          {"occupied_cells", world.occupied_cells},
+          {"edits_applied", world.edits_applied},
+          {"edits_waiting", world.edits_waiting}};
 }
 
 }  // namespace

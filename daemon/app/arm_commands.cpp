@@ -90,6 +90,7 @@ void ArmCommands::client_gone(api::ClientId client) {
     if (wait.client == client) withdraw(wait);  // nobody is left to be told what comes of it
   }
   std::erase_if(waits_, [&](const Wait& wait) { return wait.client == client; });
+  edits_.client_gone(client);
   if (!leases_.drop_client(client.value).empty()) apply_leases();
 }
 
@@ -107,6 +108,7 @@ void ArmCommands::poll() {
     waits_.erase(waits_.begin() + static_cast<std::ptrdiff_t>(i));
   }
   for (const auto& [answer, verdict] : answers) answer(verdict);
+  edits_.poll();
 }
 
 ArmCommands::Verdict ArmCommands::judge(const Wait& wait) {

@@ -3,10 +3,12 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "daemon/api/commands.hpp"
 #include "daemon/app/leases.hpp"
+#include "daemon/app/world_edits.hpp"
 #include "daemon/session/runtime.hpp"
 #include "hal/base/time.hpp"
 
@@ -14,7 +16,8 @@ namespace thimble::app {
 
 // Carries out what clients ask of arms, and answers with what was then seen of the servo: an
 // activation when the arm is active or waits for a person to calibrate it, a cleared fault when
-// the arm has left it. What cannot come true is refused at once, with the cause.
+// the arm has left it. What cannot come true is refused at once, with the cause. Edits of worlds
+// are handed on to WorldEdits.
 //
 // Thread: the net plane's one thread. Not RT.
 // Ownership: runtime, leases and clock must outlive it; the clock never decides about an arm,
@@ -22,11 +25,15 @@ namespace thimble::app {
 class ArmCommands final : public api::Commands {
  public:
   ArmCommands(session::Runtime& runtime, Leases& leases, const Clock& clock)
-      : runtime_(runtime), leases_(leases), clock_(clock) {}
+      : runtime_(runtime), leases_(leases), clock_(clock), edits_(runtime) {}
 
   void activate(std::string_view arm, api::ClientId client, api::Answer answer) override;
   void deactivate(std::string_view arm, api::ClientId client, api::Answer answer) override;
   void clear_fault(std::string_view arm, api::ClientId client, api::Answer answer) override;
+  void edit_world(std::string_view world, const std::vector<api::CellEdit>& edits,
+                  api::ClientId client, api::EditAnswer answer) override {
+    edits_.submit(world, edits, client, std::move(answer));
+  }
   void client_gone(api::ClientId client) override;
 
   // Answers those whose command has come true or never will. Call it every few ms.
@@ -63,6 +70,7 @@ class ArmCommands final : public api::Commands {
   session::Runtime& runtime_;
   Leases& leases_;
   const Clock& clock_;
+  WorldEdits edits_;
   std::vector<Wait> waits_;
 };
 

@@ -142,6 +142,7 @@ void Daemon::supervise() {
   for (std::size_t i = 0; i < runtime_->arms().size(); ++i) {
     lateness_.note(i, clock_.now(), runtime_->arms()[i]->session().snapshot().overruns);
   }
+  pump();  // edits of worlds come without a servo's wake
   commands_->poll();
   take_recordings();
   tell_service_manager();

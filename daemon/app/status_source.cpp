@@ -140,6 +140,11 @@ api::WorldStatus world_status(const session::WorldHost& host) {
   world.source = info.source;
   world.cells = info.cells;
   world.cell_m = info.cell_m;
+  if (const world::EditQueue* edits = host.edits()) {
+    world.occupied_cells = host.world().occupied_cells();
+    world.edits_applied = edits->applied();
+    world.edits_waiting = edits->waiting();
+  }
   return world;
 }
 

@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "daemon/api/edits.hpp"
 #include "daemon/api/request.hpp"
 #include "hal/base/check.hpp"
 
@@ -24,6 +25,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   const bool is_status = result->kind == ActionKind::Status;
   THIMBLE_CHECK(method == (is_status ? "GET" : "POST"));
-  THIMBLE_CHECK(result->arm.empty() == is_status);
+  THIMBLE_CHECK(result->name.empty() == is_status);
+  const bool has_edits = result->kind == ActionKind::EditWorld;
+  THIMBLE_CHECK(has_edits == !result->edits.empty());
+  THIMBLE_CHECK(result->edits.size() <= thimble::api::kMaxEdits);
   return 0;
 }

@@ -18,6 +18,21 @@ TEST(ApiRequest, KnowsItsFourActions) {
             (Action{ActionKind::ClearFault, "0"}));
 }
 
+TEST(ApiRequest, KnowsTheEditsOfAWorld) {
+  constexpr std::string_view kClear = R"({"clear": {"min": [0, 0, 0], "max": [2, 2, 2]}})";
+  const auto sut = parse_request("POST", "/v1/worlds/box/edits", kClear);
+  ASSERT_TRUE(sut);
+  EXPECT_EQ(sut->kind, ActionKind::EditWorld);
+  EXPECT_EQ(sut->name, "box");
+  EXPECT_EQ(sut->edits.size(), 1U);
+  EXPECT_EQ(parse_request("GET", "/v1/worlds/box/edits", kClear).error().http_status, 405U);
+  EXPECT_EQ(parse_request("POST", "/v1/worlds/box/edits", "").error().http_status, 400U);
+  for (const char* target : {"/v1/worlds/box/activate", "/v1/arms/box/edits", "/v1/worlds//edits",
+                             "/v1/worlds/Box/edits", "/v1/worlds/box"}) {
+    EXPECT_EQ(parse_request("POST", target, kClear).error().http_status, 404U) << target;
+  }
+}
+
 TEST(ApiRequest, AnswersNotFoundToEveryOtherTarget) {
   const std::string long_name(33, 'a');
   for (const std::string& target :

@@ -60,6 +60,12 @@ class FakeDaemon : public StatusView, public Commands {
       answer(Done{"calibrating", "press the button"});
     }
   }
+  void edit_world(std::string_view world, const std::vector<CellEdit>& edits, ClientId,
+                  EditAnswer answer) override {
+    log.push_back("edit " + std::string(world) + " " + std::to_string(edits.size()));
+    if (world != "box") return answer(fail(Errc::Unsupported, "it has no cells"));
+    answer(Edited{edits.size(), 5});
+  }
   void client_gone(ClientId client) override {
     log.push_back("gone");
     if (client == holder) lease = "none";

@@ -60,7 +60,8 @@ TEST(StatusJson, HasTheNamesThatOthersRelyOn) {
             (Names{"arm", "peer", "kind", "is_up", "round_trip_s", "sent", "received", "lost",
                    "rejected", "stale", "jitter_s", "last_error", "events"}));
   EXPECT_EQ(keys_of(sut.at("worlds").at(0)),
-            (Names{"name", "source", "cells", "cell_m", "probes"}));
+            (Names{"name", "source", "cells", "cell_m", "probes", "occupied_cells", "edits_applied",
+                   "edits_waiting"}));
 }
 
 TEST(StatusJson, CarriesTheValues) {

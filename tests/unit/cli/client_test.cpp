@@ -27,6 +27,8 @@ class FakeDaemon : public api::StatusView, public api::Commands {
   void clear_fault(std::string_view, api::ClientId, api::Answer answer) override {
     answer(fail(Errc::Busy, "the stop is still pressed"));
   }
+  void edit_world(std::string_view, const std::vector<api::CellEdit>&, api::ClientId,
+                  api::EditAnswer) override {}
   void client_gone(api::ClientId) override {}
 };
 
