@@ -74,15 +74,16 @@ Result<std::unique_ptr<Client>> Client::connect(const std::string& socket_path,
   return out;
 }
 
-Result<Reply> Client::request(const std::string& method, const std::string& target) {
-  http::request<http::empty_body> request(http::string_to_verb(method), target, kHttp11);
+Result<Reply> Client::request(const std::string& method, const std::string& target,
+                              const std::string& body, std::chrono::seconds timeout) {
+  http::request<http::string_body> request(http::string_to_verb(method), target, kHttp11, body);
   request.set(http::field::host, "thimble");
   request.prepare_payload();
   http::response_parser<http::string_body> parser;
   parser.header_limit(kMaxHeaderBytes);
   parser.body_limit(kMaxBodyBytes);
   beast::error_code result = beast::error::timeout;
-  stream_.expires_after(kTimeout);
+  stream_.expires_after(timeout);
   http::async_write(stream_, request, [&](beast::error_code error, std::size_t) {
     // A daemon that has too many clients answers before it is asked, and closes.
     static_cast<void>(error);

@@ -13,6 +13,8 @@
 namespace thimble::cli {
 
 inline constexpr std::chrono::seconds kTimeout{5};
+// A fill of 1024^3 cells takes 2 s, and others may be before it.
+inline constexpr std::chrono::seconds kEditTimeout{60};
 
 struct Reply {
   unsigned http_status{0};
@@ -21,14 +23,16 @@ struct Reply {
 
 // One connection to the daemon; a lease lasts as long as it.
 //
-// Thread: one. Not RT; every call ends within 5 s.
+// Thread: one. Not RT; every call ends within its timeout.
 // Errors: connect() says NotFound when no daemon listens at the path, Timeout when it does not
 //         accept; request() says Disconnected when it has ended, Timeout when it does not answer.
 class Client {
  public:
   [[nodiscard]] static Result<std::unique_ptr<Client>> connect(
       const std::string& socket_path, std::chrono::microseconds timeout = kTimeout);
-  [[nodiscard]] Result<Reply> request(const std::string& method, const std::string& target);
+  [[nodiscard]] Result<Reply> request(const std::string& method, const std::string& target,
+                                      const std::string& body = {},
+                                      std::chrono::seconds timeout = kTimeout);
   // For poll(): readable when the daemon has closed the connection.
   [[nodiscard]] int descriptor();
 

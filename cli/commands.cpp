@@ -24,8 +24,9 @@ int complain(const Error& error) {
 }
 
 // The body of a good answer; of a bad one its sentence.
-Result<std::string> ask(Client& client, const std::string& method, const std::string& target) {
-  auto reply = client.request(method, target);
+Result<std::string> ask(Client& client, const std::string& method, const std::string& target,
+                        const std::string& body = {}, std::chrono::seconds timeout = kTimeout) {
+  auto reply = client.request(method, target, body, timeout);
   if (!reply) return tl::unexpected<Error>(reply.error());
   if (reply->http_status == 200) return std::move(reply->body);
   return fail(Errc::Busy,
@@ -47,6 +48,21 @@ Result<std::string> only_arm(Client& client) {
   for (const auto& arm : status->arms) names += (names.empty() ? "" : ", ") + plain(arm.name);
   return fail(Errc::InvalidArgument,
               names.empty() ? "this daemon has no arm" : "say which arm: " + names);
+}
+
+// The world that is meant, as the status tells it.
+Result<api::WorldStatus> find_world(Client& client, const std::string& name) {
+  const auto status = ask_status(client);
+  if (!status) return tl::unexpected<Error>(status.error());
+  std::string names;
+  for (const api::WorldStatus& world : status->worlds) {
+    if (world.name == name || (name.empty() && status->worlds.size() == 1)) return world;
+    names += (names.empty() ? "" : ", ") + plain(world.name);
+  }
+  return fail(Errc::InvalidArgument, names.empty() ? "this daemon has no world"
+                                     : name.empty()
+                                         ? "say which world: " + names
+                                         : "there is no world " + name + ", but " + names);
 }
 
 int hold_lease(Client& client, const CommandReply& reply) {
@@ -121,6 +137,20 @@ int run_command(const std::string& socket_path, const std::string& verb, const s
   const CommandReply reply = parse_command_reply(*body);
   if (verb == "activate" && reply.lease == "client") return hold_lease(**client, reply);
   std::cout << render_reply(verb, reply) << '\n';
+  return kExitOk;
+}
+
+int run_world_edit(const std::string& socket_path, const std::string& world,
+                   const WorldEdit& edit) {
+  auto client = Client::connect(socket_path);
+  if (!client) return complain(client.error());
+  const auto meant = find_world(**client, world);
+  if (!meant) return complain(meant.error());
+  const auto body = ask(**client, "POST", "/v1/worlds/" + meant->name + "/edits",
+                        body_of(edit, meant->cells), kEditTimeout);
+  if (!body) return complain(body.error());
+  std::cout << "world " << plain(meant->name) << ": " << parse_count(*body, "changed_cells")
+            << " cells changed\n";
   return kExitOk;
 }
 

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "cli/world_edit.hpp"
 #include "daemon/api/status.hpp"
 #include "hal/base/result.hpp"
 
@@ -28,6 +29,8 @@ int run_status(const std::string& socket_path, bool is_json);
 int run_watch(const std::string& socket_path, const WatchOptions& options);
 // `verb` is "activate", "deactivate" or "clear-fault"; an empty arm means the only one.
 int run_command(const std::string& socket_path, const std::string& verb, const std::string& arm);
+// An empty world means the only one.
+int run_world_edit(const std::string& socket_path, const std::string& world, const WorldEdit& edit);
 // Prints what a file of `thimbled --summary` says of a session.
 int run_report(const std::string& file);
 

@@ -38,6 +38,8 @@ struct Arguments {
   std::vector<std::string> plugins;
   bool is_json{false};
   WatchOptions watch;
+  std::string world;
+  thimble::cli::WorldEdit edit;
 };
 
 // CLI::Range lets NaN pass: it is neither below nor above.
@@ -116,6 +118,29 @@ void add_arm_command(CLI::App& app, const char* verb, const char* what, Argument
   command->callback([&, verb] { code = run_command(arguments.socket_path, verb, arguments.arm); });
 }
 
+void add_world_command(CLI::App& app, Arguments& arguments, int& code) {
+  constexpr int kAxes = 3;
+  thimble::cli::WorldEdit& edit = arguments.edit;
+  CLI::App* command = app.add_subcommand("world", "Change the cells of a world");
+  command->add_option("EDIT", edit.verb, "fill, clear, box (its six sides) or paint (a ball)")
+      ->required()
+      ->check(CLI::IsMember({"fill", "clear", "box", "paint"}));
+  command->add_option("WORLD", arguments.world, "Name of the world; not needed when there is one");
+  command->add_option("--min", edit.min, "First cell along x, y and z; default: of the whole world")
+      ->expected(kAxes);
+  command->add_option("--max", edit.max, "Last cell along x, y and z, itself included")
+      ->expected(kAxes);
+  command->add_option("--center", edit.center_m, "Of the ball to paint: x, y and z in metres")
+      ->check(refuse_not_finite)
+      ->expected(kAxes);
+  command->add_option("--radius", edit.radius_m, "Of the ball to paint, in metres")
+      ->check(refuse_not_finite);
+  command->add_option("--cell", edit.cell,
+                      "What the cells become: 0 free, 1 filled, 1 + n of the n-th material");
+  command->callback(
+      [&] { code = thimble::cli::run_world_edit(arguments.socket_path, arguments.world, edit); });
+}
+
 int run(int argc, char** argv) {
   Arguments arguments;
   int code = kExitOk;
@@ -132,6 +157,7 @@ int run(int argc, char** argv) {
   add_arm_command(app, "activate", "Keep an arm active while this runs", arguments, code);
   add_arm_command(app, "deactivate", "Take the force off an arm", arguments, code);
   add_arm_command(app, "clear-fault", "Clear a latched fault whose cause is gone", arguments, code);
+  add_world_command(app, arguments, code);
   app.footer(
       "Exit codes: 0 done, 1 refused, not printed or (doctor) something wrong, 2 wrong arguments, "
       "3 no daemon.");

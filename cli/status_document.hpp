@@ -16,5 +16,7 @@ namespace thimble::cli {
 [[nodiscard]] std::string parse_error_message(std::string_view json, std::string_view otherwise);
 // The text member `key` of a document, or empty.
 [[nodiscard]] std::string parse_member(std::string_view json, std::string_view key);
+// The count `key` of a document, or 0.
+[[nodiscard]] std::uint64_t parse_count(std::string_view json, std::string_view key);
 
 }  // namespace thimble::cli

@@ -6,7 +6,7 @@ _thimble_arms() {
 
 _thimble() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]}
-  local commands="status watch report doctor devices flight activate deactivate clear-fault"
+  local commands="status watch report doctor devices flight activate deactivate clear-fault world"
   local options="--help --socket" command= socket=() i
   for ((i = 1; i < COMP_CWORD; ++i)); do
     if [[ ${COMP_WORDS[i]} == --socket ]]; then
@@ -19,7 +19,7 @@ _thimble() {
   case $before in
     --socket | --plugin) mapfile -t COMPREPLY < <(compgen -f -- "$word"); return ;;
     --root) mapfile -t COMPREPLY < <(compgen -d -- "$word"); return ;;
-    --interval | --for | --before) return ;;
+    --interval | --for | --before | --min | --max | --center | --radius | --cell) return ;;
   esac
   case $command in
     "") options="--help --version --socket $commands" ;;
@@ -34,6 +34,14 @@ _thimble() {
         mapfile -t COMPREPLY < <(compgen -f -- "$word"); return
       else
         options=show
+      fi ;;
+    world)
+      if [[ $word == -* ]]; then
+        options+=" --min --max --center --radius --cell"
+      elif [[ $before == world ]]; then
+        options="fill clear box paint"
+      else
+        options=
       fi ;;
     report) [[ $word == -* ]] || { mapfile -t COMPREPLY < <(compgen -f -- "$word"); return; } ;;
     *) [[ $word == -* ]] || options=$(_thimble_arms "${socket[@]}") ;;

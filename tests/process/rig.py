@@ -180,9 +180,10 @@ def unix_connection(path, timeout_s=TIMEOUT_S):
     return sock
 
 
-def http_request(sock, method, target):
+def http_request(sock, method, target, body=""):
     """One request on an open connection: status, header and body."""
-    sock.sendall(f"{method} {target} HTTP/1.1\r\nHost: thimble\r\n\r\n".encode())
+    length = f"Content-Length: {len(body.encode())}\r\n" if body else ""
+    sock.sendall(f"{method} {target} HTTP/1.1\r\nHost: thimble\r\n{length}\r\n{body}".encode())
     return http_answer(sock)
 
 
@@ -204,9 +205,9 @@ def _more(sock):
     return data
 
 
-def http_over(path, method, target):
+def http_over(path, method, target, body=""):
     with unix_connection(path) as sock:
-        return http_request(sock, method, target)
+        return http_request(sock, method, target, body)
 
 
 class ProcessTest(unittest.TestCase):

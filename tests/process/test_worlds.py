@@ -1,6 +1,9 @@
-"""Worlds of the real program: the sphere of examples/sphere.toml, and what does not go with it."""
+"""Worlds of the real program: the sphere, what does not go with it, and edits under the hand."""
 
-from rig import EXAMPLES, ProcessTest
+import json
+import random
+
+from rig import EXAMPLES, HELLO, ProcessTest, http_over, http_request, unix_connection
 
 SPHERE = ("--config", EXAMPLES / "sphere.toml")
 
@@ -28,3 +31,106 @@ class Sphere(ProcessTest):
             result = self.thimbled(*SPHERE, "--set", setting, "--check")
             self.assertEqual(result.returncode, 2, result.stderr)
             self.assert_one_sentence(result.stderr, key, reason)
+
+
+def occupied(status):
+    return status["worlds"][0]["occupied_cells"]
+
+
+class Edits(ProcessTest):
+    def edit(self, daemon, edits, world="box"):
+        body = edits if isinstance(edits, str) else json.dumps(edits)
+        code, _, answer = http_over(daemon.socket, "POST", f"/v1/worlds/{world}/edits", body)
+        return code, json.loads(answer)
+
+    def test_cells_change_while_the_arm_is_active_and_the_status_says_so(self):
+        daemon = self.start(config=HELLO)
+        before = daemon.status_when(lambda s: s["arms"][0]["state"] == "active")
+        self.assertEqual(occupied(before), 26)
+        code, answer = self.edit(daemon, [
+            {"clear": {"min": [0, 1, 1], "max": [2, 1, 1]}},
+            {"fill": {"min": [1, 1, 1], "max": [1, 1, 1], "cell": 1}}])
+        self.assertEqual((code, answer), (200, {"world": "box", "edits": 2, "changed_cells": 3}))
+        status = daemon.status()
+        self.assertEqual(occupied(status), 25, "an answer comes when the edits are in")
+        self.assertEqual((status["worlds"][0]["edits_applied"], status["worlds"][0]["edits_waiting"]),
+                         (2, 0))
+        self.assertEqual(self.edit(daemon, {"clear": {"min": [0, 0, 0], "max": [2, 2, 2]}})[0], 200)
+        self.assertEqual(occupied(daemon.status()), 0)
+        self.assert_servo_goes_on(daemon)
+        self.assertEqual(daemon.status()["arms"][0]["faults"], [])
+
+    def test_a_storm_of_edits_does_not_stop_the_servo(self):
+        daemon = self.start(config=HELLO.replace("box:3", "box:32"))
+        daemon.status_when(lambda s: s["arms"][0]["state"] == "active")
+        chance = random.Random(1)
+        sent = 0
+        with unix_connection(daemon.socket) as connection:
+            for _ in range(60):
+                center = [chance.uniform(-0.015, 0.015) for _ in range(3)]
+                edits = [{"paint": {"center_m": center, "radius_m": 0.006, "cell": chance.randrange(2)}}
+                         for _ in range(10)]
+                code, _, answer = http_request(connection, "POST", "/v1/worlds/box/edits",
+                                               json.dumps(edits))
+                self.assertEqual(code, 200, answer)
+                sent += len(edits)
+        status = daemon.status()
+        self.assertEqual(status["worlds"][0]["edits_applied"], sent)
+        self.assertEqual(status["arms"][0]["faults"], [])
+        self.assert_servo_goes_on(daemon)
+
+    def test_a_fill_of_a_large_world_is_acknowledged_without_a_stall(self):
+        daemon = self.start(config=HELLO.replace("box:3", "box:512"))
+        daemon.status_when(lambda s: s["arms"][0]["state"] == "active")
+        with unix_connection(daemon.socket) as connection:
+            body = json.dumps({"fill": {"min": [0, 0, 0], "max": [511, 511, 511]}})
+            connection.sendall(b"POST /v1/worlds/box/edits HTTP/1.1\r\nHost: t\r\n"
+                               + f"Content-Length: {len(body)}\r\n\r\n{body}".encode())
+            self.assert_servo_goes_on(daemon)  # and the API answers others meanwhile
+            done = daemon.status_when(lambda s: s["worlds"][0]["edits_waiting"] == 0
+                                      and s["worlds"][0]["edits_applied"] == 1)
+        self.assertEqual(occupied(done), 512 ** 3)
+        self.assertEqual(done["arms"][0]["faults"], [])
+
+    def test_each_refusal_is_one_sentence_and_changes_nothing(self):
+        daemon = self.start(config=HELLO)
+        good = {"clear": {"min": [0, 0, 0], "max": [0, 0, 0]}}
+        for edits, code, part in (
+                ("", 400, "no JSON"), ("[[[[", 400, "no JSON"), ({"smooth": {}}, 400, "expected an edit"),
+                ([good, {"fill": {"min": [0, 0, 0], "max": [0, 0, 3]}}], 400, "edit 1: min, max: along z"),
+                ({"box": {"min": [0, 0, 0], "max": [1, 1, 1], "cell": 2}}, 400, "cell: 2"),
+                ({"paint": {"center_m": [0, 0, 0], "radius_m": -1}}, 400, "radius_m")):
+            found, answer = self.edit(daemon, edits)
+            self.assertEqual(found, code, (edits, answer))
+            self.assertIn(part, answer["error"]["message"])
+            self.assertNotIn("\n", answer["error"]["message"])
+        self.assertEqual(self.edit(daemon, good, world="elsewhere")[0], 404)
+        self.assertEqual(occupied(daemon.status()), 26)
+        self.assertEqual(http_over(daemon.socket, "GET", "/v1/worlds/box/edits")[0], 405)
+
+    def test_a_sphere_refuses_with_the_reason(self):
+        daemon = self.start(*SPHERE)
+        code, answer = self.edit(daemon, {"clear": {"min": [0, 0, 0], "max": [0, 0, 0]}}, "hello")
+        self.assertEqual(code, 501)
+        self.assertIn("made of no cells", answer["error"]["message"])
+        told = self.thimble(daemon, "world", "fill")
+        self.assertEqual(told.returncode, 1)
+        self.assert_one_sentence(told.stderr, "made of no cells")
+
+    def test_the_command_line_fills_clears_boxes_and_paints(self):
+        daemon = self.start(config=HELLO.replace("box:3", "box:6"))
+        for words, changed, left in (
+                (["clear"], 216 - 8, 0),
+                (["box", "box"], 216 - 64, 152),
+                (["fill", "--min", 1, 1, 1, "--max", 2, 1, 1], 2, 154),
+                (["fill", "box", "--min", 1, 1, 1, "--max", 2, 1, 1, "--cell", 0], 2, 152),
+                (["paint", "--center", -0.0075, -0.0075, 0.0075, "--radius", 0.001], 1, 153)):
+            told = self.thimble(daemon, "world", *words)
+            self.assertEqual((told.returncode, told.stderr), (0, ""), words)
+            self.assertEqual(told.stdout, f"world box: {changed} cells changed\n")
+            self.assertEqual(occupied(daemon.status()), left)
+        for words, code in ((["paint"], 1), (["fill", "left"], 1), (["smooth"], 2),
+                            (["fill", "--min", 1, 2], 2), (["paint", "--radius", "nan"], 2)):
+            self.assertEqual(self.thimble(daemon, "world", *words).returncode, code, words)
+        none = self.run_program("thimble", "world", "fill", "--socket", self.folder / "none")
+        self.assertEqual(none.returncode, 3)

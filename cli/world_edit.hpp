@@ -1,0 +1,26 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace thimble::cli {
+
+// What `thimble world` was told to do; what was not said is empty.
+struct WorldEdit {
+  std::string verb;  // "fill", "clear", "box" or "paint"
+  std::vector<std::int32_t> min;
+  std::vector<std::int32_t> max;
+  std::vector<double> center_m;
+  std::optional<double> radius_m;
+  std::optional<std::int32_t> cell;
+};
+
+// The body of the request (docs/api.md). Cells that are not said are all of `world`; what else is
+// missing or too much, and a world without cells, the daemon refuses with its reason. Pure.
+[[nodiscard]] std::string body_of(const WorldEdit& edit,
+                                  const std::array<std::uint32_t, 3>& world_cells);
+
+}  // namespace thimble::cli

@@ -1,0 +1,42 @@
+#include "cli/world_edit.hpp"
+
+#include <gtest/gtest.h>
+
+#include "daemon/api/edits.hpp"
+
+namespace thimble::cli {
+namespace {
+
+using Kind = api::CellEdit::Kind;
+
+// What the daemon makes of it.
+api::CellEdit understood(const WorldEdit& edit) {
+  const auto edits = api::parse_edits(body_of(edit, {4, 5, 6}));
+  EXPECT_TRUE(edits) << (edits ? "" : edits.error().message);
+  return edits ? edits->at(0) : api::CellEdit{};
+}
+
+TEST(WorldEdit, SaysWhatTheDaemonUnderstands) {
+  EXPECT_EQ(understood({"fill", {0, 1, 2}, {3, 3, 3}, {}, {}, 3}),
+            (api::CellEdit{Kind::Fill, {0, 1, 2}, {3, 3, 3}, {}, 0, 3}));
+  EXPECT_EQ(understood({"paint", {}, {}, {0.01, -0.02, 0}, 0.005, {}}),
+            (api::CellEdit{Kind::Paint, {}, {}, {0.01, -0.02, 0}, 0.005, 1}));
+}
+
+TEST(WorldEdit, CellsThatAreNotSaidAreAllOfTheWorld) {
+  EXPECT_EQ(understood({"clear", {}, {}, {}, {}, {}}),
+            (api::CellEdit{Kind::Fill, {0, 0, 0}, {3, 4, 5}, {}, 0, 0}));
+  EXPECT_EQ(understood({"box", {}, {}, {}, {}, {}}),
+            (api::CellEdit{Kind::Box, {0, 0, 0}, {3, 4, 5}, {}, 0, 1}));
+}
+
+TEST(WorldEdit, HalfOfWhatIsNeededIsLeftToTheDaemonToRefuse) {
+  EXPECT_FALSE(api::parse_edits(body_of({"fill", {0, 0, 0}, {}, {}, {}, {}}, {4, 5, 6})));
+  EXPECT_FALSE(api::parse_edits(body_of({"paint", {}, {}, {}, 0.01, {}}, {4, 5, 6})));
+  EXPECT_FALSE(api::parse_edits(body_of({"clear", {}, {}, {}, {}, 1}, {4, 5, 6})));
+  EXPECT_TRUE(api::parse_edits(body_of({"fill", {}, {}, {}, {}, {}}, {0, 0, 0})))
+      << "that it has no cells is the daemon's to say";
+}
+
+}  // namespace
+}  // namespace thimble::cli
