@@ -20,18 +20,14 @@ TickQuantiles TickHistogram::quantiles() const noexcept {
     total += counts[i];
   }
   const std::uint64_t max_ns = max_ns_.load(std::memory_order_relaxed);
-  const auto quantile = [&](std::uint64_t percent) {
-    const std::uint64_t rank = (total * percent + 99) / 100;
-    std::uint64_t seen = 0;
-    for (std::size_t i = 0; i < kBuckets; ++i) {
-      seen += counts[i];
-      if (seen >= rank && seen > 0) {
-        return Duration(static_cast<std::int64_t>(std::min(upper_edge_ns(i), max_ns)));
-      }
-    }
-    return Duration{};
-  };
   if (total == 0) return {};
+  const auto quantile = [&](std::uint64_t percent) {
+    const std::uint64_t rank = (total * percent + 99) / 100;  // at least 1
+    std::uint64_t seen = counts[0];
+    std::size_t i = 0;
+    while (seen < rank) seen += counts[++i];
+    return Duration(static_cast<std::int64_t>(std::min(upper_edge_ns(i), max_ns)));
+  };
   return {quantile(50), quantile(99), Duration(static_cast<std::int64_t>(max_ns))};
 }
 

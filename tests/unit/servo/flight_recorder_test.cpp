@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <random>
 #include <sstream>
+#include <string>
 
 #include "daemon/servo/flight_file.hpp"
 
@@ -117,6 +119,22 @@ TEST(FlightFile, NamesTheCauseAndHasARowPerTickWithAsManyFieldsAsTheHeader) {
   EXPECT_TRUE(has_cause);
   EXPECT_TRUE(has_count);
   EXPECT_EQ(rows, 2U);
+}
+
+TEST(FlightFile, EachFlagIsAColumnOfItsOwn) {
+  constexpr std::array kFlags{&ServoFrame::is_in_contact, &ServoFrame::is_limited,
+                              &ServoFrame::is_stale, &ServoFrame::is_frozen,
+                              &ServoFrame::is_fading};
+  const std::array<std::string, 5> expected{"1,0,0,0,0", "0,1,0,0,0", "0,0,1,0,0", "0,0,0,1,0",
+                                            "0,0,0,0,1"};
+  for (std::size_t i = 0; i < kFlags.size(); ++i) {
+    ServoFrame frame;
+    frame.is_stale = false;
+    frame.*kFlags[i] = true;
+    const std::string text = format_flight({"right", "sim:phantom-vintage", {}, 0}, {frame});
+    ASSERT_GE(text.size(), 10U);
+    EXPECT_EQ(text.substr(text.size() - 10), expected[i] + "\n") << i;
+  }
 }
 
 }  // namespace

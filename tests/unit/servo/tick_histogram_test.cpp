@@ -36,6 +36,13 @@ TEST(TickHistogram, QuantilesAgreeWithASortedListWithinABucket) {
   EXPECT_EQ(q.max.count(), oracle.back());
 }
 
+TEST(TickHistogram, TellsTheFewestNanosecondsApart) {
+  TickHistogram sut;
+  for (int ns = 1; ns <= 15; ++ns) sut.add(Duration(ns));
+  EXPECT_EQ(sut.quantiles().p50, Duration(8));
+  EXPECT_EQ(sut.quantiles().p99, Duration(15));
+}
+
 TEST(TickHistogram, TakesEveryDurationWithoutLeavingItsBuckets) {
   TickHistogram sut;
   for (int bit = 0; bit < 63; ++bit) sut.add(Duration(std::int64_t{1} << bit));

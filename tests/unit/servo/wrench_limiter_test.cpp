@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -177,7 +178,38 @@ TEST(MakeLimiterSettings, AConfigurationCanOnlyTighten) {
   EXPECT_EQ(make_limiter_settings(arm, {.force_newton = 2})->max_force_newton, 2);
   EXPECT_EQ(make_limiter_settings(arm, {.force_newton = 9})->max_force_newton, 5);
   EXPECT_FALSE(make_limiter_settings(arm, {.rise_newton_per_s = 2000}));
-  EXPECT_FALSE(make_limiter_settings(arm, {.force_newton = std::nan("")}));
+}
+
+TEST(MakeLimiterSettings, RefusesNumbersThatAreNoLimit) {
+  HapticCapabilities arm;
+  arm.peak_force_newton = 5;
+  arm.peak_current_a = {3, 3, 3};
+  arm.continuous_current_a = {1, 1, 1};
+  const double infinity = std::numeric_limits<double>::infinity();
+
+  for (const double bad : {std::nan(""), infinity, -1.0}) {
+    EXPECT_FALSE(make_limiter_settings(arm, {.force_newton = bad})) << bad;
+    EXPECT_FALSE(make_limiter_settings(arm, {.rise_newton_per_s = bad})) << bad;
+    for (std::size_t joint = 0; joint < 3; ++joint) {
+      HapticCapabilities other = arm;
+      other.peak_current_a[joint] = bad;
+      EXPECT_FALSE(make_limiter_settings(other, {})) << joint << " " << bad;
+    }
+  }
+  for (const double bad : {std::nan(""), 0.0, -1.0}) {
+    HapticCapabilities other = arm;
+    other.continuous_current_a[2] = bad;
+    EXPECT_FALSE(make_limiter_settings(other, {})) << bad;
+    EXPECT_FALSE(make_limiter_settings(arm, {.rise_newton_per_s = bad})) << bad;
+  }
+}
+
+TEST(MakeLimiterSettings, ContinuousCurrentIsNeverAboveThePeak) {
+  HapticCapabilities arm;
+  arm.peak_force_newton = 5;
+  arm.peak_current_a = {3, 3, 3};
+  arm.continuous_current_a = {9, std::numeric_limits<double>::infinity(), 1};
+  EXPECT_EQ(make_limiter_settings(arm, {})->continuous_current_a, (std::array{3.0, 3.0, 1.0}));
 }
 
 TEST(MakeLimiterSettings, RefusesAnArmWithoutKnownLimits) {
