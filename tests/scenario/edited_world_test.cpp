@@ -202,7 +202,7 @@ device = "sim:phantom-vintage"
 amplifier_max_a = 3.0
 world = "hello"
 )";
-  ClosedLoop loop({}, {text, {}});
+  ClosedLoop loop({}, {text, {}, {}});
   const auto refused = loop.runtime().worlds().front()->submit_edits({{}});
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, Errc::Unsupported);

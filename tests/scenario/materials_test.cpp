@@ -74,7 +74,8 @@ stiffness_newton_per_m = 800
 
 TEST_F(Materials, ASoftWallAndAHardOneFeelDifferent) {
   for (const char* delay : {"0", "0.05"}) {
-    test::ClosedLoop sut({std::string("arm.impairment.delay_s=") + delay}, {configuration(""), {}});
+    test::ClosedLoop sut({std::string("arm.impairment.delay_s=") + delay},
+                         {configuration(""), {}, {}});
     const Peaks peaks = feel(sut);
     EXPECT_GT(peaks.from_left_newton, 0.1) << delay;
     EXPECT_GT(peaks.from_right_newton, 1.5 * peaks.from_left_newton) << delay;
@@ -106,8 +107,8 @@ TEST_F(Materials, FrictionHoldsTheFinger) {
   smooth.resize(smooth.find("[[world.material]]"));
   const std::string rough =
       smooth + "[[world.material]]\nname = \"all\"\nfrom = 1\nto = 3\nfriction = 0.8\n";
-  test::ClosedLoop on_ice({}, {smooth, {}});
-  test::ClosedLoop on_rubber({}, {rough, {}});
+  test::ClosedLoop on_ice({}, {smooth, {}, {}});
+  test::ClosedLoop on_rubber({}, {rough, {}, {}});
   EXPECT_GT(sideways_share(on_rubber), sideways_share(on_ice) + 0.1);
 }
 
@@ -115,7 +116,7 @@ TEST_F(Materials, FrictionHoldsTheFinger) {
 TEST_F(Materials, WithoutThemBothWallsFeelAlike) {
   std::string plain = configuration("");
   plain.resize(plain.find("[[world.material]]"));
-  test::ClosedLoop sut({}, {plain, {}});
+  test::ClosedLoop sut({}, {plain, {}, {}});
   const Peaks peaks = feel(sut);
   EXPECT_GT(peaks.from_left_newton, 0.1);
   EXPECT_LT(peaks.from_right_newton, 1.4 * peaks.from_left_newton);

@@ -59,7 +59,7 @@ class HelloSphere : public ::testing::Test {
     EXPECT_NEAR(norm(frame.wish), 800 * depth_m, 0.05 * 800 * depth_m + 0.1);
   }
 
-  ClosedLoop loop{{}, {configuration(), {}}};
+  ClosedLoop loop{{}, {configuration(), {}, {}}};
   test::ArmWatch watch{loop};
 };
 
@@ -121,7 +121,7 @@ struct Stroke {
 };
 
 Stroke stroke(const char* delay) {
-  ClosedLoop loop({std::string("arm.impairment.delay_s=") + delay}, {configuration(), {}});
+  ClosedLoop loop({std::string("arm.impairment.delay_s=") + delay}, {configuration(), {}, {}});
   loop.run_until_driven();
   test::ArmWatch watch(loop);
   test::GuidedHand hand(loop);
@@ -164,7 +164,7 @@ TEST(HelloSphereExplored, APersonFeelsItNearAndFar) {
   for (const char* delay : {"0", "0.05", "0.1"}) {
     ClosedLoop loop({"arm.hand.motion=explore", "arm.hand.reach_m=0.03",
                      std::string("arm.impairment.delay_s=") + delay},
-                    {configuration(), {}});
+                    {configuration(), {}, {}});
     test::ArmWatch watch(loop);
     loop.run(20, [&] { watch.see(); });
     EXPECT_EQ(watch.breach(), "") << delay;

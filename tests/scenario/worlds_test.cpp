@@ -59,7 +59,7 @@ seed = 1
 
 TEST(TwoArms, InOneWorldFeelItAsIfEachWereAlone) {
   ClosedLoop alone;
-  ClosedLoop together(kOtherSeed, {two_arms(), {}});
+  ClosedLoop together(kOtherSeed, {two_arms(), {}, {}});
   ArmWatch left(together, 0);
   ArmWatch right(together, 1);
   sim::TraceHash of_alone;
@@ -81,7 +81,7 @@ TEST(TwoArms, InOneWorldFeelItAsIfEachWereAlone) {
 }
 
 TEST(TwoArms, AStoppedArmLeavesTheOtherDriven) {
-  ClosedLoop sut(kOtherSeed, {two_arms(), {}});
+  ClosedLoop sut(kOtherSeed, {two_arms(), {}, {}});
   sut.run(3);
   sut.controls().is_estop_healthy = false;
   const std::uint64_t before = sut.snapshot(1).total_contacts;
