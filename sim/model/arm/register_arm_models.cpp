@@ -22,16 +22,16 @@ Result<std::unique_ptr<plugin::SimHidModel>> create(const ArmParameters& paramet
 }
 
 // The registry takes plain functions: one for each arm.
-template <ArmParameters (*parameters)()>
+template <ArmParameters (*Parameters)()>
 Result<std::unique_ptr<plugin::SimHidModel>> create_arm(const plugin::SimModelSettings& settings) {
-  return create(parameters(), settings);
+  return create(Parameters(), settings);
 }
 
-template <ArmParameters (*parameters)()>
+template <ArmParameters (*Parameters)()>
 void add_arm(plugin::SimModelRegistry& registry) {
-  const ArmParameters arm = parameters();
+  const ArmParameters arm = Parameters();
   registry.add(
-      {std::string(arm.name), std::string(arm.description) + " (HID)", &create_arm<parameters>});
+      {std::string(arm.name), std::string(arm.description) + " (HID)", &create_arm<Parameters>});
 }
 
 }  // namespace
