@@ -17,6 +17,8 @@ _CLOCK = re.compile(r"\b(?:steady_clock|system_clock|high_resolution_clock)\b|"
 _SKIP = re.compile(r"\bGTEST_SKIP\s*\(\s*\)\s*(<<)?")
 _TEST = re.compile(r"^TEST(?:_F|_P)?\(\s*(\w+),\s*(\w+)\s*\)", re.MULTILINE)
 _PROVED_BY = re.compile(r"`ctest -R ([\w.]+)`")
+_ADD_TEST = re.compile(r"add_test\(\s*NAME\s+([\w.${}]+)")
+_VARIABLE = re.compile(r"\$\{\w+\}")
 _FUZZ = re.compile(r"^\s*thimble_fuzz\(\s*(\w+)", re.MULTILINE)
 
 # Where real time is the subject: the real clock, and what measures or watches real programs.
@@ -92,42 +94,6 @@ def feature_rows(text):
             yield number, cells
 
 
-def check_proof(where, proof, test_words, breaches):
-    command = re.findall(r"`([^`]+)`", proof)
-    if not command:
-        breaches.append(f"{where}: names no `command` that proves it")
-    for words in command:
-        if words.split()[0] not in KNOWN_PROGRAMS:
-            breaches.append(f"{where}: `{words}` starts no known program; use one of "
-                            f"{', '.join(KNOWN_PROGRAMS)}")
-        match = re.search(r"ctest .*-R '?([\w.]+)", words)
-        for word in match.group(1).split(".") if match else ():
-            if not any(known.startswith(word) for known in test_words):  # -R is a pattern
-                breaches.append(f"{where}: no test below tests/ is called {word}; name one that is "
-                                "there")
-
-
-def check_features(root, paths, breaches):
-    if "docs/features.md" not in paths:
-        return
-    test_words = set()
-    for path in paths:
-        if path.startswith("tests/") and path.endswith((".cpp", "CMakeLists.txt", ".py")):
-            test_words.add(pathlib.PurePosixPath(path).stem)
-            test_words.update(re.findall(r"\w+", cpp_source.read(root, path)))
-    for number, cells in feature_rows(cpp_source.read(root, "docs/features.md")):
-        where = f"docs/features.md:{number}"
-        if len(cells) != 4 or cells[3] not in ("there", "not yet"):
-            breaches.append(f"{where}: a row is feature | where | proof | there or not yet")
-            continue
-        if cells[3] == "not yet":
-            continue
-        for place in re.findall(r"`([^`]+)`", cells[1]):
-            if not pathlib.Path(root, place).exists():
-                breaches.append(f"{where}: {place} does not exist; name where the feature lives now")
-        check_proof(where, cells[2], test_words, breaches)
-
-
 def tests_by_name(root, paths):
     """Suite.Test of every GoogleTest case, Suite of each, and process.NAME of tests/process."""
     names = set()
@@ -139,6 +105,52 @@ def tests_by_name(root, paths):
         if match:
             names.add(f"process.{match.group(1)}")
     return names
+
+
+def ctest_names(root, paths):
+    """What `ctest -R` may find: tests_by_name() and what CMake adds. A ${variable} in a name may
+    stand for any word of its file."""
+    names = tests_by_name(root, paths)
+    for path in paths:
+        if not path.startswith("tests/") or not path.endswith("CMakeLists.txt"):
+            continue
+        text = cpp_source.read(root, path)
+        for name in _ADD_TEST.findall(text):
+            if "${" not in name:
+                names.add(name)
+                continue
+            names.update(_VARIABLE.sub(word, name) for word in re.findall(r"\w+", text))
+    return names
+
+
+def check_proof(where, proof, known, breaches):
+    command = re.findall(r"`([^`]+)`", proof)
+    if not command:
+        breaches.append(f"{where}: names no `command` that proves it")
+    for words in command:
+        if words.split()[0] not in KNOWN_PROGRAMS:
+            breaches.append(f"{where}: `{words}` starts no known program; use one of "
+                            f"{', '.join(KNOWN_PROGRAMS)}")
+        match = re.search(r"ctest .*-R '?([^\s'`]+)", words)
+        if match and not any(re.search(match.group(1), name) for name in known):
+            breaches.append(f"{where}: no test is called {match.group(1)}; name one that is there")
+
+
+def check_features(root, paths, breaches):
+    if "docs/features.md" not in paths:
+        return
+    known = ctest_names(root, paths)
+    for number, cells in feature_rows(cpp_source.read(root, "docs/features.md")):
+        where = f"docs/features.md:{number}"
+        if len(cells) != 4 or cells[3] not in ("there", "not yet"):
+            breaches.append(f"{where}: a row is feature | where | proof | there or not yet")
+            continue
+        if cells[3] == "not yet":
+            continue
+        for place in re.findall(r"`([^`]+)`", cells[1]):
+            if not pathlib.Path(root, place).exists():
+                breaches.append(f"{where}: {place} does not exist; name where the feature lives now")
+        check_proof(where, cells[2], known, breaches)
 
 
 def check_defects(root, paths, breaches):

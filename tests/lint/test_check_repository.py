@@ -95,6 +95,19 @@ class CheckRepository(PlantedTreeTest):
         self.plant_features("| one script | `run` | believe me | there |")
         self.assert_one_breach(self.check_all(), "names no `command`")
 
+    def test_a_proof_is_one_test_not_words_of_several(self):
+        self.plant("run", "")
+        self.plant("tests/README.md", "")
+        self.plant("tests/a_test.cpp", "TEST(Limiter, Clamps) {}\nTEST(Filter, Smooths) {}\n")
+        self.plant("tests/CMakeLists.txt", "foreach(kind words figures)\n"
+                                           "add_test(NAME lint.${kind} COMMAND x)\nendforeach()\n")
+        for proof in ("Limiter.Clamps", "Filter", "lint.words", "'lint\\.figures'"):
+            self.plant_features(f"| one script | `run` | `ctest -R {proof}` | there |")
+            self.assertEqual(self.check_all(), [], proof)
+        for proof in ("Limiter.Smooths", "lint.units", "Limite.Clamps"):
+            self.plant_features(f"| one script | `run` | `ctest -R {proof}` | there |")
+            self.assert_one_breach(self.check_all(), proof)
+
     def test_refuses_a_row_of_another_form(self):
         self.plant_features("| one script | `run` | nearly |")
         self.assert_one_breach(self.check_all(), "there or not yet")
