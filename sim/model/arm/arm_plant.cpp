@@ -11,6 +11,10 @@ JointVector plus(const JointVector& a, double scale, const JointVector& b) noexc
   return {a[0] + scale * b[0], a[1] + scale * b[1], a[2] + scale * b[2]};
 }
 
+JointVector scaled(double scale, const JointVector& a) noexcept {
+  return {scale * a[0], scale * a[1], scale * a[2]};
+}
+
 JointVector weighted(const JointVector& k1, const JointVector& k2, const JointVector& k3,
                      const JointVector& k4) noexcept {
   JointVector sum{};
@@ -49,6 +53,19 @@ void ArmPlant::rest_at(const JointVector& q_rad) noexcept { set_state(q_rad, {})
 void ArmPlant::set_state(const JointVector& q_rad, const JointVector& rate) noexcept {
   q_ = q_rad;
   rate_ = rate;
+  pose_ = ArmDynamics::pose(q_);
+  steps_since_exact_ = 0;
+}
+
+void ArmPlant::move_by(const JointVector& step_rad) noexcept {
+  q_ = plus(q_, 1, step_rad);
+  ++steps_since_exact_;
+  if (steps_since_exact_ < kStepsToExactPose) {
+    pose_ = ArmDynamics::turned(pose_, step_rad);
+    return;
+  }
+  steps_since_exact_ = 0;
+  pose_ = ArmDynamics::pose(q_);
 }
 
 JointVector ArmPlant::friction(const JointVector& rate) const noexcept {
@@ -75,10 +92,9 @@ void ArmPlant::add_stops(const JointVector& q, const JointVector& rate,
   torque[2] += elbow_torque;
 }
 
-JointVector ArmPlant::acceleration(const JointVector& q, const JointVector& rate,
-                                   const JointVector& motor_torque,
+JointVector ArmPlant::acceleration(const ArmDynamics::Pose& pose, const JointVector& q,
+                                   const JointVector& rate, const JointVector& motor_torque,
                                    Force3 tip_force) const noexcept {
-  const ArmDynamics::Pose pose = ArmDynamics::pose(q);
   const JointVector drag = friction(rate);
   const JointVector coriolis = dynamics_.coriolis(pose, rate);
   const JointVector gravity = dynamics_.gravity_gradient(pose);
@@ -92,25 +108,27 @@ JointVector ArmPlant::acceleration(const JointVector& q, const JointVector& rate
 }
 
 void ArmPlant::step(double dt_s, const JointVector& motor_torque, Force3 tip_force) noexcept {
-  const auto accelerate = [&](const JointVector& q, const JointVector& rate) noexcept {
-    return acceleration(q, rate, motor_torque, tip_force);
+  // `way`: from where the step began.
+  const auto accelerate = [&](const JointVector& way, const JointVector& rate) noexcept {
+    return acceleration(ArmDynamics::turned(pose_, way), plus(q_, 1, way), rate, motor_torque,
+                        tip_force);
   };
   const double half_s = dt_s / 2;
-  const JointVector a1 = accelerate(q_, rate_);
+  const JointVector a1 = acceleration(pose_, q_, rate_, motor_torque, tip_force);
   const JointVector v2 = plus(rate_, half_s, a1);
-  const JointVector a2 = accelerate(plus(q_, half_s, rate_), v2);
+  const JointVector a2 = accelerate(scaled(half_s, rate_), v2);
   const JointVector v3 = plus(rate_, half_s, a2);
-  const JointVector a3 = accelerate(plus(q_, half_s, v2), v3);
+  const JointVector a3 = accelerate(scaled(half_s, v2), v3);
   const JointVector v4 = plus(rate_, dt_s, a3);
-  const JointVector a4 = accelerate(plus(q_, dt_s, v3), v4);
-  q_ = plus(q_, dt_s, weighted(rate_, v2, v3, v4));
+  const JointVector a4 = accelerate(scaled(dt_s, v3), v4);
+  move_by(scaled(dt_s, weighted(rate_, v2, v3, v4)));
   rate_ = plus(rate_, dt_s, weighted(a1, a2, a3, a4));
 }
 
-Position3 ArmPlant::tip() const noexcept { return dynamics_.tip(ArmDynamics::pose(q_)); }
+Position3 ArmPlant::tip() const noexcept { return dynamics_.tip(pose_); }
 
 Velocity3 ArmPlant::tip_velocity() const noexcept {
-  const TipJacobian j = dynamics_.jacobian(ArmDynamics::pose(q_));
+  const TipJacobian j = dynamics_.jacobian(pose_);
   Velocity3 velocity{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     velocity[axis] = j[axis][0] * rate_[0] + j[axis][1] * rate_[1] + j[axis][2] * rate_[2];
@@ -120,7 +138,6 @@ Velocity3 ArmPlant::tip_velocity() const noexcept {
 
 double ArmPlant::mechanical_energy_j() const noexcept {
   const ArmParameters& p = dynamics_.parameters();
-  const ArmDynamics::Pose pose = ArmDynamics::pose(q_);
   double excess_squared = 0;
   for (std::size_t i = 0; i < 3; ++i) {
     const double excess_rad = beyond(p.joint_range[i], q_[i]);
@@ -128,7 +145,7 @@ double ArmPlant::mechanical_energy_j() const noexcept {
   }
   const double elbow_rad = beyond(p.elbow_range, q_[1] + q_[2]);
   excess_squared += elbow_rad * elbow_rad;
-  return dynamics_.kinetic_energy_j(pose, rate_) + dynamics_.potential_energy_j(pose) +
+  return dynamics_.kinetic_energy_j(pose_, rate_) + dynamics_.potential_energy_j(pose_) +
          0.5 * p.stop_newton_m_per_rad * excess_squared;
 }
 

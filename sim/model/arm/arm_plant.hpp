@@ -26,12 +26,18 @@ class ArmPlant {
   THIMBLE_RT [[nodiscard]] Velocity3 tip_velocity() const noexcept;
   // Kinetic, potential and what the end stops have stored.
   THIMBLE_RT [[nodiscard]] double mechanical_energy_j() const noexcept;
+  [[nodiscard]] const ArmDynamics::Pose& pose() const noexcept { return pose_; }
   [[nodiscard]] const ArmDynamics& dynamics() const noexcept { return dynamics_; }
 
  private:
-  [[nodiscard]] JointVector acceleration(const JointVector& q, const JointVector& rate,
-                                         const JointVector& motor_torque,
+  // Steps between two poses that are computed from the angles: in between each follows from the
+  // one before.
+  static constexpr int kStepsToExactPose = 20;
+
+  [[nodiscard]] JointVector acceleration(const ArmDynamics::Pose& pose, const JointVector& q,
+                                         const JointVector& rate, const JointVector& motor_torque,
                                          Force3 tip_force) const noexcept;
+  void move_by(const JointVector& step_rad) noexcept;
   [[nodiscard]] JointVector friction(const JointVector& rate) const noexcept;
   void add_stops(const JointVector& q, const JointVector& rate, JointVector& torque) const noexcept;
 
@@ -40,6 +46,8 @@ class ArmPlant {
   JointVector viscous_newton_m_s_{};
   JointVector q_{};
   JointVector rate_{};
+  ArmDynamics::Pose pose_{};  // of q_
+  int steps_since_exact_{0};
 };
 
 }  // namespace thimble::sim

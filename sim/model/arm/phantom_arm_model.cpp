@@ -172,8 +172,7 @@ plugin::ArmTruth PhantomArmModel::truth() const noexcept {
   plugin::ArmTruth truth;
   truth.tip = plant_.tip();
   truth.tip_velocity = plant_.tip_velocity();
-  truth.motor_force =
-      plant_.dynamics().force_of(ArmDynamics::pose(plant_.joint_rad()), motor_torque());
+  truth.motor_force = plant_.dynamics().force_of(plant_.pose(), motor_torque());
   truth.motor_current_a = firmware_.amplifier().current_a();
   truth.gimbal_rad = gimbal_rad();
   truth.mechanical_energy_j = plant_.mechanical_energy_j();

@@ -25,7 +25,7 @@ namespace thimble::sim {
 class PhantomArmModel final : public plugin::SimHidModel, public plugin::ArmBackend {
  public:
   // Ours: a substep of the plant. Frame, PWM period and watchdog are whole multiples of it.
-  static constexpr Duration kSubstep{50'000};
+  static constexpr Duration kSubstep{100'000};
   // Fact, haptikfabrikenapi firmware/main.cpp: LEDs on for 0.5 s, off for 0.5 s, then encoders.
   static constexpr Duration kBoot{1'000'000'000};
 

@@ -67,6 +67,24 @@ TEST_P(ArmDynamicsOf, FollowsTheFactSheetsForwardKinematics) {
   }
 }
 
+TEST_P(ArmDynamicsOf, ATurnedPoseIsThePoseOfTheTurnedAngles) {
+  for (const double step_rad : {0.0, 1e-6, -1e-3, 0.03, -0.031, 0.5}) {
+    for (int n = 0; n < kPoses; ++n) {
+      const JointVector q = random.pose();
+      const JointVector step{step_rad, -step_rad, step_rad / 3};
+      const ArmDynamics::Pose turned = ArmDynamics::turned(ArmDynamics::pose(q), step);
+      const ArmDynamics::Pose exact =
+          ArmDynamics::pose({q[0] + step[0], q[1] + step[1], q[2] + step[2]});
+      EXPECT_NEAR(turned.sin_a, exact.sin_a, 4e-16) << step_rad;
+      EXPECT_NEAR(turned.cos_a, exact.cos_a, 4e-16) << step_rad;
+      EXPECT_NEAR(turned.sin_b, exact.sin_b, 4e-16) << step_rad;
+      EXPECT_NEAR(turned.cos_b, exact.cos_b, 4e-16) << step_rad;
+      EXPECT_NEAR(turned.sin_c, exact.sin_c, 4e-16) << step_rad;
+      EXPECT_NEAR(turned.cos_c, exact.cos_c, 4e-16) << step_rad;
+    }
+  }
+}
+
 TEST_P(ArmDynamicsOf, JacobianIsTheSlopeOfTheTip) {
   constexpr double kStep = 1e-6;
   for (int n = 0; n < kPoses; ++n) {

@@ -10,7 +10,7 @@
 namespace thimble::sim {
 namespace {
 
-constexpr double kSubstep = 50e-6;
+constexpr double kSubstep = 100e-6;
 constexpr JointVector kNoTorque{};
 
 ArmParameters frictionless(ArmParameters p) {

@@ -10,7 +10,7 @@
 namespace thimble::sim {
 namespace {
 
-constexpr Duration kSubstep{50'000};
+constexpr Duration kSubstep{100'000};
 
 // A free point mass as the tip, pushed by `push` and by the hand.
 struct FreeTip {

@@ -232,11 +232,11 @@ TEST(PhantomArmModel, AsksTheLoadOnceASubstepWithoutGaps) {
   sut.hold_tip(&load);
   usb.silence_ms(11);
 
-  EXPECT_EQ(load.calls, 200);
+  EXPECT_EQ(load.calls, 100);
   EXPECT_EQ(load.gaps, 0);
   sut.hold_tip(nullptr);
   usb.silence_ms(1);
-  EXPECT_EQ(load.calls, 200);
+  EXPECT_EQ(load.calls, 100);
 }
 
 TEST(PhantomArmModel, PushAndLoadAddUp) {
@@ -268,7 +268,7 @@ TEST(PhantomArmModel, NonFiniteForcesCountAndDoNothing) {
   usb.silence_ms(2);
 
   EXPECT_LT(norm(sut.truth().tip - before), 1e-9);
-  EXPECT_EQ(sut.counters().non_finite_forces, 21U);
+  EXPECT_EQ(sut.counters().non_finite_forces, 11U);
 }
 
 TEST(PhantomArmModel, CountsStylusPressesThatTheBoardCannotReport) {
