@@ -19,8 +19,12 @@ enum class FaultKind : std::uint8_t {
   TruncateIn,  // an input report is cut short
   Stall,       // nothing passes; the newest output report waits
   Disconnect,  // the device is gone, for good as far as a handle used meanwhile goes
+  // Of the bus rather than of a report; they look at the time only.
+  RefuseOpen,   // somebody else holds the device
+  LoseEvents,   // arrivals and departures of the device are never told
+  DelayEvents,  // nothing on this bus is told until it ends
 };
-inline constexpr std::size_t kFaultKindCount = 8;
+inline constexpr std::size_t kFaultKindCount = 11;
 
 // One fault that happens while both windows hold.
 struct ScriptedFault {

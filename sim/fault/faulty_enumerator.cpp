@@ -1,5 +1,6 @@
 #include "sim/fault/faulty_enumerator.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace thimble::sim {
@@ -13,8 +14,32 @@ FaultCounts FaultyEnumerator::injected(const bus::DeviceAddress& address) const 
   return cable == cables_.end() ? FaultCounts{} : cable->second.tally->read();
 }
 
+bool FaultyEnumerator::is_on(const Cable& cable, FaultKind kind) const noexcept {
+  const MonotonicTime now = clock_->now();
+  return std::any_of(
+      cable.plan.script.begin(), cable.plan.script.end(),
+      [&](const ScriptedFault& fault) { return fault.kind == kind && fault.covers(now); });
+}
+
+std::optional<bus::BusEvent> FaultyEnumerator::poll_event() {
+  for (const auto& [address, cable] : cables_) {
+    if (is_on(cable, FaultKind::DelayEvents)) return std::nullopt;
+  }
+  while (std::optional<bus::BusEvent> event = buses_->poll_event()) {
+    const auto cable = cables_.find(event->device.address);
+    if (cable == cables_.end() || !is_on(cable->second, FaultKind::LoseEvents)) return event;
+    cable->second.tally->add(FaultKind::LoseEvents);
+  }
+  return std::nullopt;
+}
+
 Result<std::unique_ptr<bus::HidDevice>> FaultyEnumerator::open_hid(
     const bus::DeviceAddress& address) {
+  if (const auto cable = cables_.find(address);
+      cable != cables_.end() && is_on(cable->second, FaultKind::RefuseOpen)) {
+    cable->second.tally->add(FaultKind::RefuseOpen);
+    return fail(Errc::Busy, address.text + " is held by somebody else");
+  }
   Result<std::unique_ptr<bus::HidDevice>> device = buses_->open_hid(address);
   if (!device.has_value()) return device;
   const Cable& cable = cables_[address];

@@ -16,19 +16,20 @@ namespace thimble::sim {
 //
 // Thread: as BusEnumerator. Ownership: the bus below and the clock must outlive it.
 // Errors: as the bus below. An injected Disconnect is known to the handle only: no device
-// leaves list() by it.
+// leaves list() by it. RefuseOpen is Busy.
 class FaultyEnumerator final : public bus::BusEnumerator {
  public:
   FaultyEnumerator(bus::BusEnumerator& buses, const Clock& clock) noexcept
       : buses_(&buses), clock_(&clock) {}
 
-  // For every handle opened from now on at this address; without a plan nothing goes wrong.
+  // For every handle opened from now on at this address, for opening it and for its events; without
+  // a plan nothing goes wrong.
   void set_plan(const bus::DeviceAddress& address, FaultPlan plan);
   // Of all handles ever opened at this address.
   [[nodiscard]] FaultCounts injected(const bus::DeviceAddress& address) const;
 
   [[nodiscard]] std::vector<bus::BusDeviceInfo> list() override { return buses_->list(); }
-  [[nodiscard]] std::optional<bus::BusEvent> poll_event() override { return buses_->poll_event(); }
+  [[nodiscard]] std::optional<bus::BusEvent> poll_event() override;
   [[nodiscard]] Result<std::unique_ptr<bus::HidDevice>> open_hid(
       const bus::DeviceAddress& address) override;
 
@@ -37,6 +38,8 @@ class FaultyEnumerator final : public bus::BusEnumerator {
     FaultPlan plan;
     std::shared_ptr<FaultTally> tally = std::make_shared<FaultTally>();
   };
+
+  [[nodiscard]] bool is_on(const Cable& cable, FaultKind kind) const noexcept;
 
   bus::BusEnumerator* buses_;
   const Clock* clock_;

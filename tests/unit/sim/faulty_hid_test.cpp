@@ -224,6 +224,32 @@ TEST(FaultyHid, AHandleOpenedAfterADisconnectWorks) {
   EXPECT_EQ(bench.read_frames(2), (std::vector<int>{5, 6}));
 }
 
+TEST(FaultyEnumerator, RefusesToOpenWhileSomebodyElseHoldsTheDevice) {
+  Bench bench(script_of(during(FaultKind::RefuseOpen, 1, 2)));
+  bench.sut.reset();
+  bench.clock.run_for(milliseconds(1));
+  const auto refused = bench.faulty.open_hid(kAddress);
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error().code, Errc::Busy);
+  EXPECT_EQ(bench.injected(FaultKind::RefuseOpen), 1U);
+  bench.clock.run_for(milliseconds(2));
+  EXPECT_TRUE(bench.faulty.open_hid(kAddress).has_value());
+}
+
+TEST(FaultyEnumerator, LosesEventsForGoodAndDelaysThemUntilTheEnd) {
+  Bench lost(script_of(during(FaultKind::LoseEvents, 0, 2)));
+  EXPECT_FALSE(lost.faulty.poll_event().has_value());
+  lost.clock.run_for(milliseconds(2));
+  EXPECT_FALSE(lost.faulty.poll_event().has_value());
+  EXPECT_EQ(lost.injected(FaultKind::LoseEvents), 1U);
+  Bench delayed(script_of(during(FaultKind::DelayEvents, 0, 2)));
+  EXPECT_FALSE(delayed.faulty.poll_event().has_value());
+  delayed.clock.run_for(milliseconds(2));
+  const auto event = delayed.faulty.poll_event();
+  ASSERT_TRUE(event.has_value());
+  EXPECT_EQ(event->kind, bus::BusEvent::Kind::Arrived);
+}
+
 TEST(FaultyHid, ARealUnplugPassesThrough) {
   Bench bench({});
   ASSERT_TRUE(bench.buses.unplug(kAddress).has_value());
