@@ -100,8 +100,9 @@ void Circumstances::fill(const Event& event, bool is_filled) {
 }
 
 bool Circumstances::is_cable_disturbed() const noexcept {
-  for (std::size_t kind = 0; kind < sim::kFaultKindCount; ++kind) {
-    if (on_[kind] > 0) return true;
+  for (auto kind = EventKind::DropIn; kind <= EventKind::Disconnect;
+       kind = static_cast<EventKind>(static_cast<int>(kind) + 1)) {
+    if (is_on(kind)) return true;
   }
   return is_on(EventKind::Unplug);
 }

@@ -44,12 +44,21 @@ Bounds bounds_of(const Setup& setup, const servo::ServoSettings& servo, double c
   // Where order is lost a reply waits for those that overtook it, where delay and jitter add up.
   bounds.round_trip = from_seconds(setup.delay_s + setup.jitter_s + 0.01);
   bounds.is_network_lossless = setup.loss == 0 && setup.reorder == 0;
-  bounds.is_energy_bounded = !setup.is_thesis_literal;
+  // A harder wall is not passive behind the milliseconds of this bus (teleop.md 2(a)).
+  bounds.is_energy_bounded = !setup.is_thesis_literal && setup.stiffness_newton_per_m <= 800;
   return bounds;
 }
 
-void count(const servo::ServoSnapshot& before, const servo::ServoSnapshot& now, bool& is_down,
-           Tally& tally) {
+// What counting one tick needs to know of the one before.
+struct Before {
+  explicit Before(const servo::ServoSnapshot& servo) noexcept
+      : faults(servo.faults), clear_answered(servo.clear_answered), state(servo.frame.state) {}
+  std::uint64_t faults;
+  std::uint32_t clear_answered;
+  OperatingState state;
+};
+
+void count(const Before& before, const servo::ServoSnapshot& now, bool& is_down, Tally& tally) {
   const servo::ServoFrame& frame = now.frame;
   ++tally.ticks;
   ++tally.ticks_in[static_cast<std::size_t>(frame.state)];
@@ -58,7 +67,7 @@ void count(const servo::ServoSnapshot& before, const servo::ServoSnapshot& now, 
     ++tally.cleared;
   }
   const bool is_lost = frame.state == OperatingState::Lost;
-  if (is_lost && before.frame.state != OperatingState::Lost) ++tally.unplugged;
+  if (is_lost && before.state != OperatingState::Lost) ++tally.unplugged;
   is_down = is_down || is_lost || frame.state == OperatingState::Fault;
   if (!is_down || frame.gain < 1) return;
   is_down = false;
@@ -118,7 +127,7 @@ Ending play(const Programme& programme, const Planted& planted) {
   Trace trace;
   bool is_down = false;
   while (ending.tally.ticks < programme.ticks && !findings.breach()) {
-    const servo::ServoSnapshot before = observation.servo;
+    const Before before(observation.servo);
     loop.tick(circumstances.prepare(loop.now()));
     observation.servo = loop.snapshot();
     observation.truth = loop.truth();

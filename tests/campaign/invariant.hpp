@@ -86,6 +86,7 @@ class Invariant {
 [[nodiscard]] std::unique_ptr<Invariant> make_zero_after_stop(const Bounds& bounds);
 [[nodiscard]] std::unique_ptr<Invariant> make_latch(const Bounds& bounds);
 [[nodiscard]] std::unique_ptr<Invariant> make_recovery(const Bounds& bounds);
+[[nodiscard]] std::unique_ptr<Invariant> make_energy(const Bounds& bounds);
 [[nodiscard]] std::unique_ptr<Invariant> make_progress(const Bounds& bounds);
 [[nodiscard]] std::vector<std::unique_ptr<Invariant>> make_invariants(const Bounds& bounds);
 

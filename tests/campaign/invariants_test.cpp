@@ -255,6 +255,41 @@ TEST(Recovery, SeesAGhostThatDoesNotStartAtTheHand) {
   EXPECT_THAT(stale.broken(), HasSubstr("restart"));
 }
 
+// The tip is pushed to and fro in a wall of 800 N/m, `back` times as hard on the way back.
+std::string push_and_return(double back, Observation& quirk) {
+  GoodCourse course(&make_energy);
+  const auto rest = [](Observation& now) {
+    now.truth.motor_force = {};
+    now.truth.tip = {};
+  };
+  course.run(200, rest);
+  for (int i = 1; i <= 40; ++i) {
+    const double depth_m = 1e-4 * (i <= 20 ? i : 40 - i);
+    course.run(1, [&](Observation& now) {
+      now.servo.frame.is_limited = quirk.servo.frame.is_limited;
+      now.truth.tip_velocity = quirk.truth.tip_velocity;
+      now.servo.frame.contacts = 1;
+      now.servo.frame.wish = {-800 * depth_m, 0, 0};
+      now.truth.motor_force = {-(i <= 20 ? 800 : back * 800) * depth_m, 0, 0};
+      now.truth.tip = {depth_m, 0, 0};
+    });
+  }
+  course.run(1, rest);
+  return course.broken();
+}
+
+TEST(Energy, HoldsForASpringAndSeesOneThatGivesMoreThanItTook) {
+  Observation quirk;
+  EXPECT_EQ(push_and_return(1, quirk), "");
+  EXPECT_EQ(push_and_return(1.2, quirk), "") << "0.3 mJ are on the way";
+  EXPECT_THAT(push_and_return(1.5, quirk), HasSubstr("energy"));
+  quirk.servo.frame.is_limited = true;
+  EXPECT_EQ(push_and_return(1.5, quirk), "") << "a touch that met the limiter is not judged";
+  quirk.servo.frame.is_limited = false;
+  quirk.truth.tip_velocity = {0.31, 0, 0};
+  EXPECT_EQ(push_and_return(1.5, quirk), "") << "nor one of a tip that is shoved";
+}
+
 TEST(Progress, HoldsOnAGoodCourse) { EXPECT_EQ(GoodCourse(&make_progress).broken(), ""); }
 
 TEST(Progress, SeesATickThatIsLeftOutAndTimeThatStandsStill) {

@@ -13,7 +13,7 @@
 
 namespace thimble::campaign {
 
-// What goes wrong, or what somebody does. The first eight are those of sim::FaultKind, in its
+// What goes wrong, or what somebody does. The first are those of sim::FaultKind, in its
 // order; while one lasts, every report of its direction suffers it.
 enum class EventKind : std::uint8_t {
   DropIn,
@@ -26,6 +26,7 @@ enum class EventKind : std::uint8_t {
   Disconnect,   // the handle is dead; one opened after it is not
   RefuseOpen,   // somebody else holds the device
   LoseEvents,   // arrivals and departures are not told
+  DelayEvents,  // they are told when it ends
   Unplug,       // the cable is out while it lasts
   Estop,        // the input is not healthy while it lasts
   DeadmanOpen,  // while it lasts
@@ -37,7 +38,7 @@ enum class EventKind : std::uint8_t {
   Shove,        // somebody pushes the tip while it lasts
   FillCell,     // a cell of the world is filled while it lasts
 };
-inline constexpr std::size_t kEventKindCount = 20;
+inline constexpr std::size_t kEventKindCount = 21;
 [[nodiscard]] std::string_view to_string(EventKind kind) noexcept;
 
 struct Event {

@@ -18,8 +18,9 @@ std::string count(std::string_view name, std::uint64_t n) {
 }
 
 constexpr std::array<const char*, sim::kFaultKindCount> kReportNames{
-    "dropped in",    "dropped out",  "delayed in", "corrupted in",
-    "corrupted out", "truncated in", "stalled",    "handles killed"};
+    "dropped in",      "dropped out",  "delayed in",    "corrupted in",
+    "corrupted out",   "truncated in", "stalled",       "handles killed",
+    "opening refused", "events lost",  "events delayed"};
 
 }  // namespace
 
@@ -31,7 +32,7 @@ std::string to_text(const Tally& tally) {
   for (std::size_t i = 0; i < kEventKindCount; ++i) {
     text += count(to_string(static_cast<EventKind>(i)), tally.events[i]);
   }
-  text += "reports on the bus\n";
+  text += "faults of the bus\n";
   for (std::size_t i = 0; i < sim::kFaultKindCount; ++i) {
     text += count(kReportNames[i], tally.reports.by_kind[i]);
   }

@@ -17,6 +17,7 @@ class Shrinker {
     drop_events();
     simplify();
     drop_events();
+    best_.programme.ticks = best_.breach.tick;
     return best_;
   }
 
@@ -24,7 +25,7 @@ class Shrinker {
   // Nothing after the breach matters.
   void cut() {
     Programme shorter = best_.programme;
-    shorter.ticks = best_.breach.tick;
+    shorter.ticks = with_slack(best_.breach.tick);
     const Duration end = best_.breach.at.since_epoch;
     std::erase_if(shorter.events, [end](const Event& event) { return event.at > end; });
     (void)keeps_failing(shorter);
@@ -38,9 +39,12 @@ class Shrinker {
     if (!breach || breach->rule != best_.breach.rule) return false;
     best_.programme = candidate;
     best_.breach = *breach;
-    best_.programme.ticks = breach->tick;
+    best_.programme.ticks = std::min(candidate.ticks, with_slack(breach->tick));
     return true;
   }
+
+  // Without an event that makes the servo skip periods the same moment has a higher number.
+  static std::uint64_t with_slack(std::uint64_t ticks) noexcept { return ticks + ticks / 8 + 200; }
 
   // Halves, then quarters … then single ones, each left out in turn for as long as that helps.
   void drop_events() {

@@ -18,13 +18,21 @@ std::int16_t field(std::span<const std::uint8_t> bytes, std::size_t index) noexc
   return static_cast<std::int16_t>(static_cast<std::uint16_t>(low | (high << 8U)));
 }
 
-Result<std::unique_ptr<plugin::SimHidModel>> create(const char* name,
-                                                    const plugin::SimModelSettings& settings) {
+// The registry takes plain functions: one for each arm.
+template <std::size_t index>
+Result<std::unique_ptr<plugin::SimHidModel>> create(const plugin::SimModelSettings& settings) {
   plugin::SimModelRegistry models;
   sim::register_arm_models(models);
-  auto arm = models.find(name)->create_hid(settings);
+  auto arm = models.entries().at(index).create_hid(settings);
   if (!arm) return arm;
   return std::make_unique<TappedArm>(*std::move(arm));
+}
+
+template <std::size_t... indices>
+std::vector<plugin::SimModelEntry> tapped(std::index_sequence<indices...> /*all*/) {
+  plugin::SimModelRegistry models;
+  sim::register_arm_models(models);
+  return {{models.entries().at(indices).name, "with a tap", &create<indices>}...};
 }
 
 }  // namespace
@@ -52,13 +60,8 @@ void TappedArm::out_report(std::span<const std::uint8_t> bytes) noexcept {
 }
 
 std::vector<plugin::SimModelEntry> tapped_arms() {
-  return {{"phantom-vintage", "with a tap",
-           [](const plugin::SimModelSettings& settings) {
-             return create("phantom-vintage", settings);
-           }},
-          {"woody-2015", "with a tap", [](const plugin::SimModelSettings& settings) {
-             return create("woody-2015", settings);
-           }}};
+  constexpr std::size_t kArms = 5;
+  return tapped(std::make_index_sequence<kArms>());
 }
 
 }  // namespace thimble::campaign
