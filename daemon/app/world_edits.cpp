@@ -34,6 +34,7 @@ void WorldEdits::submit(std::string_view world, const std::vector<api::CellEdit>
                                            "'; one on another host is edited there"));
   }
   std::vector<world::CellEdit> converted;
+  converted.reserve(edits.size());
   for (const api::CellEdit& edit : edits) converted.push_back(edit_of(edit));
   const Result<std::uint64_t> batch = host->submit_edits(std::move(converted));
   if (!batch) return answer(tl::unexpected(batch.error()));
