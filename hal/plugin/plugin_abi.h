@@ -153,7 +153,9 @@ struct thimble_driver {
   /* Ends the life of `device`. The host has sent zero before. Thread: control plane. */
   void (*close)(void* device);
 
-  /* The reference is worth nothing any more: the arm must be calibrated again. RT. */
+  /* The reference is worth nothing any more: the arm must be calibrated again. DONE is believed
+   * again after a sample that does not say it. RT. Thread: control plane before the first report,
+   * then the servo's. */
   void (*forget_calibration)(void* device);
   /* Makes a sample of the newest report; older ones may have been left out, which its number shows.
    * The bytes may be anything. The sample comes zeroed. OK, NO_DATA or PROTOCOL_ERROR. RT. */

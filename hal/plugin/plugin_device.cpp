@@ -77,6 +77,7 @@ DeviceCounters PluginDevice::counters() const noexcept {
 
 void PluginDevice::forget_calibration() noexcept {
   calibration_.store(CalibrationState::Unknown, std::memory_order_relaxed);
+  is_done_doubted_ = true;
   parts_.driver->forget_calibration(parts_.device);
 }
 
@@ -99,11 +100,22 @@ IoStatus PluginDevice::read(HapticState& out) noexcept {
     forget_calibration();
     return count_malformed();
   }
+  doubt(sample);
   copy_sample(sample, capabilities_.joint_count, out);
   out.sampled_at = report_.arrived_at;
   out.sample_sequence = report_.sequence;
   calibration_.store(out.calibration, std::memory_order_relaxed);
   return IoStatus::Ok;
+}
+
+// Were the old reference taken again at once, the servo would never learn that write() sent zero
+// meanwhile: its limiter would go on from a force that the arm no longer has, in one step.
+void PluginDevice::doubt(thimble_sample& sample) noexcept {
+  if (sample.calibration != THIMBLE_CALIBRATION_DONE) {
+    is_done_doubted_ = false;
+  } else if (is_done_doubted_) {
+    sample.calibration = THIMBLE_CALIBRATION_NEEDS_PERSON;
+  }
 }
 
 IoStatus PluginDevice::write(const LimitedWrench& wrench) noexcept {

@@ -17,7 +17,8 @@ namespace thimble::plugin {
 // Thread, RT: as HapticDevice; the plugin's functions run on the servo thread.
 // Ownership: of the bus device and of the plugin's own.
 // Errors: ProtocolError, counted as malformed, for whatever the plugin refuses or gets wrong; the
-// reference is forgotten with a sample that no arm can have.
+// reference is forgotten with a sample that no arm can have. Once it was forgotten, a sample that
+// says DONE counts as NeedsUser until one came that did not say it.
 class PluginDevice final : public HapticDevice {
  public:
   struct Parts {
@@ -41,11 +42,13 @@ class PluginDevice final : public HapticDevice {
 
  private:
   IoStatus count_malformed() noexcept;
+  void doubt(thimble_sample& sample) noexcept;
 
   Parts parts_;
   HapticCapabilities capabilities_;
   std::string instruction_;
   bus::HidReport report_{};
+  bool is_done_doubted_{false};  // the reference was forgotten, and the plugin has not said so yet
   // Read from any thread.
   std::atomic<CalibrationState> calibration_{CalibrationState::Unknown};
   std::atomic<std::uint64_t> malformed_{0};

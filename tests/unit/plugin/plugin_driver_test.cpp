@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <random>
 
 #include "daemon/servo/wrench_limiter.hpp"
 #include "sim/bus/sim_enumerator.hpp"
@@ -192,6 +193,41 @@ TEST_F(PluginDriverTest, NoForceIsAskedForWithoutAReference) {
   ASSERT_EQ(report(), IoStatus::Ok);
   sut_->write(newton(2));
   EXPECT_THAT(script_.forces_x, ElementsAre(0, 2, 0, 0));
+}
+
+// Else the servo would not learn of it, and its limiter would go on from the force of before.
+TEST_F(PluginDriverTest, AForgottenReferenceIsBelievedAgainOnlyAfterASampleWithoutOne) {
+  open_or_fail();
+  std::mt19937 random(11);
+  std::string history;  // what the arm was told and said, one letter each
+  int taken = 0;
+  for (int round = 0; round < 5000; ++round) {
+    const char event = "DDDDDDNUFX"[random() % 10];
+    history += event;
+    if (event == 'F') {
+      sut_->forget_calibration();
+      continue;
+    }
+    script_.sample = [event](const thimble_hid_report&, thimble_sample& sample) {
+      if (event == 'N') sample.calibration = THIMBLE_CALIBRATION_NEEDS_PERSON;
+      if (event == 'U') sample.calibration = THIMBLE_CALIBRATION_UNKNOWN;
+      if (event == 'X') sample.tip_m[0] = kNaN;
+    };
+    if (report() != IoStatus::Ok) continue;
+    const std::size_t forgotten = history.find_last_of("FX");
+    const bool is_answered = forgotten == std::string::npos ||
+                             history.find_first_of("NU", forgotten) != std::string::npos;
+    const bool is_reference = event == 'D' && is_answered;
+    ASSERT_EQ(state_.calibration == CalibrationState::Ok, is_reference) << round;
+    sut_->write(newton(2));
+    ASSERT_EQ(script_.forces_x.back(), is_reference ? 2 : 0) << round;
+    if (event == 'D' && !is_answered) {
+      EXPECT_EQ(sut_->calibration_instruction(), "Press the button");
+      EXPECT_EQ(state_.joint_position_rad, (std::array<double, 6>{}));
+    }
+    if (is_reference) ++taken;
+  }
+  EXPECT_GT(taken, 500);
 }
 
 TEST_F(PluginDriverTest, AReportHasJustTheLengthOfTheDevice) {
