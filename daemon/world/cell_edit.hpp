@@ -9,6 +9,10 @@
 
 namespace thimble::world {
 
+// Ours: beyond every grid, which ends 512 km from its origin (kMaxCellsPerAxis of 1e3 m), and far
+// from where squares or sums of such numbers overflow.
+inline constexpr double kMaxBrush_m = 1e6;
+
 // One wish to change cells of a world.
 struct CellEdit {
   enum class Kind : std::uint8_t {
@@ -26,8 +30,8 @@ struct CellEdit {
   bool operator==(const CellEdit&) const = default;
 };
 
-// InvalidArgument: not within the world, no such material, ends the wrong way round, a brush that
-// is not finite or without size.
+// InvalidArgument: not within the world, no such material, ends the wrong way round, a brush
+// beyond kMaxBrush_m or without size.
 [[nodiscard]] Result<void> check_edit(const VoxelWorld& world, const CellEdit& edit);
 
 }  // namespace thimble::world

@@ -11,16 +11,22 @@ namespace {
 
 constexpr const char* kAxes = "xyz";
 
+// `at` cut to an index from `low` to `high`; what is no number is `low`.
+[[nodiscard]] std::int32_t index_of(double at, std::int32_t low, std::int32_t high) noexcept {
+  if (!(at > low)) return low;
+  return at < high ? static_cast<std::int32_t>(at) : high;
+}
+
 // The cells along one axis whose centres lie within `half_m` of `at_m`, as far as there are any:
 // none where the first is above the last.
 [[nodiscard]] std::pair<std::int32_t, std::int32_t> cells_within(const VoxelGrid& grid,
                                                                  std::size_t axis, double at_m,
                                                                  double half_m) noexcept {
-  const double count = grid.cells()[axis];
-  const double middle = at_m / grid.cell_m() + (count - 1) / 2;
+  const auto count = static_cast<std::int32_t>(grid.cells()[axis]);
+  const double middle = at_m / grid.cell_m() + (count - 1) / 2.0;
   const double half = half_m / grid.cell_m();
-  return {static_cast<std::int32_t>(std::clamp(std::ceil(middle - half), 0.0, count)),
-          static_cast<std::int32_t>(std::clamp(std::floor(middle + half), -1.0, count - 1))};
+  return {index_of(std::ceil(middle - half), 0, count),
+          index_of(std::floor(middle + half), -1, count - 1)};
 }
 
 // What an edit reaches, ends included.
@@ -40,6 +46,13 @@ constexpr const char* kAxes = "xyz";
   return first.x > last.x || first.y > last.y || first.z > last.z;
 }
 
+[[nodiscard]] bool is_brush(const CellEdit& edit) noexcept {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (!(std::abs(edit.center[axis]) <= kMaxBrush_m)) return false;
+  }
+  return edit.radius_m > 0 && edit.radius_m <= kMaxBrush_m;
+}
+
 [[nodiscard]] double center_of_m(const VoxelGrid& grid, std::size_t axis, std::int32_t i) noexcept {
   return (grid.face_m(axis, i) + grid.face_m(axis, i + 1)) / 2;
 }
@@ -54,8 +67,10 @@ Result<void> check_edit(const VoxelWorld& world, const CellEdit& edit) {
                     ": 0 is free, 1 filled, and 1 + n of the world's n-th material");
   }
   if (edit.kind == CellEdit::Kind::Paint) {
-    if (is_finite(edit.center) && std::isfinite(edit.radius_m) && edit.radius_m > 0) return {};
-    return fail(Errc::InvalidArgument, "radius_m: expected a finite centre and a radius above 0");
+    if (is_brush(edit)) return {};
+    return fail(Errc::InvalidArgument,
+                "center_m, radius_m: expected a centre within 1e6 m of the origin along each axis, "
+                "and a radius above 0 and up to 1e6 m");
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto end = static_cast<std::int32_t>(world.info().cells[axis]);

@@ -170,14 +170,39 @@ TEST(EditQueue, BoundsWhatMayWait) {
 TEST(EditQueue, ABrushBesideTheWorldPaintsNothing) {
   VoxelWorld world(empty_grid({4, 4, 4}, 0.01), "w");
   EditQueue sut(world);
-  for (const Position3 center : {Position3{9, 0, 0}, {0, -1e300, 0}, {0, 0, 1e300}}) {
+  for (const Position3 center : {Position3{9, 0, 0}, {0, -kMaxBrush_m, 0}, {0, 0, kMaxBrush_m}}) {
     ASSERT_TRUE(sut.submit({{Kind::Paint, {}, {}, center, 0.5, 1}}));
   }
   finish(sut);
   EXPECT_EQ(world.occupied_cells(), 0U);
-  ASSERT_TRUE(sut.submit({{Kind::Paint, {}, {}, {}, 1e300, 1}}));
+  ASSERT_TRUE(sut.submit({{Kind::Paint, {}, {}, {}, kMaxBrush_m, 1}}));
   finish(sut);
   EXPECT_EQ(world.occupied_cells(), 64U);
+}
+
+// Huge less huge is no number, and no number is no cell.
+TEST(EditQueue, ABrushIsHugeOnAnyAxesAndItsRadiusTooAndIsRefused) {
+  VoxelWorld world(empty_grid({4, 5, 6}, 1e-9), "w");
+  EditQueue sut(world);
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const double huge : {1.001 * kMaxBrush_m, 1e154, 1e308, infinity}) {
+    for (int axes = 0; axes < 27; ++axes) {
+      const auto along = [&](int power) { return huge * (axes / power % 3 - 1); };
+      const Position3 center{along(1), along(3), along(9)};
+      for (const double radius_m : {0.001, kMaxBrush_m, huge}) {
+        const bool is_good = axes == 13 && huge < infinity && radius_m <= kMaxBrush_m;
+        if (is_good) continue;
+        const auto refused = sut.submit({{Kind::Paint, {}, {}, center, radius_m, 1}});
+        ASSERT_FALSE(refused) << axes << " " << huge << " " << radius_m;
+        EXPECT_EQ(refused.error().code, Errc::InvalidArgument);
+      }
+    }
+  }
+  for (const double x : {-kMaxBrush_m, kMaxBrush_m}) {
+    ASSERT_TRUE(sut.submit({{Kind::Paint, {}, {}, {x, -x, x}, kMaxBrush_m, 1}}));
+  }
+  sut.step();
+  EXPECT_TRUE(sut.is_idle());
 }
 
 }  // namespace
