@@ -58,13 +58,21 @@ void InProcessLink::serve_world(MonotonicTime now) {
     if (is_newest) served_ = arrived.carried.number;
     if (is_other) session_.close();  // its ghost stands where the hand was before
     served_restart_ = arrived.sample.restart;
-    if (!session_.is_open() && !session_.open(arrived.sample, now, counters_)) continue;
+    if (!session_.is_open() && !open_session(arrived.sample, now)) continue;
     CarriedReply reply{arrived.carried, arrived.sample.restart,
                        session_.answer(arrived.sample, now)};
     reply.reply.answers = arrived.sample.sequence;
     reply.reply.sampled_at = arrived.sample.sampled_at;
     to_arm_.push(now, reply);
   }
+}
+
+bool InProcessLink::open_session(const coupling::HandSample& first, MonotonicTime now) {
+  if (retry_at_ && now < *retry_at_) return false;
+  retry_at_.reset();
+  if (session_.open(first, now, counters_)) return true;
+  retry_at_ = now + WorldSession::kRetry;
+  return false;
 }
 
 void InProcessLink::accept_replies(MonotonicTime now) {

@@ -21,7 +21,8 @@ namespace thimble::link {
 //
 // Thread: arm_end() is for the servo; everything else for one thread of the net plane.
 // RT: not, but for the arm end. Ownership: world and wake signal must outlive it.
-// Errors: none end it. A world that refuses the hand is asked again with the next sample.
+// Errors: none end it. A world that refuses the hand is asked again by the first sample
+//         after WorldSession::kRetry.
 class InProcessLink {
  public:
   struct Settings {
@@ -56,6 +57,7 @@ class InProcessLink {
   void take_sample();
   void send_pending(MonotonicTime now);
   void serve_world(MonotonicTime now);
+  bool open_session(const coupling::HandSample& first, MonotonicTime now);
   void accept_replies(MonotonicTime now);
   void accept(const CarriedReply& arrived, MonotonicTime now);
   void count_unanswered(MonotonicTime now) noexcept;
@@ -68,9 +70,10 @@ class InProcessLink {
   ImpairedQueue<CarriedReply> to_arm_;
   std::optional<coupling::HandSample> pending_;
   std::uint64_t last_number_{0};
-  std::uint32_t restart_{0};         // of the newest sample the servo gave
-  std::uint64_t served_{0};          // newest number that reached the world
-  std::uint32_t served_restart_{0};  // of that sample
+  std::uint32_t restart_{0};               // of the newest sample the servo gave
+  std::uint64_t served_{0};                // newest number that reached the world
+  std::uint32_t served_restart_{0};        // of that sample
+  std::optional<MonotonicTime> retry_at_;  // the world refused; not asked before
   SequenceWindow arrived_;
   std::uint64_t accounted_{0};      // every number up to here was answered or is counted as lost
   std::optional<Carried> overdue_;  // up to its number all are lost kSilence after its time

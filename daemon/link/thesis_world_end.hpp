@@ -33,8 +33,7 @@ class ThesisWorldEnd {
     Endpoint to{};
     ThesisReply bytes{};
   };
-  // How long to wait before a world that refused the hand is asked again.
-  static constexpr Duration kRetry = std::chrono::milliseconds(100);
+  static constexpr Duration kRetry = WorldSession::kRetry;
 
   ThesisWorldEnd(const Settings& settings, coupling::WorldCoupling& world);
 

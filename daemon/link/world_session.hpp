@@ -20,6 +20,10 @@ class WorldSession {
   static constexpr Duration kMinStep = std::chrono::microseconds(1);
   static constexpr Duration kMaxStep = std::chrono::milliseconds(50);
 
+  // Ours: how long to wait before a world that refused the hand is asked again. To look for a free
+  // place may take it long.
+  static constexpr Duration kRetry = std::chrono::milliseconds(100);
+
   explicit WorldSession(coupling::WorldCoupling& world) noexcept : world_(&world) {}
   ~WorldSession() { close(); }
   WorldSession(const WorldSession&) = delete;

@@ -78,9 +78,12 @@ VoxelWorld::VoxelWorld(VoxelGrid grid, std::string source, MaterialMap materials
 
 Result<ProbeId> VoxelWorld::add_probe(Position3 hand) {
   if (!is_finite(hand)) return fail(Errc::InvalidArgument, "probe: the hand's place is not finite");
+  const bool is_full =
+      occupied_ == std::size_t{1} * info_.cells[0] * info_.cells[1] * info_.cells[2];
   for (auto& slot : probes_) {
     if (slot) continue;
-    const auto place = start_place(grid_, hand);
+    // Of a full world it is known; the search would walk all of it to say the same.
+    const auto place = is_full ? std::nullopt : start_place(grid_, hand);
     if (!place) return fail(Errc::NotFound, info_.source + ": the world has no free cell");
     const bool is_held_back = place->position != hand;
     slot = Probe{{++last_id_}, {*place, GhostPhase::Loose, is_held_back}};

@@ -206,10 +206,14 @@ TEST(InProcessLink, ClosesTheSessionWithItself) {
   EXPECT_EQ(world.closed, 1U);
 }
 
-TEST(InProcessLink, AsksAgainWhenTheWorldRefusesTheHand) {
+TEST(InProcessLink, AsksAgainAfterAPauseWhenTheWorldRefusesTheHand) {
   Bench bench;
   bench.world.refusals = 3;
-  bench.run(milliseconds(10));
+  bench.run(milliseconds(100));
+  EXPECT_EQ(bench.world.refusals, 2) << "asked once, not with every sample";
+  bench.run(milliseconds(200));
+  EXPECT_EQ(bench.world.opened, 0U);
+  bench.run(milliseconds(7));
   EXPECT_EQ(bench.world.opened, 1U);
   EXPECT_EQ(bench.arrivals.size(), 7U);
   EXPECT_EQ(bench.counters().rejected(RejectReason::SessionRefused), 3U);

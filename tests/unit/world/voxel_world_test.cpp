@@ -61,6 +61,22 @@ TEST(VoxelWorld, AWorldWithoutAFreeCellTakesNoProbe) {
   EXPECT_EQ(sut.add_probe({}).error().code, Errc::NotFound);
 }
 
+// A search of all of it for each of these would outlast the time that a test has.
+TEST(VoxelWorld, AFullWorldRefusesAtOnceHoweverLargeAndTakesProbesAgain) {
+  VoxelGrid grid = empty_grid({256, 256, 256}, 0.001);
+  grid.fill();
+  VoxelWorld sut(grid, "block");
+  for (int i = 0; i < 1000000; ++i) {
+    ASSERT_EQ(sut.add_probe({0.001 * (i % 256), 0, 0}).error().code, Errc::NotFound);
+  }
+  sut.set_row({3, 4, 5}, 4, 0);
+  const auto probe = sut.add_probe({});
+  ASSERT_TRUE(probe);
+  sut.remove_probe(*probe);
+  sut.set_cell({3, 4, 5}, true);
+  EXPECT_EQ(sut.add_probe({}).error().code, Errc::NotFound);
+}
+
 TEST(VoxelWorld, HasRoomForEightProbesAndReusesIt) {
   VoxelWorld sut = box();
   std::vector<ProbeId> probes;
