@@ -19,6 +19,20 @@ def bytes_read_by(pid):
     return int(words[words.index("rchar:") + 1])
 
 
+def zeros(path, edge):
+    """A NumPy file of edge^3 zeros of 16 bits: a hole, which takes no room on the disk."""
+    header = f"{{'descr': '<u2', 'fortran_order': False, 'shape': ({edge}, {edge}, {edge}), }}"
+    with open(path, "wb") as file:
+        file.write(b"\x93NUMPY\x01\x00" + (118).to_bytes(2, "little") + header.ljust(117).encode() + b"\n")
+        file.truncate(128 + 2 * edge ** 3)
+    return path
+
+
+def session_in(source):
+    return (f'[[world]]\nname = "w"\nsource = "{source}"\nworkspace_m = 0.09\n[[arm]]\nname = "right"\n'
+            'device = "sim:phantom-vintage"\namplifier_max_a = 3.0\nworld = "w"\n')
+
+
 def is_touching(status):
     return status["arms"][0]["is_in_contact"] and any(status["arms"][0]["force_newton"])
 
@@ -148,15 +162,7 @@ class Run(ProcessTest):
                 self.assertFalse((daemon.folder / "thimble.sock").exists())
 
     def test_a_signal_while_a_large_volume_loads_ends_it_at_once(self):
-        volume = self.folder / "large.npy"
-        header = "{'descr': '<u2', 'fortran_order': False, 'shape': (1024, 1024, 1024), }"
-        with open(volume, "wb") as file:
-            file.write(b"\x93NUMPY\x01\x00" + (118).to_bytes(2, "little") + header.ljust(117).encode() + b"\n")
-            file.truncate(128 + 2 * 1024 ** 3)  # a hole: 2 GiB of zeros, seconds to read
-        config = self.write("large.toml", f'[[world]]\nname = "large"\nsource = "{volume}"\n'
-                                          'workspace_m = 0.09\n[[arm]]\nname = "right"\n'
-                                          'device = "sim:phantom-vintage"\n'
-                                          'amplifier_max_a = 3.0\nworld = "large"\n')
+        config = self.write("large.toml", session_in(zeros(self.folder / "large.npy", 1024)))
         process = subprocess.Popen([BIN / "thimbled", "--config", config, "--set",
                                     f"daemon.socket={self.folder}/s"], stdin=subprocess.DEVNULL,
                                    stderr=subprocess.PIPE, env=clean_environment(),
@@ -230,6 +236,23 @@ class Places(ProcessTest):
                                "--set", "arm.device=sim:phantom-of-the-opera")
         self.assertEqual(result.returncode, 2)
         self.assert_one_sentence(result.stderr, "phantom-of-the-opera", "phantom-vintage")
+
+
+class Memory(ProcessTest):
+    def peak_of(self, source, name):
+        """Bytes of memory that a daemon in this world had at most, until it was ready."""
+        daemon = self.start(config=session_in(source), name=name)
+        words = pathlib.Path(f"/proc/{daemon.pid}/status").read_text().split()
+        self.assertEqual(daemon.stop(), 0, daemon.log())
+        return int(words[words.index("VmHWM:") + 1]) * 1024
+
+    def test_a_volume_file_takes_little_more_than_its_bits(self):
+        edge = 512
+        volume = zeros(self.folder / "scan.npy", edge)
+        extra = self.peak_of(volume, "scan") - self.peak_of(f"box:{edge}", "box")
+        # The goal is an eighth of the file: 256 MiB for 2 GiB. A box of as many cells has the bits.
+        bits = edge ** 3 // 8
+        self.assertLess(bits + extra, volume.stat().st_size // 8)
 
 
 class Programs(ProcessTest):
