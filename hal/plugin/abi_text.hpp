@@ -9,21 +9,25 @@ namespace thimble::plugin {
 
 // Text of the plugin ABI: an array that a zero byte ends.
 
-// What a plugin wrote, whether it ended it or not; control characters as '?', so that it fits on
-// a terminal and one line.
+// `text` with a '?' for each byte that is no UTF-8 (RFC 3629) and for each control character, C1
+// among them: it fits on a terminal, one line, and into JSON.
+[[nodiscard]] std::string plain_utf8(std::string_view text);
+
+// What a plugin wrote, whether it ended it or not, plain.
 template <std::size_t Bytes>
 [[nodiscard]] std::string text_of(const char (&array)[Bytes]) {
-  std::string text(array, std::find(array, array + Bytes, '\0'));
-  std::replace_if(
-      text.begin(), text.end(),
-      [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }, '?');
-  return text;
+  const char* end = std::find(array, array + Bytes, '\0');
+  return plain_utf8({array, static_cast<std::size_t>(end - array)});
 }
 
-// For a plugin to read; what does not fit is cut.
+// For a plugin to read; what does not fit is cut, between characters.
 template <std::size_t Bytes>
 void put_text(std::string_view text, char (&array)[Bytes]) {
-  const std::size_t size = std::min(text.size(), Bytes - 1);
+  std::size_t size = std::min(text.size(), Bytes - 1);
+  const auto is_inside = [text](std::size_t at) {
+    return at < text.size() && (static_cast<unsigned char>(text[at]) & 0xC0U) == 0x80;
+  };
+  while (size > 0 && is_inside(size)) --size;
   std::copy_n(text.begin(), size, array);
   std::fill(array + size, array + Bytes, '\0');
 }
