@@ -7,6 +7,7 @@
 #include <limits>
 #include <random>
 
+#include "hal/plugin/plugin_check.hpp"
 #include "hal/plugin/plugin_driver.hpp"
 #include "hal/plugin/plugin_model.hpp"
 #include "tests/support/closed_loop.hpp"
@@ -50,7 +51,29 @@ class Chance {
   std::mt19937_64 source_;
 };
 
-Chance& chance_of(void* device) { return *static_cast<Chance*>(device); }
+// A force that reached encode(), and the currents that the newest sample gave for one.
+struct Asked {
+  Force3 force{};
+  thimble_sample sample{};
+};
+struct Witness {
+  std::vector<Asked> asked;
+  int forgotten = 0;
+};
+
+// The settings' model is its seed, or SEED@ADDRESS of a witness.
+struct Device {
+  explicit Device(const char* model) : chance(std::strtoull(model, nullptr, 10)) {
+    const char* at = std::strchr(model, '@');
+    if (at != nullptr) witness = reinterpret_cast<Witness*>(std::strtoull(at + 1, nullptr, 10));
+  }
+  Chance chance;
+  Witness* witness = nullptr;
+  thimble_sample newest{};  // that the host takes
+  std::uint64_t unsure_samples = 0;
+};
+Device& device_of(void* device) { return *static_cast<Device*>(device); }
+Chance& chance_of(void* device) { return device_of(device).chance; }
 
 std::int32_t match(const thimble_hid_info*, const thimble_driver_settings* settings,
                    thimble_reason* reason) {
@@ -61,7 +84,8 @@ std::int32_t match(const thimble_hid_info*, const thimble_driver_settings* setti
 
 std::int32_t open(const thimble_hid_info*, const thimble_driver_settings* settings,
                   thimble_capabilities* said, void** device, thimble_reason* reason) {
-  auto* chance = new Chance(std::strtoull(settings->model, nullptr, 10));
+  auto made = std::make_unique<Device>(settings->model);
+  Chance* chance = &made->chance;
   said->joint_count = chance->one_in(2) ? 3 : 6;
   std::strcpy(said->model, "hostile");
   said->peak_force_newton = 8;
@@ -73,17 +97,41 @@ std::int32_t open(const thimble_hid_info*, const thimble_driver_settings* settin
   said->sample_period_ns = 1'000'000;
   if (chance->one_in(3)) chance->scribble(*said);
   chance->scribble(*reason);
-  if (chance->one_in(20)) {
-    delete chance;
-    return THIMBLE_REFUSED;
-  }
-  *device = chance;
+  if (chance->one_in(20)) return THIMBLE_REFUSED;
+  *device = made.release();
   return THIMBLE_OK;
+}
+
+// What it answers: nothing, or that it must be calibrated, for a while.
+void forget_calibration(void* device) {
+  Device& self = device_of(device);
+  if (self.witness != nullptr) ++self.witness->forgotten;
+  self.unsure_samples = self.chance.word() % 2 * (self.chance.word() % 20);
+}
+
+// An arm that somebody moves from wall to wall, so that it is driven and pushed: of the numbers,
+// only a few are wild.
+std::int32_t decode_moved(Device& self, const thimble_hid_report& report, thimble_sample& sample) {
+  Chance& chance = self.chance;
+  constexpr double kTurn_rad_per_s = 3;
+  sample.tip_m[0] = 0.09 * std::sin(kTurn_rad_per_s * 1e-9 * double(report.arrived_at_ns));
+  sample.calibration = self.unsure_samples > 0 ? THIMBLE_CALIBRATION_NEEDS_PERSON : 2;
+  if (self.unsure_samples > 0) --self.unsure_samples;
+  for (auto& motor : sample.motor_current_a_per_newton) {
+    for (double& current : motor) current = chance.number() * 20;
+  }
+  if (chance.one_in(100)) chance.scribble(sample);
+  const std::int32_t status = chance.one_in(50) ? chance.status() : std::int32_t{THIMBLE_OK};
+  if (status == THIMBLE_OK && plugin::is_sound(sample)) self.newest = sample;
+  return status;
 }
 
 std::int32_t decode(void* device, const thimble_hid_report* report, thimble_sample* sample) {
   Chance& chance = chance_of(device);
   EXPECT_LE(report->size, sizeof(report->bytes));
+  if (device_of(device).witness != nullptr) {
+    return decode_moved(device_of(device), *report, *sample);
+  }
   sample->calibration = chance.one_in(50) ? static_cast<std::int32_t>(chance.word() % 5) : 2;
   for (double& angle : sample->joint_position_rad) angle = chance.number();
   for (double& place : sample->tip_m) place = chance.number() / 20;
@@ -99,10 +147,14 @@ std::int32_t encode(void* device, const thimble_wrench* wrench, std::uint8_t* by
   const auto* force = wrench->force_newton;
   EXPECT_TRUE(is_finite(force[0], force[1], force[2]));
   EXPECT_LE(norm(force[0], force[1], force[2]), 100);
+  if (Witness* witness = device_of(device).witness; witness != nullptr) {
+    witness->asked.push_back({{force[0], force[1], force[2]}, device_of(device).newest});
+  }
   for (int i = 0; i < THIMBLE_REPORT_BYTES; ++i) {
     bytes[i] = static_cast<std::uint8_t>(chance.word());
   }
-  return chance.status();
+  return device_of(device).witness == nullptr || chance.one_in(50) ? chance.status()
+                                                                   : std::int32_t{THIMBLE_OK};
 }
 
 const thimble_driver kDriver = {
@@ -111,8 +163,8 @@ const thimble_driver kDriver = {
     "hostile",
     &match,
     &open,
-    [](void* device) { delete &chance_of(device); },
-    [](void*) {},
+    [](void* device) { delete &device_of(device); },
+    &forget_calibration,
     &decode,
     &encode,
 };
@@ -249,25 +301,52 @@ TEST(HostilePlugin, NoNumberThatNoArmHasGetsIntoASample) {
   EXPECT_GT(malformed, 1000U);
 }
 
+// One force for the arm after another, against the limits of the session.
+void expect_within(const servo::LimiterSettings& limits, Duration dt, Force3 before,
+                   const Asked& asked) {
+  const double newton = norm(asked.force);
+  const double most_rise_newton = limits.max_rise_newton_per_s * seconds(dt) * (1 + 1e-9);
+  EXPECT_LE(newton, limits.max_force_newton * (1 + 1e-9));
+  EXPECT_LE(newton - norm(before), most_rise_newton);
+  if (dot(asked.force, before) <= 0) {
+    EXPECT_LE(newton, most_rise_newton) << "a turn starts from zero";
+  }
+  for (std::size_t motor = 0; motor < THIMBLE_MOTORS; ++motor) {
+    const auto& row = asked.sample.motor_current_a_per_newton[motor];
+    const double current_a = dot(Force3{row[0], row[1], row[2]}, asked.force);
+    EXPECT_LE(std::abs(current_a), limits.peak_current_a[motor] * (1 + 1e-9));
+  }
+}
+
 TEST(HostilePlugin, TheWholeSessionKeepsItsLimits) {
   int sessions = 0;
   int driven = 0;
+  int pushed = 0;
+  int forgotten = 0;
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     const std::string number = std::to_string(seed);
     if (!Opened(seed).device) continue;
     test::ClosedLoop::Setup setup;
     setup.bring = &bring;
+    Witness witness;
     setup.text = "[[arm]]\nname = 'right'\ndevice = 'sim:hostile'\nworld = 'box'\nmodel = '" +
-                 number + "'\nhand.seed = " + number +
-                 "\n[[world]]\nname = 'box'\nsource = 'box:3'\n";
+                 number + "@" + std::to_string(reinterpret_cast<std::uintptr_t>(&witness)) +
+                 "'\nhand.seed = " + number + "\n[[world]]\nname = 'box'\nsource = 'box:3'\n";
     test::ClosedLoop sut({}, setup);
     ++sessions;
-    const double most_newton = sut.settings().limiter.max_force_newton;
+    const servo::LimiterSettings& limits = sut.settings().limiter;
     bool was_driven = false;
-    sut.run(1, [&] {
+    bool was_pushed = false;
+    Force3 before{};
+    sut.run(2, [&] {
       const servo::ServoFrame& frame = sut.frame();
       EXPECT_TRUE(is_finite(frame.force) && is_finite(frame.tip) && is_finite(frame.offset));
-      EXPECT_LE(norm(frame.force), most_newton * (1 + 1e-9));
+      for (const Asked& asked : witness.asked) {
+        expect_within(limits, sut.settings().period(), before, asked);
+        before = asked.force;
+        if (norm(asked.force) > 1) was_pushed = true;
+      }
+      witness.asked.clear();
       if (frame.state != OperatingState::Active) {
         EXPECT_EQ(norm(frame.force), 0);
       }
@@ -279,9 +358,13 @@ TEST(HostilePlugin, TheWholeSessionKeepsItsLimits) {
       if (fault.code != FaultCode::None) sut.controls().request_clear(fault.number);
     });
     if (was_driven) ++driven;
+    if (was_pushed) ++pushed;
+    forgotten += witness.forgotten;
   }
   EXPECT_GT(sessions, 20);
-  EXPECT_GT(driven, 5);
+  EXPECT_GT(driven, 20);
+  EXPECT_GT(pushed, 10);
+  EXPECT_GT(forgotten, 100);
 }
 
 }  // namespace
