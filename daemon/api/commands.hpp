@@ -52,15 +52,16 @@ using EditAnswer = std::function<void(const Result<Edited>&)>;
 // client_gone() of its client.
 // Errors: NotFound for an unknown arm or world, Busy when the state or another lease forbids it,
 //         Disconnected for a lost arm, Timeout when it did not come true in time, Unsupported
-//         for a world that cannot be edited, InvalidArgument for edits that its cells forbid.
+//         for a world that cannot be edited, InvalidArgument for edits that its cells forbid,
+//         TooLarge for more of them than one request may bring.
 class Commands {
  public:
   virtual ~Commands() = default;
   virtual void activate(std::string_view arm, ClientId client, Answer answer) = 0;
   virtual void deactivate(std::string_view arm, ClientId client, Answer answer) = 0;
   virtual void clear_fault(std::string_view arm, ClientId client, Answer answer) = 0;
-  // All of the edits or none. Answered when the last of them is applied; a client that goes
-  // meanwhile does not take them back.
+  // All of the edits or none, some 4 s of work at most (EditQueue). Answered when the last of them
+  // is applied; a client that goes meanwhile takes them back as long as none has begun.
   virtual void edit_world(std::string_view world, const std::vector<CellEdit>& edits,
                           ClientId client, EditAnswer answer) = 0;
   // Called once for every client that sent a command, after its last one.

@@ -42,6 +42,9 @@ void WorldEdits::submit(std::string_view world, const std::vector<api::CellEdit>
 }
 
 void WorldEdits::client_gone(api::ClientId client) {
+  for (const Wait& wait : waits_) {
+    if (wait.client == client) wait.world->edits()->withdraw(wait.batch);
+  }
   std::erase_if(waits_, [&](const Wait& wait) { return wait.client == client; });
 }
 

@@ -20,7 +20,7 @@ class WorldEdits {
 
   void submit(std::string_view world, const std::vector<api::CellEdit>& edits, api::ClientId client,
               api::EditAnswer answer);
-  // Its edits stay; its answers do not come.
+  // Its requests that have not begun are dropped, one that has stays; its answers do not come.
   void client_gone(api::ClientId client);
   // Answers those whose edits are applied. Call it every few ms.
   void poll();

@@ -46,6 +46,17 @@ constexpr const char* kAxes = "xyz";
   return first.x > last.x || first.y > last.y || first.z > last.z;
 }
 
+// At most so many rows of up to 64 cells, as a slice counts them.
+[[nodiscard]] std::size_t words_of(const VoxelGrid& grid, const CellEdit& edit) noexcept {
+  const auto bounds = bounds_of(grid, edit);
+  if (is_empty(bounds)) return 1;
+  const auto& [first, last] = bounds;
+  const auto length = [&](std::size_t axis) {
+    return static_cast<std::size_t>(last[axis] - first[axis]) + 1;
+  };
+  return (1 + (length(0) - 1) / 64) * length(1) * length(2);
+}
+
 [[nodiscard]] bool is_brush(const CellEdit& edit) noexcept {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!(std::abs(edit.center[axis]) <= kMaxBrush_m)) return false;
@@ -92,11 +103,18 @@ Result<std::uint64_t> EditQueue::submit(std::vector<CellEdit> edits) {
     if (edits.size() == 1) return tl::unexpected(good.error());
     return tl::unexpected(good.error().in("edit " + std::to_string(i)));
   }
-  if (batches_.size() >= kMaxBatches) {
+  std::size_t words = 0;
+  for (const CellEdit& edit : edits) words += words_of(*world_->grid(), edit);
+  if (words > kMaxWaitingWords) {
+    return fail(Errc::TooLarge, "these edits would take seconds; ask for them in several requests");
+  }
+  if (batches_.size() >= kMaxBatches || waiting_words_ + words > kMaxWaitingWords) {
     return fail(Errc::Busy, "too many edits wait for their turn already; ask again later");
   }
   waiting_ += edits.size();
+  waiting_words_ += words;
   Batch batch;
+  batch.words = words;
   batch.number = ++last_number_;
   batch.edits = std::move(edits);
   batches_.push_back(std::move(batch));
@@ -115,8 +133,18 @@ void EditQueue::step() {
       --waiting_;
     }
     finished_.push_back({batch.number, batch.changed_cells});
+    waiting_words_ -= batch.words;
     batches_.pop_front();
   }
+}
+
+void EditQueue::withdraw(std::uint64_t batch) {
+  const auto found = std::find_if(batches_.begin(), batches_.end(),
+                                  [&](const Batch& one) { return one.number == batch; });
+  if (found == batches_.end() || found->next > 0 || found->is_begun) return;
+  waiting_ -= found->edits.size();
+  waiting_words_ -= found->words;
+  batches_.erase(found);
 }
 
 std::vector<EditQueue::Finished> EditQueue::take_finished() { return std::exchange(finished_, {}); }

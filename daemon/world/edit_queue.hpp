@@ -23,6 +23,9 @@ class EditQueue {
   static constexpr std::size_t kSliceWords = 8192;
   // Ours: more than that is somebody who does not wait for answers.
   static constexpr std::size_t kMaxBatches = 64;
+  // Ours: what may wait altogether, rows of up to 64 cells; two fills of 1024^3 cells, some 4 s of
+  // slices a millisecond apart. Who asks then is refused rather than kept waiting.
+  static constexpr std::size_t kMaxWaitingWords = 4200 * kSliceWords;
 
   struct Finished {
     std::uint64_t batch{0};
@@ -32,8 +35,11 @@ class EditQueue {
   explicit EditQueue(VoxelWorld& world) noexcept : world_(&world) {}
 
   // The number of the batch, from 1. All of it is taken or nothing: InvalidArgument as
-  // check_edit(), the place in the list in front where there are several; Busy while too many wait.
+  // check_edit(), the place in the list in front where there are several; TooLarge where it alone
+  // is more than kMaxWaitingWords; Busy while too much waits.
   [[nodiscard]] Result<std::uint64_t> submit(std::vector<CellEdit> edits);
+  // Drops the batch unless it has begun, is done or was never there.
+  void withdraw(std::uint64_t batch);
   // One slice, of what has waited longest.
   void step();
   [[nodiscard]] bool is_idle() const noexcept { return batches_.empty(); }
@@ -48,8 +54,9 @@ class EditQueue {
   struct Batch {
     std::uint64_t number{0};
     std::vector<CellEdit> edits;
-    std::size_t next{0};  // of edits
-    Cell row{};           // of that edit, the next to be done
+    std::size_t words{0};  // of all its edits
+    std::size_t next{0};   // of edits
+    Cell row{};            // of that edit, the next to be done
     bool is_begun{false};
     std::uint64_t changed_cells{0};
   };
@@ -64,6 +71,7 @@ class EditQueue {
   std::uint64_t last_number_{0};
   std::uint64_t applied_{0};
   std::uint64_t waiting_{0};
+  std::size_t waiting_words_{0};  // of batches not yet done
 };
 
 }  // namespace thimble::world

@@ -167,6 +167,54 @@ TEST(EditQueue, BoundsWhatMayWait) {
   EXPECT_TRUE(sut.submit({CellEdit{}}));
 }
 
+// Whatever was taken, the slices to its end are no more than the bound says.
+TEST(EditQueue, WhatWaitsEndsWithinABoundedNumberOfSlices) {
+  constexpr std::size_t kSlices = EditQueue::kMaxWaitingWords / EditQueue::kSliceWords;
+  std::mt19937 random(6);
+  VoxelWorld world(empty_grid({1024, 1024, 64}, 0.001), "w");
+  EditQueue sut(world);
+  const CellEdit all{Kind::Fill, {}, {1023, 1023, 63}, {}, 0, 1};
+  const auto too_large = sut.submit(std::vector<CellEdit>(64, all));
+  ASSERT_FALSE(too_large);
+  EXPECT_EQ(too_large.error().code, Errc::TooLarge);
+  std::size_t taken = 0;
+  for (Result<std::uint64_t> last = 0; last; ++taken) {
+    CellEdit other = random_edit(random, *world.grid());
+    other.value = 0;
+    last = sut.submit({all, other});
+    if (last) continue;
+    EXPECT_EQ(last.error().code, Errc::Busy);
+  }
+  EXPECT_LT(taken, EditQueue::kMaxBatches);
+  EXPECT_GT(taken, 16U);
+  std::size_t slices = 0;
+  for (; !sut.is_idle(); ++slices) sut.step();
+  EXPECT_LE(slices, kSlices);
+  EXPECT_GT(slices, kSlices / 2);
+  ASSERT_TRUE(sut.submit({all})) << "room again";
+}
+
+TEST(EditQueue, ABatchIsWithdrawnAsAWholeOrNotAtAll) {
+  VoxelWorld world(empty_grid({1024, 256, 16}, 0.001), "w");
+  EditQueue sut(world);
+  const CellEdit all{Kind::Fill, {}, {1023, 255, 15}, {}, 0, 1};
+  const CellEdit one{};
+  const auto begun = sut.submit({all, one}).value();
+  const auto waits = sut.submit({all, one}).value();
+  const auto last = sut.submit({CellEdit{Kind::Fill, {}, {}, {}, 0, 0}}).value();
+  sut.step();
+  for (const std::uint64_t batch : {begun, waits, waits, last + 1}) sut.withdraw(batch);
+  EXPECT_EQ(sut.waiting(), 3U);
+  finish(sut);
+  sut.withdraw(begun);
+  const auto finished = sut.take_finished();
+  ASSERT_EQ(finished.size(), 2U);
+  EXPECT_EQ(finished[0].batch, begun);
+  EXPECT_EQ(finished[1].batch, last);
+  EXPECT_EQ(world.occupied_cells(), 1024U * 256 * 16 - 1);
+  EXPECT_EQ(sut.waiting(), 0U);
+}
+
 TEST(EditQueue, ABrushBesideTheWorldPaintsNothing) {
   VoxelWorld world(empty_grid({4, 4, 4}, 0.01), "w");
   EditQueue sut(world);
