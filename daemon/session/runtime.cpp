@@ -3,13 +3,6 @@
 #include <utility>
 
 namespace thimble::session {
-namespace {
-
-// Between slices of edits while no servo wakes the net plane. Ours: the pace of the servo's
-// default.
-constexpr Duration kEditPace = std::chrono::milliseconds(1);
-
-}  // namespace
 
 Result<std::unique_ptr<Runtime>> Runtime::create(const config::Config& config,
                                                  const RigParts& parts) {
@@ -40,10 +33,8 @@ std::optional<MonotonicTime> Runtime::pump(MonotonicTime now) {
   std::optional<MonotonicTime> earliest;
   // Before the links: who asks next is answered by what the cells are now.
   for (const auto& host : worlds_) {
-    world::EditQueue* edits = host->edits();
-    if (edits == nullptr || edits->is_idle()) continue;
-    edits->step();
-    if (!edits->is_idle()) earliest = now + kEditPace;
+    const std::optional<MonotonicTime> due = host->pump_edits(now);
+    if (due && (!earliest || *due < *earliest)) earliest = due;
   }
   for (const auto& arm : arms_) {
     const std::optional<MonotonicTime> due = arm->pump(now);

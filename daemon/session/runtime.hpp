@@ -27,8 +27,8 @@ class Runtime {
   [[nodiscard]] std::vector<std::unique_ptr<WorldHost>>& worlds() noexcept { return worlds_; }
   // nullptr: no world of that name.
   [[nodiscard]] WorldHost* find_world(std::string_view name) noexcept;
-  // One slice of the edits that wait for each world, then everything that is due on all links;
-  // returns when to come again at the latest.
+  // A slice of the edits that wait for each world where one is due, then everything that is due on
+  // all links; returns when to come again at the latest. Call it as often as you like.
   std::optional<MonotonicTime> pump(MonotonicTime now);
   // Arrivals and departures: every arm on a bus hears of each, whoever else is on that bus.
   // Call it every few ms, `now` on the caller's clock. What went wrong just now, for the log.

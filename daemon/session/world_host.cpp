@@ -95,6 +95,16 @@ Result<std::uint64_t> WorldHost::submit_edits(std::vector<world::CellEdit> edits
   return number;
 }
 
+std::optional<MonotonicTime> WorldHost::pump_edits(MonotonicTime now) {
+  if (!edits_ || edits_->is_idle()) return std::nullopt;
+  if (!next_slice_ || now >= *next_slice_) {
+    edits_->step();
+    next_slice_ = now + kEditPace;
+  }
+  if (edits_->is_idle()) return std::nullopt;
+  return next_slice_;
+}
+
 std::optional<link::LinkStatus> WorldHost::listener_status() const {
   if (!listener_) return std::nullopt;
   return listener_->status();

@@ -21,6 +21,10 @@ namespace thimble::session {
 // Thread: the net plane's one thread. Ownership: must outlive the links into the world.
 class WorldHost {
  public:
+  // Between slices of edits. Ours: the period of the servo's default, so that links and clients
+  // have most of the net plane's time whoever wakes it.
+  static constexpr Duration kEditPace = std::chrono::milliseconds(1);
+
   // Errors: the source cannot be loaded, or the address not bound; named by world.
   [[nodiscard]] static Result<std::unique_ptr<WorldHost>> create(const config::WorldConfig& world,
                                                                  const RigParts& parts);
@@ -41,6 +45,9 @@ class WorldHost {
   [[nodiscard]] const world::EditQueue* edits() const noexcept {
     return edits_ ? &*edits_ : nullptr;
   }
+  // One slice of them, no sooner than kEditPace after the last, however often it is called.
+  // Returns when the next is due; none while none wait.
+  std::optional<MonotonicTime> pump_edits(MonotonicTime now);
   // Nothing where the world does not listen.
   [[nodiscard]] std::optional<link::LinkStatus> listener_status() const;
 
@@ -52,7 +59,8 @@ class WorldHost {
   config::ConstraintModel model_{config::ConstraintModel::GhostPoint};
   std::unique_ptr<world::World> world_;
   std::optional<world::EditQueue> edits_;
-  std::unique_ptr<Listener> listener_;  // last: it uses the world
+  std::optional<MonotonicTime> next_slice_;  // none: at once
+  std::unique_ptr<Listener> listener_;       // last: it uses the world
 };
 
 }  // namespace thimble::session
