@@ -99,7 +99,8 @@ struct thimble_capabilities {
   double peak_current_a[THIMBLE_MOTORS];            /* above 0 up to 100: the limiter's clamp */
   double continuous_current_a[THIMBLE_MOTORS];      /* above 0 up to the peak: its model of heat */
   int64_t sample_period_ns;                         /* of the reports; 100 us to 10 ms */
-  int64_t device_watchdog_ns; /* motors off after so long without a report; 0: none; up to 10 s */
+  /* Motors off after so long without a report; up to 10 s. 0, none: only a simulated arm. */
+  int64_t device_watchdog_ns;
 };
 
 /* One input report. */

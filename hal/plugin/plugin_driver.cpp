@@ -40,6 +40,17 @@ tl::unexpected<Error> refusal(const thimble_reason& reason) {
               text.empty() ? "the plugin refuses it and does not say why" : text);
 }
 
+bool is_simulated(const bus::BusDeviceInfo& info) {
+  return info.address.text.starts_with(kSimScheme);
+}
+
+// When the daemon dies with the plugin that it runs, nothing but the arm itself ends the force.
+Result<HapticCapabilities> stoppable_on(const bus::BusDeviceInfo& info, HapticCapabilities arm) {
+  if (arm.device_watchdog > Duration::zero() || is_simulated(info)) return arm;
+  return fail(Errc::Unsupported,
+              "has an arm without a watchdog: it would keep its last force when the daemon ends");
+}
+
 class PluginDriver final : public Driver {
  public:
   explicit PluginDriver(const thimble_driver& driver)
@@ -59,7 +70,7 @@ class PluginDriver final : public Driver {
     const std::int32_t status = driver_->match(&hid, &said, &reason);
     if (status == THIMBLE_NOT_MINE) return fail(Errc::NotMine, "not a device of this plugin");
     if (status != THIMBLE_OK) return refusal(reason);
-    if (!settings.is_named_by_person && !info.address.text.starts_with(kSimScheme)) {
+    if (!settings.is_named_by_person && !is_simulated(info)) {
       return fail(Errc::Permission,
                   "a plugin's device must be named by the configuration: set "
                   "the arm's device to \"" +
@@ -85,6 +96,7 @@ class PluginDriver final : public Driver {
     if (status != THIMBLE_OK) return refusal(reason);
     if (device == nullptr) return fail(Errc::Malformed, "the plugin opened it and gave no device");
     auto capabilities = read_capabilities(said);
+    if (capabilities) capabilities = stoppable_on(info, *std::move(capabilities));
     if (!capabilities) {
       driver_->close(device);
       return tl::unexpected(capabilities.error().in("the plugin"));

@@ -112,6 +112,23 @@ TEST_F(PluginDriverTest, RefusesWhatThePluginDoesNotOpenOrOpensWrongly) {
   EXPECT_TRUE(open()) << "the bus device was given back each time";
 }
 
+// Nothing else would end its force when the plugin takes the daemon with it.
+TEST_F(PluginDriverTest, ARealArmMustLetGoByItself) {
+  EXPECT_TRUE(open()) << "a simulated one need not";
+  bus::BusDeviceInfo real = buses_.list().at(0);
+  real.address.text = "hid:A7";
+  ASSERT_TRUE(buses_.plug(real.address, std::make_unique<test::ScriptedHidModel>(wire_)));
+  settings_.is_named_by_person = true;
+  const int closed = script_.closed;
+  const auto refused = driver_->open(buses_, real, settings_);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::Unsupported);
+  EXPECT_THAT(refused.error().message, HasSubstr("the plugin: has an arm without a watchdog"));
+  EXPECT_EQ(script_.closed, closed + 1);
+  script_.capabilities = [](thimble_capabilities& said) { said.device_watchdog_ns = 50'000'000; };
+  EXPECT_TRUE(driver_->open(buses_, real, settings_));
+}
+
 TEST_F(PluginDriverTest, HandsEachReportOnWithTheTimeOfItsArrival) {
   open_or_fail();
   EXPECT_EQ(sut_->read(state_), IoStatus::NoData);
