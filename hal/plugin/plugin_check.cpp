@@ -44,7 +44,7 @@ class TableCheck {
     if (!why_.empty()) return;
     if (function == nullptr) {
       why_ = what_ + " lacks the function " + name;
-    } else if (!(*is_in_object_)(reinterpret_cast<const void*>(function), 1)) {
+    } else if (!(*is_in_object_)(reinterpret_cast<const void*>(function), 1, Access::Execute)) {
       why_ = what_ + " has a function " + name + " that is not in the file";
     }
   }
@@ -63,7 +63,7 @@ template <class Table>
 Result<void> check_place(const Table* table, const std::string& what,
                          const IsInObject& is_in_object) {
   const bool is_aligned = reinterpret_cast<std::uintptr_t>(table) % alignof(Table) == 0;
-  if (table == nullptr || !is_aligned || !is_in_object(table, sizeof(Table))) {
+  if (table == nullptr || !is_aligned || !is_in_object(table, sizeof(Table), Access::Read)) {
     return refuse(what + " is not in the file");
   }
   if (table->struct_bytes != sizeof(Table)) {
@@ -120,7 +120,8 @@ Result<void> check_models(const thimble_plugin& plugin, const IsInObject& is_in_
   const std::size_t bytes = plugin.model_count * sizeof(void*);
   const bool is_aligned =
       reinterpret_cast<std::uintptr_t>(plugin.models) % alignof(decltype(*plugin.models)) == 0;
-  if (plugin.models == nullptr || !is_aligned || !is_in_object(plugin.models, bytes)) {
+  if (plugin.models == nullptr || !is_aligned ||
+      !is_in_object(plugin.models, bytes, Access::Read)) {
     return refuse("its list of models is not in the file");
   }
   for (std::uint32_t i = 0; i < plugin.model_count; ++i) {
@@ -150,6 +151,9 @@ tl::unexpected<Error> no_arm_has(const std::string& what) {
 
 Result<void> check_plugin(const thimble_plugin& plugin, std::size_t bytes,
                           const IsInObject& is_in_object) {
+  if (!is_in_object(&plugin, std::min(bytes, sizeof(plugin)), Access::Read)) {
+    return refuse("is no plugin: its " THIMBLE_PLUGIN_SYMBOL " is not in the file");
+  }
   // What every version begins with.
   if (bytes < sizeof(plugin.magic) + sizeof(plugin.abi_version) + sizeof(plugin.abi_revision) ||
       plugin.magic != THIMBLE_PLUGIN_MAGIC) {

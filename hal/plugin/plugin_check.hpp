@@ -10,11 +10,15 @@
 
 namespace thimble::plugin {
 
-// Whether so many bytes at an address belong to the shared object that is judged.
-using IsInObject = std::function<bool(const void* start, std::size_t bytes)>;
+// What a descriptor's pointers are for.
+enum class Access { Read, Execute };
 
-// Whether `plugin`, of which the object has so many bytes, is what this host takes: magic,
-// version, revision, sizes, names, and every function there and in the object. Reads nothing
+// Whether so many bytes at an address belong to the shared object that is judged, all of them, and
+// may be read, or executed.
+using IsInObject = std::function<bool(const void* start, std::size_t bytes, Access access)>;
+
+// Whether `plugin`, of which the object says that it has so many bytes, is what this host takes:
+// magic, version, revision, sizes, names, and every function there and in the object. Reads nothing
 // that is not in the object, calls nothing.
 // Thread: any. Not RT. Errors: Unsupported for another version, else Malformed; the message is
 // the second half of a sentence about the plugin.

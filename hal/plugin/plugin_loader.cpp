@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "hal/plugin/abi_text.hpp"
+#include "hal/plugin/loaded_object.hpp"
 #include "hal/plugin/plugin_check.hpp"
 #include "hal/plugin/plugin_driver.hpp"
 #include "hal/plugin/plugin_file.hpp"
@@ -23,13 +24,6 @@ const link_map* object_of(const void* address) {
   void* object = nullptr;
   if (dladdr1(address, &info, &object, RTLD_DL_LINKMAP) == 0) return nullptr;
   return static_cast<const link_map*>(object);
-}
-
-bool is_in(const link_map* object, const void* start, std::size_t bytes) {
-  const auto first = reinterpret_cast<std::uintptr_t>(start);
-  if (bytes == 0 || first > UINTPTR_MAX - bytes) return false;
-  const auto* last = static_cast<const char*>(start) + (bytes - 1);
-  return object_of(start) == object && object_of(last) == object;
 }
 
 // The linker's own word for what the symbol is and how large; nullptr when it has none.
@@ -63,7 +57,9 @@ Result<const thimble_plugin*> descriptor_in(void* handle) {
   const auto* plugin = static_cast<const thimble_plugin*>(found);
   const auto checked = check_plugin(
       *plugin, symbol->st_size,
-      [object](const void* start, std::size_t bytes) { return is_in(object, start, bytes); });
+      [segments = segments_of(*object)](const void* start, std::size_t bytes, Access access) {
+        return is_in(segments, start, bytes, access);
+      });
   if (!checked) return tl::unexpected(checked.error());
   return plugin;
 }

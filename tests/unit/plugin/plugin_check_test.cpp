@@ -203,18 +203,20 @@ void fill(Object& object) {
                    0};
 }
 
-bool is_in(const Object& object, const void* start, std::size_t bytes) {
-  if (start == reinterpret_cast<const void*>(&any_leave)) return true;
-  if (start == reinterpret_cast<const void*>(&any_match)) return true;
+bool is_in(const Object& object, const void* start, std::size_t bytes, Access access) {
+  const bool is_function = start == reinterpret_cast<const void*>(&any_leave) ||
+                           start == reinterpret_cast<const void*>(&any_match);
+  if (access == Access::Execute) return is_function;
   const auto from = reinterpret_cast<std::uintptr_t>(start);
   const auto first = reinterpret_cast<std::uintptr_t>(&object);
   return from >= first && from < first + sizeof(object) && bytes <= first + sizeof(object) - from;
 }
 
 Result<void> judge(const Object& object) {
-  return check_plugin(
-      object.plugin, sizeof(thimble_plugin),
-      [&](const void* start, std::size_t bytes) { return is_in(object, start, bytes); });
+  return check_plugin(object.plugin, sizeof(thimble_plugin),
+                      [&](const void* start, std::size_t bytes, Access access) {
+                        return is_in(object, start, bytes, access);
+                      });
 }
 
 TEST(PluginCheck, ReadsNothingOutsideTheObjectHoweverItIsWrittenOver) {
@@ -244,14 +246,29 @@ TEST(PluginCheck, ReadsNothingOutsideTheObjectHoweverItIsWrittenOver) {
   EXPECT_GT(refused, 1000);
 }
 
+TEST(PluginCheck, ReadsNothingOfADescriptorThatIsNotInTheObject) {
+  const auto* nowhere = reinterpret_cast<const thimble_plugin*>(8);
+  for (const std::size_t bytes : {std::size_t{0}, sizeof(thimble_plugin), SIZE_MAX}) {
+    std::size_t asked = 0;
+    const auto checked = check_plugin(*nowhere, bytes, [&](const void*, std::size_t some, Access) {
+      asked = some;
+      return false;
+    });
+    ASSERT_FALSE(checked);
+    EXPECT_THAT(checked.error().message, HasSubstr("is not in the file"));
+    EXPECT_LE(asked, sizeof(thimble_plugin));
+  }
+}
+
 TEST(PluginCheck, ReadsNoFurtherThanTheSymbolGoes) {
   Object object;
   fill(object);
   for (std::size_t bytes = 0; bytes < sizeof(thimble_plugin); ++bytes) {
     auto head = std::make_unique<unsigned char[]>(bytes + 1);
     std::memcpy(head.get(), &object.plugin, bytes);
-    const auto checked = check_plugin(*reinterpret_cast<const thimble_plugin*>(head.get()), bytes,
-                                      [](const void*, std::size_t) { return false; });
+    const auto checked =
+        check_plugin(*reinterpret_cast<const thimble_plugin*>(head.get()), bytes,
+                     [&](const void* start, std::size_t, Access) { return start == head.get(); });
     EXPECT_FALSE(checked) << bytes;
   }
 }
