@@ -42,6 +42,20 @@ std::string reason_of(const char* said, const std::string& path) {
   return reason;
 }
 
+// The linker's chain is in the order of loading: behind an object come the libraries that it
+// brought, and what came later.
+Result<void> check_libraries(void* handle) {
+  const link_map* object = nullptr;
+  if (dlinfo(handle, RTLD_DI_LINKMAP, &object) != 0) return {};
+  for (const link_map* next = object->l_next; next != nullptr; next = next->l_next) {
+    const auto trusted = trusted_plugin_path(next->l_name);
+    if (!trusted) {
+      return tl::unexpected(trusted.error().in(std::string("needs the library ") + next->l_name));
+    }
+  }
+  return {};
+}
+
 Result<const thimble_plugin*> descriptor_in(void* handle) {
   const void* found = dlsym(handle, THIMBLE_PLUGIN_SYMBOL);
   const link_map* object = nullptr;
@@ -73,6 +87,8 @@ Result<const thimble_plugin*> load_plugin(const std::string& path) {
   if (handle == nullptr) {
     return fail(Errc::Malformed, path + ": cannot be loaded: " + reason_of(dlerror(), *file));
   }
+  const auto libraries = check_libraries(handle);
+  if (!libraries) return tl::unexpected(libraries.error().in(path));
   auto plugin = descriptor_in(handle);
   if (!plugin) return tl::unexpected(plugin.error().in(path));
   return plugin;

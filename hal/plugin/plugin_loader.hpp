@@ -14,6 +14,9 @@ namespace thimble::plugin {
 // rights of this process from then on, and it stays for as long as the process lives, refused or
 // not: code that was unloaded could still be called.
 //
+// The libraries that it brings must be as trusted as itself, but are looked at only once they are
+// mapped: what they do on being loaded is done by then.
+//
 // Thread: control plane, while no servo runs.
 // Errors: those of trusted_plugin_path() and check_plugin(), or Malformed; one sentence with the
 // path in front.

@@ -119,6 +119,11 @@ static const struct thimble_model* const models[] = {&model, &model};
 extern char** environ;
 extern int is_nowhere_defined(void);
 
+#if defined(NEEDS_LIBRARY)
+extern int in_a_library(void);
+__attribute__((visibility("default"))) int call_it(void) { return in_a_library(); }
+#endif
+
 #if defined(NO_SYMBOL)
 
 const void* unused(void) { return &models; }

@@ -105,6 +105,17 @@ TEST_F(PluginLoader, RefusesWhatOthersMayWriteBeforeAnyOfItRuns) {
   EXPECT_THAT(refusal(path), HasSubstr("chmod go-w"));
 }
 
+TEST_F(PluginLoader, RefusesALibraryOfItThatOthersMayWriteAsOftenAsItIsAsked) {
+  const std::string library = planted("library");
+  const std::string path = planted("with_library");
+  ASSERT_EQ(::chmod(library.c_str(), 0666), 0);
+  const std::string said = refusal(path);
+  EXPECT_THAT(said, AllOf(StartsWith(path + ": needs the library " + library), EndsWith("go-w)")));
+  EXPECT_EQ(refusal(path), said) << "it is mapped by now";
+  ASSERT_EQ(::chmod(library.c_str(), 0600), 0);
+  EXPECT_EQ(refusal(path), "");
+}
+
 TEST_F(PluginLoader, ANameThatIsTakenIsRefusedAndNothingIsAdded) {
   session::Plugins sut;
   const std::size_t drivers = sut.drivers.drivers().size();
