@@ -119,7 +119,8 @@ struct thimble_sample {
   uint32_t buttons;    /* bit 0: stylus button */
   uint32_t reserved;   /* 0 */
   /* 0 to 2 carry the tip: up to 1e6 either way. 3 to 5 are the gimbal's axes, -pi to pi, 0 as the
-   * stylus was held during calibration. Those beyond joint_count, and all before, count as 0. */
+   * stylus was held during calibration. Those beyond joint_count, and all before calibration, count
+   * as 0. */
   double joint_position_rad[THIMBLE_JOINTS];
   double tip_m[3]; /* base frame; up to 10 either way */
   /* Currents for a force at the tip in this pose: I = M * F, a row for each motor. Up to 1e4; not
@@ -151,7 +152,9 @@ struct thimble_driver {
                   const struct thimble_driver_settings* settings,
                   struct thimble_capabilities* capabilities, void** device,
                   struct thimble_reason* reason);
-  /* Ends the life of `device`. The host has sent zero before. Thread: control plane. */
+  /* Ends the life of `device`. The host has sent zero before, but not where encode() failed or the
+   * bus was gone, nor where it refused the capabilities, and sent nothing at all.
+   * Thread: control plane. */
   void (*close)(void* device);
 
   /* The reference is worth nothing any more: the arm must be calibrated again. DONE is believed
@@ -164,7 +167,9 @@ struct thimble_driver {
                     struct thimble_sample* sample);
   /* Makes the output report, of just output_report_bytes, that has the arm exert `wrench` until the
    * next one or its own watchdog. Called once a tick, also with zero, also before the first
-   * report. `bytes` comes zeroed. OK, or PROTOCOL_ERROR: nothing is sent. RT. */
+   * report; not while the arm is unplugged, nor any more once a stop has been answered by zero for
+   * a while: then the arm's watchdog ends it. `bytes` comes zeroed. OK, or PROTOCOL_ERROR: nothing
+   * is sent. RT. */
   int32_t (*encode)(void* device, const struct thimble_wrench* wrench,
                     uint8_t bytes[THIMBLE_REPORT_BYTES]);
 };

@@ -18,6 +18,8 @@ namespace thimble::plugin {
 
 // A simulated person (or test rig) that holds the tip of a simulated arm. The arm's model
 // asks it once per plant step, so that it really feels the force of the motors.
+// Thread: that of the bus, in virtual time. RT. Ownership: of whoever made it; it outlives the
+// arm's hold on it, which ends with hold_tip(nullptr).
 class TipLoad {
  public:
   virtual ~TipLoad() = default;
@@ -43,6 +45,8 @@ struct ArmTruth {
 };
 
 // Backend face of every simulated arm: physical verbs.
+// Thread: that of the bus, or another while the bus stands still. RT, but home_position().
+// Ownership: a face of the arm's model; valid as long as that is.
 class ArmBackend {
  public:
   virtual ~ArmBackend() = default;
