@@ -3,14 +3,10 @@
 #include <gtest/gtest.h>
 
 #include "daemon/config/load.hpp"
-#include "drivers/phantom/phantom_driver.hpp"
-#include "sim/model/arm/register_arm_models.hpp"
 
 namespace thimble::test {
 
 GuardedLoop::GuardedLoop(const std::string& config, Pace pace) {
-  drivers_.add(phantom::make_phantom_driver());
-  sim::register_arm_models(models_);
   const config::ConfigResult parsed = config::parse(config, "guarded-loop.toml", {});
   if (!parsed) {
     ADD_FAILURE() << to_string(parsed.error().front());
@@ -22,7 +18,10 @@ GuardedLoop::GuardedLoop(const std::string& config, Pace pace) {
     return;
   }
   wake_ = *std::move(wake);
-  session::RigParts parts{models_, drivers_};
+  for (const Error& refused : plugins_.load(parsed->daemon.plugins)) {
+    ADD_FAILURE() << refused.message;
+  }
+  session::RigParts parts{plugins_.models, plugins_.drivers};
   parts.wake = wake_.get();
   parts.io = &io_;
   if (pace == Pace::RealTimeBrake) parts.real_clock = &real_clock_;

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "daemon/session/plugins.hpp"
 #include "daemon/session/runtime.hpp"
 #include "hal/linux/event_fd.hpp"
 #include "tests/rt/thread_calls.hpp"
@@ -49,8 +50,7 @@ class GuardedLoop {
   FreeWheelingClock real_clock_;
   std::unique_ptr<linux::EventFd> wake_;
   boost::asio::io_context io_;
-  plugin::DriverRegistry drivers_;
-  plugin::SimModelRegistry models_;
+  session::Plugins plugins_;
   std::unique_ptr<session::Runtime> runtime_;
   MonotonicTime next_{};
 };

@@ -9,6 +9,7 @@
 
 #include "tests/rt/guarded_loop.hpp"
 #include "tests/rt/thread_calls.hpp"
+#include "tests/support/private_copy.hpp"
 
 namespace thimble::test {
 
@@ -80,6 +81,16 @@ TEST_F(ServoThreadGuard, NorBehindTheRealTimeBrake) {
 
 TEST_F(ServoThreadGuard, NorWithTheCallbackOfTheThesis) {
   expect_silent_contact(one_host("[arm.coupling]\nscheme = \"thesis-literal\"\n"), Pace::Virtual);
+}
+
+TEST_F(ServoThreadGuard, NorThroughAPluginAndItsSimulatedArm) {
+  const testing_support::TemporaryFolder folder;
+  const std::string plugin = testing_support::private_copy(folder, THIMBLE_SAMPLE_DRIVER);
+  expect_silent_contact("[daemon]\nplugins = [\"" + plugin +
+                            "\"]\n[[arm]]\nname = \"right\"\ndevice = \"sim:gantry\"\n"
+                            "world = \"box\"\n" +
+                            kHand + kBox,
+                        Pace::Virtual);
 }
 
 TEST_F(ServoThreadGuard, NorOverAnImpairedLink) {
