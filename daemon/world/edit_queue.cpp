@@ -50,9 +50,8 @@ constexpr const char* kAxes = "xyz";
 [[nodiscard]] std::size_t words_of(const VoxelGrid& grid, const CellEdit& edit) noexcept {
   const auto bounds = bounds_of(grid, edit);
   if (is_empty(bounds)) return 1;
-  const auto& [first, last] = bounds;
   const auto length = [&](std::size_t axis) {
-    return static_cast<std::size_t>(last[axis] - first[axis]) + 1;
+    return static_cast<std::size_t>(bounds.second[axis] - bounds.first[axis]) + 1;
   };
   return (1 + (length(0) - 1) / 64) * length(1) * length(2);
 }
