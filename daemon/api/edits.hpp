@@ -9,7 +9,7 @@
 
 namespace thimble::api {
 
-// Ours: a request of so many edits fits into the body that the server reads.
+// Ours: so many edits, written without blanks, fit into the body that the server reads.
 inline constexpr std::size_t kMaxEdits = 64;
 
 // The edits in a body: {"fill": {…}} or {"clear"…, "box"…, "paint"…}, or a list of such objects

@@ -17,9 +17,10 @@ struct ServerSettings {
   std::string socket_path;
   std::uint32_t socket_mode{0660};
   std::string group;  // empty: that of the process
-  // Ours: a person's tools send a few hundred bytes and ask a few times a second.
+  // Ours: a person's tools send a few hundred bytes and ask a few times a second; kMaxEdits
+  // brushes with every digit of their numbers take 10 KB.
   std::size_t max_header_bytes{8192};
-  std::size_t max_body_bytes{4096};
+  std::size_t max_body_bytes{16384};
   std::size_t max_connections{32};
   std::chrono::milliseconds idle_timeout{30000};  // not for a connection that holds a lease
   std::chrono::milliseconds write_timeout{5000};  // a reader slower than that is dropped

@@ -5,6 +5,8 @@
 #include <random>
 #include <string>
 
+#include "daemon/api/server.hpp"
+
 namespace thimble::api {
 namespace {
 
@@ -77,8 +79,20 @@ TEST(ApiEdits, TakesNoMoreThanItsLimit) {
   const auto sut = parse_edits("[" + list + "]");
   ASSERT_TRUE(sut);
   EXPECT_EQ(sut->size(), kMaxEdits);
-  EXPECT_LE(list.size(), 4000U) << "the server reads no larger body";
   EXPECT_NE(refusal_of("[" + list + R"(,{"clear":{"min":[0,0,0],"max":[1,1,1]}}])"), "");
+}
+
+TEST(ApiEdits, SoManyOfTheLongestFitIntoTheBodyThatTheServerReads) {
+  const std::string number = "-1.2345678901234567e-300";
+  const std::string paint = R"({"paint":{"center_m":[)" + number + "," + number + "," + number +
+                            R"(],"radius_m":1.2345678901234567e-300,"cell":255}})";
+  std::string body = "[" + paint;
+  for (std::size_t i = 1; i < kMaxEdits; ++i) body += "," + paint;
+  body += "]";
+  EXPECT_LE(body.size(), ServerSettings().max_body_bytes);
+  const auto sut = parse_edits(body);
+  ASSERT_TRUE(sut);
+  EXPECT_EQ(sut->size(), kMaxEdits);
 }
 
 TEST(ApiEdits, AnyBytesGiveEditsOrOneSentence) {

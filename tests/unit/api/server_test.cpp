@@ -301,7 +301,7 @@ TEST_F(ServerTest, RefusesHeadersAndBodiesBeyondTheLimits) {
               StartsWith("HTTP/1.1 431"));
   EXPECT_TRUE(ends(header));
   Client body(settings_.socket_path);
-  EXPECT_THAT(ask(body, "POST /v1/arms/right/activate HTTP/1.1\r\nContent-Length: 4097\r\n\r\n"),
+  EXPECT_THAT(ask(body, "POST /v1/arms/right/activate HTTP/1.1\r\nContent-Length: 16385\r\n\r\n"),
               StartsWith("HTTP/1.1 413"));
   EXPECT_TRUE(ends(body));
   EXPECT_THAT(daemon_.log, IsEmpty());
