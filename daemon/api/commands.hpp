@@ -26,7 +26,9 @@ struct Done {
 };
 using Answer = std::function<void(const Result<Done>&)>;
 
-// A change of a world's cells, as docs/api.md has it.
+// A change of a world's cells, as docs/api.md has it. World frame: where an arm's hand plus its
+// coordinate offset is; the origin is the middle of the world, cell {0, 0, 0} its corner where x, y
+// and z are least.
 struct CellEdit {
   enum class Kind : std::uint8_t { Fill, Box, Paint };
   Kind kind{Kind::Fill};
@@ -60,8 +62,9 @@ class Commands {
   virtual void activate(std::string_view arm, ClientId client, Answer answer) = 0;
   virtual void deactivate(std::string_view arm, ClientId client, Answer answer) = 0;
   virtual void clear_fault(std::string_view arm, ClientId client, Answer answer) = 0;
-  // All of the edits or none, some 4 s of work at most (EditQueue). Answered when the last of them
-  // is applied; a client that goes meanwhile takes them back as long as none has begun.
+  // Needs no lease (0196). All of the edits or none, some 4 s of work at most (EditQueue). Answered
+  // when the last of them is applied; a client that goes meanwhile takes them back as long as none
+  // has begun.
   virtual void edit_world(std::string_view world, const std::vector<CellEdit>& edits,
                           ClientId client, EditAnswer answer) = 0;
   // Called once for every client that sent a command, after its last one.

@@ -21,9 +21,9 @@ struct CellEdit {
     Paint,  // every cell whose centre is within `radius_m` of `center`, where there are such
   };
   Kind kind{Kind::Fill};
-  Cell first{};  // ends included
+  Cell first{};  // ends included; {0, 0, 0} is the corner where x, y and z are least
   Cell last{};
-  Position3 center{};  // world frame
+  Position3 center{};  // world frame, from the middle of the world; hand plus offset
   double radius_m{0};
   // What the cells become: 0 free, 1 filled and of no material, 1 + n of the n-th material.
   std::uint8_t value{1};
