@@ -1,10 +1,50 @@
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "daemon/api/edits.hpp"
 #include "daemon/api/request.hpp"
+#include "daemon/world/edit_queue.hpp"
 #include "hal/base/check.hpp"
+
+namespace {
+
+using thimble::api::CellEdit;
+using thimble::world::Cell;
+
+Cell cell_of(const std::array<std::int32_t, 3>& index) { return {index[0], index[1], index[2]}; }
+
+// What was read is judged by a world, and what it takes comes to its end in the slices that it
+// promised.
+void apply(const std::vector<CellEdit>& edits) {
+  using thimble::world::EditQueue;
+  auto grid = thimble::world::VoxelGrid::create({8, 9, 10}, 0.001);
+  THIMBLE_CHECK(grid.has_value());
+  thimble::world::VoxelWorld world(*std::move(grid), "fuzz");
+  EditQueue queue(world);
+  std::vector<thimble::world::CellEdit> asked;
+  for (const CellEdit& edit : edits) {
+    // The kinds of both are in the same order.
+    asked.push_back({static_cast<thimble::world::CellEdit::Kind>(edit.kind),
+                     cell_of(edit.min),
+                     cell_of(edit.max),
+                     {edit.center_m[0], edit.center_m[1], edit.center_m[2]},
+                     edit.radius_m,
+                     edit.cell});
+  }
+  const bool is_taken = queue.submit(std::move(asked)).has_value();
+  THIMBLE_CHECK(is_taken != queue.is_idle());
+  for (std::size_t words = 0; words <= edits.size() * 90; words += EditQueue::kSliceWords) {
+    queue.step();
+  }
+  THIMBLE_CHECK(queue.is_idle());
+  THIMBLE_CHECK(world.occupied_cells() == world.grid()->count_occupied());
+}
+
+}  // namespace
 
 // "METHOD TARGET BODY", split at the first two spaces.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -29,5 +69,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const bool has_edits = result->kind == ActionKind::EditWorld;
   THIMBLE_CHECK(has_edits == !result->edits.empty());
   THIMBLE_CHECK(result->edits.size() <= thimble::api::kMaxEdits);
+  if (has_edits) apply(result->edits);
   return 0;
 }
