@@ -61,8 +61,9 @@ ServoFrame ServoLoop::begin_frame(Duration lateness) noexcept {
   if (frame.dt <= Duration::zero()) frame.dt = settings_.period();
   snapshot_.overruns += static_cast<std::uint64_t>(lateness / settings_.period());
 
-  const bool is_command_overdue =
-      has_written_ && frame.now - last_write_ > settings_.command_gap_limit;
+  // Counted from the first tick on: an arm that never takes a command must not look driven.
+  if (tick_ == 1) last_write_ = frame.now;
+  const bool is_command_overdue = frame.now - last_write_ > settings_.command_gap_limit;
   const bool is_tick_missed =
       settings_.is_realtime_required && tick_ > 1 && frame.dt >= 2 * settings_.period();
   if (state_ == OperatingState::Active && (is_command_overdue || is_tick_missed)) {
@@ -262,7 +263,6 @@ void ServoLoop::write(ServoFrame& frame, const LimitedWrench& wrench) noexcept {
   frame.write_status = parts_.device.write(wrench);
   // Only a command that the bus took is one: a stuck way out must not look fresh.
   if (frame.write_status != IoStatus::Ok) return;
-  has_written_ = true;
   last_write_ = frame.now;
 }
 

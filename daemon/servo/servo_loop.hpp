@@ -123,9 +123,8 @@ class ServoLoop {
   double freshness_gain_{1};
   std::uint64_t tick_{0};
   MonotonicTime previous_now_{};
-  MonotonicTime last_write_{};
+  MonotonicTime last_write_{};  // that the bus took; before any, the first tick
   MonotonicTime latched_at_{};
-  bool has_written_{false};
   // Of this tick: what latched, what was unplugged, and what latched again after a clear.
   rt::StaticVector<Fault, 3> stops_;
   bool is_outage_over_{false};

@@ -376,6 +376,16 @@ TEST(ServoLoop, AStuckWayOutIsNoFreshCommand) {
   EXPECT_EQ(rig.snapshot().fault.code, FaultCode::ServoLate);
 }
 
+// Not one: a driver whose every command is refused must not be shown as driven for ever.
+TEST(ServoLoop, AnArmThatNeverTookACommandIsNotDriven) {
+  ServoRig rig;
+  rig.device.write_status = IoStatus::ProtocolError;
+  rig.controls.want_active = true;
+  rig.tick(60);
+  EXPECT_EQ(rig.state(), OperatingState::Fault);
+  EXPECT_EQ(rig.snapshot().fault.code, FaultCode::ServoLate);
+}
+
 TEST(ServoLoop, ALostArmIsNotShownAsCalibrated) {
   ServoRig rig;
   rig.activate_fully();
