@@ -13,7 +13,6 @@ namespace {
 namespace beast = boost::beast;
 namespace http = boost::beast::http;
 
-constexpr std::size_t kMaxHeaderBytes = 16384;
 constexpr std::size_t kMaxBodyBytes = std::size_t{1} << 22;
 constexpr unsigned kHttp11 = 11;
 

@@ -5,6 +5,7 @@
 #include <boost/beast/core/basic_stream.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <chrono>
+#include <cstddef>
 #include <memory>
 #include <string>
 
@@ -15,6 +16,8 @@ namespace thimble::cli {
 inline constexpr std::chrono::seconds kTimeout{5};
 // A fill of 1024^3 cells takes 2 s, and others may be before it.
 inline constexpr std::chrono::seconds kEditTimeout{60};
+inline constexpr std::size_t kMaxHeaderBytes = 16384;
+inline constexpr std::size_t kMaxReadBytes = 65536;  // that Boost.Beast reads at a time
 
 struct Reply {
   unsigned http_status{0};
@@ -25,7 +28,8 @@ struct Reply {
 //
 // Thread: one. Not RT; every call ends within its timeout.
 // Errors: connect() says NotFound when no daemon listens at the path, Timeout when it does not
-//         accept; request() says Disconnected when it has ended, Timeout when it does not answer.
+//         accept; request() says Disconnected when it has ended, Timeout when it does not answer,
+//         Malformed when what it answers is no HTTP, or longer than a daemon's answer.
 class Client {
  public:
   [[nodiscard]] static Result<std::unique_ptr<Client>> connect(
@@ -41,7 +45,8 @@ class Client {
 
   boost::asio::io_context context_;
   boost::beast::basic_stream<boost::asio::local::stream_protocol> stream_;
-  boost::beast::flat_buffer buffer_;
+  // The extension of a chunk counts neither as header nor as body: only this bounds it.
+  boost::beast::flat_buffer buffer_{kMaxHeaderBytes + kMaxReadBytes};
 };
 
 }  // namespace thimble::cli

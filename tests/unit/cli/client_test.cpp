@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <boost/asio/write.hpp>
 #include <thread>
 
 #include "cli/status_document.hpp"
@@ -109,6 +110,29 @@ TEST(Client, GivesUpOnADaemonThatDoesNotAccept) {
   ASSERT_FALSE(sut);
   EXPECT_EQ(sut.error().code, Errc::Timeout);
   EXPECT_THAT(sut.error().message, HasSubstr("does not accept"));
+}
+
+TEST(Client, KeepsNoMoreOfAnAnswerThanOneCouldNeed) {
+  using Local = boost::asio::local::stream_protocol;
+  const testing_support::TemporaryFolder folder;
+  const std::string path = (folder / "endless.sock").string();
+  boost::asio::io_context context;
+  Local::acceptor listener(context, Local::endpoint(path));
+  auto sut = Client::connect(path);
+  ASSERT_TRUE(sut) << sut.error().message;
+  std::thread daemon([&] {
+    Local::socket peer = listener.accept();
+    const std::string answer = "HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n1;" +
+                               std::string(std::size_t{1} << 22, 'x');
+    boost::system::error_code gone;
+    boost::asio::write(peer, boost::asio::buffer(answer), gone);
+  });
+  const auto reply = (*sut)->request("GET", "/v1/status");
+  sut->reset();  // the daemon ends its writing
+  daemon.join();
+  ASSERT_FALSE(reply);
+  EXPECT_EQ(reply.error().code, Errc::Malformed);
+  EXPECT_THAT(reply.error().message, HasSubstr("not the daemon's"));
 }
 
 }  // namespace
