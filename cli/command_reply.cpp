@@ -22,11 +22,29 @@ std::string render_activation(const CommandReply& reply) {
   return line + ", but not active yet (" + reply.state + ")" + next_step(reply);
 }
 
+tl::unexpected<Error> not_the_daemons(const std::string& missed) {
+  return fail(Errc::Malformed, "the answer is not the daemon's: it does not tell of " + missed);
+}
+
 }  // namespace
 
-CommandReply parse_command_reply(std::string_view json) {
-  return {plain(parse_member(json, "arm")), plain(parse_member(json, "lease")),
-          plain(parse_member(json, "state")), plain(parse_member(json, "instruction"))};
+Result<CommandReply> parse_command_reply(std::string_view json, std::string_view arm) {
+  const auto name = parse_member(json, "arm");
+  const auto lease = parse_member(json, "lease");
+  const auto state = parse_member(json, "state");
+  const auto instruction = parse_member(json, "instruction");
+  if (name != arm || !lease || !state || !instruction) {
+    return not_the_daemons("arm " + plain(arm) + " with its lease and state");
+  }
+  return CommandReply{plain(*name), plain(*lease), plain(*state), plain(*instruction)};
+}
+
+Result<std::uint64_t> parse_changed_cells(std::string_view json, std::string_view world) {
+  const auto changed = parse_count(json, "changed_cells");
+  if (parse_member(json, "world") != world || !changed) {
+    return not_the_daemons("the changed cells of world " + plain(world));
+  }
+  return *changed;
 }
 
 std::string render_reply(std::string_view verb, const CommandReply& reply) {

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
+
+#include "hal/base/result.hpp"
 
 namespace thimble::cli {
 
@@ -13,8 +16,12 @@ struct CommandReply {
   std::string instruction;
 };
 
-// Total: what is missing is empty.
-[[nodiscard]] CommandReply parse_command_reply(std::string_view json);
+// The answer to a command for `arm`. Total; Malformed when a member is missing or no text, or when
+// it tells of another arm: nobody may take that for a command that has come true.
+[[nodiscard]] Result<CommandReply> parse_command_reply(std::string_view json, std::string_view arm);
+// Likewise of an edit of `world`: how many cells have changed.
+[[nodiscard]] Result<std::uint64_t> parse_changed_cells(std::string_view json,
+                                                        std::string_view world);
 // What came of `verb` ("activate", "deactivate" or "clear-fault"), for a person: no line break.
 [[nodiscard]] std::string render_reply(std::string_view verb, const CommandReply& reply);
 

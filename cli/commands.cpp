@@ -134,9 +134,10 @@ int run_command(const std::string& socket_path, const std::string& verb, const s
   if (!name) return complain(name.error());
   const auto body = ask(**client, "POST", "/v1/arms/" + *name + "/" + verb);
   if (!body) return complain(body.error());
-  const CommandReply reply = parse_command_reply(*body);
-  if (verb == "activate" && reply.lease == "client") return hold_lease(**client, reply);
-  std::cout << render_reply(verb, reply) << '\n';
+  const Result<CommandReply> reply = parse_command_reply(*body, *name);
+  if (!reply) return complain(reply.error());
+  if (verb == "activate" && reply->lease == "client") return hold_lease(**client, *reply);
+  std::cout << render_reply(verb, *reply) << '\n';
   return kExitOk;
 }
 
@@ -149,8 +150,9 @@ int run_world_edit(const std::string& socket_path, const std::string& world,
   const auto body = ask(**client, "POST", "/v1/worlds/" + meant->name + "/edits",
                         body_of(edit, meant->cells), kEditTimeout);
   if (!body) return complain(body.error());
-  std::cout << "world " << plain(meant->name) << ": " << parse_count(*body, "changed_cells")
-            << " cells changed\n";
+  const Result<std::uint64_t> changed = parse_changed_cells(*body, meant->name);
+  if (!changed) return complain(changed.error());
+  std::cout << "world " << plain(meant->name) << ": " << *changed << " cells changed\n";
   return kExitOk;
 }
 

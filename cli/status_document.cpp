@@ -30,20 +30,28 @@ double number(const json::value& value, std::string_view key) {
   return found == nullptr ? kUnknown : as_number(*found);
 }
 
-std::uint64_t count(const json::value& value, std::string_view key) {
+std::optional<std::uint64_t> find_count(const json::value& value, std::string_view key) {
   const json::value* found = member(value, key);
-  if (found == nullptr) return 0;
+  if (found == nullptr) return {};
   if (found->is_uint64()) return found->get_uint64();
-  if (found->is_int64() && found->get_int64() > 0) {
+  if (found->is_int64() && found->get_int64() >= 0) {
     return static_cast<std::uint64_t>(found->get_int64());
   }
-  return 0;
+  return {};
 }
 
-std::string text(const json::value& value, std::string_view key) {
+std::uint64_t count(const json::value& value, std::string_view key) {
+  return find_count(value, key).value_or(0);
+}
+
+std::optional<std::string> find_text(const json::value& value, std::string_view key) {
   const json::value* found = member(value, key);
   if (found == nullptr || !found->is_string()) return {};
   return std::string(found->get_string());
+}
+
+std::string text(const json::value& value, std::string_view key) {
+  return find_text(value, key).value_or("");
 }
 
 bool flag(const json::value& value, std::string_view key) {
@@ -175,12 +183,12 @@ std::string parse_error_message(std::string_view bytes, std::string_view otherwi
   return message.empty() ? std::string(otherwise) : message;
 }
 
-std::uint64_t parse_count(std::string_view bytes, std::string_view key) {
-  return count(parse_bytes(bytes), key);
+std::optional<std::string> parse_member(std::string_view bytes, std::string_view key) {
+  return find_text(parse_bytes(bytes), key);
 }
 
-std::string parse_member(std::string_view bytes, std::string_view key) {
-  return text(parse_bytes(bytes), key);
+std::optional<std::uint64_t> parse_count(std::string_view bytes, std::string_view key) {
+  return find_count(parse_bytes(bytes), key);
 }
 
 }  // namespace thimble::cli

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
+#include <string>
 #include <string_view>
 
 #include "daemon/api/status.hpp"
@@ -14,9 +17,9 @@ namespace thimble::cli {
 
 // The sentence of an error document, or `otherwise`.
 [[nodiscard]] std::string parse_error_message(std::string_view json, std::string_view otherwise);
-// The text member `key` of a document, or empty.
-[[nodiscard]] std::string parse_member(std::string_view json, std::string_view key);
-// The count `key` of a document, or 0.
-[[nodiscard]] std::uint64_t parse_count(std::string_view json, std::string_view key);
+// The text member `key` of a document, or nothing when there is none.
+[[nodiscard]] std::optional<std::string> parse_member(std::string_view json, std::string_view key);
+// The count `key` of a document, or nothing when there is none.
+[[nodiscard]] std::optional<std::uint64_t> parse_count(std::string_view json, std::string_view key);
 
 }  // namespace thimble::cli

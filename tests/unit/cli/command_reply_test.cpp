@@ -6,14 +6,56 @@ namespace thimble::cli {
 namespace {
 
 TEST(CommandReply, ReadsWhatTheDaemonSaysAndLetsNoControlBytesThrough) {
-  const CommandReply sut = parse_command_reply(
+  const auto sut = parse_command_reply(
       "{\"arm\": \"right\", \"lease\": \"client\", \"state\": \"active\", "
-      "\"instruction\": \"a\\u001b[31m\"}");
-  EXPECT_EQ(sut.arm, "right");
-  EXPECT_EQ(sut.lease, "client");
-  EXPECT_EQ(sut.state, "active");
-  EXPECT_EQ(sut.instruction, "a?[31m");
-  EXPECT_EQ(parse_command_reply("nonsense").arm, "");
+      "\"instruction\": \"a\\u001b[31m\"}",
+      "right");
+  ASSERT_TRUE(sut) << sut.error().message;
+  EXPECT_EQ(sut->arm, "right");
+  EXPECT_EQ(sut->lease, "client");
+  EXPECT_EQ(sut->state, "active");
+  EXPECT_EQ(sut->instruction, "a?[31m");
+}
+
+TEST(CommandReply, TakesNoAnswerForSuccessThatIsNotToTheCommand) {
+  const std::string good =
+      R"({"arm": "right", "lease": "none", "state": "active", "instruction": ""})";
+  ASSERT_TRUE(parse_command_reply(good, "right"));
+  EXPECT_FALSE(parse_command_reply(good, "left"));
+  for (const std::string key : {"arm", "lease", "state", "instruction"}) {
+    std::string other = good;
+    other.replace(good.find(key), 1, "X");
+    const auto sut = parse_command_reply(other, "right");
+    ASSERT_FALSE(sut) << other;
+    EXPECT_EQ(sut.error().code, Errc::Malformed);
+    EXPECT_EQ(sut.error().message,
+              "the answer is not the daemon's: it does not tell of arm right with its lease and "
+              "state");
+  }
+  for (const char* other : {"", "{}", "[]", "nonsense", R"({"arm": "right"})",
+                            R"({"arm": "right", "lease": 1, "state": "", "instruction": ""})"}) {
+    EXPECT_FALSE(parse_command_reply(other, "right")) << other;
+  }
+}
+
+TEST(ChangedCells, AreKnownOnlyFromAnAnswerThatTellsOfTheWorld) {
+  const auto cells = [](const char* count) {
+    return parse_changed_cells(
+        std::string(R"({"world": "box", "edits": 1, "changed_cells": )") + count + "}", "box");
+  };
+  EXPECT_EQ(cells("0"), 0U);
+  EXPECT_EQ(cells("7"), 7U);
+  EXPECT_EQ(cells("18446744073709551615"), 18446744073709551615U);
+  for (const char* other : {"-1", "1.5", "\"7\"", "null", "[7]"}) {
+    EXPECT_FALSE(cells(other)) << other;
+  }
+  for (const char* other : {"", "{}", R"({"world": "box"})", R"({"changed_cells": 7})",
+                            R"({"world": "x", "changed_cells": 7})"}) {
+    const auto sut = parse_changed_cells(other, "box");
+    ASSERT_FALSE(sut) << other;
+    EXPECT_EQ(sut.error().message,
+              "the answer is not the daemon's: it does not tell of the changed cells of world box");
+  }
 }
 
 TEST(CommandReply, SaysActiveOnlyOfAnArmThatIs) {
