@@ -14,6 +14,7 @@
 #include "hal/plugin/plugin_driver.hpp"
 #include "hal/plugin/plugin_file.hpp"
 #include "hal/plugin/plugin_model.hpp"
+#include "hal/plugin/plugin_whole.hpp"
 
 namespace thimble::plugin {
 namespace {
@@ -83,6 +84,8 @@ Result<const thimble_plugin*> descriptor_in(void* handle) {
 Result<const thimble_plugin*> load_plugin(const std::string& path) {
   const auto file = trusted_plugin_path(path);
   if (!file) return tl::unexpected(file.error().in(path));
+  const auto whole = check_object_is_whole(*file);
+  if (!whole) return tl::unexpected(whole.error().in(path));
   void* handle = dlopen(file->c_str(), RTLD_NOW | RTLD_LOCAL);
   if (handle == nullptr) {
     return fail(Errc::Malformed, path + ": cannot be loaded: " + reason_of(dlerror(), *file));

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <filesystem>
+
 #include "daemon/session/plugins.hpp"
 #include "tests/support/private_copy.hpp"
 
@@ -13,6 +15,7 @@ namespace {
 using testing::AllOf;
 using testing::EndsWith;
 using testing::HasSubstr;
+using testing::Not;
 using testing::StartsWith;
 
 class PluginLoader : public testing::Test {
@@ -97,6 +100,30 @@ TEST_F(PluginLoader, RefusesWhatIsNoSharedObject) {
   EXPECT_THAT(refusal(noise.string()), HasSubstr("invalid ELF header"));
   EXPECT_THAT(refusal((folder_ / "none.so").string()), EndsWith("none.so: there is no such file"));
   EXPECT_THAT(refusal("none.so"), StartsWith("none.so: is not an absolute path"));
+}
+
+// The dynamic linker maps what the head promises, and the process dies of the first page without.
+TEST_F(PluginLoader, RefusesWhatIsCutShort) {
+  const std::string whole = planted("good");
+  const auto size = std::filesystem::file_size(whole);
+  // A file of its own for each: one that is loaded stays mapped.
+  const auto refusal_of = [&](std::uintmax_t bytes) {
+    const std::string path = whole + std::to_string(bytes);
+    std::filesystem::copy_file(whole, path);
+    std::filesystem::resize_file(path, bytes);
+    return refusal(path);
+  };
+  int told = 0;
+  for (std::uintmax_t part = 1; part < 16; ++part) {
+    const std::string said = refusal_of(size * part / 16);
+    if (said.empty()) continue;  // what is missing is for the debugger
+    EXPECT_THAT(said, AllOf(StartsWith(whole), Not(HasSubstr("\n"))));
+    told += said.find("is cut short") != std::string::npos ? 1 : 0;
+  }
+  EXPECT_GT(told, 5);
+  for (const std::uintmax_t bytes : {0U, 3U, 4U, 63U, 64U, 65U, 200U}) {
+    EXPECT_NE(refusal_of(bytes), "") << bytes;
+  }
 }
 
 TEST_F(PluginLoader, RefusesWhatOthersMayWriteBeforeAnyOfItRuns) {
