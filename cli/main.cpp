@@ -1,10 +1,10 @@
 #include <CLI/CLI.hpp>
-#include <cmath>
 #include <csignal>
-#include <cstdlib>
+#include <cstdint>
 #include <exception>
 #include <functional>
 #include <iostream>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -13,6 +13,7 @@
 #include "cli/doctor/doctor.hpp"
 #include "cli/flight/report.hpp"
 #include "cli/flight/show.hpp"
+#include "cli/numbers.hpp"
 #include "daemon/config/paths.hpp"
 #include "hal/linux/standard_streams.hpp"
 
@@ -42,10 +43,13 @@ struct Arguments {
   thimble::cli::WorldEdit edit;
 };
 
-// CLI::Range lets NaN pass: it is neither below nor above.
+// As a check: what a person gave for a number is one (cli/numbers.hpp).
 std::string refuse_not_finite(const std::string& text) {
-  if (std::isfinite(std::strtod(text.c_str(), nullptr))) return "";
-  return "expected a finite number, found " + text;
+  return thimble::cli::refuse_finite_number(text);
+}
+
+std::string refuse_no_cell(const std::string& text) {
+  return thimble::cli::refuse_whole_number(text, 0, std::numeric_limits<std::int32_t>::max());
 }
 
 void add_status_commands(CLI::App& app, Arguments& arguments, int& code) {
@@ -127,16 +131,20 @@ void add_world_command(CLI::App& app, Arguments& arguments, int& code) {
       ->check(CLI::IsMember({"fill", "clear", "box", "paint"}));
   command->add_option("WORLD", arguments.world, "Name of the world; not needed when there is one");
   command->add_option("--min", edit.min, "First cell along x, y and z; default: of the whole world")
+      ->check(refuse_no_cell)
       ->expected(kAxes);
   command->add_option("--max", edit.max, "Last cell along x, y and z, itself included")
+      ->check(refuse_no_cell)
       ->expected(kAxes);
   command->add_option("--center", edit.center_m, "Of the ball to paint: x, y and z in metres")
       ->check(refuse_not_finite)
       ->expected(kAxes);
   command->add_option("--radius", edit.radius_m, "Of the ball to paint, in metres")
       ->check(refuse_not_finite);
-  command->add_option("--cell", edit.cell,
-                      "What the cells become: 0 free, 1 filled, 1 + n of the n-th material");
+  command
+      ->add_option("--cell", edit.cell,
+                   "What the cells become: 0 free, 1 filled, 1 + n of the n-th material")
+      ->check(refuse_no_cell);
   command->callback(
       [&] { code = thimble::cli::run_world_edit(arguments.socket_path, arguments.world, edit); });
 }

@@ -132,5 +132,12 @@ class Edits(ProcessTest):
         for words, code in ((["paint"], 1), (["fill", "left"], 1), (["smooth"], 2),
                             (["fill", "--min", 1, 2], 2), (["paint", "--radius", "nan"], 2)):
             self.assertEqual(self.thimble(daemon, "world", *words).returncode, code, words)
+        for words in (["fill", "--cell", ""], ["fill", "--cell", "010"], ["fill", "--cell", "-1"],
+                      ["fill", "--min", "", "", "", "--max", 1, 1, 1],
+                      ["paint", "--center", "", 0, 0, "--radius", 0.001]):
+            told = self.thimble(daemon, "world", *words)
+            self.assertEqual(told.returncode, 2, (words, told.stdout))
+            self.assertIn("expected a", told.stderr)
+        self.assertEqual(occupied(daemon.status()), left, "what is refused changes nothing")
         none = self.run_program("thimble", "world", "fill", "--socket", self.folder / "none")
         self.assertEqual(none.returncode, 3)
