@@ -2,9 +2,11 @@
 #include <cstdio>
 #include <ctime>
 #include <exception>
+#include <limits>
 #include <optional>
 #include <string>
 
+#include "cli/numbers.hpp"
 #include "hal/linux/monotonic_clock.hpp"
 #include "tests/campaign/campaign.hpp"
 #include "tests/campaign/report.hpp"
@@ -87,6 +89,32 @@ int run_all(const Arguments& arguments) {
   return kExitBroken;
 }
 
+template <std::uint64_t least>
+std::string refuse_less_than(const std::string& text) {
+  return thimble::cli::refuse_whole_number(text, least, std::numeric_limits<std::uint64_t>::max());
+}
+
+std::string refuse_jobs(const std::string& text) {
+  return thimble::cli::refuse_whole_number(text, 1, 256);
+}
+
+void add_options(CLI::App& app, Arguments& arguments) {
+  // Without a tick no rule is broken either: that would be a success of nothing.
+  app.add_option("--ticks", arguments.order.ticks, "Ticks in all")
+      ->check(refuse_less_than<1>)
+      ->capture_default_str();
+  app.add_option("--seed", arguments.order.seed, "Seed of the campaign")
+      ->check(refuse_less_than<0>)
+      ->capture_default_str();
+  app.add_option("--episode", arguments.episode, "Play this one again, and nothing else")
+      ->check(refuse_less_than<0>);
+  app.add_option("--jobs", arguments.order.jobs, "Episodes at a time")
+      ->check(refuse_jobs)
+      ->capture_default_str();
+  app.add_flag("!--no-shrink", arguments.is_to_shrink, "Leave a failing episode as it is");
+  app.add_flag("--quiet", arguments.is_quiet, "Say nothing before the end");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -94,14 +122,7 @@ int main(int argc, char** argv) {
   CLI::App app{
       "Plays episodes of random faults in virtual time while a simulated hand explores, and "
       "judges every tick (docs/campaign.md)"};
-  app.add_option("--ticks", arguments.order.ticks, "Ticks in all")->capture_default_str();
-  app.add_option("--seed", arguments.order.seed, "Seed of the campaign")->capture_default_str();
-  app.add_option("--episode", arguments.episode, "Play this one again, and nothing else");
-  app.add_option("--jobs", arguments.order.jobs, "Episodes at a time")
-      ->check(CLI::Range(1U, 256U))
-      ->capture_default_str();
-  app.add_flag("!--no-shrink", arguments.is_to_shrink, "Leave a failing episode as it is");
-  app.add_flag("--quiet", arguments.is_quiet, "Say nothing before the end");
+  add_options(app, arguments);
   try {
     app.parse(argc, argv);
     return arguments.episode ? run_one(arguments) : run_all(arguments);
