@@ -14,6 +14,8 @@
 #include "cli/flight/report.hpp"
 #include "cli/flight/show.hpp"
 #include "cli/numbers.hpp"
+#include "cli/text.hpp"
+#include "daemon/config/name.hpp"
 #include "daemon/config/paths.hpp"
 #include "hal/linux/standard_streams.hpp"
 
@@ -50,6 +52,13 @@ std::string refuse_not_finite(const std::string& text) {
 
 std::string refuse_no_cell(const std::string& text) {
   return thimble::cli::refuse_whole_number(text, 0, std::numeric_limits<std::int32_t>::max());
+}
+
+// A name goes into the target of a request, and an empty one is no wish for the only arm.
+std::string refuse_no_name(const std::string& text) {
+  if (thimble::config::is_name(text)) return "";
+  return "expected a name of 1 to " + std::to_string(thimble::config::kMaxNameBytes) +
+         " of a-z, 0-9 and -, found \"" + thimble::cli::plain(text) + "\"";
 }
 
 void add_status_commands(CLI::App& app, Arguments& arguments, int& code) {
@@ -118,7 +127,8 @@ void add_flight_commands(CLI::App& app, Arguments& arguments, int& code) {
 void add_arm_command(CLI::App& app, const char* verb, const char* what, Arguments& arguments,
                      int& code) {
   CLI::App* command = app.add_subcommand(verb, what);
-  command->add_option("ARM", arguments.arm, "Name of the arm; not needed when there is one");
+  command->add_option("ARM", arguments.arm, "Name of the arm; not needed when there is one")
+      ->check(refuse_no_name);
   command->callback([&, verb] { code = run_command(arguments.socket_path, verb, arguments.arm); });
 }
 
@@ -129,7 +139,8 @@ void add_world_command(CLI::App& app, Arguments& arguments, int& code) {
   command->add_option("EDIT", edit.verb, "fill, clear, box (its six sides) or paint (a ball)")
       ->required()
       ->check(CLI::IsMember({"fill", "clear", "box", "paint"}));
-  command->add_option("WORLD", arguments.world, "Name of the world; not needed when there is one");
+  command->add_option("WORLD", arguments.world, "Name of the world; not needed when there is one")
+      ->check(refuse_no_name);
   command->add_option("--min", edit.min, "First cell along x, y and z; default: of the whole world")
       ->check(refuse_no_cell)
       ->expected(kAxes);

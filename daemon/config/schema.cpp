@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "daemon/config/endpoint.hpp"
+#include "daemon/config/name.hpp"
 
 namespace thimble::config {
 namespace {
@@ -18,7 +19,6 @@ constexpr Range kStiffness{0, 20000, true};
 constexpr Range kDamping{0, 1000};
 constexpr Range kInjectedTime{0, 2};  // what the links take
 constexpr Range kAge{0, 60, true};
-constexpr std::size_t kMaxNameBytes = 32;
 constexpr std::size_t kMaxPlugins = 16;
 
 constexpr std::array<Choice<Realtime>, 2> kRealtime{{
@@ -70,11 +70,7 @@ void read_name(TableReader& reader, std::string& out) {
   reader.require("name", "a name");
   std::string name;
   if (!reader.read("name", name)) return;
-  const bool is_good =
-      name.size() <= kMaxNameBytes && std::all_of(name.begin(), name.end(), [](char c) {
-        return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-';
-      });
-  if (!is_good) {
+  if (!is_name(name)) {
     return reader.reject("name", "expected up to " + std::to_string(kMaxNameBytes) +
                                      " of a-z, 0-9 and -, found " + in_quotes(name));
   }

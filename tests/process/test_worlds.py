@@ -138,6 +138,12 @@ class Edits(ProcessTest):
             told = self.thimble(daemon, "world", *words)
             self.assertEqual(told.returncode, 2, (words, told.stdout))
             self.assertIn("expected a", told.stderr)
+        for words in (["deactivate", ""], ["deactivate", "x y"], ["activate", "right/../left"],
+                      ["clear-fault", "R"], ["world", "fill", ""], ["world", "fill", "a\x1b[31m"]):
+            told = self.thimble(daemon, *words)
+            self.assertEqual(told.returncode, 2, (words, told.stdout))
+            self.assertIn("expected a name of 1 to 32 of a-z, 0-9 and -, found", told.stderr)
+            self.assertNotIn("\x1b", told.stderr)
         self.assertEqual(occupied(daemon.status()), left, "what is refused changes nothing")
         none = self.run_program("thimble", "world", "fill", "--socket", self.folder / "none")
         self.assertEqual(none.returncode, 3)
