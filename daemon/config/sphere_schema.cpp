@@ -23,6 +23,7 @@ SphereConfig read_sphere_table(TableReader reader) {
   if (!(top_m > out.floor_m)) {
     reader.reject("floor_m", "expected a floor below the top of the sphere, which is at " +
                                  shown(top_m) + ", found " + shown(out.floor_m));
+    out = {};  // one that can be, for who looks at the rest
   }
   reader.finish();
   return out;

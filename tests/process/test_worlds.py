@@ -26,6 +26,7 @@ class Sphere(ProcessTest):
     def test_what_does_not_go_with_it_is_refused_at_its_key(self):
         for setting, key, reason in (
                 ("world.constraint_model=simple", "world.0.constraint_model", "works on cells"),
+                ("world.sphere.floor_m=0.5", "world.0.sphere.floor_m", "below the top"),
                 ("world.listen=udp://127.0.0.1:0", "world.0.listen", "across the axes only"),
                 ("arm.coupling.scheme=thesis-literal", "arm.0.coupling", "across the axes only")):
             result = self.thimbled(*SPHERE, "--set", setting, "--check")
