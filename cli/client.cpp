@@ -7,6 +7,8 @@
 #include <boost/beast/http.hpp>
 #include <cerrno>
 
+#include "cli/text.hpp"
+
 namespace thimble::cli {
 namespace {
 
@@ -16,7 +18,9 @@ namespace http = boost::beast::http;
 constexpr std::size_t kMaxBodyBytes = std::size_t{1} << 22;
 constexpr unsigned kHttp11 = 11;
 
-tl::unexpected<Error> refusal(const boost::system::error_code& error, const std::string& path) {
+tl::unexpected<Error> refusal(const boost::system::error_code& error,
+                              const std::string& socket_path) {
+  const std::string path = plain(socket_path);
   namespace errc = boost::system::errc;
   if (error == errc::no_such_file_or_directory || error == errc::connection_refused) {
     return fail(Errc::NotFound,
@@ -62,7 +66,8 @@ boost::system::error_code connect_within(std::chrono::microseconds timeout, int 
 Result<std::unique_ptr<Client>> Client::connect(const std::string& socket_path,
                                                 std::chrono::microseconds timeout) {
   if (socket_path.empty() || socket_path.size() >= sizeof(sockaddr_un::sun_path)) {
-    return fail(Errc::InvalidArgument, "a socket cannot have the path \"" + socket_path + "\"");
+    return fail(Errc::InvalidArgument,
+                "a socket cannot have the path \"" + plain(socket_path) + "\"");
   }
   std::unique_ptr<Client> out(new Client);
   boost::system::error_code error;

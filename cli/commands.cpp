@@ -11,6 +11,7 @@
 #include "cli/render.hpp"
 #include "cli/status_document.hpp"
 #include "cli/terminal.hpp"
+#include "cli/text.hpp"
 
 namespace thimble::cli {
 namespace {
@@ -62,7 +63,7 @@ Result<api::WorldStatus> find_world(Client& client, const std::string& name) {
   return fail(Errc::InvalidArgument, names.empty() ? "this daemon has no world"
                                      : name.empty()
                                          ? "say which world: " + names
-                                         : "there is no world " + name + ", but " + names);
+                                         : "there is no world " + plain(name) + ", but " + names);
 }
 
 int hold_lease(Client& client, const CommandReply& reply) {
@@ -159,12 +160,12 @@ int run_world_edit(const std::string& socket_path, const std::string& world,
 int run_report(const std::string& file) {
   const Result<std::string> text = read_at_most(file, kMaxReportBytes);
   if (!text && text.error().code == Errc::NotFound) {
-    std::cerr << "thimble: cannot open " << file << '\n';
+    std::cerr << "thimble: cannot open " << plain(file) << '\n';
     return kExitRefused;
   }
   const auto status = parse_status(text.value_or(""));
   if (!status) {
-    std::cerr << "thimble: " << file << " is no summary of thimbled\n";
+    std::cerr << "thimble: " << plain(file) << " is no summary of thimbled\n";
     return kExitRefused;
   }
   std::cout << render_report(*status, glyphs_of_environment());

@@ -93,6 +93,15 @@ TEST(Client, SaysInOneSentenceThatNoDaemonRuns) {
   EXPECT_FALSE(Client::connect(std::string(300, 'x')));
 }
 
+TEST(Client, LetsNoControlBytesOfAPathThrough) {
+  for (const std::string& path :
+       {"/none/\x1b[31m" + std::string(9, 'x'), std::string(300, '\x1b')}) {
+    const auto sut = Client::connect(path);
+    ASSERT_FALSE(sut);
+    EXPECT_EQ(sut.error().message.find('\x1b'), std::string::npos);
+  }
+}
+
 TEST(Client, GivesUpOnADaemonThatDoesNotAccept) {
   using Local = boost::asio::local::stream_protocol;
   const testing_support::TemporaryFolder folder;
