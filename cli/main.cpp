@@ -156,8 +156,11 @@ void add_world_command(CLI::App& app, Arguments& arguments, int& code) {
       ->add_option("--cell", edit.cell,
                    "What the cells become: 0 free, 1 filled, 1 + n of the n-th material")
       ->check(refuse_no_cell);
-  command->callback(
-      [&] { code = thimble::cli::run_world_edit(arguments.socket_path, arguments.world, edit); });
+  command->callback([&] {
+    const std::string misfit = thimble::cli::find_misfit(edit);
+    if (!misfit.empty()) throw CLI::ValidationError("world", misfit);
+    code = thimble::cli::run_world_edit(arguments.socket_path, arguments.world, edit);
+  });
 }
 
 int run(int argc, char** argv) {

@@ -14,6 +14,17 @@ json::array list_of(const std::vector<Number>& numbers) {
 
 }  // namespace
 
+std::string find_misfit(const WorldEdit& edit) {
+  const bool is_brush = edit.verb == "paint";
+  const char* option = is_brush && !edit.min.empty()         ? "--min"
+                       : is_brush && !edit.max.empty()       ? "--max"
+                       : !is_brush && !edit.center_m.empty() ? "--center"
+                       : !is_brush && edit.radius_m          ? "--radius"
+                       : edit.verb == "clear" && edit.cell   ? "--cell"
+                                                             : nullptr;
+  return option == nullptr ? "" : std::string(option) + " does not go with " + edit.verb;
+}
+
 std::string body_of(const WorldEdit& edit, const std::array<std::uint32_t, 3>& world_cells) {
   json::object keys;
   const bool is_brush = edit.verb == "paint";

@@ -145,6 +145,11 @@ class Edits(ProcessTest):
             self.assertEqual(told.returncode, 2, (words, told.stdout))
             self.assertIn("expected a name of 1 to 32 of a-z, 0-9 and -, found", told.stderr)
             self.assertNotIn("\x1b", told.stderr)
+        for words, part in ((["clear", "--cell", 1], "--cell does not go with clear"),
+                            (["fill", "--center", 0, 0, 0], "--center does not go with fill")):
+            told = self.thimble(daemon, "world", *words)
+            self.assertEqual(told.returncode, 2, (words, told.stdout))
+            self.assertIn(part, told.stderr)
         self.assertEqual(occupied(daemon.status()), left, "what is refused changes nothing")
         none = self.run_program("thimble", "world", "fill", "--socket", self.folder / "none")
         self.assertEqual(none.returncode, 3)

@@ -38,5 +38,18 @@ TEST(WorldEdit, HalfOfWhatIsNeededIsLeftToTheDaemonToRefuse) {
       << "that it has no cells is the daemon's to say";
 }
 
+TEST(WorldEdit, NamesTheOptionThatDoesNotGoWithTheVerb) {
+  for (const std::string verb : {"fill", "clear", "box"}) {
+    EXPECT_EQ(find_misfit({verb, {0, 0, 0}, {1, 1, 1}, {}, {}, {}}), "");
+    EXPECT_EQ(find_misfit({verb, {}, {}, {0, 0, 0}, {}, {}}), "--center does not go with " + verb);
+    EXPECT_EQ(find_misfit({verb, {}, {}, {}, 0.1, {}}), "--radius does not go with " + verb);
+    EXPECT_EQ(find_misfit({verb, {}, {}, {}, {}, 0}),
+              verb == "clear" ? "--cell does not go with clear" : "");
+  }
+  EXPECT_EQ(find_misfit({"paint", {}, {}, {0, 0, 0}, 0.1, 1}), "");
+  EXPECT_EQ(find_misfit({"paint", {0, 0, 0}, {}, {}, {}, {}}), "--min does not go with paint");
+  EXPECT_EQ(find_misfit({"paint", {}, {0, 0, 0}, {}, {}, {}}), "--max does not go with paint");
+}
+
 }  // namespace
 }  // namespace thimble::cli
