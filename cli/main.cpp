@@ -163,6 +163,17 @@ void add_world_command(CLI::App& app, Arguments& arguments, int& code) {
   });
 }
 
+// CLI11 takes "-.01" for an option, "-0.01" for a number.
+std::vector<std::string> with_leading_zeros(int argc, char** argv) {
+  std::vector<std::string> words(argv, argv + argc);
+  for (std::string& word : words) {
+    const bool is_number =
+        word.starts_with("-.") && thimble::cli::refuse_finite_number(word).empty();
+    if (is_number) word.insert(1, "0");
+  }
+  return words;
+}
+
 int run(int argc, char** argv) {
   Arguments arguments;
   int code = kExitOk;
@@ -184,7 +195,10 @@ int run(int argc, char** argv) {
       "Exit codes: 0 done, 1 refused, not printed or (doctor) something wrong, 2 wrong arguments, "
       "3 no daemon.");
   try {
-    app.parse(argc, argv);
+    std::vector<std::string> words = with_leading_zeros(argc, argv);
+    std::vector<char*> pointers;
+    for (std::string& word : words) pointers.push_back(word.data());
+    app.parse(argc, pointers.data());
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kExitOk : kExitUsage;
   }

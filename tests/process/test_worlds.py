@@ -125,7 +125,7 @@ class Edits(ProcessTest):
                 (["box", "box"], 216 - 64, 152),
                 (["fill", "--min", 1, 1, 1, "--max", 2, 1, 1], 2, 154),
                 (["fill", "box", "--min", 1, 1, 1, "--max", 2, 1, 1, "--cell", 0], 2, 152),
-                (["paint", "--center", -0.0075, -0.0075, 0.0075, "--radius", 0.001], 1, 153)):
+                (["paint", "--center", -0.0075, "-.0075", "+.0075", "--radius", 0.001], 1, 153)):
             told = self.thimble(daemon, "world", *words)
             self.assertEqual((told.returncode, told.stderr), (0, ""), words)
             self.assertEqual(told.stdout, f"world box: {changed} cells changed\n")
