@@ -6,6 +6,7 @@ import random
 import resource
 import socket
 import struct
+import threading
 
 from rig import (EXAMPLES, HELLO, ProcessTest, die_with_parent, http_answer, http_over,
                  http_request, is_sanitized, unix_connection)
@@ -192,3 +193,30 @@ class Connections(ProcessTest):
             with self.connect() as connection:
                 if number % 2:
                     connection.send(b"POST /v1/arms/right/activate HTTP/1.1\r\n\r\n")
+
+
+class Answers(ProcessTest):
+    """A daemon that is none: its status is good, what it answers to a command is not."""
+
+    STATUS = json.dumps({"arms": [{"name": "right"}], "worlds": [{"name": "box", "cells": [3, 3, 3]}]})
+
+    def answer(self, connection):
+        with connection, contextlib.suppress(BrokenPipeError, ConnectionResetError):
+            while request := connection.recv(65536):
+                body = self.STATUS if request.startswith(b"GET") else "{}"
+                connection.sendall(f"HTTP/1.1 200 OK\r\nContent-Length: {len(body)}\r\n\r\n{body}"
+                                   .encode())
+
+    def test_garbage_is_no_success(self):
+        path = str(self.folder / "none.sock")
+        with socket.socket(socket.AF_UNIX) as listener:
+            listener.bind(path)
+            listener.listen()
+            for words in (["world", "fill", "box"], ["activate"], ["deactivate"],
+                          ["clear-fault", "right"]):
+                daemon = threading.Thread(target=lambda: self.answer(listener.accept()[0]))
+                daemon.start()
+                told = self.run_program("thimble", *words, "--socket", path)
+                daemon.join()
+                self.assertEqual((told.returncode, told.stdout), (1, ""), words)
+                self.assert_one_sentence(told.stderr, "the answer is not the daemon's")
