@@ -112,10 +112,11 @@ void ServoLoop::answer_clear_request(bool is_healthy) noexcept {
   const ClearRequest request = parts_.controls.clear_request.load(std::memory_order_relaxed);
   if (request.id == snapshot_.clear_answered) return;
   snapshot_.clear_answered = request.id;
-  // A fault that waits behind a lost arm is told, and can be cleared, when the arm is back.
-  snapshot_.clear_outcome = state_ == OperatingState::Fault
-                                ? latch_.clear(request.fault, is_healthy)
-                                : ClearOutcome::NotLatched;
+  // A fault that waits behind a lost arm is told, and can be cleared, when the arm is back. One of
+  // this very tick was seen by nobody: whoever named its number guessed it.
+  const bool is_known = state_ == OperatingState::Fault && latch_.fault().tick != tick_;
+  snapshot_.clear_outcome =
+      is_known ? latch_.clear(request.fault, is_healthy) : ClearOutcome::NotLatched;
   if (snapshot_.clear_outcome == ClearOutcome::Cleared) apply(LifecycleEvent::ClearFault);
 }
 

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <random>
 
 #include "tests/unit/servo/scripted_rig.hpp"
@@ -54,6 +55,17 @@ TEST(ServoClear, AClearIsForTheFaultThatItNamesAndNoOther) {
     rig.tick(5);
     EXPECT_EQ(rig.state(), OperatingState::Active);
   }
+}
+
+TEST(ServoClear, ANumberThatWasGuessedClearsNoFaultOfItsOwnTick) {
+  ServoRig rig;
+  rig.activate_fully();
+  rig.device.state.tip.x = std::numeric_limits<double>::quiet_NaN();
+  rig.controls.request_clear(1);
+  rig.tick();
+  EXPECT_EQ(rig.state(), OperatingState::Fault);
+  EXPECT_EQ(rig.snapshot().clear_outcome, ClearOutcome::NotLatched);
+  EXPECT_EQ(rig.snapshot().faults, 1U);
 }
 
 // Requests at random moments, the oracle: a fault ends only by a request that names it, made
