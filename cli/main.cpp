@@ -197,6 +197,7 @@ int run(int argc, char** argv) {
   try {
     std::vector<std::string> words = with_leading_zeros(argc, argv);
     std::vector<char*> pointers;
+    pointers.reserve(words.size());
     for (std::string& word : words) pointers.push_back(word.data());
     app.parse(argc, pointers.data());
   } catch (const CLI::ParseError& error) {

@@ -96,6 +96,9 @@ void Circumstances::fill(const Event& event, bool is_filled) {
   const std::int32_t x = draw(cells[0]);
   const std::int32_t y = draw(cells[1]);
   const std::int32_t z = draw(cells[2]);
+  // A world without a free cell refuses the hand: then no reply is owed.
+  const std::size_t all = std::size_t{cells[0]} * cells[1] * cells[2];
+  if (is_filled && world.occupied_cells() + 1 >= all) return;
   world.set_cell({x, y, z}, is_filled);
 }
 

@@ -89,9 +89,9 @@ int run_all(const Arguments& arguments) {
   return kExitBroken;
 }
 
-template <std::uint64_t least>
+template <std::uint64_t Least>
 std::string refuse_less_than(const std::string& text) {
-  return thimble::cli::refuse_whole_number(text, least, std::numeric_limits<std::uint64_t>::max());
+  return thimble::cli::refuse_whole_number(text, Least, std::numeric_limits<std::uint64_t>::max());
 }
 
 std::string refuse_jobs(const std::string& text) {
