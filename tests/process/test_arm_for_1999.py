@@ -136,7 +136,10 @@ def udp_ports_of(pid):
     """Local ports of the process's UDP sockets over IPv4."""
     inodes = set()
     for name in os.listdir(f"/proc/{pid}/fd"):
-        target = os.readlink(f"/proc/{pid}/fd/{name}")
+        try:
+            target = os.readlink(f"/proc/{pid}/fd/{name}")
+        except FileNotFoundError:  # a connection that has just gone
+            continue
         if target.startswith("socket:["):
             inodes.add(target[8:-1])
     ports = []
