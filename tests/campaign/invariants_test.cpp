@@ -116,6 +116,22 @@ TEST(ZeroAfterStop, SeesAReportThatAsksForCurrent) {
   EXPECT_THAT(course.broken(), HasSubstr("asks for current"));
 }
 
+TEST(ZeroAfterStop, ExcusesBytesSpoiltOnTheWayThoughTheServoWakesLate) {
+  for (const bool is_spoilt : {true, false}) {
+    GoodCourse course(&make_zero_after_stop);
+    course.stop(OperatingState::Fault, FaultCode::Estop);
+    course.run(50);
+    course.run(1, [&](Observation& now) { now.spoilt_out += is_spoilt ? 1 : 0; });
+    const MonotonicTime arrived = course.now.servo.frame.now + std::chrono::milliseconds(1);
+    const auto late = [&](Observation& now) {
+      now.servo.frame.now = now.servo.frame.now + std::chrono::milliseconds(29);
+      now.wire.last_nonzero = arrived;
+    };
+    course.run(1, late);
+    EXPECT_EQ(course.broken().find("asks for current") == std::string::npos, is_spoilt);
+  }
+}
+
 TEST(ZeroAfterStop, SeesAMotorThatGoesOn) {
   GoodCourse course(&make_zero_after_stop);
   course.stop(OperatingState::Fault, FaultCode::Estop);

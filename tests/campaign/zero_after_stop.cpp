@@ -35,7 +35,8 @@ class ZeroAfterStop final : public Invariant {
     if (!heard_at_ && now.wire.last_report > stopped_at_ + kUnderWay) {
       heard_at_ = now.wire.last_report;
     }
-    if (frame.now - spoilt_at_ <= 2 * kUnderWay) excused_ = now.wire.last_nonzero;
+    // By when it arrived, not by when that is seen: the servo may wake late.
+    if (now.wire.last_nonzero - spoilt_at_ <= 2 * kUnderWay) excused_ = now.wire.last_nonzero;
     if (now.wire.last_nonzero > excused_) {
       findings.at_most("a report asks for current so long after a stop, s",
                        seconds(now.wire.last_nonzero - stopped_at_), seconds(kUnderWay));
