@@ -15,6 +15,13 @@ inline ConstraintPlane wall(Direction3 normal, double offset_m) {
   return {.normal = normal, .offset_m = offset_m, .surface = {}};
 }
 
+// The coordinate spring would add to the wall's force.
+inline GhostPointSettings without_spring() {
+  GhostPointSettings settings;
+  settings.coordinate_spring = {0};
+  return settings;
+}
+
 // An arm half with its hand on a bench: each call is one tick of 1 ms.
 class ArmBench {
  public:

@@ -15,15 +15,10 @@ using testing::kMinusX;
 using testing::kPlusX;
 using testing::kPlusY;
 using testing::wall;
+using testing::without_spring;
 
 constexpr double kWall_m = 0.015;
 constexpr double kHysteresis_m = 0.0005;
-
-GhostPointSettings without_spring() {
-  GhostPointSettings settings;
-  settings.coordinate_spring = {0};
-  return settings;
-}
 
 TEST(GhostPointArm, FeelsNothingInFreeSpace) {
   ArmBench bench;

@@ -8,14 +8,9 @@ namespace {
 using testing::ArmBench;
 using testing::kPlusX;
 using testing::wall;
+using testing::without_spring;
 
 constexpr Position3 kPressed{0.018, 0, 0};
-
-GhostPointSettings without_spring() {
-  GhostPointSettings settings;
-  settings.coordinate_spring = {0};
-  return settings;
-}
 
 // Presses a known wall 3 mm deep.
 ArmOutput press(ArmBench& bench) {

@@ -13,15 +13,10 @@ using testing::ArmBench;
 using testing::kPlusX;
 using testing::kPlusY;
 using testing::wall;
+using testing::without_spring;
 
 constexpr double kWall_m = 0.015;
 constexpr double kHysteresis_m = 0.0005;
-
-GhostPointSettings without_spring() {
-  GhostPointSettings settings;
-  settings.coordinate_spring = {0};
-  return settings;
-}
 
 // Else a world that repeats it holds the arm at its peak.
 TEST(GhostPointSurface, AWallBeyondTheBoundOfTheFrameIsFeltAsOneJustTouched) {
