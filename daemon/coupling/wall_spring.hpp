@@ -8,10 +8,9 @@ namespace thimble::coupling {
 // What a wall gives back at each depth of the finger in it, when its stiffness or its place changes
 // under the finger: the force never jumps up, and no change adds energy (decision 0190).
 //
-//   force           .           Nothing up to gap, a line from there to the knee, and the wall's
-//   own
-//     |            / stiffness  stiffness beyond it. Of a plain wall, gap and knee are 0.
-//     |       ...x knee
+//   force           .           Nothing up to gap, a line from there to the
+//     |            / stiffness  knee, and the wall's own stiffness beyond it.
+//     |       ...x knee         Of a plain wall, gap and knee are 0.
 //     |    ...
 //     +---+------------- depth
 //        gap
@@ -32,7 +31,6 @@ class WallSpring {
   [[nodiscard]] THIMBLE_RT double force_newton(double depth_m) const noexcept;
   // Stored between the face and this depth.
   [[nodiscard]] THIMBLE_RT double energy_joule(double depth_m) const noexcept;
-  [[nodiscard]] Stiffness stiffness() const noexcept { return stiffness_; }
   // No force up to this depth.
   [[nodiscard]] double gap_m() const noexcept { return gap_m_; }
 
