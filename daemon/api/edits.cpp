@@ -130,10 +130,7 @@ tl::unexpected<RequestError> malformed(std::string message) {
 
 }  // namespace
 
-tl::expected<std::vector<CellEdit>, RequestError> parse_edits(std::string_view body) {
-  json::error_code error;
-  const json::value document = json::parse({body.data(), body.size()}, error);
-  if (error) return malformed("the body is no JSON");
+tl::expected<std::vector<CellEdit>, RequestError> parse_edits(const json::value& document) {
   std::vector<CellEdit> edits;
   EditReader reader;
   const json::array* list = document.if_array();

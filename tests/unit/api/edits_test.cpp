@@ -12,8 +12,14 @@ namespace {
 
 using Kind = CellEdit::Kind;
 
+tl::expected<std::vector<CellEdit>, RequestError> edits_in(std::string_view body) {
+  return parse_request("POST", "/v1/worlds/box/edits", body).map([](const Action& action) {
+    return action.edits;
+  });
+}
+
 std::string refusal_of(std::string_view body) {
-  const auto sut = parse_edits(body);
+  const auto sut = edits_in(body);
   if (sut) return "";
   EXPECT_EQ(sut.error().http_status, 400U);
   EXPECT_EQ(sut.error().code, "malformed");
@@ -21,18 +27,18 @@ std::string refusal_of(std::string_view body) {
 }
 
 TEST(ApiEdits, ReadsEachKindAlone) {
-  EXPECT_EQ(parse_edits(R"({"fill": {"min": [0, 1, 2], "max": [3, 4, 5]}})"),
+  EXPECT_EQ(edits_in(R"({"fill": {"min": [0, 1, 2], "max": [3, 4, 5]}})"),
             (std::vector<CellEdit>{{Kind::Fill, {0, 1, 2}, {3, 4, 5}, {}, 0, 1}}));
-  EXPECT_EQ(parse_edits(R"({"clear": {"min": [0, 0, 0], "max": [1, 1, 1]}})"),
+  EXPECT_EQ(edits_in(R"({"clear": {"min": [0, 0, 0], "max": [1, 1, 1]}})"),
             (std::vector<CellEdit>{{Kind::Fill, {}, {1, 1, 1}, {}, 0, 0}}));
-  EXPECT_EQ(parse_edits(R"({"box": {"min": [0, 0, 0], "max": [9, 9, 9], "cell": 3}})"),
+  EXPECT_EQ(edits_in(R"({"box": {"min": [0, 0, 0], "max": [9, 9, 9], "cell": 3}})"),
             (std::vector<CellEdit>{{Kind::Box, {}, {9, 9, 9}, {}, 0, 3}}));
-  EXPECT_EQ(parse_edits(R"({"paint": {"center_m": [0.01, -2e-3, 1], "radius_m": 1, "cell": 0}})"),
+  EXPECT_EQ(edits_in(R"({"paint": {"center_m": [0.01, -2e-3, 1], "radius_m": 1, "cell": 0}})"),
             (std::vector<CellEdit>{{Kind::Paint, {}, {}, {0.01, -0.002, 1}, 1, 0}}));
 }
 
 TEST(ApiEdits, ReadsAListInItsOrder) {
-  const auto sut = parse_edits(
+  const auto sut = edits_in(
       R"([{"clear": {"min": [0, 0, 0], "max": [1, 1, 1]}},
           {"paint": {"center_m": [0, 0, 0], "radius_m": 0.01}}])");
   ASSERT_TRUE(sut);
@@ -76,7 +82,7 @@ TEST(ApiEdits, TakesNoMoreThanItsLimit) {
   for (std::size_t i = 0; i < kMaxEdits; ++i) {
     list += (i == 0 ? "" : ",") + std::string(R"({"clear":{"min":[0,0,0],"max":[1,1,1]}})");
   }
-  const auto sut = parse_edits("[" + list + "]");
+  const auto sut = edits_in("[" + list + "]");
   ASSERT_TRUE(sut);
   EXPECT_EQ(sut->size(), kMaxEdits);
   EXPECT_NE(refusal_of("[" + list + R"(,{"clear":{"min":[0,0,0],"max":[1,1,1]}}])"), "");
@@ -90,7 +96,7 @@ TEST(ApiEdits, SoManyOfTheLongestFitIntoTheBodyThatTheServerReads) {
   for (std::size_t i = 1; i < kMaxEdits; ++i) body += "," + paint;
   body += "]";
   EXPECT_LE(body.size(), ServerSettings().max_body_bytes);
-  const auto sut = parse_edits(body);
+  const auto sut = edits_in(body);
   ASSERT_TRUE(sut);
   EXPECT_EQ(sut->size(), kMaxEdits);
 }
@@ -101,7 +107,7 @@ TEST(ApiEdits, AnyBytesGiveEditsOrOneSentence) {
   for (int i = 0; i < 20000; ++i) {
     std::string body = seed;
     for (int j = 0; j < 3; ++j) body[random() % body.size()] = static_cast<char>(random() % 256);
-    const auto sut = parse_edits(body);
+    const auto sut = edits_in(body);
     if (sut) {
       EXPECT_LE(sut->size(), kMaxEdits);
     } else {

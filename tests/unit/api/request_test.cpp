@@ -67,6 +67,17 @@ TEST(ApiRequest, RefusesABody) {
   EXPECT_EQ(sut.error().http_status, 400U);
 }
 
+TEST(ApiRequest, RefusesAKeyThatIsSaidTwiceWhateverIsAsked) {
+  for (const char* target : {"/v1/arms/right/activate", "/v1/arms/right/deactivate",
+                             "/v1/arms/right/clear-fault", "/v1/worlds/box/edits"}) {
+    const auto sut = parse_request(
+        "POST", target, R"({"fill": {"min": [0, 0, 0], "max": [1, 1, 1], "min": [1, 1, 1]}})");
+    ASSERT_FALSE(sut) << target;
+    EXPECT_EQ(sut.error().http_status, 400U);
+    EXPECT_EQ(sut.error().message, "the body says the key \"min\" twice in one object");
+  }
+}
+
 TEST(ApiRequest, TurnsEveryRefusalIntoAStatusOfItsKind) {
   const auto status_of = [](Errc code) { return to_request_error({code, "m"}).http_status; };
   EXPECT_EQ(status_of(Errc::NotFound), 404U);

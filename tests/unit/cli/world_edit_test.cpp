@@ -2,18 +2,24 @@
 
 #include <gtest/gtest.h>
 
-#include "daemon/api/edits.hpp"
+#include "daemon/api/request.hpp"
 
 namespace thimble::cli {
 namespace {
 
 using Kind = api::CellEdit::Kind;
 
+using Understood = tl::expected<api::Action, api::RequestError>;
+
 // What the daemon makes of it.
+Understood parsed(const WorldEdit& edit, const std::array<std::uint32_t, 3>& cells = {4, 5, 6}) {
+  return api::parse_request("POST", "/v1/worlds/box/edits", body_of(edit, cells));
+}
+
 api::CellEdit understood(const WorldEdit& edit) {
-  const auto edits = api::parse_edits(body_of(edit, {4, 5, 6}));
-  EXPECT_TRUE(edits) << (edits ? "" : edits.error().message);
-  return edits ? edits->at(0) : api::CellEdit{};
+  const Understood action = parsed(edit);
+  EXPECT_TRUE(action) << (action ? "" : action.error().message);
+  return action ? action->edits.at(0) : api::CellEdit{};
 }
 
 TEST(WorldEdit, SaysWhatTheDaemonUnderstands) {
@@ -31,10 +37,10 @@ TEST(WorldEdit, CellsThatAreNotSaidAreAllOfTheWorld) {
 }
 
 TEST(WorldEdit, HalfOfWhatIsNeededIsLeftToTheDaemonToRefuse) {
-  EXPECT_FALSE(api::parse_edits(body_of({"fill", {0, 0, 0}, {}, {}, {}, {}}, {4, 5, 6})));
-  EXPECT_FALSE(api::parse_edits(body_of({"paint", {}, {}, {}, 0.01, {}}, {4, 5, 6})));
-  EXPECT_FALSE(api::parse_edits(body_of({"clear", {}, {}, {}, {}, 1}, {4, 5, 6})));
-  EXPECT_TRUE(api::parse_edits(body_of({"fill", {}, {}, {}, {}, {}}, {0, 0, 0})))
+  EXPECT_FALSE(parsed({"fill", {0, 0, 0}, {}, {}, {}, {}}));
+  EXPECT_FALSE(parsed({"paint", {}, {}, {}, 0.01, {}}));
+  EXPECT_FALSE(parsed({"clear", {}, {}, {}, {}, 1}));
+  EXPECT_TRUE(parsed({"fill", {}, {}, {}, {}, {}}, {0, 0, 0}))
       << "that it has no cells is the daemon's to say";
 }
 
