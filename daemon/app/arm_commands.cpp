@@ -14,6 +14,11 @@ std::string told(const Fault& fault) {
   return std::string(to_string(fault.code)) + ": " + std::string(explain(fault.code));
 }
 
+tl::unexpected<Error> still_lost(const session::ArmSession& session, const Fault& fault) {
+  return fail(Errc::Disconnected, named(session) + " is lost (" + told(fault) +
+                                      "); what is latched can be cleared when it is back");
+}
+
 // Why an arm in this state cannot come to be driven, whoever asks; success: it may.
 Result<void> check_drivable(session::ArmSession& session) {
   const servo::ServoSnapshot& seen = session.snapshot();
@@ -66,9 +71,7 @@ void ArmCommands::clear_fault(std::string_view arm, api::ClientId client, api::A
   session::ArmSession& asked = session(*index);
   const servo::ServoSnapshot& seen = asked.snapshot();
   if (seen.frame.state == OperatingState::Lost) {
-    return answer(
-        fail(Errc::Disconnected, named(asked) + " is lost (" + told(seen.fault) +
-                                     "); what is latched can be cleared when it is back"));
+    return answer(still_lost(asked, seen.fault));
   }
   if (seen.frame.state != OperatingState::Fault) {
     return answer(fail(Errc::Busy, named(asked) + " has no latched fault"));
@@ -152,19 +155,29 @@ ArmCommands::Verdict ArmCommands::judge_clearing(const Wait& wait,
   // Ids may wrap; a later request of the same fault speaks for this one, too.
   if (static_cast<std::int32_t>(seen.clear_answered - wait.clear_id) < 0) return std::nullopt;
   const std::string name = named(session(wait.arm));
-  if (seen.frame.state != OperatingState::Fault) return done(wait.arm);
-  if (seen.fault.number != wait.fault) {
+  if (seen.fault.number != wait.fault) {  // it is latched no more, whoever cleared it
+    if (seen.frame.state != OperatingState::Fault) return done(wait.arm);
     return fail(Errc::Busy, name + " was cleared, and stopped again (" + told(seen.fault) + ")");
   }
+  if (seen.frame.state == OperatingState::Lost) return still_lost(session(wait.arm), seen.fault);
+  const std::string why(seen.clear_outcome == ClearOutcome::InputUnhealthy
+                            ? explain(FaultCode::Estop)
+                            : "the wish to clear it was taken back; ask again");
   return fail(Errc::Busy, name + " stays in its fault (" + std::string(to_string(seen.fault.code)) +
-                              "): " + std::string(explain(FaultCode::Estop)));
+                              "): " + why);
 }
 
 // What did not come true shall not come true later, unasked.
 void ArmCommands::withdraw(const Wait& wait) {
   servo::ServoControls& controls = session(wait.arm).controls();
   if (wait.kind == Kind::ClearFault) {
-    if (controls.clear_request.load().id == wait.clear_id) controls.request_clear(0);
+    // Whose id is the newest does not matter: who asked for the same fault shares the request.
+    const auto shares = [&](const Wait& other) {
+      return &other != &wait && other.kind == wait.kind && other.arm == wait.arm &&
+             other.client != wait.client && other.fault == wait.fault;
+    };
+    const bool is_wanted = std::any_of(waits_.begin(), waits_.end(), shares);
+    if (!is_wanted && controls.clear_request.load().fault == wait.fault) controls.request_clear(0);
   } else if (wait.is_new_lease && leases_.is_held_for(wait.arm, wait.client.value)) {
     static_cast<void>(leases_.release(session(wait.arm).config().name));
     apply_leases();

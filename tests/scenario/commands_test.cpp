@@ -222,6 +222,61 @@ TEST_F(Commands, TwoWhoClearTheSameFaultAreBothAnswered) {
   EXPECT_THAT(clear().error().message, HasSubstr("no latched fault"));
 }
 
+TEST_F(Commands, WhoeverGoesLeavesTheOthersTheirWishToClearTheSameFault) {
+  for (const api::ClientId gone : {kHer, kHim}) {
+    if (state() != OperatingState::Inactive) calibrate();
+    stop();
+    loop_.controls().is_estop_healthy = true;
+    Told hers, his;
+    sut_.clear_fault("right", kHer, keep(hers));
+    sut_.clear_fault("right", kHim, keep(his));
+    sut_.client_gone(gone);
+    const Told& left = gone == kHer ? his : hers;
+    const Result<api::Done> done = answer_in(left, 0.01);
+    EXPECT_TRUE(done) << done.error().message;
+  }
+}
+
+TEST_F(Commands, WhenAllWhoAskedHaveGoneTheFaultStays) {
+  calibrate();
+  stop();
+  loop_.controls().is_estop_healthy = true;
+  Told hers, his;
+  sut_.clear_fault("right", kHer, keep(hers));
+  sut_.clear_fault("right", kHim, keep(his));
+  sut_.client_gone(kHim);
+  sut_.client_gone(kHer);
+  loop_.run(0.1);
+  EXPECT_EQ(state(), OperatingState::Fault) << "nobody is left to be told";
+}
+
+TEST_F(Commands, AnArmThatIsLostMeanwhileKeepsItsFaultAndSaysSo) {
+  calibrate();
+  stop();
+  loop_.controls().is_estop_healthy = true;
+  loop_.unplug();
+  Told told;
+  sut_.clear_fault("right", kHer, keep(told));
+  loop_.controls().is_estop_healthy = false;  // so that it is not cleared just before
+  const Result<api::Done> done = answer_in(told);
+  ASSERT_FALSE(done) << "told as cleared: " << done->state;
+  EXPECT_EQ(done.error().code, Errc::Disconnected);
+  EXPECT_THAT(done.error().message, HasSubstr("can be cleared when it is back"));
+}
+
+TEST_F(Commands, NoPressedStopIsBlamedForAWishThatWasTakenBack) {
+  calibrate();
+  stop();
+  loop_.controls().is_estop_healthy = true;
+  Told told;
+  sut_.clear_fault("right", kHer, keep(told));
+  loop_.controls().request_clear(0);
+  const Result<api::Done> done = answer_in(told);
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().code, Errc::Busy);
+  EXPECT_THAT(done.error().message, HasSubstr("ask again"));
+}
+
 TEST_F(Commands, AnUnknownArmIsNamed) {
   for (const auto command : {&app::ArmCommands::activate, &app::ArmCommands::deactivate,
                              &app::ArmCommands::clear_fault}) {
