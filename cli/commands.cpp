@@ -128,14 +128,15 @@ int run_watch(const std::string& socket_path, const WatchOptions& options) {
   return shown ? kExitOk : complain(shown.error());
 }
 
-int run_command(const std::string& socket_path, const std::string& verb, const std::string& arm) {
+int run_command(const std::string& socket_path, const std::string& verb, const std::string& arm,
+                const std::string& body) {
   auto client = Client::connect(socket_path);
   if (!client) return complain(client.error());
   const Result<std::string> name = arm.empty() ? only_arm(**client) : Result<std::string>(arm);
   if (!name) return complain(name.error());
-  const auto body = ask(**client, "POST", "/v1/arms/" + *name + "/" + verb);
-  if (!body) return complain(body.error());
-  const Result<CommandReply> reply = parse_command_reply(*body, *name);
+  const auto answer = ask(**client, "POST", "/v1/arms/" + *name + "/" + verb, body);
+  if (!answer) return complain(answer.error());
+  const Result<CommandReply> reply = parse_command_reply(*answer, *name);
   if (!reply) return complain(reply.error());
   if (verb == "activate" && reply->lease == "client") return hold_lease(**client, *reply);
   std::cout << render_reply(verb, *reply) << '\n';

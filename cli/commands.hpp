@@ -27,8 +27,10 @@ struct WatchOptions {
 // the exit code.
 int run_status(const std::string& socket_path, bool is_json);
 int run_watch(const std::string& socket_path, const WatchOptions& options);
-// `verb` is "activate", "deactivate" or "clear-fault"; an empty arm means the only one.
-int run_command(const std::string& socket_path, const std::string& verb, const std::string& arm);
+// `verb` is "activate", "deactivate" or "clear-fault"; an empty arm means the only one. `body` is
+// what the request says besides (docs/api.md).
+int run_command(const std::string& socket_path, const std::string& verb, const std::string& arm,
+                const std::string& body = {});
 // An empty world means the only one.
 int run_world_edit(const std::string& socket_path, const std::string& world, const WorldEdit& edit);
 // Prints what a file of `thimbled --summary` says of a session.

@@ -5,6 +5,7 @@
 #include <functional>
 #include <iostream>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,7 @@ using thimble::doctor::run_doctor;
 struct Arguments {
   std::string socket_path;
   std::string arm;
+  std::optional<std::uint32_t> fault;
   std::string file;
   std::string root{"/"};
   double before_s{thimble::flight::kDefaultBefore_s};
@@ -52,6 +54,10 @@ std::string refuse_not_finite(const std::string& text) {
 
 std::string refuse_no_cell(const std::string& text) {
   return thimble::cli::refuse_whole_number(text, 0, std::numeric_limits<std::int32_t>::max());
+}
+
+std::string refuse_no_fault(const std::string& text) {
+  return thimble::cli::refuse_whole_number(text, 1, std::numeric_limits<std::uint32_t>::max());
 }
 
 // A name goes into the target of a request, and an empty one is no wish for the only arm.
@@ -124,12 +130,17 @@ void add_flight_commands(CLI::App& app, Arguments& arguments, int& code) {
   show->callback([&] { code = thimble::flight::run_show(arguments.file, arguments.before_s); });
 }
 
-void add_arm_command(CLI::App& app, const char* verb, const char* what, Arguments& arguments,
-                     int& code) {
+CLI::App* add_arm_command(CLI::App& app, const char* verb, const char* what, Arguments& arguments,
+                          int& code) {
   CLI::App* command = app.add_subcommand(verb, what);
   command->add_option("ARM", arguments.arm, "Name of the arm; not needed when there is one")
       ->check(refuse_no_name);
-  command->callback([&, verb] { code = run_command(arguments.socket_path, verb, arguments.arm); });
+  command->callback([&, verb] {
+    const std::string body =
+        arguments.fault ? "{\"fault\":" + std::to_string(*arguments.fault) + "}" : "";
+    code = run_command(arguments.socket_path, verb, arguments.arm, body);
+  });
+  return command;
 }
 
 void add_world_command(CLI::App& app, Arguments& arguments, int& code) {
@@ -189,7 +200,10 @@ int run(int argc, char** argv) {
   add_flight_commands(app, arguments, code);
   add_arm_command(app, "activate", "Keep an arm active while this runs", arguments, code);
   add_arm_command(app, "deactivate", "Take the force off an arm", arguments, code);
-  add_arm_command(app, "clear-fault", "Clear a latched fault whose cause is gone", arguments, code);
+  add_arm_command(app, "clear-fault", "Clear a latched fault whose cause is gone", arguments, code)
+      ->add_option("--fault", arguments.fault,
+                   "Only this one, as the status numbers it; default: the one latched now")
+      ->check(refuse_no_fault);
   add_world_command(app, arguments, code);
   app.footer(
       "Exit codes: 0 done, 1 refused, not printed or (doctor) something wrong, 2 wrong arguments, "

@@ -105,8 +105,9 @@ void add_link(Lines& lines, const api::LinkStatus& link, Glyphs glyphs) {
 void add_faults(Lines& lines, const api::ArmStatus& arm) {
   if (arm.faults.empty()) return add(lines, "faults", "none");
   for (const api::FaultStatus& fault : arm.faults) {
+    const std::string number = fault.number == 0 ? "" : std::to_string(fault.number) + " ";
     add_wrapped(lines, "FAULT",
-                fault.code + " at " + fixed(fault.at_s, 1) + " s: " + fault.message);
+                number + fault.code + " at " + fixed(fault.at_s, 1) + " s: " + fault.message);
     if (!fault.recording.empty()) add_wrapped(lines, "", "recording " + fault.recording);
   }
 }

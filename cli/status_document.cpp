@@ -85,9 +85,15 @@ api::Percentiles percentiles(const json::value& value, std::string_view key) {
   return {number(source, "p50"), number(source, "p99"), number(source, "max")};
 }
 
+std::uint32_t number_of_fault(const json::value& value) {
+  const std::uint64_t number = count(value, "number");
+  return number <= std::numeric_limits<std::uint32_t>::max() ? static_cast<std::uint32_t>(number)
+                                                             : 0;
+}
+
 api::FaultStatus fault(const json::value& value) {
   return {text(value, "code"), text(value, "message"), number(value, "at_s"),
-          text(value, "recording")};
+          text(value, "recording"), number_of_fault(value)};
 }
 
 api::ArmStatus arm(const json::value& value) {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -61,7 +62,9 @@ class Commands {
   virtual ~Commands() = default;
   virtual void activate(std::string_view arm, ClientId client, Answer answer) = 0;
   virtual void deactivate(std::string_view arm, ClientId client, Answer answer) = 0;
-  virtual void clear_fault(std::string_view arm, ClientId client, Answer answer) = 0;
+  // `fault`: the FaultStatus::number that is meant; nothing: whichever is latched now.
+  virtual void clear_fault(std::string_view arm, std::optional<std::uint32_t> fault,
+                           ClientId client, Answer answer) = 0;
   // Needs no lease (0196). All of the edits or none, some 4 s of work at most (EditQueue). Answered
   // when the last of them is applied; a client that goes meanwhile takes them back as long as none
   // has begun.

@@ -142,7 +142,7 @@ void Connection::command(const Action& action, bool is_kept) {
   } else if (action.kind == ActionKind::Deactivate) {
     context_.commands.deactivate(action.name, id_, answer);
   } else {
-    context_.commands.clear_fault(action.name, id_, answer);
+    context_.commands.clear_fault(action.name, action.fault, id_, answer);
   }
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <boost/json.hpp>
+#include <limits>
 #include <optional>
 
 #include "daemon/api/edits.hpp"
@@ -50,6 +51,27 @@ std::optional<Action> parse_target(std::string_view target) {
   return Action{verb->kind, std::string(target.substr(0, slash))};
 }
 
+tl::unexpected<RequestError> malformed(std::string message) {
+  return tl::unexpected(RequestError{400, "malformed", std::move(message), ""});
+}
+
+// Which fault is meant; nothing where the body leaves it open.
+tl::expected<std::optional<std::uint32_t>, RequestError> read_fault(
+    const boost::json::value& document) {
+  const boost::json::object* parameters = document.if_object();
+  const boost::json::value* said =
+      parameters == nullptr ? nullptr : parameters->if_contains("fault");
+  if (parameters == nullptr || parameters->size() != (said == nullptr ? 0U : 1U)) {
+    return malformed("this takes no body, or one such as {\"fault\": 3}");
+  }
+  if (said == nullptr) return std::nullopt;
+  const std::int64_t* number = said->if_int64();
+  if (number == nullptr || *number < 1 || *number > std::numeric_limits<std::uint32_t>::max()) {
+    return malformed("fault: expected the number that the status gives the fault, from 1");
+  }
+  return static_cast<std::uint32_t>(*number);
+}
+
 // `action` with what the body says to it.
 tl::expected<Action, RequestError> read_parameters(Action action,
                                                    const boost::json::value& document) {
@@ -59,10 +81,16 @@ tl::expected<Action, RequestError> read_parameters(Action action,
     action.edits = *std::move(edits);
     return action;
   }
+  if (action.kind == ActionKind::ClearFault) {
+    const auto fault = read_fault(document);
+    if (!fault) return tl::unexpected(fault.error());
+    action.fault = *fault;
+    return action;
+  }
   // Nothing else takes parameters yet; refusing them now leaves their meaning free.
   const boost::json::object* parameters = document.if_object();
   if (parameters == nullptr || !parameters->empty()) {
-    return tl::unexpected(RequestError{400, "malformed", "this takes no body", ""});
+    return malformed("this takes no body");
   }
   return action;
 }

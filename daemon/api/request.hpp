@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,6 +18,7 @@ struct Action {
   ActionKind kind{};
   std::string name;  // of the arm or world: a-z, 0-9 and -; empty for Status
   std::vector<CellEdit> edits{};
+  std::optional<std::uint32_t> fault{};  // ClearFault: its number, where one is named
   bool operator==(const Action&) const = default;
 };
 

@@ -13,10 +13,11 @@ namespace thimble::api {
 // Units: SI as in the suffixes; vectors in the base frame of the arm (= world frame).
 
 struct FaultStatus {
-  std::string code;       // "overspeed" …
-  std::string message;    // what happened and what to do
-  double at_s{0};         // daemon uptime
-  std::string recording;  // path of the flight recording; empty when there is none
+  std::string code;         // "overspeed" …
+  std::string message;      // what happened and what to do
+  double at_s{0};           // daemon uptime
+  std::string recording;    // path of the flight recording; empty when there is none
+  std::uint32_t number{0};  // counts an arm's from 1; 0: not latched, it goes when the arm is back
   bool operator==(const FaultStatus&) const = default;
 };
 

@@ -24,7 +24,8 @@ json::object to_value(const FaultStatus& fault) {
   return {{"code", fault.code},
           {"message", fault.message},
           {"at_s", fault.at_s},
-          {"recording", fault.recording}};
+          {"recording", fault.recording},
+          {"number", fault.number}};
 }
 
 json::object to_value(const ArmStatus& arm) {

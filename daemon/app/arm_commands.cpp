@@ -65,7 +65,8 @@ void ArmCommands::deactivate(std::string_view arm, api::ClientId, api::Answer an
   answer(done(*leases_.find(arm)));
 }
 
-void ArmCommands::clear_fault(std::string_view arm, api::ClientId client, api::Answer answer) {
+void ArmCommands::clear_fault(std::string_view arm, std::optional<std::uint32_t> fault,
+                              api::ClientId client, api::Answer answer) {
   const Result<std::size_t> index = leases_.find(arm);
   if (!index) return answer(tl::unexpected(index.error()));
   session::ArmSession& asked = session(*index);
@@ -75,6 +76,13 @@ void ArmCommands::clear_fault(std::string_view arm, api::ClientId client, api::A
   }
   if (seen.frame.state != OperatingState::Fault) {
     return answer(fail(Errc::Busy, named(asked) + " has no latched fault"));
+  }
+  // Whoever names another has not seen this one: it may be newer than what they looked at.
+  if (fault.value_or(seen.fault.number) != seen.fault.number) {
+    return answer(fail(Errc::Busy, named(asked) + " stands still after fault " +
+                                       std::to_string(seen.fault.number) + " (" + told(seen.fault) +
+                                       "), not after fault " + std::to_string(*fault) +
+                                       "; look at the status first"));
   }
   Wait wait;
   wait.kind = Kind::ClearFault;

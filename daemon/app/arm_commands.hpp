@@ -29,7 +29,8 @@ class ArmCommands final : public api::Commands {
 
   void activate(std::string_view arm, api::ClientId client, api::Answer answer) override;
   void deactivate(std::string_view arm, api::ClientId client, api::Answer answer) override;
-  void clear_fault(std::string_view arm, api::ClientId client, api::Answer answer) override;
+  void clear_fault(std::string_view arm, std::optional<std::uint32_t> fault, api::ClientId client,
+                   api::Answer answer) override;
   void edit_world(std::string_view world, const std::vector<api::CellEdit>& edits,
                   api::ClientId client, api::EditAnswer answer) override {
     edits_.submit(world, edits, client, std::move(answer));

@@ -32,6 +32,7 @@ std::vector<api::FaultStatus> faults_of(const servo::ServoSnapshot& snapshot,
   fault.at_s = std::max(0.0, seconds(context.now - context.started - ago));
   const auto recording = context.recordings.find({arm, snapshot.fault.code});
   if (recording != context.recordings.end()) fault.recording = recording->second;
+  fault.number = snapshot.fault.number;
   return {fault};
 }
 

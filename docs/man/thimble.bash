@@ -19,7 +19,7 @@ _thimble() {
   case $before in
     --socket | --plugin) mapfile -t COMPREPLY < <(compgen -f -- "$word"); return ;;
     --root) mapfile -t COMPREPLY < <(compgen -d -- "$word"); return ;;
-    --interval | --for | --before | --min | --max | --center | --radius | --cell) return ;;
+    --interval | --for | --before | --min | --max | --center | --radius | --cell | --fault) return ;;
   esac
   case $command in
     "") options="--help --version --socket $commands" ;;
@@ -44,6 +44,7 @@ _thimble() {
         options=
       fi ;;
     report) [[ $word == -* ]] || { mapfile -t COMPREPLY < <(compgen -f -- "$word"); return; } ;;
+    clear-fault) [[ $word == -* ]] && options+=" --fault" || options=$(_thimble_arms "${socket[@]}") ;;
     *) [[ $word == -* ]] || options=$(_thimble_arms "${socket[@]}") ;;
   esac
   mapfile -t COMPREPLY < <(compgen -W "$options" -- "$word")

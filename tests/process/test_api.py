@@ -132,7 +132,20 @@ class Faults(ProcessTest):
 
         # Released first, else the hand moves on and the next stop follows.
         self.assertEqual(self.thimble(daemon, "deactivate").returncode, 0)
-        cleared = self.thimble(daemon, "clear-fault")
+        number = fault["number"]
+        self.assertIn(f"{number} overspeed", self.thimble(daemon, "status").stdout)
+        for wrong in (number + 1, 4294967295):
+            guessed = self.thimble(daemon, "clear-fault", "--fault", wrong)
+            self.assertEqual(guessed.returncode, 1)
+            self.assert_one_sentence(guessed.stderr, f"after fault {number} (overspeed",
+                                     f"not after fault {wrong}")
+        for wrong in ("0", "-1", "1.5", "1e0", "", "4294967296"):
+            self.assertEqual(self.thimble(daemon, "clear-fault", "--fault", wrong).returncode, 2)
+            body = f'{{"fault": {wrong or "null"}}}'
+            code, _, said = http_over(daemon.socket, "POST", "/v1/arms/right/clear-fault", body)
+            self.assertEqual((code, json.loads(said)["error"]["code"]), (400, "malformed"), wrong)
+        self.assertEqual(daemon.status()["arms"][0]["state"], "fault")
+        cleared = self.thimble(daemon, "clear-fault", "--fault", number)
         self.assertEqual((cleared.returncode, cleared.stderr), (0, ""))
         self.assertIn("the fault is cleared", cleared.stdout)
         self.assertEqual(daemon.status()["arms"][0]["faults"], [], "answered when it was true")

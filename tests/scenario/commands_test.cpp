@@ -41,9 +41,9 @@ class Commands : public testing::Test {
     sut_.activate("right", client, keep(told));
     return answer_in(told);
   }
-  Result<api::Done> clear() {
+  Result<api::Done> clear(std::optional<std::uint32_t> fault = {}) {
     Told told;
-    sut_.clear_fault("right", kHer, keep(told));
+    sut_.clear_fault("right", fault, kHer, keep(told));
     return answer_in(told);
   }
   void stop() {
@@ -132,7 +132,7 @@ TEST_F(Commands, AServoThatDoesNotRunIsToldInTimeAndNothingIsLeftToHappenLater) 
   stop();
   loop_.controls().is_estop_healthy = true;
   told.reset();
-  sut_.clear_fault("right", kHer, keep(told));
+  sut_.clear_fault("right", {}, kHer, keep(told));
   static_cast<void>(loop_.arm().clock().sleep_until(loop_.now() + app::ArmCommands::kPatience));
   sut_.poll();
   ASSERT_TRUE(told.has_value());
@@ -175,7 +175,7 @@ TEST_F(Commands, AClearedFaultIsAnsweredWhenTheServoHasLeftIt) {
   stop();
   loop_.controls().is_estop_healthy = true;
   Told told;
-  sut_.clear_fault("right", kHer, keep(told));
+  sut_.clear_fault("right", {}, kHer, keep(told));
   sut_.poll();
   EXPECT_FALSE(told.has_value());
   const Result<api::Done> done = answer_in(told, 0.01);
@@ -201,7 +201,7 @@ TEST_F(Commands, AFaultThatComesAtOnceAgainIsTheAnswer) {
   stop();
   loop_.controls().is_estop_healthy = true;
   Told told;
-  sut_.clear_fault("right", kHer, keep(told));
+  sut_.clear_fault("right", {}, kHer, keep(told));
   loop_.tick();
   stop();
   const Result<api::Done> done = answer_in(told);
@@ -214,8 +214,8 @@ TEST_F(Commands, TwoWhoClearTheSameFaultAreBothAnswered) {
   stop();
   loop_.controls().is_estop_healthy = true;
   Told hers, his, late;
-  sut_.clear_fault("right", kHer, keep(hers));
-  sut_.clear_fault("right", kHim, keep(his));
+  sut_.clear_fault("right", {}, kHer, keep(hers));
+  sut_.clear_fault("right", {}, kHim, keep(his));
   poll_for(0.01);
   EXPECT_TRUE(hers.value());
   EXPECT_TRUE(his.value());
@@ -228,8 +228,8 @@ TEST_F(Commands, WhoeverGoesLeavesTheOthersTheirWishToClearTheSameFault) {
     stop();
     loop_.controls().is_estop_healthy = true;
     Told hers, his;
-    sut_.clear_fault("right", kHer, keep(hers));
-    sut_.clear_fault("right", kHim, keep(his));
+    sut_.clear_fault("right", {}, kHer, keep(hers));
+    sut_.clear_fault("right", {}, kHim, keep(his));
     sut_.client_gone(gone);
     const Told& left = gone == kHer ? his : hers;
     const Result<api::Done> done = answer_in(left, 0.01);
@@ -242,8 +242,8 @@ TEST_F(Commands, WhenAllWhoAskedHaveGoneTheFaultStays) {
   stop();
   loop_.controls().is_estop_healthy = true;
   Told hers, his;
-  sut_.clear_fault("right", kHer, keep(hers));
-  sut_.clear_fault("right", kHim, keep(his));
+  sut_.clear_fault("right", {}, kHer, keep(hers));
+  sut_.clear_fault("right", {}, kHim, keep(his));
   sut_.client_gone(kHim);
   sut_.client_gone(kHer);
   loop_.run(0.1);
@@ -256,7 +256,7 @@ TEST_F(Commands, AnArmThatIsLostMeanwhileKeepsItsFaultAndSaysSo) {
   loop_.controls().is_estop_healthy = true;
   loop_.unplug();
   Told told;
-  sut_.clear_fault("right", kHer, keep(told));
+  sut_.clear_fault("right", {}, kHer, keep(told));
   loop_.controls().is_estop_healthy = false;  // so that it is not cleared just before
   const Result<api::Done> done = answer_in(told);
   ASSERT_FALSE(done) << "told as cleared: " << done->state;
@@ -269,7 +269,7 @@ TEST_F(Commands, NoPressedStopIsBlamedForAWishThatWasTakenBack) {
   stop();
   loop_.controls().is_estop_healthy = true;
   Told told;
-  sut_.clear_fault("right", kHer, keep(told));
+  sut_.clear_fault("right", {}, kHer, keep(told));
   loop_.controls().request_clear(0);
   const Result<api::Done> done = answer_in(told);
   ASSERT_FALSE(done);
@@ -277,15 +277,48 @@ TEST_F(Commands, NoPressedStopIsBlamedForAWishThatWasTakenBack) {
   EXPECT_THAT(done.error().message, HasSubstr("ask again"));
 }
 
+TEST_F(Commands, OnlyTheFaultThatIsNamedIsCleared) {
+  calibrate();
+  stop();
+  loop_.controls().is_estop_healthy = true;
+  ASSERT_TRUE(clear(1));
+  calibrate();
+  stop();
+  loop_.controls().is_estop_healthy = true;
+  ASSERT_EQ(loop_.snapshot().fault.number, 2U);
+  for (const std::uint32_t wrong : {1U, 3U, 4294967295U}) {  // an old one, and guesses ahead
+    const Result<api::Done> done = clear(wrong);
+    ASSERT_FALSE(done) << wrong;
+    EXPECT_EQ(done.error().code, Errc::Busy);
+    EXPECT_THAT(done.error().message, AllOf(HasSubstr("after fault 2 (estop"),
+                                            HasSubstr("not after fault " + std::to_string(wrong))));
+    loop_.run(0.1);
+    EXPECT_EQ(state(), OperatingState::Fault);
+  }
+  EXPECT_TRUE(clear(2));
+  EXPECT_THAT(clear(2).error().message, HasSubstr("no latched fault"));
+}
+
+TEST_F(Commands, AGuessDoesNotWaitForItsFault) {
+  calibrate();
+  EXPECT_THAT(clear(1).error().message, HasSubstr("no latched fault"));
+  stop();
+  loop_.controls().is_estop_healthy = true;
+  loop_.run(0.1);
+  EXPECT_EQ(state(), OperatingState::Fault);
+}
+
 TEST_F(Commands, AnUnknownArmIsNamed) {
-  for (const auto command : {&app::ArmCommands::activate, &app::ArmCommands::deactivate,
-                             &app::ArmCommands::clear_fault}) {
-    Told told;
-    (sut_.*command)("middle", kHer, keep(told));
+  Told told;
+  sut_.clear_fault("middle", {}, kHer, keep(told));
+  for (const auto command : {&app::ArmCommands::activate, &app::ArmCommands::deactivate}) {
     ASSERT_TRUE(told.has_value());
     EXPECT_EQ(told->error().code, Errc::NotFound);
     EXPECT_THAT(told->error().message, HasSubstr("middle"));
+    told.reset();
+    (sut_.*command)("middle", kHer, keep(told));
   }
+  EXPECT_THAT(told.value().error().message, HasSubstr("middle"));
 }
 
 // Who has gone waits for nothing, so nobody shall wait for his edits.

@@ -61,6 +61,28 @@ TEST(ApiRequest, NamesTheMethodThatIsAllowed) {
   }
 }
 
+TEST(ApiRequest, ReadsTheFaultThatIsToBeCleared) {
+  const auto fault_in = [](std::string_view body) {
+    return parse_request("POST", "/v1/arms/right/clear-fault", body);
+  };
+  EXPECT_EQ(fault_in(R"({"fault": 1})")->fault, 1U);
+  EXPECT_EQ(fault_in(R"({"fault": 4294967295})")->fault, 4294967295U);
+  EXPECT_EQ(fault_in("")->fault, std::nullopt);
+  EXPECT_EQ(fault_in("{}")->fault, std::nullopt);
+  for (const char* wrong : {"0", "-1", "1.0", "1.5", "1e0", "4294967296", "18446744073709551617",
+                            "1e999", "null", "true", "\"1\"", "[1]", "{}"}) {
+    const auto sut = fault_in("{\"fault\": " + std::string(wrong) + "}");
+    ASSERT_FALSE(sut) << wrong;
+    EXPECT_EQ(sut.error().http_status, 400U);
+    EXPECT_THAT(sut.error().message, testing::StartsWith("fault: expected the number")) << wrong;
+  }
+  for (const char* body : {"3", "[]", R"({"number": 3})", R"({"fault": 3, "arm": "left"})"}) {
+    const auto sut = fault_in(body);
+    ASSERT_FALSE(sut) << body;
+    EXPECT_THAT(sut.error().message, testing::HasSubstr("such as {\"fault\": 3}"));
+  }
+}
+
 TEST(ApiRequest, RefusesABody) {
   const auto sut = parse_request("POST", "/v1/arms/right/activate", "{\"force\": 1}");
   ASSERT_FALSE(sut);

@@ -52,8 +52,9 @@ class FakeDaemon : public StatusView, public Commands {
     lease = "none";
     answer(Done{"inactive", ""});
   }
-  void clear_fault(std::string_view arm, ClientId, Answer answer) override {
-    log.push_back("clear-fault " + std::string(arm));
+  void clear_fault(std::string_view arm, std::optional<std::uint32_t> fault, ClientId,
+                   Answer answer) override {
+    log.push_back("clear-fault " + std::string(arm) + (fault ? " " + std::to_string(*fault) : ""));
     if (is_slow) {
       later = std::move(answer);
     } else {
@@ -198,6 +199,16 @@ TEST_F(ServerTest, SaysHowTheArmStandsWhenTheCommandHasComeTrue) {
   EXPECT_THAT(ask(client, post("/v1/arms/right/clear-fault")),
               AllOf(HasSubstr("\"state\": \"calibrating\""),
                     HasSubstr("\"instruction\": \"press the button\"")));
+}
+
+TEST_F(ServerTest, HandsOnWhichFaultIsToBeCleared) {
+  start();
+  Client client(settings_.socket_path);
+  const std::string body = R"({"fault": 12})";
+  const std::string request = "POST /v1/arms/right/clear-fault HTTP/1.1\r\nHost: t\r\n" +
+                              ("Content-Length: " + std::to_string(body.size())) + "\r\n\r\n";
+  EXPECT_THAT(ask(client, request + body), StartsWith("HTTP/1.1 200"));
+  EXPECT_THAT(daemon_.log, ElementsAre("clear-fault right 12"));
 }
 
 TEST_F(ServerTest, AnswersLaterAndServesOthersMeanwhile) {

@@ -26,7 +26,7 @@ Status sample() {
   arm.position_m = {0.001, -0.5, 1e-9};
   arm.contacts = 3;
   arm.is_in_contact = true;
-  arm.faults = {{"overspeed", "the tip moved too fast", 1.25, "/f/1.csv"}};
+  arm.faults = {{"overspeed", "the tip moved too fast", 1.25, "/f/1.csv", 7}};
   status.arms = {arm};
   status.servos = {ServoStatus{"right", 1000, 5, 1, {1e-6, 2e-6, 3e-6}, {}, {}, true}};
   status.links = {LinkStatus{"right", "", "127.0.0.1:5001", "udp", true, 0.01, 1, 2, 3, 4, 5}};
@@ -51,7 +51,7 @@ TEST(StatusJson, HasTheNamesThatOthersRelyOn) {
                    "gimbal_rad", "force_newton", "peak_force_newton", "offset_m", "peak_offset_m",
                    "contacts", "faults", "is_in_contact", "lease", "constraint_state", "world"}));
   EXPECT_EQ(keys_of(sut.at("arms").at(0).at("faults").at(0)),
-            (Names{"code", "message", "at_s", "recording"}));
+            (Names{"code", "message", "at_s", "recording", "number"}));
   EXPECT_EQ(keys_of(sut.at("servos").at(0)),
             (Names{"arm", "rate_hz", "ticks", "overruns", "wakeup_error_s", "compute_s",
                    "exchange_s", "is_realtime", "missed_exchanges", "malformed_reports"}));

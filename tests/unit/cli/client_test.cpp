@@ -25,7 +25,8 @@ class FakeDaemon : public api::StatusView, public api::Commands {
   void deactivate(std::string_view, api::ClientId, api::Answer answer) override {
     answer(api::Done{"inactive", ""});
   }
-  void clear_fault(std::string_view, api::ClientId, api::Answer answer) override {
+  void clear_fault(std::string_view, std::optional<std::uint32_t>, api::ClientId,
+                   api::Answer answer) override {
     answer(fail(Errc::Busy, "the stop is still pressed"));
   }
   void edit_world(std::string_view, const std::vector<api::CellEdit>&, api::ClientId,

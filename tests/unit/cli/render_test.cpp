@@ -134,11 +134,11 @@ TEST(RenderStatus, TellsThePersonWhatToDoAndWhatWentWrong) {
   status.degraded = {"no right to real-time scheduling"};
   status.arms[0].state = "fault";
   status.arms[0].instruction = "hold the arm in its rest";
-  status.arms[0].faults = {{"overspeed", "the tip was too fast", 12.5, "/f/1.csv"}};
-  EXPECT_THAT(
-      render_status(status, Glyphs::Ascii),
-      AllOf(HasSubstr("DEGRADED   no right"), HasSubstr("PLEASE     hold the arm"),
-            HasSubstr("FAULT      overspeed at 12.5 s: the tip"), HasSubstr("recording /f/1.csv")));
+  status.arms[0].faults = {{"overspeed", "the tip was too fast", 12.5, "/f/1.csv", 3}};
+  EXPECT_THAT(render_status(status, Glyphs::Ascii),
+              AllOf(HasSubstr("DEGRADED   no right"), HasSubstr("PLEASE     hold the arm"),
+                    HasSubstr("FAULT      3 overspeed at 12.5 s: the tip"),
+                    HasSubstr("recording /f/1.csv")));
 }
 
 TEST(RenderStatus, TellsWhyALinkIsDownAndNoRoundTripOfIt) {
