@@ -11,20 +11,22 @@
 namespace thimble::sim {
 
 enum class FaultKind : std::uint8_t {
-  DropIn,      // an input report never arrives
-  DropOut,     // an output report never reaches the device
-  DelayIn,     // an input report arrives late
-  CorruptIn,   // one byte of an input report is another one
-  CorruptOut,  // one byte of an output report is another one
-  TruncateIn,  // an input report is cut short
-  Stall,       // nothing passes; the newest output report waits
-  Disconnect,  // the device is gone, for good as far as a handle used meanwhile goes
+  DropIn,       // an input report never arrives
+  DropOut,      // an output report never reaches the device
+  DelayIn,      // an input report arrives late
+  DelayOut,     // an output report reaches the device late
+  CorruptIn,    // one byte of an input report is another one
+  CorruptOut,   // one byte of an output report is another one
+  TruncateIn,   // an input report is cut short
+  TruncateOut,  // an output report is cut short: by ShortReports, at the device's plug
+  Stall,        // nothing passes; the newest output report waits
+  Disconnect,   // the device is gone, for good as far as a handle used meanwhile goes
   // Of the bus rather than of a report; they look at the time only.
   RefuseOpen,   // somebody else holds the device
   LoseEvents,   // arrivals and departures of the device are never told
   DelayEvents,  // nothing on this bus is told until it ends
 };
-inline constexpr std::size_t kFaultKindCount = 11;
+inline constexpr std::size_t kFaultKindCount = 13;
 
 // One fault that happens while both windows hold.
 struct ScriptedFault {
@@ -36,7 +38,7 @@ struct ScriptedFault {
   // `first_report`, `reports` of them. Stall and Disconnect look at the time only.
   std::uint64_t first_report{1};
   std::uint64_t reports{std::numeric_limits<std::uint64_t>::max()};
-  Duration delay{};  // DelayIn
+  Duration delay{};  // DelayIn, DelayOut
 
   THIMBLE_RT [[nodiscard]] bool covers(MonotonicTime t) const noexcept;
   THIMBLE_RT [[nodiscard]] bool covers(std::uint64_t report) const noexcept;
@@ -47,9 +49,11 @@ struct RandomFaults {
   double drop_in{0};
   double drop_out{0};
   double delay_in{0};
+  double delay_out{0};
   double corrupt_in{0};
   double corrupt_out{0};
   double truncate_in{0};
+  double truncate_out{0};
   double stall{0};       // per input report
   Duration max_delay{};  // a delay is uniform in (0, max_delay]
   Duration stall_lasts{};

@@ -10,6 +10,7 @@ FaultCounts FaultTally::read() const noexcept {
   for (std::size_t i = 0; i < kFaultKindCount; ++i) {
     counts.by_kind[i] = by_kind_[i].load(std::memory_order_relaxed);
   }
+  counts.out_under_way = out_under_way_.load(std::memory_order_relaxed);
   return counts;
 }
 
@@ -20,6 +21,8 @@ FaultyHid::FaultyHid(std::unique_ptr<bus::HidDevice> device, const Clock& clock,
       plan_(std::move(plan)),
       tally_(std::move(tally)) {}
 
+FaultyHid::~FaultyHid() { tally_->set_out_under_way(0); }
+
 IoStatus FaultyHid::read_newest(bus::HidReport& out) noexcept {
   const MonotonicTime now = clock_->now();
   if (is_disconnected(now)) return IoStatus::Disconnected;
@@ -27,6 +30,7 @@ IoStatus FaultyHid::read_newest(bus::HidReport& out) noexcept {
     lose_stalled_input();
     return IoStatus::NoData;
   }
+  send_delayed(now);
   send_held(now);
 
   bus::HidReport report;
@@ -45,7 +49,8 @@ IoStatus FaultyHid::submit(std::span<const std::uint8_t> report) noexcept {
     hold(report);
     return IoStatus::Backlogged;
   }
-  const IoStatus status = send(report, now, submitted_ + 1);
+  send_delayed(now);
+  const IoStatus status = send_or_delay(report, now, submitted_ + 1);
   if (status != IoStatus::Ok && status != IoStatus::Backlogged) return status;
   ++submitted_;
   if (held_.size != 0) superseded_here_.fetch_add(1, std::memory_order_relaxed);
@@ -119,7 +124,8 @@ void FaultyHid::take_in(bus::HidReport& report) noexcept {
     return;
   }
   spoil(report, number);
-  const Duration delay = delay_of(report.arrived_at, number);
+  const Duration delay =
+      delay_of(FaultKind::DelayIn, plan_.random.delay_in, report.arrived_at, number);
   if (queue_size_ == kMaxDelayed) {
     lose(1, FaultKind::DropIn);
     return;
@@ -142,17 +148,18 @@ void FaultyHid::spoil(bus::HidReport& report, std::uint64_t number) noexcept {
   }
 }
 
-Duration FaultyHid::delay_of(MonotonicTime arrived_at, std::uint64_t number) noexcept {
+Duration FaultyHid::delay_of(FaultKind kind, double chance, MonotonicTime t,
+                             std::uint64_t number) noexcept {
   Duration delay{};
-  const ScriptedFault* fault = scripted(FaultKind::DelayIn, arrived_at, number);
+  const ScriptedFault* fault = scripted(kind, t, number);
   if (fault != nullptr) delay = fault->delay;
-  const std::uint64_t bits = fault_bits(plan_.seed, FaultKind::DelayIn, number);
+  const std::uint64_t bits = fault_bits(plan_.seed, kind, number);
   const auto longest = static_cast<std::uint64_t>(plan_.random.max_delay.count());
-  if (fault_strikes(bits, plan_.random.delay_in) && longest > 0) {
-    const std::uint64_t length = fault_bits(plan_.seed + 1, FaultKind::DelayIn, number) % longest;
+  if (fault_strikes(bits, chance) && longest > 0) {
+    const std::uint64_t length = fault_bits(plan_.seed + 1, kind, number) % longest;
     delay += Duration(static_cast<std::int64_t>(length + 1));
   }
-  if (delay > Duration(0)) tally_->add(FaultKind::DelayIn);
+  if (delay > Duration(0)) tally_->add(kind);
   return delay;
 }
 
@@ -224,8 +231,45 @@ void FaultyHid::hold(std::span<const std::uint8_t> report) noexcept {
 
 void FaultyHid::send_held(MonotonicTime now) noexcept {
   if (held_.size == 0) return;
-  send({held_.bytes.data(), held_.size}, now, held_.number);
+  send_or_delay({held_.bytes.data(), held_.size}, now, held_.number);
   held_.size = 0;
+}
+
+IoStatus FaultyHid::send_or_delay(std::span<const std::uint8_t> report, MonotonicTime now,
+                                  std::uint64_t number) noexcept {
+  const Duration delay = delay_of(FaultKind::DelayOut, plan_.random.delay_out, now, number);
+  if (delay <= Duration(0) && out_size_ == 0) return send(report, now, number);
+  delay_out(report, now + delay, number);
+  return IoStatus::Ok;
+}
+
+void FaultyHid::delay_out(std::span<const std::uint8_t> report, MonotonicTime leaves_at,
+                          std::uint64_t number) noexcept {
+  if (out_size_ > 0) {
+    const OutReport& newest = out_queue_[(out_first_ + out_size_ - 1) % kMaxDelayed];
+    leaves_at = std::max(leaves_at, newest.leaves_at);
+  }
+  if (out_size_ == kMaxDelayed) {
+    --out_size_;
+    superseded_here_.fetch_add(1, std::memory_order_relaxed);
+  }
+  OutReport& waiting = out_queue_[(out_first_ + out_size_) % kMaxDelayed];
+  std::copy(report.begin(), report.end(), waiting.bytes.begin());
+  waiting.size = report.size();
+  waiting.number = number;
+  waiting.leaves_at = leaves_at;
+  tally_->set_out_under_way(++out_size_);
+}
+
+void FaultyHid::send_delayed(MonotonicTime now) noexcept {
+  if (out_size_ == 0) return;
+  while (out_size_ > 0 && out_queue_[out_first_].leaves_at <= now) {
+    const OutReport& report = out_queue_[out_first_];
+    send({report.bytes.data(), report.size}, now, report.number);
+    out_first_ = (out_first_ + 1) % kMaxDelayed;
+    --out_size_;
+  }
+  tally_->set_out_under_way(out_size_);
 }
 
 }  // namespace thimble::sim

@@ -17,6 +17,7 @@ namespace thimble::sim {
 // How many faults of each kind were injected.
 struct FaultCounts {
   std::array<std::uint64_t, kFaultKindCount> by_kind{};
+  std::uint64_t out_under_way{0};  // output reports that are delayed just now
   [[nodiscard]] std::uint64_t of(FaultKind kind) const noexcept {
     return by_kind[static_cast<std::size_t>(kind)];
   }
@@ -28,10 +29,14 @@ class FaultTally {
   THIMBLE_RT void add(FaultKind kind, std::uint64_t n = 1) noexcept {
     by_kind_[static_cast<std::size_t>(kind)].fetch_add(n, std::memory_order_relaxed);
   }
+  THIMBLE_RT void set_out_under_way(std::uint64_t reports) noexcept {
+    out_under_way_.store(reports, std::memory_order_relaxed);
+  }
   [[nodiscard]] FaultCounts read() const noexcept;
 
  private:
   std::array<std::atomic<std::uint64_t>, kFaultKindCount> by_kind_{};
+  std::atomic<std::uint64_t> out_under_way_{0};
 };
 
 // Any HID device behind a bad cable: passes everything on, but for what the plan says.
@@ -40,7 +45,9 @@ class FaultTally {
 // dropped report does not bring back the one before it. A delayed report is stamped with the
 // time at which it is let through, and reports never overtake each other. `sequence` counts
 // the reports that arrived here, so a dropped one leaves no gap. Stalled input is lost, and the
-// newest stalled output report goes out with the first call after the stall.
+// newest stalled output report goes out with the first call after the stall. A delayed output
+// report goes out with the first call after its delay, and none overtakes it; where too many
+// wait, the newest takes the place of the one before it.
 //
 // Thread: as HidDevice. RT: THIMBLE_RT_IO, as the device below; no allocation.
 // Ownership: owns the device below. The clock must outlive it and be the one that stamps the
@@ -50,6 +57,9 @@ class FaultyHid final : public bus::HidDevice {
  public:
   FaultyHid(std::unique_ptr<bus::HidDevice> device, const Clock& clock, FaultPlan plan,
             std::shared_ptr<FaultTally> tally = std::make_shared<FaultTally>());
+  ~FaultyHid() override;
+  FaultyHid(const FaultyHid&) = delete;
+  FaultyHid& operator=(const FaultyHid&) = delete;
 
   THIMBLE_RT_IO IoStatus read_newest(bus::HidReport& out) noexcept override;
   THIMBLE_RT_IO IoStatus submit(std::span<const std::uint8_t> report) noexcept override;
@@ -66,6 +76,7 @@ class FaultyHid final : public bus::HidDevice {
     std::array<std::uint8_t, bus::kMaxHidReportBytes> bytes{};
     std::size_t size{0};
     std::uint64_t number{0};
+    MonotonicTime leaves_at{};  // of a delayed one
   };
 
   [[nodiscard]] bool is_disconnected(MonotonicTime now) noexcept;
@@ -77,7 +88,8 @@ class FaultyHid final : public bus::HidDevice {
   void lose_stalled_input() noexcept;
   void take_in(bus::HidReport& report) noexcept;
   void spoil(bus::HidReport& report, std::uint64_t number) noexcept;
-  [[nodiscard]] Duration delay_of(MonotonicTime arrived_at, std::uint64_t number) noexcept;
+  [[nodiscard]] Duration delay_of(FaultKind kind, double chance, MonotonicTime t,
+                                  std::uint64_t number) noexcept;
   void enqueue(const bus::HidReport& report) noexcept;
   void corrupt(std::span<std::uint8_t> bytes, FaultKind kind, std::uint64_t number) noexcept;
   void lose(std::uint64_t reports, FaultKind kind) noexcept;
@@ -87,6 +99,11 @@ class FaultyHid final : public bus::HidDevice {
                 std::uint64_t number) noexcept;
   void hold(std::span<const std::uint8_t> report) noexcept;
   void send_held(MonotonicTime now) noexcept;
+  IoStatus send_or_delay(std::span<const std::uint8_t> report, MonotonicTime now,
+                         std::uint64_t number) noexcept;
+  void delay_out(std::span<const std::uint8_t> report, MonotonicTime leaves_at,
+                 std::uint64_t number) noexcept;
+  void send_delayed(MonotonicTime now) noexcept;
 
   std::unique_ptr<bus::HidDevice> device_;
   const Clock* clock_;
@@ -105,6 +122,9 @@ class FaultyHid final : public bus::HidDevice {
 
   OutReport held_{};  // submitted during a stall; size 0: none
   std::uint64_t submitted_{0};
+  std::array<OutReport, kMaxDelayed> out_queue_{};  // ring, oldest first, by leaves_at
+  std::size_t out_first_{0};
+  std::size_t out_size_{0};
 
   // What counters() needs beyond the device below.
   std::atomic<std::uint64_t> not_arrived_{0};  // lost or still queued

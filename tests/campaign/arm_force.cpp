@@ -18,7 +18,8 @@ constexpr double kPoseShare = 0.03;
 // From the servo's write to the motors: two frames of the bus and a PWM period.
 constexpr Duration kReach = milliseconds(4);
 constexpr Duration kRiseWindow = milliseconds(20);
-// An arm that heard nothing for longer shows a force of long ago in the pose of today.
+// An arm that heard nothing for longer shows a force of long ago in the pose of today; so does one
+// whose reports are late.
 constexpr Duration kFresh = milliseconds(6);
 // A pose that was read wrong is forgotten after so long: the hold of the freshness rules.
 constexpr Duration kDoubt = milliseconds(50);
@@ -38,7 +39,8 @@ class ArmForce final : public Invariant {
     const double newton = norm(now.truth.motor_force);
     if (!is_spoilt_) see_currents(now, findings);
     const bool is_pose_known = frame.now - doubted_at_ > kDoubt;
-    if (frame.now - now.wire.last_report > kFresh) deaf_at_ = frame.now;
+    const bool is_late = now.late_out_at == frame.now;
+    if (is_late || frame.now - now.wire.last_report > kFresh) deaf_at_ = frame.now;
     const bool is_heard = frame.now - deaf_at_ > kReach;
     if (!is_spoilt_ && is_pose_known && is_heard) {
       findings.at_most("norm of the force at the arm, N", newton,

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "sim/model/arm/register_arm_models.hpp"
 #include "tests/campaign/report.hpp"
 #include "tests/campaign/shrink.hpp"
 #include "tests/campaign/tapped_arm.hpp"
@@ -63,13 +64,29 @@ Programme leaning() {
   return programme;
 }
 
-// Between the wire and the tap: doubles every current, as a wrong full scale would.
-class DoublingArm final : public plugin::SimHidModel {
+// A board beside which something stands that changes what it is sent.
+class ArmBehind : public plugin::SimHidModel {
  public:
-  explicit DoublingArm(std::unique_ptr<plugin::SimHidModel> below) : below_(std::move(below)) {}
+  explicit ArmBehind(std::unique_ptr<plugin::SimHidModel> below) : below_(std::move(below)) {}
   [[nodiscard]] bus::BusDeviceInfo describe() const override { return below_->describe(); }
   [[nodiscard]] Duration frame_period() const noexcept override { return below_->frame_period(); }
   void advance(MonotonicTime t) noexcept override { below_->advance(t); }
+  std::size_t in_report(std::span<std::uint8_t> out) noexcept override {
+    return below_->in_report(out);
+  }
+  void power_cycle() noexcept override { below_->power_cycle(); }
+  [[nodiscard]] plugin::ArmBackend* arm_backend() noexcept override {
+    return below_->arm_backend();
+  }
+
+ protected:
+  std::unique_ptr<plugin::SimHidModel> below_;
+};
+
+// Between the wire and the tap: doubles every current, as a wrong full scale would.
+class DoublingArm final : public ArmBehind {
+ public:
+  using ArmBehind::ArmBehind;
   void out_report(std::span<const std::uint8_t> bytes) noexcept override {
     std::array<std::uint8_t, bus::kMaxHidReportBytes> doubled{};
     std::copy(bytes.begin(), bytes.end(), doubled.begin());
@@ -82,28 +99,73 @@ class DoublingArm final : public plugin::SimHidModel {
     }
     below_->out_report({doubled.data(), bytes.size()});
   }
-  std::size_t in_report(std::span<std::uint8_t> out) noexcept override {
-    return below_->in_report(out);
-  }
-  void power_cycle() noexcept override { below_->power_cycle(); }
-  [[nodiscard]] plugin::ArmBackend* arm_backend() noexcept override {
-    return below_->arm_backend();
+};
+
+// Behind the tap: takes short reports for what they were, as if a buffer kept their end.
+class ObeyingArm final : public ArmBehind {
+ public:
+  using ArmBehind::ArmBehind;
+  void out_report(std::span<const std::uint8_t> bytes) noexcept override {
+    if (bytes.size() == kept_.size()) std::copy(bytes.begin(), bytes.end(), kept_.begin());
+    below_->out_report(kept_);
   }
 
  private:
-  std::unique_ptr<plugin::SimHidModel> below_;
+  std::array<std::uint8_t, 14> kept_{};
 };
 
-Planted doubling() {
+Planted planted_arm(
+    Result<std::unique_ptr<plugin::SimHidModel>> (*create)(const plugin::SimModelSettings&)) {
   Planted planted;
-  planted.models.push_back({"phantom-vintage", "doubles",
-                            [](const plugin::SimModelSettings& settings)
-                                -> Result<std::unique_ptr<plugin::SimHidModel>> {
-                              auto below = tapped_arms().front().create_hid(settings);
-                              if (!below) return below;
-                              return std::make_unique<DoublingArm>(*std::move(below));
-                            }});
+  planted.models.push_back({"phantom-vintage", "not as it should be", create});
   return planted;
+}
+
+Planted doubling() {
+  return planted_arm(
+      [](const plugin::SimModelSettings& settings) -> Result<std::unique_ptr<plugin::SimHidModel>> {
+        auto below = tapped_arms().front().create_hid(settings);
+        if (!below) return below;
+        return std::make_unique<DoublingArm>(*std::move(below));
+      });
+}
+
+Planted obeying() {
+  return planted_arm(
+      [](const plugin::SimModelSettings& settings) -> Result<std::unique_ptr<plugin::SimHidModel>> {
+        plugin::SimModelRegistry models;
+        sim::register_arm_models(models);
+        auto below = models.entries().front().create_hid(settings);
+        if (!below) return below;
+        return std::make_unique<TappedArm>(std::make_unique<ObeyingArm>(*std::move(below)));
+      });
+}
+
+// For 700 ms an arm that leans on a wall gets nothing but the beginnings of reports, and no stop.
+TEST(Episode, AnArmThatHearsShortReportsOnlyIsStoppedByItsWatchdog) {
+  Programme programme = leaning();
+  programme.events.push_back({EventKind::TruncateOut, milliseconds(3400), milliseconds(700)});
+  programme.events.push_back({EventKind::Estop, milliseconds(3450), milliseconds(20)});
+  const Ending ending = play(programme);
+  EXPECT_FALSE(ending.breach.has_value()) << to_text(*ending.breach);
+  EXPECT_GT(ending.tally.reports.of(sim::FaultKind::TruncateOut), 100U);
+  const Ending obeyed = play(programme, obeying());
+  ASSERT_TRUE(obeyed.breach.has_value());
+  EXPECT_THAT(obeyed.breach->rule, HasSubstr("current of a motor after a stop"));
+}
+
+TEST(Episode, WhatIsWrittenBeforeAStopAndComesLateIsFollowedByTheZero) {
+  Programme programme = leaning();
+  programme.ticks = 9000;
+  for (int ms = 2500; ms < 9000; ms += 1000) {
+    programme.events.push_back({EventKind::DelayOut, milliseconds(ms), milliseconds(15)});
+    programme.events.push_back({EventKind::Estop, milliseconds(ms + 10), milliseconds(20)});
+    programme.events.push_back({EventKind::Clear, milliseconds(ms + 100)});
+  }
+  const Ending ending = play(programme);
+  EXPECT_FALSE(ending.breach.has_value()) << to_text(*ending.breach);
+  EXPECT_GT(ending.tally.reports.of(sim::FaultKind::DelayOut), 50U);
+  EXPECT_GT(ending.tally.recoveries, 3U);
 }
 
 TEST(Episode, FindsAnArmThatIsAskedForTwiceTheForce) {

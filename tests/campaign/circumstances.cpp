@@ -110,12 +110,27 @@ bool Circumstances::is_cable_disturbed() const noexcept {
   return is_on(EventKind::Unplug);
 }
 
+bool Circumstances::look_at_reports(Observation& observation) {
+  const sim::FaultCounts injected = loop_->injected();
+  // Those that were under way until this tick, too: it let them out.
+  const bool is_late =
+      injected.out_under_way > 0 || injected_.out_under_way > 0 ||
+      injected.of(sim::FaultKind::DelayOut) > injected_.of(sim::FaultKind::DelayOut);
+  if (is_late) late_out_at_ = observation.servo.frame.now;
+  const bool is_injected = injected.by_kind != injected_.by_kind || observation.wire.cut != cut_;
+  injected_ = injected;
+  cut_ = observation.wire.cut;
+  observation.spoilt_in =
+      injected.of(sim::FaultKind::CorruptIn) + injected.of(sim::FaultKind::TruncateIn);
+  observation.spoilt_out = injected.of(sim::FaultKind::CorruptOut);
+  observation.late_out_at = late_out_at_;
+  return is_injected || is_late;
+}
+
 void Circumstances::describe(Observation& observation) {
   const MonotonicTime now = observation.servo.frame.now;
-  const sim::FaultCounts injected = loop_->injected();
-  const bool is_injected = injected.by_kind != injected_.by_kind;
-  injected_ = injected;
-  if (is_cable_disturbed() || is_injected || late_ > Duration{}) cable_ok_since_ = now;
+  const bool are_reports_disturbed = look_at_reports(observation);
+  if (is_cable_disturbed() || are_reports_disturbed || late_ > Duration{}) cable_ok_since_ = now;
   if (is_on(EventKind::NetworkDown)) network_ok_since_ = now;
   observation.is_plugged = !is_on(EventKind::Unplug);
   observation.is_open_refused = is_on(EventKind::RefuseOpen);
@@ -125,9 +140,6 @@ void Circumstances::describe(Observation& observation) {
   observation.is_estop_healthy = !is_on(EventKind::Estop);
   observation.clear_asked = clear_asked_;
   observation.is_clear_for_other = is_clear_for_other_;
-  observation.spoilt_in =
-      injected.of(sim::FaultKind::CorruptIn) + injected.of(sim::FaultKind::TruncateIn);
-  observation.spoilt_out = injected.of(sim::FaultKind::CorruptOut);
   observation.cable_ok_since = cable_ok_since_;
   observation.network_ok_since = network_ok_since_;
   observation.opening_ok_since = opening_ok_since_;

@@ -41,6 +41,8 @@ class Circumstances {
     return on_[static_cast<std::size_t>(kind)] > 0;
   }
   [[nodiscard]] bool is_cable_disturbed() const noexcept;
+  // Whether single reports suffered anything since the last tick.
+  [[nodiscard]] bool look_at_reports(Observation& observation);
 
   const Programme* programme_;
   test::ClosedLoop* loop_;
@@ -51,8 +53,10 @@ class Circumstances {
   Force3 push_{};
   Duration late_{};
   sim::FaultCounts injected_{};
+  std::uint64_t cut_{0};
   std::uint32_t clear_asked_{0};
   bool is_clear_for_other_{false};
+  MonotonicTime late_out_at_{Duration::min() / 2};
   MonotonicTime cable_ok_since_{};
   MonotonicTime network_ok_since_{};
   MonotonicTime opening_ok_since_{};

@@ -76,10 +76,12 @@ void count(const Before& before, const servo::ServoSnapshot& now, bool& is_down,
   ++tally.recoveries;
 }
 
-void finish(test::ClosedLoop& loop, const Circumstances& circumstances, Tally& tally) {
+void finish(test::ClosedLoop& loop, const Circumstances& circumstances, std::uint64_t cut,
+            Tally& tally) {
   tally.episodes = 1;
   tally.events = circumstances.happened();
   tally.reports = loop.injected();
+  tally.reports.by_kind[static_cast<std::size_t>(sim::FaultKind::TruncateOut)] = cut;
   const link::LinkStatus link = loop.arm().link_status();
   tally.messages_lost = link.counters.injected.lost;
   tally.messages_duplicated = link.counters.injected.duplicated;
@@ -119,6 +121,7 @@ Ending play(const Programme& programme, const Planted& planted) {
                         planted.models.empty() ? tapped_arms() : planted.models);
   auto* const tap = dynamic_cast<TappedArm*>(&loop.sim_arm().backend());
   if (tap == nullptr) throw std::logic_error("an arm without a tap");
+  tap->set_cable(setup.cables);
   const Bounds bounds = bounds_of(programme.setup, loop.settings(), loop.world().info().cell_m);
   const auto invariants = planted.invariants ? planted.invariants(bounds) : make_invariants(bounds);
 
@@ -140,7 +143,7 @@ Ending play(const Programme& programme, const Planted& planted) {
     trace.add(observation.servo.frame, observation.truth);
     count(before, observation.servo, is_down, ending.tally);
   }
-  finish(loop, circumstances, ending.tally);
+  finish(loop, circumstances, observation.wire.cut, ending.tally);
   ending.breach = findings.breach();
   ending.trace = trace.value();
   return ending;

@@ -25,6 +25,8 @@ struct Observation {
   bool is_clear_for_other{false};  // and it names another fault than the one latched then
   std::uint64_t spoilt_in{0};      // reports with wrong bytes so far, towards the servo
   std::uint64_t spoilt_out{0};     // towards the arm
+  // When a report was last late on its way to the arm; older ones act before what is written now.
+  MonotonicTime late_out_at{Duration::min() / 2};
   // Since when nothing disturbs them.
   MonotonicTime cable_ok_since{};
   MonotonicTime network_ok_since{};

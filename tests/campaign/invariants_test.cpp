@@ -94,6 +94,20 @@ TEST(ArmForce, ExcusesASpoiltReportUntilTheNextOneActs) {
   EXPECT_THAT(course.broken(), HasSubstr("motor"));
 }
 
+TEST(ArmForce, ExcusesReportsThatAreLateUntilTheNextOneActs) {
+  GoodCourse course(&make_arm_force, 100);
+  const auto late = [](Observation& now) {
+    now.late_out_at = now.servo.frame.now;
+    now.truth.motor_force = {4.9, 0, 0};
+  };
+  course.run(10, late);
+  EXPECT_EQ(course.broken(), "");
+  course.run(30);
+  EXPECT_EQ(course.broken(), "") << "a force that falls";
+  course.run(1, [](Observation& now) { now.truth.motor_force = {4.9, 0, 0}; });
+  EXPECT_THAT(course.broken(), HasSubstr("rise of the force at the arm"));
+}
+
 TEST(ZeroAfterStop, HoldsOnAGoodCourse) {
   GoodCourse course(&make_zero_after_stop);
   course.stop(OperatingState::Fault, FaultCode::Estop);
@@ -130,6 +144,30 @@ TEST(ZeroAfterStop, ExcusesBytesSpoiltOnTheWayThoughTheServoWakesLate) {
     course.run(1, late);
     EXPECT_EQ(course.broken().find("asks for current") == std::string::npos, is_spoilt);
   }
+}
+
+// A current that was written before the stop and comes after it.
+void arrive_late(GoodCourse& course, bool is_known) {
+  course.stop(OperatingState::Fault, FaultCode::Estop);
+  course.run(20, [&](Observation& now) {
+    if (is_known) now.late_out_at = now.servo.frame.now;
+    now.wire.last_nonzero = now.wire.last_report = now.servo.frame.now;
+    now.truth.motor_current_a = {1, 0, 0};
+  });
+}
+
+TEST(ZeroAfterStop, ExcusesReportsThatAreLateUntilTheZeroArrives) {
+  GoodCourse unknown(&make_zero_after_stop);
+  arrive_late(unknown, false);
+  EXPECT_THAT(unknown.broken(), HasSubstr("asks for current"));
+  GoodCourse course(&make_zero_after_stop);
+  arrive_late(course, true);
+  course.run(100);
+  EXPECT_EQ(course.broken(), "");
+  GoodCourse driven(&make_zero_after_stop);
+  arrive_late(driven, true);
+  driven.run(10, [](Observation& now) { now.truth.motor_current_a = {1, 0, 0}; });
+  EXPECT_THAT(driven.broken(), HasSubstr("motor"));
 }
 
 TEST(ZeroAfterStop, SeesAMotorThatGoesOn) {

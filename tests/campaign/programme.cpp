@@ -12,10 +12,10 @@ using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
 constexpr std::array<std::string_view, kEventKindCount> kNames{
-    "drop-in",      "drop-out",     "delay-in",    "corrupt-in",  "corrupt-out",  "truncate-in",
-    "stall",        "disconnect",   "refuse-open", "lose-events", "delay-events", "unplug",
-    "estop",        "deadman-open", "withdraw",    "clear",       "clear-other",  "late-servo",
-    "network-down", "shove",        "fill-cell"};
+    "drop-in",      "drop-out",     "delay-in",     "delay-out",    "corrupt-in",  "corrupt-out",
+    "truncate-in",  "truncate-out", "stall",        "disconnect",   "refuse-open", "lose-events",
+    "delay-events", "unplug",       "estop",        "deadman-open", "withdraw",    "clear",
+    "clear-other",  "late-servo",   "network-down", "shove",        "fill-cell"};
 
 // How long an event of each kind lasts: about as long as its limits of DESIGN section 4 and
 // longer, so that both sides of each are met.
@@ -27,9 +27,11 @@ constexpr std::array<Spread, kEventKindCount> kSpreads{{
     {0.001, 0.03},   // drop-in
     {0.001, 0.6},    // drop-out: beyond the watchdog of the arm
     {0.001, 0.05},   // delay-in
+    {0.001, 0.05},   // delay-out: the hundred milliseconds of zero outlast it
     {0.001, 0.004},  // corrupt-in
     {0.001, 0.004},  // corrupt-out
     {0.001, 0.01},   // truncate-in
+    {0.001, 0.6},    // truncate-out: beyond the watchdog of the arm
     {0.001, 0.04},   // stall
     {0.002, 0.3},    // disconnect
     {0.01, 1.0},     // refuse-open
@@ -98,8 +100,9 @@ sim::RandomFaults some_noise(Dice& dice) {
   sim::RandomFaults noise;
   if (dice.chance(0.5)) return noise;
   const double level = dice.chance(0.3) ? 0.02 : 0.002;
-  for (double* chance : {&noise.drop_in, &noise.drop_out, &noise.delay_in, &noise.corrupt_in,
-                         &noise.corrupt_out, &noise.truncate_in}) {
+  for (double* chance :
+       {&noise.drop_in, &noise.drop_out, &noise.delay_in, &noise.delay_out, &noise.corrupt_in,
+        &noise.corrupt_out, &noise.truncate_in, &noise.truncate_out}) {
     if (dice.chance(0.3)) *chance = dice.uniform(0, level);
   }
   noise.max_delay = microseconds(100 + dice.below(10'000));
@@ -245,7 +248,7 @@ sim::FaultPlan cables_of(const Programme& programme) {
     fault.kind = static_cast<sim::FaultKind>(event.kind);
     fault.from = MonotonicTime{event.at};
     fault.lasts = event.lasts;
-    fault.delay = event.lasts;  // of DelayIn: as much as one that lasts
+    fault.delay = event.lasts;  // of a delay: as much as it lasts
     plan.script.push_back(fault);
   }
   return plan;

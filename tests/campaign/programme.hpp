@@ -19,9 +19,11 @@ enum class EventKind : std::uint8_t {
   DropIn,
   DropOut,
   DelayIn,
+  DelayOut,
   CorruptIn,
   CorruptOut,
   TruncateIn,
+  TruncateOut,
   Stall,
   Disconnect,   // the handle is dead; one opened after it is not
   RefuseOpen,   // somebody else holds the device
@@ -38,7 +40,7 @@ enum class EventKind : std::uint8_t {
   Shove,        // somebody pushes the tip while it lasts
   FillCell,     // a cell of the world is filled while it lasts
 };
-inline constexpr std::size_t kEventKindCount = 21;
+inline constexpr std::size_t kEventKindCount = 23;
 [[nodiscard]] std::string_view to_string(EventKind kind) noexcept;
 
 struct Event {

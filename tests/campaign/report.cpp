@@ -18,8 +18,8 @@ std::string count(std::string_view name, std::uint64_t n) {
 }
 
 constexpr std::array<const char*, sim::kFaultKindCount> kReportNames{
-    "dropped in",      "dropped out",  "delayed in",    "corrupted in",
-    "corrupted out",   "truncated in", "stalled",       "handles killed",
+    "dropped in",      "dropped out",  "delayed in",    "delayed out", "corrupted in",
+    "corrupted out",   "truncated in", "truncated out", "stalled",     "handles killed",
     "opening refused", "events lost",  "events delayed"};
 
 }  // namespace

@@ -38,7 +38,9 @@ std::vector<plugin::SimModelEntry> tapped(std::index_sequence<indices...> /*all*
 }  // namespace
 
 TappedArm::TappedArm(std::unique_ptr<plugin::SimHidModel> arm)
-    : arm_(std::move(arm)), backend_(arm_->arm_backend()) {}
+    : arm_(std::move(arm)),
+      backend_(arm_->arm_backend()),
+      report_bytes_(arm_->describe().output_report_bytes) {}
 
 WireSeen TappedArm::look() noexcept {
   const WireSeen seen = seen_;
@@ -47,10 +49,12 @@ WireSeen TappedArm::look() noexcept {
 }
 
 void TappedArm::out_report(std::span<const std::uint8_t> bytes) noexcept {
+  bytes = plug_.pass(bytes, now_);
+  seen_.cut = plug_.cut();
+  if (bytes.size() != report_bytes_) return arm_->out_report(bytes);
   ++seen_.reports;
   seen_.last_report = now_;
-  const bool is_of_currents = bytes.size() >= wire::kMbedReportBytes &&
-                              field(bytes, wire::kCommand) != wire::kCommandSetCounters;
+  const bool is_of_currents = field(bytes, wire::kCommand) != wire::kCommandSetCounters;
   for (std::size_t motor = 0; is_of_currents && motor < 3; ++motor) {
     const double a = std::abs(0.001 * field(bytes, wire::kCurrentA + motor));
     if (a > 0) seen_.last_nonzero = now_;

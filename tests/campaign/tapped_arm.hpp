@@ -6,23 +6,28 @@
 #include <vector>
 
 #include "hal/plugin/sim_model.hpp"
+#include "sim/fault/short_reports.hpp"
 
 namespace thimble::campaign {
 
 // What reached an arm over its wire, read from the bytes by nobody but this.
 struct WireSeen {
-  std::uint64_t reports{0};
+  std::uint64_t reports{0};  // of the board's length: it takes no notice of others
+  std::uint64_t cut{0};      // short ones, without effect
   MonotonicTime last_report{Duration::min() / 2};
   MonotonicTime last_nonzero{Duration::min() / 2};  // the last report that asked for a current
   std::array<double, 3> largest_a{};                // of each motor since look()
 };
 
-// A simulated arm with a tap at its plug: what the firmware is handed is written down first.
+// A simulated arm with a tap at its plug: what the firmware is handed is written down first. The
+// plug may cut it short.
 //
 // Thread: as SimHidModel.
 class TappedArm final : public plugin::SimHidModel, public plugin::ArmBackend {
  public:
   explicit TappedArm(std::unique_ptr<plugin::SimHidModel> arm);
+
+  void set_cable(const sim::FaultPlan& plan) { plug_.set_plan(plan); }
 
   // What was seen so far; the largest currents begin anew.
   [[nodiscard]] WireSeen look() noexcept;
@@ -60,6 +65,8 @@ class TappedArm final : public plugin::SimHidModel, public plugin::ArmBackend {
  private:
   std::unique_ptr<plugin::SimHidModel> arm_;
   plugin::ArmBackend* backend_;
+  std::size_t report_bytes_;
+  sim::ShortReports plug_;
   MonotonicTime now_{};
   WireSeen seen_{};
 };

@@ -32,11 +32,16 @@ class ZeroAfterStop final : public Invariant {
     }
     if (was_active_) see_stop(frame, findings);
     was_active_ = false;
-    if (!heard_at_ && now.wire.last_report > stopped_at_ + kUnderWay) {
-      heard_at_ = now.wire.last_report;
-    }
+    // One that is late was written before the stop; what follows it was not.
+    if (heard_at_ && now.wire.last_nonzero >= *heard_at_) heard_at_.reset();
+    const bool is_heard = now.wire.last_report > stopped_at_ + kUnderWay &&
+                          now.wire.last_report > now.wire.last_nonzero;
+    if (!heard_at_ && is_heard) heard_at_ = now.wire.last_report;
     // By when it arrived, not by when that is seen: the servo may wake late.
-    if (now.wire.last_nonzero - spoilt_at_ <= 2 * kUnderWay) excused_ = now.wire.last_nonzero;
+    if (now.wire.last_nonzero - spoilt_at_ <= 2 * kUnderWay ||
+        now.wire.last_nonzero - now.late_out_at <= kUnderWay) {
+      excused_ = now.wire.last_nonzero;
+    }
     if (now.wire.last_nonzero > excused_) {
       findings.at_most("a report asks for current so long after a stop, s",
                        seconds(now.wire.last_nonzero - stopped_at_), seconds(kUnderWay));
