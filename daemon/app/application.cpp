@@ -4,6 +4,8 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include <atomic>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -13,6 +15,7 @@
 #include <optional>
 #include <string>
 
+#include "daemon/app/background_worker.hpp"
 #include "daemon/app/daemon.hpp"
 #include "daemon/app/exit_code.hpp"
 #include "daemon/config/load.hpp"
@@ -24,6 +27,8 @@
 
 namespace thimble::app {
 namespace {
+
+constexpr Duration kSummaryPatience = std::chrono::seconds(2);  // ours
 
 // A log that nobody reads must not hold up the thread that looks after the arms.
 class StandardErrorSink final : public spdlog::sinks::base_sink<std::mutex> {
@@ -51,8 +56,22 @@ bool write_summary(const std::optional<std::string>& path, std::ios::openmode ho
   std::ofstream file(*path, how);
   file << text;
   file.close();
-  if (file) return true;
-  std::fprintf(stderr, "thimbled: the summary could not be written to %s\n", path->c_str());
+  return !file.fail();
+}
+
+// Once signals have their handlers, a word for which there is no room must not keep the process.
+void say_without_waiting(const std::string& text) {
+  linux::LineOutput(STDERR_FILENO).write("thimbled: " + text + "\n");
+}
+
+// The arms are at rest, but signals still have their handlers: a place that takes nothing (a pipe
+// that nobody reads) would keep the process for ever.
+bool write_last_summary(const std::optional<std::string>& path, const std::string& text) {
+  const auto is_written = std::make_shared<std::atomic<bool>>(false);
+  BackgroundWorker worker;
+  worker.post([=] { *is_written = write_summary(path, std::ios::trunc, text); });
+  if (worker.wait(kSummaryPatience) && *is_written) return true;
+  say_without_waiting("the summary could not be written to " + path.value_or(""));
   return false;
 }
 
@@ -74,18 +93,21 @@ int run_checked(const Options& options) {
   }
   // A place that cannot be written is told before an experiment, not after it; what an earlier one
   // left there stays until there is something better.
-  if (!write_summary(options.summary, std::ios::app, "")) return kExitFailure;
+  if (!write_summary(options.summary, std::ios::app, "")) {
+    say_without_waiting("the summary could not be written to " + *options.summary);
+    return kExitFailure;
+  }
   // Before any other thread exists: it sets the size of their stacks and locks their memory.
   const linux::RealtimeProcess process;
   Daemon daemon(*config, options, plugins);
   const Result<void> started = daemon.start(process);
   if (!started) {
-    std::fprintf(stderr, "thimbled: %s\n", started.error().message.c_str());
+    say_without_waiting(started.error().message);
     return kExitFailure;
   }
   daemon.run();
   const std::string summary = api::to_json(daemon.final_status());
-  return write_summary(options.summary, std::ios::trunc, summary) ? kExitOk : kExitFailure;
+  return write_last_summary(options.summary, summary) ? kExitOk : kExitFailure;
 }
 
 }  // namespace
@@ -97,7 +119,7 @@ int run(const Options& options) {
   try {
     return run_checked(options);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "thimbled: %s\n", error.what());
+    say_without_waiting(error.what());
     return kExitFailure;
   }
 }
@@ -105,7 +127,7 @@ int run(const Options& options) {
 int finish(int code) {
   const Result<void> written = linux::flush_standard_output();
   if (written) return code;
-  std::fprintf(stderr, "thimbled: %s\n", written.error().message.c_str());
+  say_without_waiting(written.error().message);
   return code == kExitOk ? kExitFailure : code;
 }
 

@@ -14,6 +14,8 @@ namespace {
 
 // How soon a person learns of a stop or an arrival; far from any loop of the servo.
 constexpr Duration kSupervision = std::chrono::milliseconds(20);
+// At the end. A recording is half a megabyte, a busy disk needs a second. Ours.
+constexpr std::chrono::seconds kDiskPatience{10};
 
 Leases leases_of(const config::Config& config) {
   std::vector<Leases::Arm> arms;
@@ -98,7 +100,10 @@ void Daemon::run() {
   notifier_.stopping();
   threads_->stop();
   take_recordings();
-  recorder_->flush();
+  if (!recorder_->flush(kDiskPatience)) {
+    spdlog::error("a flight recording is lost: its disk did not take it in {} s",
+                  kDiskPatience.count());
+  }
   take_recordings();
 }
 

@@ -1,25 +1,22 @@
 #pragma once
 
-#include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
-#include <mutex>
-#include <optional>
 #include <string>
 #include <vector>
 
+#include "daemon/app/background_worker.hpp"
+#include "daemon/app/recording_folder.hpp"
 #include "daemon/session/arm_session.hpp"
-
-namespace boost::asio {
-class thread_pool;
-}
 
 namespace thimble::app {
 
-// Writes flight recordings on a thread of its own, so that a slow disk delays nobody.
+// Writes flight recordings on a thread of its own, so that a slow disk delays nobody, and one that
+// hangs not even the end of the process.
 //
-// Thread: write() and finished() from one control thread. Not RT.
-// Ownership: the destructor waits until all is written.
+// Thread: write(), finished() and flush() from one control thread. Not RT.
+// Ownership: the destructor drops what is not written yet: flush() before.
 class RecordingWriter {
  public:
   struct Outcome {
@@ -29,21 +26,21 @@ class RecordingWriter {
     std::string error;       // why
     std::size_t removed{0};  // older recordings that made room
   };
+  using Store = std::function<Result<StoredRecording>(const session::Recording&)>;
 
   explicit RecordingWriter(std::string directory);
-  ~RecordingWriter();
+  explicit RecordingWriter(Store store);
 
   void write(session::Recording recording);
   // What has been finished since the last call.
   [[nodiscard]] std::vector<Outcome> finished();
-  // Waits until all is written; more may be written afterwards.
-  void flush();
+  // Whether all is written within `patience`; more may be written afterwards.
+  [[nodiscard]] bool flush(Duration patience) { return worker_.wait(patience); }
 
  private:
-  std::string directory_;
-  std::mutex mutex_;
-  std::vector<Outcome> finished_;
-  std::unique_ptr<boost::asio::thread_pool> worker_;
+  struct Shared;
+  std::shared_ptr<Shared> shared_;  // of the worker, too
+  BackgroundWorker worker_;
 };
 
 }  // namespace thimble::app

@@ -3,6 +3,7 @@
 import contextlib
 import os
 import signal
+import threading
 
 from rig import EXAMPLES, HELLO, ProcessTest, die_with_parent
 
@@ -42,6 +43,30 @@ class StuckStandardError(ProcessTest):
         daemon.status_when(lambda status: status["arms"][0]["state"] == "active")
         self.assert_servo_goes_on(daemon)
         self.assertEqual(daemon.stop(), 0)
+
+
+class StuckEnd(ProcessTest):
+    """Signals have their handlers until the process has ended: what waits here waits for SIGKILL."""
+
+    def run_until_the_end(self, summary, **how):
+        return self.thimbled("--config", EXAMPLES / "hello-voxel.toml", "--for", 0.1, "--set",
+                             f"daemon.socket={self.folder}/s", "--summary", summary, **how)
+
+    def test_a_summary_that_nobody_reads_is_given_up(self):
+        pipe = self.folder / "summary"
+        os.mkfifo(pipe)
+        # Reads while the daemon tries the place, and is gone when it has something to say.
+        reader = threading.Thread(target=lambda: os.close(os.open(pipe, os.O_RDONLY)), daemon=True)
+        reader.start()
+        result = self.run_until_the_end(pipe)
+        self.assertEqual(result.returncode, 1)
+        self.assertIn(f"the summary could not be written to {pipe}", result.stderr)
+
+    def test_the_last_word_does_not_wait_for_its_reader(self):
+        redirect, ends = with_stuck_standard_error()
+        for end in ends:
+            self.addCleanup(os.close, end)
+        self.assertEqual(self.run_until_the_end("/dev/full", preexec=redirect).returncode, 1)
 
 
 class FullDisk(ProcessTest):

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <thread>
+
+#include "hal/base/time.hpp"
+
+namespace thimble::app {
+
+// A thread for work that may wait for a disk, or for who reads a pipe: one task after the other.
+// What hangs holds up neither its owner nor the end of the process.
+//
+// Thread: one owner. Not RT.
+// Ownership: a task owns all that it uses, and throws nothing: where one hangs while the worker is
+//            destroyed, it is left alone with it until the process ends.
+class BackgroundWorker {
+ public:
+  using Task = std::function<void()>;
+
+  BackgroundWorker();
+  ~BackgroundWorker();
+  BackgroundWorker(const BackgroundWorker&) = delete;
+  BackgroundWorker& operator=(const BackgroundWorker&) = delete;
+
+  void post(Task task);
+  // Whether all that was posted is done within `patience`; more may be posted afterwards.
+  [[nodiscard]] bool wait(Duration patience);
+
+ private:
+  struct Shared;
+  std::shared_ptr<Shared> shared_;
+  std::thread thread_;
+};
+
+}  // namespace thimble::app

@@ -1,0 +1,101 @@
+#include "daemon/app/recording_writer.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <future>
+#include <memory>
+#include <stdexcept>
+
+namespace thimble::app {
+namespace {
+
+constexpr Duration kNoPatience{0};
+constexpr Duration kLong = std::chrono::seconds(60);  // only says when a test gives up
+
+session::Recording recording_of(const std::string& arm) {
+  return {{arm, "sim:x", {FaultCode::Estop, {}, 1, 1}}, {}};
+}
+
+Result<StoredRecording> stored_as_its_arm(const session::Recording& recording) {
+  return StoredRecording{"/flights/" + recording.header.arm, 0};
+}
+
+// A disk that takes nothing until it is told to. It outlives who writes to it, as a disk does.
+class StuckDisk {
+ public:
+  RecordingWriter::Store store() {
+    return [state = state_](const session::Recording& recording) {
+      state->begun.set_value();
+      state->released.get_future().wait();
+      Result<StoredRecording> stored = stored_as_its_arm(recording);
+      return stored;
+    };
+  }
+  void wait_until_begun() { state_->begun.get_future().wait(); }
+  void release() { state_->released.set_value(); }
+
+ private:
+  struct State {
+    std::promise<void> begun;
+    std::promise<void> released;
+  };
+  std::shared_ptr<State> state_ = std::make_shared<State>();
+};
+
+TEST(RecordingWriter, TellsOfEachRecordingInTheirOrderOnce) {
+  RecordingWriter sut(stored_as_its_arm);
+  for (const char* arm : {"right", "left", "third"}) sut.write(recording_of(arm));
+  ASSERT_TRUE(sut.flush(kLong));
+  const auto outcomes = sut.finished();
+  ASSERT_EQ(outcomes.size(), 3U);
+  EXPECT_EQ(outcomes[0].path, "/flights/right");
+  EXPECT_EQ(outcomes[2].arm, "third");
+  EXPECT_TRUE(sut.finished().empty());
+}
+
+TEST(RecordingWriter, HasNothingToFlushAtFirst) {
+  RecordingWriter sut(stored_as_its_arm);
+  EXPECT_TRUE(sut.flush(kNoPatience));
+}
+
+TEST(RecordingWriter, TellsWhyOneWasNotWritten) {
+  RecordingWriter sut([](const session::Recording& recording) -> Result<StoredRecording> {
+    if (recording.header.arm == "right") return fail(Errc::System, "the disk is full");
+    throw std::runtime_error("no memory");
+  });
+  sut.write(recording_of("right"));
+  sut.write(recording_of("left"));
+  ASSERT_TRUE(sut.flush(kLong));
+  const auto outcomes = sut.finished();
+  ASSERT_EQ(outcomes.size(), 2U);
+  EXPECT_EQ(outcomes[0].error, "the disk is full");
+  EXPECT_EQ(outcomes[1].error, "no memory");
+}
+
+TEST(RecordingWriter, AStuckDiskIsToldAndDoneWithOnceItMovesAgain) {
+  StuckDisk disk;
+  RecordingWriter sut(disk.store());
+  sut.write(recording_of("right"));
+  disk.wait_until_begun();
+  EXPECT_FALSE(sut.flush(kNoPatience));
+  EXPECT_TRUE(sut.finished().empty());
+  disk.release();
+  EXPECT_TRUE(sut.flush(kLong));
+  EXPECT_EQ(sut.finished().size(), 1U);
+}
+
+// It would hang here for ever.
+TEST(RecordingWriter, AStuckDiskKeepsNobodyFromEnding) {
+  StuckDisk disk;
+  {
+    RecordingWriter sut(disk.store());
+    sut.write(recording_of("right"));
+    sut.write(recording_of("left"));  // is not begun: the disk would take the second promise ill
+    disk.wait_until_begun();
+  }
+  disk.release();  // whoever is left behind touches nothing that is gone
+}
+
+}  // namespace
+}  // namespace thimble::app
