@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "sim/bus/sim_hid_port.hpp"
+
 namespace thimble::sim {
 
 using bus::BusEvent;
@@ -26,7 +28,7 @@ Result<void> SimEnumerator::plug(const DeviceAddress& address,
 }
 
 Result<void> SimEnumerator::unplug(const DeviceAddress& address) {
-  SimHidPort* port = find(address);
+  SimPort* port = find(address);
   if (port == nullptr || !port->unplug()) {
     return fail(Errc::NotFound, address.text + " is not plugged in");
   }
@@ -35,7 +37,7 @@ Result<void> SimEnumerator::unplug(const DeviceAddress& address) {
 }
 
 Result<void> SimEnumerator::replug(const DeviceAddress& address) {
-  SimHidPort* port = find(address);
+  SimPort* port = find(address);
   if (port == nullptr || !port->replug()) {
     return fail(Errc::NotFound, address.text + " is not an unplugged device");
   }
@@ -59,17 +61,17 @@ std::optional<BusEvent> SimEnumerator::poll_event() {
 }
 
 Result<std::unique_ptr<bus::HidDevice>> SimEnumerator::open_hid(const DeviceAddress& address) {
-  SimHidPort* port = find(address);
+  SimPort* port = find(address);
   if (port == nullptr) return fail(Errc::NotFound, "no device at " + address.text);
-  return port->open();
+  return port->open_hid();
 }
 
 plugin::ArmBackend* SimEnumerator::arm_backend(const DeviceAddress& address) noexcept {
-  SimHidPort* port = find(address);
-  return port == nullptr ? nullptr : port->model().arm_backend();
+  SimPort* port = find(address);
+  return port == nullptr ? nullptr : port->arm_backend();
 }
 
-SimHidPort* SimEnumerator::find(const DeviceAddress& address) noexcept {
+SimPort* SimEnumerator::find(const DeviceAddress& address) noexcept {
   const auto found = ports_.find(address);
   return found == ports_.end() ? nullptr : found->second.get();
 }

@@ -9,7 +9,7 @@
 #include "hal/base/result.hpp"
 #include "hal/bus/bus_enumerator.hpp"
 #include "hal/plugin/sim_model.hpp"
-#include "sim/bus/sim_hid_port.hpp"
+#include "sim/bus/sim_port.hpp"
 #include "sim/time/virtual_clock.hpp"
 
 namespace thimble::sim {
@@ -41,10 +41,10 @@ class SimEnumerator final : public bus::BusEnumerator {
   [[nodiscard]] plugin::ArmBackend* arm_backend(const bus::DeviceAddress& address) noexcept;
 
  private:
-  [[nodiscard]] SimHidPort* find(const bus::DeviceAddress& address) noexcept;
+  [[nodiscard]] SimPort* find(const bus::DeviceAddress& address) noexcept;
 
   VirtualClock* clock_;
-  std::map<bus::DeviceAddress, std::unique_ptr<SimHidPort>> ports_;
+  std::map<bus::DeviceAddress, std::unique_ptr<SimPort>> ports_;
   std::deque<bus::BusEvent> events_;
 };
 

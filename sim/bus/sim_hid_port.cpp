@@ -2,48 +2,41 @@
 
 #include <algorithm>
 #include <array>
-#include <thread>
 #include <utility>
 
 namespace thimble::sim {
 
+namespace {
+
+bus::BusDeviceInfo description(bus::DeviceAddress address, const plugin::SimHidModel& model) {
+  bus::BusDeviceInfo info = model.describe();
+  info.address = std::move(address);
+  info.kind = bus::BusKind::Hid;
+  return info;
+}
+
+}  // namespace
+
 SimHidPort::SimHidPort(VirtualClock& clock, bus::DeviceAddress address,
                        std::unique_ptr<plugin::SimHidModel> model)
-    : clock_(&clock),
+    : SimPort(description(std::move(address), *model)),
+      clock_(&clock),
       model_(std::move(model)),
-      info_(model_->describe()),
       frame_period_(model_->frame_period()) {
-  info_.address = std::move(address);
-  info_.kind = bus::BusKind::Hid;
   clock.events().schedule_at(*this, clock.now() + frame_period_);
 }
 
-bool SimHidPort::unplug() noexcept {
-  if (!is_plugged()) return false;
-  generation_.fetch_add(1, std::memory_order_release);
-  SimHid* host = host_.load();
-  if (host != nullptr) detach(*host);
-  return true;
+void SimHidPort::drop_host() noexcept {
+  SimHid* host = host_.host();
+  if (host != nullptr) host_.detach(*host);
 }
 
-bool SimHidPort::replug() noexcept {
-  if (is_plugged()) return false;
-  generation_.fetch_add(1, std::memory_order_release);
-  return true;
-}
-
-Result<std::unique_ptr<bus::HidDevice>> SimHidPort::open() {
-  if (!is_plugged()) return fail(Errc::NotFound, info_.address.text + " is unplugged");
-  if (host_.load() != nullptr) return fail(Errc::Busy, info_.address.text + " is open already");
-  auto host = std::make_unique<SimHid>(*this, generation(), info_.output_report_bytes);
-  host_.store(host.get());
+Result<std::unique_ptr<bus::HidDevice>> SimHidPort::open_hid() {
+  const Result<void> free = check_free(host_.is_taken());
+  if (!free.has_value()) return tl::unexpected(free.error());
+  auto host = std::make_unique<SimHid>(*this, generation(), info().output_report_bytes);
+  host_.attach(*host);
   return host;
-}
-
-void SimHidPort::detach(SimHid& host) noexcept {
-  SimHid* expected = &host;
-  host_.compare_exchange_strong(expected, nullptr);
-  while (in_frame_.load() == &host) std::this_thread::yield();
 }
 
 void SimHidPort::fire(MonotonicTime now) noexcept {
@@ -52,10 +45,7 @@ void SimHidPort::fire(MonotonicTime now) noexcept {
   powered_generation_ = current;
   model_->advance(now);
   if (current % 2 != 0) {
-    SimHid* host = host_.load();
-    in_frame_.store(host);
-    exchange(host_.load() == host ? host : nullptr, now);
-    in_frame_.store(nullptr);
+    host_.visit([&](SimHid* host) { exchange(host, now); });
   }
   clock_->events().schedule_at(*this, now + frame_period_);
 }

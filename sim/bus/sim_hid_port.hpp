@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <memory>
 
@@ -9,7 +8,9 @@
 #include "hal/bus/bus_enumerator.hpp"
 #include "hal/plugin/sim_model.hpp"
 #include "hal/rt/annotations.hpp"
+#include "sim/bus/host_slot.hpp"
 #include "sim/bus/sim_hid.hpp"
+#include "sim/bus/sim_port.hpp"
 #include "sim/time/virtual_clock.hpp"
 
 namespace thimble::sim {
@@ -26,42 +27,29 @@ namespace thimble::sim {
 // that runs it; everything else from one control thread, which may be another.
 // RT: a frame is as bounded as the model; it allocates nothing and takes no lock.
 // Ownership: owns the model; the clock must outlive it, and it must outlive its SimHid.
-class SimHidPort final : private Event {
+class SimHidPort final : public SimPort, private Event {
  public:
   SimHidPort(VirtualClock& clock, bus::DeviceAddress address,
              std::unique_ptr<plugin::SimHidModel> model);
 
-  [[nodiscard]] const bus::BusDeviceInfo& info() const noexcept { return info_; }
-  [[nodiscard]] plugin::SimHidModel& model() noexcept { return *model_; }
-  [[nodiscard]] bool is_plugged() const noexcept { return generation() % 2 != 0; }
-  // Both return false when there was nothing to do.
-  bool unplug() noexcept;
-  bool replug() noexcept;
-  // NotFound while unplugged; Busy while an earlier device of this plugging is open.
-  [[nodiscard]] Result<std::unique_ptr<bus::HidDevice>> open();
-
-  // +1 at every unplug and replug: odd while plugged.
-  THIMBLE_RT [[nodiscard]] std::uint64_t generation() const noexcept {
-    return generation_.load(std::memory_order_acquire);
+  [[nodiscard]] Result<std::unique_ptr<bus::HidDevice>> open_hid() override;
+  [[nodiscard]] plugin::ArmBackend* arm_backend() noexcept override {
+    return model_->arm_backend();
   }
   // After it returns no frame touches `host`. Waits at most for the frame under way.
-  void detach(SimHid& host) noexcept;
+  void detach(SimHid& host) noexcept { host_.detach(host); }
 
  private:
   THIMBLE_RT void fire(MonotonicTime now) noexcept override;
   THIMBLE_RT void exchange(SimHid* host, MonotonicTime now) noexcept;
 
+  void drop_host() noexcept override;
+
   VirtualClock* clock_;
   std::unique_ptr<plugin::SimHidModel> model_;
-  bus::BusDeviceInfo info_;
   Duration frame_period_;
   std::uint64_t powered_generation_{1};  // clock thread: the generation that the model knows
-  std::atomic<std::uint64_t> generation_{1};
-  // The frame announces in `in_frame_` whom it is about to touch and then looks again whether
-  // that is still the host; detach() changes the host and then waits for the announcement to
-  // go. Sequentially consistent, as the proof needs each side to see the other's first step.
-  std::atomic<SimHid*> host_{nullptr};
-  std::atomic<SimHid*> in_frame_{nullptr};
+  HostSlot<SimHid> host_;
 };
 
 }  // namespace thimble::sim

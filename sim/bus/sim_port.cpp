@@ -1,0 +1,28 @@
+#include "sim/bus/sim_port.hpp"
+
+namespace thimble::sim {
+
+bool SimPort::unplug() noexcept {
+  if (!is_plugged()) return false;
+  generation_.fetch_add(1, std::memory_order_release);
+  drop_host();
+  return true;
+}
+
+bool SimPort::replug() noexcept {
+  if (is_plugged()) return false;
+  generation_.fetch_add(1, std::memory_order_release);
+  return true;
+}
+
+Result<std::unique_ptr<bus::HidDevice>> SimPort::open_hid() {
+  return fail(Errc::InvalidArgument, info_.address.text + " is no HID device");
+}
+
+Result<void> SimPort::check_free(bool is_taken) const {
+  if (!is_plugged()) return fail(Errc::NotFound, info_.address.text + " is unplugged");
+  if (is_taken) return fail(Errc::Busy, info_.address.text + " is open already");
+  return {};
+}
+
+}  // namespace thimble::sim

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <utility>
+
+#include "hal/base/result.hpp"
+#include "hal/bus/bus_enumerator.hpp"
+#include "hal/plugin/sim_model.hpp"
+#include "hal/rt/annotations.hpp"
+
+namespace thimble::sim {
+
+// The plug of one simulated device, of whatever kind: what SimEnumerator knows of it.
+//
+// Thread: generation() from any; the rest from one control thread.
+class SimPort {
+ public:
+  explicit SimPort(bus::BusDeviceInfo info) noexcept : info_(std::move(info)) {}
+  SimPort(const SimPort&) = delete;
+  SimPort& operator=(const SimPort&) = delete;
+  virtual ~SimPort() = default;
+
+  [[nodiscard]] const bus::BusDeviceInfo& info() const noexcept { return info_; }
+  [[nodiscard]] bool is_plugged() const noexcept { return generation() % 2 != 0; }
+  // Both return false when there was nothing to do. An open device is Disconnected from then on.
+  bool unplug() noexcept;
+  bool replug() noexcept;
+  // +1 at every unplug and replug: odd while plugged.
+  THIMBLE_RT [[nodiscard]] std::uint64_t generation() const noexcept {
+    return generation_.load(std::memory_order_acquire);
+  }
+
+  // NotFound while unplugged; Busy while an earlier device of this plugging is open;
+  // InvalidArgument for a device of another kind.
+  [[nodiscard]] virtual Result<std::unique_ptr<bus::HidDevice>> open_hid();
+  [[nodiscard]] virtual plugin::ArmBackend* arm_backend() noexcept = 0;
+
+ protected:
+  // Why this device cannot be opened now, whatever its kind.
+  [[nodiscard]] Result<void> check_free(bool is_taken) const;
+
+ private:
+  virtual void drop_host() noexcept = 0;  // the cable is pulled
+
+  bus::BusDeviceInfo info_;
+  std::atomic<std::uint64_t> generation_{1};
+};
+
+}  // namespace thimble::sim
