@@ -16,4 +16,9 @@ std::string_view to_string(BusKind kind) noexcept {
   return "unknown";
 }
 
+Result<std::unique_ptr<UsbDevice>> BusEnumerator::open_usb(const DeviceAddress& address,
+                                                           const UsbClaim& /*claim*/) {
+  return fail(Errc::Unsupported, address.text + " is on a bus that opens no USB devices");
+}
+
 }  // namespace thimble::bus

@@ -10,6 +10,7 @@
 #include "hal/base/result.hpp"
 #include "hal/bus/device_address.hpp"
 #include "hal/bus/hid_device.hpp"
+#include "hal/bus/usb_device.hpp"
 
 namespace thimble::bus {
 
@@ -27,6 +28,7 @@ struct BusDeviceInfo {
   std::string serial_number;  // empty when the device has none
   std::size_t input_report_bytes{0};
   std::size_t output_report_bytes{0};
+  std::vector<UsbEndpointInfo> endpoints;  // of a USB device, in the order of its descriptors
   bool operator==(const BusDeviceInfo&) const = default;
 };
 
@@ -39,7 +41,7 @@ struct BusEvent {
 // Lists and opens devices of one or several buses, and tells of arrivals and departures.
 //
 // Thread: control plane only, one thread. Not RT.
-// Ownership: must outlive the devices it opened.
+// Ownership: must outlive the devices it opened. Errors: each call says its own.
 class BusEnumerator {
  public:
   virtual ~BusEnumerator() = default;
@@ -50,6 +52,11 @@ class BusEnumerator {
   // NotFound, Busy (opened already), Permission or System.
   [[nodiscard]] virtual Result<std::unique_ptr<HidDevice>> open_hid(
       const DeviceAddress& address) = 0;
+  // The same, and InvalidArgument for a claim that the device's descriptors do not fill. Its IN
+  // pipes are asked from now on; nothing is sent to it. Unsupported where a bus has no such
+  // devices.
+  [[nodiscard]] virtual Result<std::unique_ptr<UsbDevice>> open_usb(const DeviceAddress& address,
+                                                                    const UsbClaim& claim);
 };
 
 }  // namespace thimble::bus

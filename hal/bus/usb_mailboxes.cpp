@@ -1,0 +1,289 @@
+#include "hal/bus/usb_mailboxes.hpp"
+
+#include <algorithm>
+#include <string>
+
+namespace thimble::bus {
+namespace {
+
+// The number of an endpoint as the tools print it: 0x81.
+std::string name_of(std::uint8_t endpoint) {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  return std::string("0x") + kDigits[endpoint / 16] + kDigits[endpoint % 16];
+}
+
+bool is_standard(const UsbControlRequest& request) noexcept {
+  return (request.request_type & kUsbRequestOwnerBits) == 0;
+}
+
+Result<UsbOpenPipe> resolve(const UsbPipe& pipe, std::uint8_t interface_number,
+                            std::span<const UsbEndpointInfo> endpoints) {
+  const auto info =
+      std::find_if(endpoints.begin(), endpoints.end(), [&](const UsbEndpointInfo& endpoint) {
+        return endpoint.address == pipe.endpoint && endpoint.interface_number == interface_number;
+      });
+  const std::string name = "endpoint " + name_of(pipe.endpoint);
+  if (info == endpoints.end()) {
+    return fail(Errc::InvalidArgument, "the device has no " + name + " in that interface");
+  }
+  if (info->kind != UsbTransferKind::Bulk && info->kind != UsbTransferKind::Interrupt) {
+    return fail(Errc::InvalidArgument, name + " is neither bulk nor interrupt");
+  }
+  if (info->max_packet_bytes == 0 || info->max_packet_bytes > kMaxUsbPacketBytes) {
+    return fail(Errc::InvalidArgument, name + " has packets of " +
+                                           std::to_string(info->max_packet_bytes) +
+                                           " bytes; 1 to 512 can be used");
+  }
+  return UsbOpenPipe{pipe, *info};
+}
+
+}  // namespace
+
+Result<std::vector<UsbOpenPipe>> resolve_claim(const UsbClaim& claim,
+                                               std::span<const UsbEndpointInfo> endpoints) {
+  std::vector<UsbOpenPipe> pipes;
+  for (const UsbPipe& wanted : claim.pipes) {
+    const bool is_repeated = std::any_of(
+        pipes.begin(), pipes.end(),
+        [&](const UsbOpenPipe& earlier) { return earlier.pipe.endpoint == wanted.endpoint; });
+    if (is_repeated) {
+      return fail(Errc::InvalidArgument, "endpoint " + name_of(wanted.endpoint) + " claimed twice");
+    }
+    Result<UsbOpenPipe> pipe = resolve(wanted, claim.interface_number, endpoints);
+    if (!pipe.has_value()) return tl::unexpected(pipe.error());
+    pipes.push_back(pipe.value());
+  }
+  return pipes;
+}
+
+void UsbMailboxes::Endings::add(UsbOutcome outcome) noexcept {
+  switch (outcome) {
+    case UsbOutcome::Done:
+      done_.fetch_add(1, std::memory_order_relaxed);
+      return;
+    case UsbOutcome::Stalled:
+      stalled_.fetch_add(1, std::memory_order_relaxed);
+      return;
+    case UsbOutcome::Babbled:
+      babbled_.fetch_add(1, std::memory_order_relaxed);
+      return;
+    case UsbOutcome::Failed:
+      failed_.fetch_add(1, std::memory_order_relaxed);
+      return;
+  }
+}
+
+void UsbMailboxes::Endings::write_to(UsbCounters& counters) const noexcept {
+  counters.stalls = stalled_.load(std::memory_order_relaxed);
+  counters.babbles = babbled_.load(std::memory_order_relaxed);
+  counters.failures = failed_.load(std::memory_order_relaxed);
+}
+
+class UsbMailboxes::InPipe {
+ public:
+  explicit InPipe(UsbDelivery delivery)
+      : queue_(delivery == UsbDelivery::Every ? std::make_unique<Queue>() : nullptr) {}
+
+  IoStatus read(UsbPacket& out) noexcept {
+    const bool is_there = queue_ != nullptr ? queue_->pop(out) : newest_.read(out);
+    if (!is_there) return IoStatus::NoData;
+    skipped_.fetch_add(out.sequence - last_read_ - 1, std::memory_order_relaxed);
+    last_read_ = out.sequence;
+    return IoStatus::Ok;
+  }
+  void finish(UsbOutcome outcome, std::span<const std::uint8_t> packet, MonotonicTime at) noexcept {
+    endings_.add(outcome);
+    if (outcome != UsbOutcome::Done) return;
+    arriving_.size = std::min(packet.size(), arriving_.bytes.size());
+    std::copy_n(packet.begin(), arriving_.size, arriving_.bytes.begin());
+    arriving_.arrived_at = at;
+    ++arriving_.sequence;
+    if (queue_ != nullptr) {
+      queue_->push(arriving_);
+    } else {
+      newest_.write(arriving_);
+    }
+  }
+  void write_to(UsbCounters& counters) const noexcept {
+    endings_.write_to(counters);
+    counters.packets_in = endings_.done();
+    counters.packets_skipped = skipped_.load(std::memory_order_relaxed);
+  }
+
+ private:
+  using Queue = rt::SpscRing<UsbPacket, kUsbQueuedPackets>;
+
+  std::unique_ptr<Queue> queue_;  // Every
+  rt::TripleBuffer<UsbPacket> newest_;
+  // Driver's thread.
+  std::uint64_t last_read_{0};
+  std::atomic<std::uint64_t> skipped_{0};
+  // Bus's thread.
+  UsbPacket arriving_{};
+  Endings endings_;
+};
+
+class UsbMailboxes::OutPipe {
+ public:
+  IoStatus submit(std::span<const std::uint8_t> bytes) noexcept {
+    const bool is_earlier_owed = ended_.load(std::memory_order_relaxed) != submitted_.number;
+    std::copy(bytes.begin(), bytes.end(), submitted_.bytes.begin());
+    submitted_.size = bytes.size();
+    ++submitted_.number;
+    newest_.write(submitted_);
+    return is_earlier_owed ? IoStatus::Backlogged : IoStatus::Ok;
+  }
+  std::span<const std::uint8_t> take() noexcept {
+    if (!is_owed_) {
+      const std::uint64_t before = taken_.number;
+      if (!newest_.read(taken_)) return {};
+      superseded_.fetch_add(taken_.number - before - 1, std::memory_order_relaxed);
+      is_owed_ = true;
+    }
+    return {taken_.bytes.data(), taken_.size};
+  }
+  void finish(UsbOutcome outcome, std::size_t taken_bytes) noexcept {
+    if (!is_owed_) return;
+    is_owed_ = false;
+    if (outcome == UsbOutcome::Done && taken_bytes < taken_.size) {
+      cut_.fetch_add(1, std::memory_order_relaxed);
+    }
+    endings_.add(outcome);
+    ended_.store(taken_.number, std::memory_order_relaxed);
+  }
+  void write_to(UsbCounters& counters) const noexcept {
+    endings_.write_to(counters);
+    counters.packets_out = endings_.done();
+    counters.writes_superseded = superseded_.load(std::memory_order_relaxed);
+    counters.writes_cut = cut_.load(std::memory_order_relaxed);
+  }
+
+ private:
+  struct Packet {
+    std::array<std::uint8_t, kMaxUsbPacketBytes> bytes{};
+    std::size_t size{0};
+    std::uint64_t number{0};  // 1 for the first submit
+  };
+
+  rt::TripleBuffer<Packet> newest_;
+  Packet submitted_{};  // driver's thread
+  // Bus's thread.
+  Packet taken_{};
+  bool is_owed_{false};
+  std::atomic<std::uint64_t> ended_{0};  // number of the last packet that ended
+  std::atomic<std::uint64_t> superseded_{0};
+  std::atomic<std::uint64_t> cut_{0};
+  Endings endings_;
+};
+
+class UsbMailboxes::Pipe {
+ public:
+  explicit Pipe(const UsbOpenPipe& description) : info_(description.info) {
+    if (is_usb_in(info_.address)) {
+      in_ = std::make_unique<InPipe>(description.pipe.delivery);
+    } else {
+      out_ = std::make_unique<OutPipe>();
+    }
+  }
+  [[nodiscard]] const UsbEndpointInfo& info() const noexcept { return info_; }
+  [[nodiscard]] InPipe* in() noexcept { return in_.get(); }     // nullptr: an OUT pipe
+  [[nodiscard]] OutPipe* out() noexcept { return out_.get(); }  // nullptr: an IN pipe
+
+ private:
+  UsbEndpointInfo info_;
+  std::unique_ptr<InPipe> in_;
+  std::unique_ptr<OutPipe> out_;
+};
+
+UsbMailboxes::UsbMailboxes(std::span<const UsbOpenPipe> pipes) {
+  for (const UsbOpenPipe& pipe : pipes) pipes_.push_back(std::make_unique<Pipe>(pipe));
+}
+
+UsbMailboxes::~UsbMailboxes() = default;
+
+UsbMailboxes::Pipe* UsbMailboxes::find(std::uint8_t endpoint) const noexcept {
+  for (const std::unique_ptr<Pipe>& pipe : pipes_) {
+    if (pipe->info().address == endpoint) return pipe.get();
+  }
+  return nullptr;
+}
+
+const UsbEndpointInfo& UsbMailboxes::info(std::size_t pipe) const noexcept {
+  return pipes_[pipe]->info();
+}
+
+IoStatus UsbMailboxes::read(std::uint8_t endpoint, UsbPacket& out) noexcept {
+  if (is_disconnected()) return IoStatus::Disconnected;
+  Pipe* pipe = find(endpoint);
+  if (pipe == nullptr || pipe->in() == nullptr) return IoStatus::ProtocolError;
+  return pipe->in()->read(out);
+}
+
+IoStatus UsbMailboxes::submit(std::uint8_t endpoint,
+                              std::span<const std::uint8_t> packet) noexcept {
+  if (is_disconnected()) return IoStatus::Disconnected;
+  Pipe* pipe = find(endpoint);
+  if (pipe == nullptr || pipe->out() == nullptr) return IoStatus::ProtocolError;
+  if (packet.empty() || packet.size() > pipe->info().max_packet_bytes) {
+    return IoStatus::ProtocolError;
+  }
+  return pipe->out()->submit(packet);
+}
+
+IoStatus UsbMailboxes::start_control(const UsbControlRequest& request) noexcept {
+  if (is_disconnected()) return IoStatus::Disconnected;
+  if (request.length > kMaxUsbControlBytes || is_standard(request)) return IoStatus::ProtocolError;
+  if (is_reply_owed_) return IoStatus::Backlogged;
+  is_reply_owed_ = true;
+  requests_.write(request);
+  return IoStatus::Ok;
+}
+
+IoStatus UsbMailboxes::read_control(UsbControlReply& out) noexcept {
+  if (is_disconnected()) return IoStatus::Disconnected;
+  if (!replies_.read(out)) return IoStatus::NoData;
+  is_reply_owed_ = false;
+  return IoStatus::Ok;
+}
+
+UsbCounters UsbMailboxes::counters(std::uint8_t endpoint) const noexcept {
+  UsbCounters counters;
+  if (endpoint == 0) {
+    control_endings_.write_to(counters);
+    counters.packets_out = control_endings_.done();
+    return counters;
+  }
+  Pipe* pipe = find(endpoint);
+  if (pipe == nullptr) return counters;
+  if (pipe->in() != nullptr) pipe->in()->write_to(counters);
+  if (pipe->out() != nullptr) pipe->out()->write_to(counters);
+  return counters;
+}
+
+std::span<const std::uint8_t> UsbMailboxes::take_out(std::size_t pipe) noexcept {
+  OutPipe* out = pipes_[pipe]->out();
+  return out == nullptr ? std::span<const std::uint8_t>{} : out->take();
+}
+
+void UsbMailboxes::finish_out(std::size_t pipe, UsbOutcome outcome, std::size_t taken) noexcept {
+  if (OutPipe* out = pipes_[pipe]->out(); out != nullptr) out->finish(outcome, taken);
+}
+
+void UsbMailboxes::finish_in(std::size_t pipe, UsbOutcome outcome,
+                             std::span<const std::uint8_t> packet, MonotonicTime at) noexcept {
+  if (InPipe* in = pipes_[pipe]->in(); in != nullptr) in->finish(outcome, packet, at);
+}
+
+const UsbControlRequest* UsbMailboxes::take_control() noexcept {
+  if (!is_request_open_) is_request_open_ = requests_.read(request_);
+  return is_request_open_ ? &request_ : nullptr;
+}
+
+void UsbMailboxes::finish_control(const UsbControlReply& reply) noexcept {
+  if (!is_request_open_) return;
+  is_request_open_ = false;
+  control_endings_.add(reply.outcome);
+  replies_.write(reply);
+}
+
+}  // namespace thimble::bus

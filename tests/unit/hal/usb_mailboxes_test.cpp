@@ -1,0 +1,144 @@
+#include "hal/bus/usb_mailboxes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <atomic>
+#include <thread>
+
+namespace thimble::bus {
+namespace {
+
+constexpr std::uint8_t kIn = 0x81;
+constexpr std::uint8_t kOut = 0x02;
+constexpr std::size_t kInPipe = 0;
+constexpr std::size_t kOutPipe = 1;
+
+std::vector<UsbOpenPipe> pipes(UsbDelivery delivery) {
+  return {{{kIn, delivery}, {0, kIn, UsbTransferKind::Bulk, 64, 0}},
+          {{kOut, UsbDelivery::Newest}, {0, kOut, UsbTransferKind::Bulk, 64, 0}}};
+}
+
+std::array<std::uint8_t, 8> bytes_of(std::uint64_t number) {
+  std::array<std::uint8_t, 8> bytes{};
+  for (std::uint8_t& byte : bytes) {
+    byte = static_cast<std::uint8_t>(number & 0xffU);
+    number >>= 8U;
+  }
+  return bytes;
+}
+
+std::uint64_t number_of(std::span<const std::uint8_t> bytes) {
+  std::uint64_t number = 0;
+  for (std::size_t i = bytes.size(); i-- > 0;) number = number << 8U | bytes[i];
+  return number;
+}
+
+TEST(UsbMailboxes, AnEndThatNobodyAwaitsIsIgnored) {
+  UsbMailboxes sut(pipes(UsbDelivery::Every));
+  sut.finish_out(kOutPipe, UsbOutcome::Done, 16);
+  sut.finish_out(kInPipe, UsbOutcome::Done, 16);
+  sut.finish_in(kOutPipe, UsbOutcome::Done, {}, {});
+  sut.finish_control({});
+  EXPECT_EQ(sut.counters(kOut), UsbCounters{});
+  EXPECT_EQ(sut.counters(0), UsbCounters{});
+  UsbControlReply reply;
+  EXPECT_EQ(sut.read_control(reply), IoStatus::NoData);
+}
+
+TEST(UsbMailboxes, APacketOfWhichTheDeviceTookAPartIsOutAndCut) {
+  UsbMailboxes sut(pipes(UsbDelivery::Every));
+  sut.submit(kOut, bytes_of(1));
+  EXPECT_EQ(sut.take_out(kOutPipe).size(), 8U);
+  sut.finish_out(kOutPipe, UsbOutcome::Done, 5);
+  EXPECT_EQ(sut.counters(kOut).packets_out, 1U);
+  EXPECT_EQ(sut.counters(kOut).writes_cut, 1U);
+}
+
+TEST(UsbMailboxes, APacketLongerThanAnyIsCutToWhatCanBeKept) {
+  UsbMailboxes sut(pipes(UsbDelivery::Newest));
+  const std::vector<std::uint8_t> too_long(kMaxUsbPacketBytes + 100, 7);
+  sut.finish_in(kInPipe, UsbOutcome::Done, too_long, {});
+  UsbPacket packet;
+  ASSERT_EQ(sut.read(kIn, packet), IoStatus::Ok);
+  EXPECT_EQ(packet.size, kMaxUsbPacketBytes);
+}
+
+TEST(UsbMailboxes, BadEndsOfInputDeliverNothing) {
+  UsbMailboxes sut(pipes(UsbDelivery::Every));
+  sut.finish_in(kInPipe, UsbOutcome::Stalled, bytes_of(1), {});
+  sut.finish_in(kInPipe, UsbOutcome::Babbled, bytes_of(1), {});
+  sut.finish_in(kInPipe, UsbOutcome::Failed, bytes_of(1), {});
+  UsbPacket packet;
+  EXPECT_EQ(sut.read(kIn, packet), IoStatus::NoData);
+  EXPECT_EQ(sut.counters(kIn), (UsbCounters{.stalls = 1, .babbles = 1, .failures = 1}));
+}
+
+TEST(UsbClaims, PacketsThatCannotBeKeptAreRefused) {
+  UsbClaim claim;
+  claim.pipes.push_back({kIn, UsbDelivery::Every});
+  for (const std::uint16_t bytes : {std::uint16_t{0}, std::uint16_t{513}, std::uint16_t{65535}}) {
+    const std::array<UsbEndpointInfo, 1> endpoints{{{0, kIn, UsbTransferKind::Bulk, bytes, 0}}};
+    const auto pipes = resolve_claim(claim, endpoints);
+    ASSERT_FALSE(pipes.has_value()) << bytes;
+    EXPECT_NE(pipes.error().message.find("0x81"), std::string::npos) << pipes.error().message;
+  }
+}
+
+TEST(UsbClaims, PipesComeInTheOrderOfTheClaim) {
+  UsbClaim claim;
+  claim.pipes.push_back({kOut, UsbDelivery::Newest});
+  claim.pipes.push_back({kIn, UsbDelivery::Every});
+  const std::array<UsbEndpointInfo, 2> endpoints{
+      {{0, kIn, UsbTransferKind::Bulk, 64, 0}, {0, kOut, UsbTransferKind::Bulk, 32, 0}}};
+  const auto resolved = resolve_claim(claim, endpoints).value();
+  ASSERT_EQ(resolved.size(), 2U);
+  EXPECT_EQ(resolved[0].info.max_packet_bytes, 32);
+  EXPECT_EQ(resolved[1].pipe.delivery, UsbDelivery::Every);
+}
+
+// Both sides at once, as fast as they can: what arrives is whole, in order and counted.
+TEST(UsbMailboxes, TwoThreadsExchangeWithoutTearingOrMiscounting) {
+  UsbMailboxes sut(pipes(UsbDelivery::Every));
+  constexpr std::uint64_t kExchanges = 20000;
+  std::atomic<bool> is_over{false};
+  std::uint64_t taken = 0;
+  std::thread bus([&] {
+    std::uint64_t last = 0;
+    std::uint64_t sent = 0;
+    while (!is_over.load() || !sut.take_out(kOutPipe).empty()) {
+      if (const auto packet = sut.take_out(kOutPipe); !packet.empty()) {
+        const std::uint64_t number = number_of(packet);
+        EXPECT_GT(number, last);
+        last = number;
+        ++taken;
+        sut.finish_out(kOutPipe, UsbOutcome::Done, packet.size());
+      }
+      ++sent;
+      sut.finish_in(kInPipe, UsbOutcome::Done, bytes_of(sent), {});
+      if (sut.take_control() != nullptr) sut.finish_control({});
+    }
+  });
+  std::uint64_t read = 0;
+  UsbPacket packet;
+  UsbControlReply reply;
+  for (std::uint64_t i = 1; i <= kExchanges; ++i) {
+    sut.submit(kOut, bytes_of(i));
+    sut.start_control({});
+    sut.read_control(reply);
+    if (sut.read(kIn, packet) != IoStatus::Ok) continue;
+    ++read;
+    ASSERT_EQ(number_of(packet.payload()), packet.sequence);
+  }
+  is_over.store(true);
+  bus.join();
+  while (sut.read(kIn, packet) == IoStatus::Ok) ++read;
+
+  const UsbCounters out = sut.counters(kOut);
+  EXPECT_EQ(out.packets_out, taken);
+  EXPECT_EQ(out.packets_out + out.writes_superseded, kExchanges);
+  EXPECT_LE(read + sut.counters(kIn).packets_skipped, sut.counters(kIn).packets_in);
+}
+
+}  // namespace
+}  // namespace thimble::bus
