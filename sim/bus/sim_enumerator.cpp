@@ -3,16 +3,36 @@
 #include <utility>
 
 #include "sim/bus/sim_hid_port.hpp"
+#include "sim/bus/sim_usb_port.hpp"
 
 namespace thimble::sim {
 
 using bus::BusEvent;
 using bus::DeviceAddress;
 
+namespace {
+
+// USB 2.0, 5.7.3 and 5.8.3: interrupt and bulk at full speed.
+constexpr std::size_t kMaxFullSpeedPacketBytes = 64;
+
+}  // namespace
+
+Result<void> SimEnumerator::check_new(const DeviceAddress& address, bool has_model) const {
+  if (ports_.find(address) != ports_.end()) return fail(Errc::Busy, address.text + " is taken");
+  if (!has_model) return fail(Errc::InvalidArgument, address.text + ": no model");
+  return {};
+}
+
+void SimEnumerator::add(std::unique_ptr<SimPort> port) {
+  events_.push_back({BusEvent::Kind::Arrived, port->info()});
+  const DeviceAddress address = port->info().address;
+  ports_.emplace(address, std::move(port));
+}
+
 Result<void> SimEnumerator::plug(const DeviceAddress& address,
                                  std::unique_ptr<plugin::SimHidModel> model) {
-  if (find(address) != nullptr) return fail(Errc::Busy, address.text + " is taken");
-  if (model == nullptr) return fail(Errc::InvalidArgument, address.text + ": no model");
+  Result<void> is_new = check_new(address, model != nullptr);
+  if (!is_new.has_value()) return is_new;
   if (model->frame_period() <= Duration(0)) {
     return fail(Errc::InvalidArgument, address.text + ": the model has no frame period");
   }
@@ -21,9 +41,19 @@ Result<void> SimEnumerator::plug(const DeviceAddress& address,
       info.output_report_bytes > bus::kMaxHidReportBytes) {
     return fail(Errc::InvalidArgument, address.text + ": reports are at most 64 bytes long");
   }
-  auto port = std::make_unique<SimHidPort>(*clock_, address, std::move(model));
-  events_.push_back({BusEvent::Kind::Arrived, port->info()});
-  ports_.emplace(address, std::move(port));
+  add(std::make_unique<SimHidPort>(*clock_, address, std::move(model)));
+  return {};
+}
+
+Result<void> SimEnumerator::plug(const DeviceAddress& address,
+                                 std::unique_ptr<plugin::SimUsbModel> model) {
+  Result<void> is_new = check_new(address, model != nullptr);
+  if (!is_new.has_value()) return is_new;
+  for (const bus::UsbEndpointInfo& endpoint : model->describe().endpoints) {
+    if (endpoint.max_packet_bytes <= kMaxFullSpeedPacketBytes) continue;
+    return fail(Errc::InvalidArgument, address.text + ": packets are at most 64 bytes long");
+  }
+  add(std::make_unique<SimUsbPort>(*clock_, address, std::move(model)));
   return {};
 }
 
@@ -64,6 +94,13 @@ Result<std::unique_ptr<bus::HidDevice>> SimEnumerator::open_hid(const DeviceAddr
   SimPort* port = find(address);
   if (port == nullptr) return fail(Errc::NotFound, "no device at " + address.text);
   return port->open_hid();
+}
+
+Result<std::unique_ptr<bus::UsbDevice>> SimEnumerator::open_usb(const DeviceAddress& address,
+                                                                const bus::UsbClaim& claim) {
+  SimPort* port = find(address);
+  if (port == nullptr) return fail(Errc::NotFound, "no device at " + address.text);
+  return port->open_usb(claim);
 }
 
 plugin::ArmBackend* SimEnumerator::arm_backend(const DeviceAddress& address) noexcept {

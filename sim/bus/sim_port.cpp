@@ -19,6 +19,10 @@ Result<std::unique_ptr<bus::HidDevice>> SimPort::open_hid() {
   return fail(Errc::InvalidArgument, info_.address.text + " is no HID device");
 }
 
+Result<std::unique_ptr<bus::UsbDevice>> SimPort::open_usb(const bus::UsbClaim& /*claim*/) {
+  return fail(Errc::InvalidArgument, info_.address.text + " is no bare USB device");
+}
+
 Result<void> SimPort::check_free(bool is_taken) const {
   if (!is_plugged()) return fail(Errc::NotFound, info_.address.text + " is unplugged");
   if (is_taken) return fail(Errc::Busy, info_.address.text + " is open already");

@@ -33,8 +33,10 @@ class SimPort {
   }
 
   // NotFound while unplugged; Busy while an earlier device of this plugging is open;
-  // InvalidArgument for a device of another kind.
+  // InvalidArgument for a device of another kind, or a claim that it does not fill.
   [[nodiscard]] virtual Result<std::unique_ptr<bus::HidDevice>> open_hid();
+  [[nodiscard]] virtual Result<std::unique_ptr<bus::UsbDevice>> open_usb(
+      const bus::UsbClaim& claim);
   [[nodiscard]] virtual plugin::ArmBackend* arm_backend() noexcept = 0;
 
  protected:
