@@ -60,6 +60,10 @@ std::string refuse_no_fault(const std::string& text) {
   return thimble::cli::refuse_whole_number(text, 1, std::numeric_limits<std::uint32_t>::max());
 }
 
+std::string refuse_no_value(const std::string& text) {
+  return thimble::cli::refuse_whole_number(text, 0, std::numeric_limits<std::uint8_t>::max());
+}
+
 // A name goes into the target of a request, and an empty one is no wish for the only arm.
 std::string refuse_no_name(const std::string& text) {
   if (thimble::config::is_name(text)) return "";
@@ -166,7 +170,7 @@ void add_world_command(CLI::App& app, Arguments& arguments, int& code) {
   command
       ->add_option("--cell", edit.cell,
                    "What the cells become: 0 free, 1 filled, 1 + n of the n-th material")
-      ->check(refuse_no_cell);
+      ->check(refuse_no_value);
   command->callback([&] {
     const std::string misfit = thimble::cli::find_misfit(edit);
     if (!misfit.empty()) throw CLI::ValidationError("world", misfit);

@@ -1,6 +1,9 @@
 #include "cli/world_edit.hpp"
 
+#include <algorithm>
+#include <array>
 #include <boost/json.hpp>
+#include <cmath>
 
 namespace thimble::cli {
 namespace {
@@ -12,17 +15,46 @@ json::array list_of(const std::vector<Number>& numbers) {
   return json::array(numbers.begin(), numbers.end());
 }
 
+constexpr double kMaxBrush_m = 1e6;  // docs/api.md
+
+struct Option {
+  const char* name;
+  bool is_said;
+  bool is_allowed;
+  bool is_needed;  // if it is allowed
+};
+
 }  // namespace
 
 std::string find_misfit(const WorldEdit& edit) {
   const bool is_brush = edit.verb == "paint";
-  const char* option = is_brush && !edit.min.empty()         ? "--min"
-                       : is_brush && !edit.max.empty()       ? "--max"
-                       : !is_brush && !edit.center_m.empty() ? "--center"
-                       : !is_brush && edit.radius_m          ? "--radius"
-                       : edit.verb == "clear" && edit.cell   ? "--cell"
-                                                             : nullptr;
-  return option == nullptr ? "" : std::string(option) + " does not go with " + edit.verb;
+  const std::array<Option, 5> options{
+      {{"--min", !edit.min.empty(), !is_brush, !edit.max.empty()},
+       {"--max", !edit.max.empty(), !is_brush, !edit.min.empty()},
+       {"--center", !edit.center_m.empty(), is_brush, is_brush},
+       {"--radius", edit.radius_m.has_value(), is_brush, is_brush},
+       {"--cell", edit.cell.has_value(), edit.verb != "clear", false}}};
+  for (const Option& option : options) {
+    if (option.is_said && !option.is_allowed) {
+      return std::string(option.name) + " does not go with " + edit.verb;
+    }
+  }
+  for (const Option& option : options) {
+    if (option.is_said || !option.is_needed) continue;
+    const bool is_first = &option == options.data();
+    const char* beside = is_brush ? "" : is_first ? " beside --max" : " beside --min";
+    return edit.verb + " needs " + option.name + beside;
+  }
+  for (std::size_t axis = 0; axis < edit.min.size() && axis < edit.max.size(); ++axis) {
+    if (edit.min[axis] > edit.max[axis]) {
+      return std::string("--min is beyond --max along ") + "xyz"[axis];
+    }
+  }
+  const bool is_center = std::all_of(edit.center_m.begin(), edit.center_m.end(),
+                                     [](double at_m) { return std::abs(at_m) <= kMaxBrush_m; });
+  if (!is_center) return "--center is farther than 1e6 m from the origin";
+  const double radius_m = edit.radius_m.value_or(1);
+  return radius_m > 0 && radius_m <= kMaxBrush_m ? "" : "--radius is not above 0 and up to 1e6 m";
 }
 
 std::string body_of(const WorldEdit& edit, const std::array<std::uint32_t, 3>& world_cells) {

@@ -18,11 +18,12 @@ struct WorldEdit {
   std::optional<std::int32_t> cell;
 };
 
-// The option that does not go with the verb, as "--cell does not go with clear"; or nothing. Pure.
+// What no world could make of it, with the option named: "--cell does not go with clear", "paint
+// needs --radius" …; or nothing. Pure.
 [[nodiscard]] std::string find_misfit(const WorldEdit& edit);
 
-// The body of the request (docs/api.md). Cells that are not said are all of `world`; what else is
-// missing or too much, and a world without cells, the daemon refuses with its reason. Pure.
+// The body of the request (docs/api.md). Cells that are not said are all of `world`; what that
+// world cannot take, the daemon refuses with its reason. Pure.
 [[nodiscard]] std::string body_of(const WorldEdit& edit,
                                   const std::array<std::uint32_t, 3>& world_cells);
 

@@ -97,7 +97,7 @@ class Edits(ProcessTest):
         daemon = self.start(config=HELLO)
         good = {"clear": {"min": [0, 0, 0], "max": [0, 0, 0]}}
         for edits, code, part in (
-                ("", 400, "no JSON"), ("[[[[", 400, "no JSON"), ({"smooth": {}}, 400, "expected an edit"),
+                ("", 400, "expected an edit"), ("[[[[", 400, "no JSON"), ({"smooth": {}}, 400, "expected an edit"),
                 ([good, {"fill": {"min": [0, 0, 0], "max": [0, 0, 3]}}], 400, "edit 1: min, max: along z"),
                 ({"box": {"min": [0, 0, 0], "max": [1, 1, 1], "cell": 2}}, 400, "cell: 2"),
                 ({"paint": {"center_m": [0, 0, 0], "radius_m": -1}}, 400, "radius_m")):
@@ -130,7 +130,7 @@ class Edits(ProcessTest):
             self.assertEqual((told.returncode, told.stderr), (0, ""), words)
             self.assertEqual(told.stdout, f"world box: {changed} cells changed\n")
             self.assertEqual(occupied(daemon.status()), left)
-        for words, code in ((["paint"], 1), (["fill", "left"], 1), (["smooth"], 2),
+        for words, code in ((["paint"], 2), (["fill", "left"], 1), (["smooth"], 2),
                             (["fill", "--min", 1, 2], 2), (["paint", "--radius", "nan"], 2)):
             self.assertEqual(self.thimble(daemon, "world", *words).returncode, code, words)
         for words in (["fill", "--cell", ""], ["fill", "--cell", "010"], ["fill", "--cell", "-1"],
@@ -151,5 +151,18 @@ class Edits(ProcessTest):
             self.assertEqual(told.returncode, 2, (words, told.stdout))
             self.assertIn(part, told.stderr)
         self.assertEqual(occupied(daemon.status()), left, "what is refused changes nothing")
+        # What no daemon could take is refused before one is looked for.
+        for words, part in ((["paint", "--radius", 1], "paint needs --center"),
+                            (["paint", "--center", 0, 0, 0], "paint needs --radius"),
+                            (["fill", "--min", 0, 0, 0], "fill needs --max"),
+                            (["clear", "--max", 0, 0, 0], "clear needs --min"),
+                            (["box", "--min", 1, 1, 1, "--max", 1, 0, 1], "--max along y"),
+                            (["paint", "--center", 0, 0, 0, "--radius", 0], "--radius"),
+                            (["paint", "--center", 0, 0, 0, "--radius", -1], "--radius"),
+                            (["paint", "--center", 0, 2e6, 0, "--radius", 1], "--center"),
+                            (["fill", "--cell", 256], "--cell")):
+            told = self.run_program("thimble", "world", *words, "--socket", self.folder / "none")
+            self.assertEqual((told.returncode, told.stdout), (2, ""), words)
+            self.assertIn(part, told.stderr)
         none = self.run_program("thimble", "world", "fill", "--socket", self.folder / "none")
         self.assertEqual(none.returncode, 3)

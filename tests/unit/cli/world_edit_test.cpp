@@ -1,12 +1,18 @@
 #include "cli/world_edit.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <set>
 
 #include "daemon/api/request.hpp"
 
 namespace thimble::cli {
 namespace {
 
+using testing::StartsWith;
 using Kind = api::CellEdit::Kind;
 
 using Understood = tl::expected<api::Action, api::RequestError>;
@@ -36,25 +42,90 @@ TEST(WorldEdit, CellsThatAreNotSaidAreAllOfTheWorld) {
             (api::CellEdit{Kind::Box, {0, 0, 0}, {3, 4, 5}, {}, 0, 1}));
 }
 
-TEST(WorldEdit, HalfOfWhatIsNeededIsLeftToTheDaemonToRefuse) {
-  EXPECT_FALSE(parsed({"fill", {0, 0, 0}, {}, {}, {}, {}}));
-  EXPECT_FALSE(parsed({"paint", {}, {}, {}, 0.01, {}}));
-  EXPECT_FALSE(parsed({"clear", {}, {}, {}, {}, 1}));
-  EXPECT_TRUE(parsed({"fill", {}, {}, {}, {}, {}}, {0, 0, 0}))
-      << "that it has no cells is the daemon's to say";
+TEST(WorldEdit, ThatAWorldHasNoCellsIsTheDaemonsToSay) {
+  EXPECT_TRUE(parsed({"fill", {}, {}, {}, {}, {}}, {0, 0, 0}));
 }
 
-TEST(WorldEdit, NamesTheOptionThatDoesNotGoWithTheVerb) {
-  for (const std::string verb : {"fill", "clear", "box"}) {
-    EXPECT_EQ(find_misfit({verb, {0, 0, 0}, {1, 1, 1}, {}, {}, {}}), "");
-    EXPECT_EQ(find_misfit({verb, {}, {}, {0, 0, 0}, {}, {}}), "--center does not go with " + verb);
-    EXPECT_EQ(find_misfit({verb, {}, {}, {}, 0.1, {}}), "--radius does not go with " + verb);
-    EXPECT_EQ(find_misfit({verb, {}, {}, {}, {}, 0}),
-              verb == "clear" ? "--cell does not go with clear" : "");
+constexpr std::array<const char*, 5> kOptions{"--min", "--max", "--center", "--radius", "--cell"};
+constexpr const char* kVerbs[] = {"fill", "clear", "box", "paint"};
+
+// The options of the bits that are set.
+WorldEdit edit_with(const std::string& verb, unsigned said) {
+  WorldEdit edit{verb, {}, {}, {}, {}, {}};
+  if ((said & 1U) != 0) edit.min = {0, 0, 0};
+  if ((said & 2U) != 0) edit.max = {3, 3, 3};
+  if ((said & 4U) != 0) edit.center_m = {0, 0, 0};
+  if ((said & 8U) != 0) edit.radius_m = 0.01;
+  if ((said & 16U) != 0) edit.cell = 1;
+  return edit;
+}
+
+bool is_good(const std::string& verb, unsigned said) {
+  const unsigned without_cell = said & 15U;
+  if (verb == "paint") return without_cell == 12;
+  return (without_cell == 0 || without_cell == 3) && (verb != "clear" || said < 16);
+}
+
+// An option that is said and not allowed, or that is needed and not said: what may be blamed.
+std::set<std::string> blamable(const std::string& verb, unsigned said) {
+  const unsigned allowed = verb == "paint" ? 28U : verb == "clear" ? 3U : 19U;
+  const unsigned extra = said & ~allowed;
+  const unsigned missing = verb == "paint" ? 12U & ~said : (said & 3U) == 0 ? 0U : 3U & ~said;
+  std::set<std::string> out;
+  for (unsigned i = 0; i < kOptions.size(); ++i) {
+    if ((((extra != 0 ? extra : missing) >> i) & 1U) != 0) out.insert(kOptions[i]);
   }
-  EXPECT_EQ(find_misfit({"paint", {}, {}, {0, 0, 0}, 0.1, 1}), "");
-  EXPECT_EQ(find_misfit({"paint", {0, 0, 0}, {}, {}, {}, {}}), "--min does not go with paint");
-  EXPECT_EQ(find_misfit({"paint", {}, {0, 0, 0}, {}, {}, {}}), "--max does not go with paint");
+  return out;
+}
+
+TEST(WorldEdit, NamesAnOptionOfEveryWrongCombinationAndNoneOfTheGoodOnes) {
+  for (const std::string verb : kVerbs) {
+    for (unsigned said = 0; said < 32; ++said) {
+      const WorldEdit edit = edit_with(verb, said);
+      const std::string misfit = find_misfit(edit);
+      EXPECT_EQ(misfit.empty(), is_good(verb, said)) << verb << " " << said << ": " << misfit;
+      if (is_good(verb, said)) {
+        EXPECT_TRUE(parsed(edit)) << verb << " " << said;
+      } else {
+        const std::set<std::string> blame = blamable(verb, said);
+        EXPECT_TRUE(std::any_of(
+            blame.begin(), blame.end(),
+            [&](const std::string& option) { return misfit.find(option) != std::string::npos; }))
+            << verb << " " << said << ": " << misfit;
+        EXPECT_NE(misfit.find(verb), std::string::npos) << misfit;
+      }
+    }
+  }
+}
+
+TEST(WorldEdit, SaysInWordsWhatIsWrong) {
+  EXPECT_EQ(find_misfit(edit_with("clear", 16)), "--cell does not go with clear");
+  EXPECT_EQ(find_misfit(edit_with("paint", 13)), "--min does not go with paint");
+  EXPECT_EQ(find_misfit(edit_with("paint", 0)), "paint needs --center");
+  EXPECT_EQ(find_misfit(edit_with("paint", 4)), "paint needs --radius");
+  EXPECT_EQ(find_misfit(edit_with("fill", 1)), "fill needs --max beside --min");
+}
+
+TEST(WorldEdit, TakesBallsThatTheDaemonTakes) {
+  for (const double good_m : {1e-300, 0.01, 1e6}) {
+    EXPECT_EQ(find_misfit({"paint", {}, {}, {0, -good_m, good_m}, good_m, {}}), "") << good_m;
+  }
+  for (const double wrong_m : {0.0, -0.0, -0.01, 1.000001e6}) {
+    EXPECT_THAT(find_misfit({"paint", {}, {}, {0, 0, 0}, wrong_m, {}}), StartsWith("--radius"));
+  }
+  for (const double wrong_m : {-1e300, 1.000001e6}) {
+    EXPECT_THAT(find_misfit({"paint", {}, {}, {0, 0, wrong_m}, 1, {}}), StartsWith("--center"));
+  }
+}
+
+TEST(WorldEdit, NamesTheAxisAlongWhichItEndsBeforeItBegins) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    WorldEdit edit = edit_with("box", 3);
+    edit.min[axis] = 4;
+    EXPECT_EQ(find_misfit(edit), std::string("--min is beyond --max along ") + "xyz"[axis]);
+    edit.min[axis] = 3;
+    EXPECT_EQ(find_misfit(edit), "") << "one cell is a block, too";
+  }
 }
 
 }  // namespace
