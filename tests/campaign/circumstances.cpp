@@ -2,12 +2,13 @@
 
 #include <algorithm>
 
+#include "daemon/link/world_session.hpp"
 #include "daemon/world/voxel_world.hpp"
 
 namespace thimble::campaign {
 
 Circumstances::Circumstances(const Programme& programme, test::ClosedLoop& loop)
-    : programme_(&programme), loop_(&loop) {
+    : programme_(&programme), loop_(&loop), edits_(*loop.runtime().worlds().front()) {
   for (std::size_t i = 0; i < programme.events.size(); ++i) {
     const Event& event = programme.events[i];
     edges_.push_back({MonotonicTime{event.at}, i, true});
@@ -33,6 +34,11 @@ Duration Circumstances::prepare(MonotonicTime now) {
   return late_;
 }
 
+Position3 Circumstances::hand() {
+  const servo::ServoFrame& frame = loop_->frame();
+  return frame.tip + frame.offset;
+}
+
 void Circumstances::begin(const Event& event) {
   ++happened_[static_cast<std::size_t>(event.kind)];
   if (event.kind == EventKind::Unplug && on_[static_cast<std::size_t>(event.kind)] == 1) {
@@ -43,6 +49,7 @@ void Circumstances::begin(const Event& event) {
   if (event.kind == EventKind::LateServo) late_ += event.lasts;
   if (event.kind == EventKind::Shove) push_ += event.push;
   if (event.kind == EventKind::FillCell) fill(event, true);
+  if (is_edit(event.kind)) edits_.begin(event, hand());
   apply(event.kind);
 }
 
@@ -51,6 +58,7 @@ void Circumstances::end(const Event& event) {
   if (event.kind == EventKind::Shove)
     push_ = is_on(EventKind::Shove) ? push_ - event.push : Force3{};
   if (event.kind == EventKind::FillCell) fill(event, false);
+  if (is_edit(event.kind)) edits_.end(event);
   apply(event.kind);
 }
 
@@ -85,7 +93,8 @@ void Circumstances::ask_to_clear(bool is_for_other) {
 }
 
 void Circumstances::fill(const Event& event, bool is_filled) {
-  auto& world = dynamic_cast<world::VoxelWorld&>(loop_->world());
+  if (loop_->world().editable() == nullptr) return;
+  world::VoxelWorld& world = *loop_->world().editable();
   const auto& cells = world.info().cells;
   std::uint64_t rest = event.cell;
   const auto draw = [&rest](std::uint32_t n) {
@@ -97,9 +106,22 @@ void Circumstances::fill(const Event& event, bool is_filled) {
   const std::int32_t y = draw(cells[1]);
   const std::int32_t z = draw(cells[2]);
   // A world without a free cell refuses the hand: then no reply is owed.
-  const std::size_t all = std::size_t{cells[0]} * cells[1] * cells[2];
-  if (is_filled && world.occupied_cells() + 1 >= all) return;
+  if (is_filled && world.occupied_cells() + 1 >= all_cells(world)) return;
   world.set_cell({x, y, z}, is_filled);
+}
+
+void Circumstances::look_at_world(Observation& observation) {
+  const MonotonicTime now = observation.servo.frame.now;
+  const bool is_waiting = edits_.waiting() > 0;
+  if (is_waiting || edits_.has_applied()) world_ok_since_ = now;
+  if (!is_waiting || is_on(EventKind::NetworkDown)) edits_ok_since_ = now;
+  const world::World& world = loop_->world();
+  // One that was refused asks again after a while.
+  const bool is_full = world.grid() != nullptr && world.occupied_cells() >= all_cells(world);
+  if (is_full) replies_ok_since_ = now + link::WorldSession::kRetry;
+  observation.world_ok_since = world_ok_since_;
+  observation.edits_ok_since = edits_ok_since_;
+  observation.replies_ok_since = replies_ok_since_;
 }
 
 bool Circumstances::is_cable_disturbed() const noexcept {
@@ -143,6 +165,7 @@ void Circumstances::describe(Observation& observation) {
   observation.cable_ok_since = cable_ok_since_;
   observation.network_ok_since = network_ok_since_;
   observation.opening_ok_since = opening_ok_since_;
+  look_at_world(observation);
 }
 
 }  // namespace thimble::campaign

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "tests/campaign/edits.hpp"
 #include "tests/campaign/invariant.hpp"
 #include "tests/campaign/programme.hpp"
 #include "tests/support/closed_loop.hpp"
@@ -22,6 +23,7 @@ class Circumstances {
   [[nodiscard]] Duration prepare(MonotonicTime now);
   // After it: what an invariant has to know of them.
   void describe(Observation& observation);
+  [[nodiscard]] std::uint64_t edits_applied() const noexcept { return edits_.applied(); }
   [[nodiscard]] const std::array<std::uint64_t, kEventKindCount>& happened() const noexcept {
     return happened_;
   }
@@ -37,15 +39,19 @@ class Circumstances {
   void apply(EventKind kind);
   void ask_to_clear(bool is_for_other);
   void fill(const Event& event, bool is_filled);
+  // The tip as the world sees it.
+  [[nodiscard]] Position3 hand();
   [[nodiscard]] bool is_on(EventKind kind) const noexcept {
     return on_[static_cast<std::size_t>(kind)] > 0;
   }
   [[nodiscard]] bool is_cable_disturbed() const noexcept;
   // Whether single reports suffered anything since the last tick.
   [[nodiscard]] bool look_at_reports(Observation& observation);
+  void look_at_world(Observation& observation);
 
   const Programme* programme_;
   test::ClosedLoop* loop_;
+  Edits edits_;
   std::vector<Edge> edges_;  // by time
   std::size_t next_{0};
   std::array<int, kEventKindCount> on_{};  // how many of a kind last
@@ -60,6 +66,9 @@ class Circumstances {
   MonotonicTime cable_ok_since_{};
   MonotonicTime network_ok_since_{};
   MonotonicTime opening_ok_since_{};
+  MonotonicTime world_ok_since_{Duration::min() / 2};
+  MonotonicTime edits_ok_since_{};
+  MonotonicTime replies_ok_since_{};
 };
 
 }  // namespace thimble::campaign

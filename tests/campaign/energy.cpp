@@ -15,6 +15,8 @@ using std::chrono::milliseconds;
 constexpr double kOnTheWay_j = 0.5e-3;
 // How long a disturbance of the cable, of the network or of the ticks shows.
 constexpr Duration kAftermath = milliseconds(150);
+// A ghost in matter that an edit brought is pushed out, with force: four cells at 0.1 m/s at most.
+constexpr Duration kPushOut = milliseconds(1200);
 // No hand of the campaign is faster by itself. A tip that is shoved moves on while its force is on
 // the way: at 1 m/s by 3 mm, which no wall behind this bus makes good.
 constexpr double kByHand_m_per_s = 0.3;
@@ -60,7 +62,8 @@ class Energy final : public Invariant {
   void excuse(const Observation& now) noexcept {
     const servo::ServoFrame& frame = now.servo.frame;
     const bool is_disturbed = frame.now - now.cable_ok_since < kAftermath ||
-                              frame.now - now.network_ok_since < kAftermath;
+                              frame.now - now.network_ok_since < kAftermath ||
+                              frame.now - now.world_ok_since < kAftermath + kPushOut;
     // A contact counter that starts again belongs to another activation.
     const bool is_another = frame.contacts < contacts_before_;
     const bool is_shoved = norm(now.truth.tip_velocity) > kByHand_m_per_s;

@@ -80,6 +80,7 @@ void finish(test::ClosedLoop& loop, const Circumstances& circumstances, std::uin
             Tally& tally) {
   tally.episodes = 1;
   tally.events = circumstances.happened();
+  tally.edits = circumstances.edits_applied();
   tally.reports = loop.injected();
   tally.reports.by_kind[static_cast<std::size_t>(sim::FaultKind::TruncateOut)] = cut;
   const link::LinkStatus link = loop.arm().link_status();
@@ -110,6 +111,7 @@ void Tally::add(const Tally& other) noexcept {
   cleared += other.cleared;
   unplugged += other.unplugged;
   recoveries += other.recoveries;
+  edits += other.edits;
   contacts += other.contacts;
   peak_newton = std::max(peak_newton, other.peak_newton);
 }

@@ -29,6 +29,7 @@ struct Tally {
   std::uint64_t cleared{0};
   std::uint64_t unplugged{0};   // Active or not, to Lost
   std::uint64_t recoveries{0};  // driven again after a fault or a loss
+  std::uint64_t edits{0};       // applied
   std::uint64_t contacts{0};
   double peak_newton{0};
 

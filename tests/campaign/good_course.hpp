@@ -68,6 +68,7 @@ class GoodCourse {
     ++now.wire.reports;
     now.wire.last_report = frame.now;
     if (newton > 0) now.wire.last_nonzero = frame.now;
+    now.edits_ok_since = frame.now;
   }
 
   std::unique_ptr<Invariant> sut_;

@@ -30,7 +30,10 @@ struct Observation {
   // Since when nothing disturbs them.
   MonotonicTime cable_ok_since{};
   MonotonicTime network_ok_since{};
-  MonotonicTime opening_ok_since{};  // the arm is there and may be opened
+  MonotonicTime world_ok_since{Duration::min() / 2};  // nobody edits it
+  MonotonicTime edits_ok_since{};                     // none waits, or the network hears nothing
+  MonotonicTime replies_ok_since{};                   // it has room for a hand
+  MonotonicTime opening_ok_since{};                   // the arm is there and may be opened
 };
 
 // What the judges need to know of the configuration. Newton, metre, second.

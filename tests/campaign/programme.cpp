@@ -15,7 +15,8 @@ constexpr std::array<std::string_view, kEventKindCount> kNames{
     "drop-in",      "drop-out",     "delay-in",     "delay-out",    "corrupt-in",  "corrupt-out",
     "truncate-in",  "truncate-out", "stall",        "disconnect",   "refuse-open", "lose-events",
     "delay-events", "unplug",       "estop",        "deadman-open", "withdraw",    "clear",
-    "clear-other",  "late-servo",   "network-down", "shove",        "fill-cell"};
+    "clear-other",  "late-servo",   "network-down", "shove",        "fill-cell",   "edit-fill",
+    "edit-clear",   "edit-box",     "edit-paint",   "edit-all"};
 
 // How long an event of each kind lasts: about as long as its limits of DESIGN section 4 and
 // longer, so that both sides of each are met.
@@ -47,6 +48,11 @@ constexpr std::array<Spread, kEventKindCount> kSpreads{{
     {0.005, 0.6},    // network-down
     {0.005, 0.3},    // shove
     {0.05, 2.0},     // fill-cell
+    {0.05, 2.0},     // edit-fill
+    {0.05, 2.0},     // edit-clear
+    {0.05, 2.0},     // edit-box
+    {0.05, 2.0},     // edit-paint
+    {0.01, 0.5},     // edit-all
 }};
 
 // Long ones are rarer: the square of the chance.
@@ -65,7 +71,7 @@ Force3 some_push(Dice& dice) {
 
 Event some_event(EventKind kind, Duration at, Dice& dice) {
   Event event{kind, at, length_of(kind, dice)};
-  if (kind == EventKind::FillCell) event.cell = dice.bits();
+  if (kind == EventKind::FillCell || is_edit(kind)) event.cell = dice.bits();
   if (kind == EventKind::Shove) event.push = some_push(dice);
   return event;
 }
@@ -80,18 +86,21 @@ void add_clears(Duration end, Dice& dice, std::vector<Event>& events) {
   }
 }
 
-void add_events(Duration end, double per_s, Dice& dice, std::vector<Event>& events) {
+void add_events(Duration end, double per_s, bool is_edited, Dice& dice,
+                std::vector<Event>& events) {
+  const std::size_t kinds =
+      is_edited ? kEventKindCount : static_cast<std::size_t>(EventKind::EditFill);
   // In the first two seconds the person calibrates and the force ramps up: mostly left alone.
   Duration at = dice.chance(0.8) ? milliseconds(1800) : Duration{};
   while (true) {
     at += microseconds(100) *
           static_cast<std::int64_t>(1 + dice.below(static_cast<std::uint64_t>(20'000 / per_s)));
     if (at >= end) return;
-    const auto kind = static_cast<EventKind>(dice.below(kEventKindCount));
+    const auto kind = static_cast<EventKind>(dice.below(kinds));
     events.push_back(some_event(kind, at, dice));
     // Troubles do not come alone.
     if (!dice.chance(0.2)) continue;
-    const auto other = static_cast<EventKind>(dice.below(kEventKindCount));
+    const auto other = static_cast<EventKind>(dice.below(kinds));
     events.push_back(some_event(other, at + milliseconds(dice.below(30)), dice));
   }
 }
@@ -145,6 +154,7 @@ Setup some_setup(Dice& dice) {
   setup.amplifier_a = dice.chance(0.2) ? dice.uniform(0.5, 6) : 3;
   if (dice.chance(0.2)) setup.ramp_s = dice.uniform(0.5, 1.5);
   setup.is_realtime_required = dice.chance(0.1);
+  setup.is_edited = dice.chance(0.35);
   draw_link(dice, setup);
   setup.noise = some_noise(dice);
   return setup;
@@ -163,7 +173,7 @@ std::string line_of(const Event& event) {
     std::snprintf(end + size, room(), ", %.17g %.17g %.17g N", event.push.x, event.push.y,
                   event.push.z);
   }
-  if (event.kind == EventKind::FillCell) {
+  if (event.kind == EventKind::FillCell || is_edit(event.kind)) {
     std::snprintf(end + size, room(), ", number %llu", static_cast<unsigned long long>(event.cell));
   }
   return std::string(line.data()) + '\n';
@@ -223,7 +233,7 @@ Programme draw(std::uint64_t seed, std::uint64_t episode) {
   constexpr std::array kEvents_per_s{0.2, 1.0, 1.0, 5.0};
   const double per_s = kEvents_per_s[dice.below(kEvents_per_s.size())];
   const Duration end = from_seconds(static_cast<double>(programme.ticks) / programme.setup.rate_hz);
-  add_events(end, per_s, dice, programme.events);
+  add_events(end, per_s, programme.setup.is_edited, dice, programme.events);
   add_clears(end, dice, programme.events);
   std::stable_sort(programme.events.begin(), programme.events.end(),
                    [](const Event& a, const Event& b) { return a.at < b.at; });

@@ -39,15 +39,25 @@ enum class EventKind : std::uint8_t {
   NetworkDown,  // while it lasts
   Shove,        // somebody pushes the tip while it lasts
   FillCell,     // a cell of the world is filled while it lasts
+  // Edits as a client of the API makes them; when one ends, its place is cleared and the walls of
+  // the box stand again.
+  EditFill,   // some cells, now and then all
+  EditClear,  // some are freed
+  EditBox,    // the outer layers of some
+  EditPaint,  // those about a point
+  EditAll,    // no cell is left free
 };
-inline constexpr std::size_t kEventKindCount = 23;
+inline constexpr std::size_t kEventKindCount = 28;
+[[nodiscard]] constexpr bool is_edit(EventKind kind) noexcept {
+  return kind >= EventKind::EditFill;
+}
 [[nodiscard]] std::string_view to_string(EventKind kind) noexcept;
 
 struct Event {
   EventKind kind{};
   Duration at{};  // since the episode's start
   Duration lasts{};
-  std::uint64_t cell{0};  // FillCell
+  std::uint64_t cell{0};  // FillCell and edits: which
   Force3 push{};          // Shove
   bool operator==(const Event&) const = default;
 };
@@ -71,6 +81,7 @@ struct Setup {
   double amplifier_a{3};
   double ramp_s{0.5};
   bool is_realtime_required{false};
+  bool is_edited{false};  // clients edit the world
   double delay_s{0};
   double jitter_s{0};
   double loss{0};

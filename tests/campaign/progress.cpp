@@ -29,6 +29,8 @@ class Progress final : public Invariant {
     see_samples(now, findings);
     see_replies(now, findings);
     see_opening(now, findings);
+    findings.at_most("an edit waits for, s", seconds(frame.now - now.edits_ok_since),
+                     seconds(kPatience));
   }
 
  private:
@@ -48,8 +50,8 @@ class Progress final : public Invariant {
     const bool is_expected =
         frame.state == OperatingState::Active && !frame.is_stale && bounds_.is_network_lossless;
     if (!is_expected || !frame.is_frozen) answered_ = frame.now;
-    const MonotonicTime from =
-        std::max(std::max(answered_, now.network_ok_since), now.cable_ok_since);
+    const MonotonicTime from = std::max(std::max(answered_, now.network_ok_since),
+                                        std::max(now.cable_ok_since, now.replies_ok_since));
     findings.at_most("no reply used for, s", seconds(frame.now - from),
                      seconds(kPatience + 2 * bounds_.round_trip));
   }

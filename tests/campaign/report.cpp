@@ -49,7 +49,8 @@ std::string to_text(const Tally& tally) {
     text += count(to_string(static_cast<FaultCode>(i)), tally.latched[i]);
   }
   text += "and then\n" + count("cleared", tally.cleared) + count("arms lost", tally.unplugged) +
-          count("driven again", tally.recoveries) + count("contacts", tally.contacts) +
+          count("driven again", tally.recoveries) + count("edits applied", tally.edits) +
+          count("contacts", tally.contacts) +
           format("  %-20s %12.3f N\n", "largest force sent", tally.peak_newton);
   return text;
 }

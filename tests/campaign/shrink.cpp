@@ -104,8 +104,9 @@ class Shrinker {
           &Setup::stiffness_newton_per_m}) {
       try_plain(member);
     }
-    for (const auto member : {&Setup::is_lock_step, &Setup::is_thesis_literal,
-                              &Setup::is_simple_model, &Setup::is_realtime_required}) {
+    for (const auto member :
+         {&Setup::is_lock_step, &Setup::is_thesis_literal, &Setup::is_simple_model,
+          &Setup::is_realtime_required, &Setup::is_edited}) {
       try_plain(member);
     }
     try_plain(&Setup::cells);
