@@ -33,6 +33,7 @@ class Energy final : public Invariant {
     if (!bounds_.is_energy_bounded) return;
     const servo::ServoFrame& frame = now.servo.frame;
     if (norm(now.truth.motor_force) == 0 && norm(force_) == 0) begin_touch(frame);
+    is_touched_ = is_touched_ || norm(now.truth.motor_force) > 0;
     const Force3 mean = 0.5 * (force_ + now.truth.motor_force);
     given_j_ += dot(mean, now.truth.tip - tip_);
     force_ = now.truth.motor_force;
@@ -42,8 +43,15 @@ class Energy final : public Invariant {
     if (!is_excused_) findings.at_most("energy made by a touch, J", given_j_, allowed(frame));
   }
 
+  void tell(Judged& judged) const override {
+    judged.touches += judged_.touches;
+    judged.excused_touches += judged_.excused_touches;
+  }
+
  private:
   void begin_touch(const servo::ServoFrame& frame) noexcept {
+    if (is_touched_) ++(is_excused_ ? judged_.excused_touches : judged_.touches);
+    is_touched_ = false;
     given_j_ = 0;
     raised_j_ = 0;
     offset_m_ = 0;
@@ -86,6 +94,8 @@ class Energy final : public Invariant {
   double gain_{0};
   std::uint32_t contacts_before_{0};
   bool is_excused_{false};
+  bool is_touched_{false};
+  Judged judged_{};
   Force3 force_{};
   Position3 tip_{};
 };

@@ -113,6 +113,8 @@ void Tally::add(const Tally& other) noexcept {
   recoveries += other.recoveries;
   edits += other.edits;
   contacts += other.contacts;
+  judged.touches += other.judged.touches;
+  judged.excused_touches += other.judged.excused_touches;
   peak_newton = std::max(peak_newton, other.peak_newton);
 }
 
@@ -145,6 +147,7 @@ Ending play(const Programme& programme, const Planted& planted) {
     trace.add(observation.servo.frame, observation.truth);
     count(before, observation.servo, is_down, ending.tally);
   }
+  for (const auto& invariant : invariants) invariant->tell(ending.tally.judged);
   finish(loop, circumstances, observation.wire.cut, ending.tally);
   ending.breach = findings.breach();
   ending.trace = trace.value();

@@ -31,6 +31,7 @@ struct Tally {
   std::uint64_t recoveries{0};  // driven again after a fault or a loss
   std::uint64_t edits{0};       // applied
   std::uint64_t contacts{0};
+  Judged judged{};  // of its touches that ended
   double peak_newton{0};
 
   void add(const Tally& other) noexcept;

@@ -36,6 +36,11 @@ class GoodCourse {
       sut_->see(now, findings_);
     }
   }
+  [[nodiscard]] Judged judged() const {
+    Judged judged;
+    sut_->tell(judged);
+    return judged;
+  }
   // Empty: nothing was broken.
   [[nodiscard]] std::string broken() const {
     return findings_.breach() ? findings_.breach()->rule : "";

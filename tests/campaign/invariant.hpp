@@ -78,12 +78,20 @@ class Findings {
   std::optional<Breach> breach_;
 };
 
+// What a judge that may look away did judge.
+struct Judged {
+  std::uint64_t touches{0};
+  std::uint64_t excused_touches{0};
+};
+
 // One thing that must hold in every tick of any session; docs/campaign.md has them all, with
 // the source of each bound. Deterministic, and cheap: it looks at each of a billion ticks.
 class Invariant {
  public:
   virtual ~Invariant() = default;
   virtual void see(const Observation& now, Findings& findings) = 0;
+  // Adds its own to `judged`, at the end.
+  virtual void tell(Judged& /*judged*/) const {}
 };
 
 [[nodiscard]] std::unique_ptr<Invariant> make_sent_force(const Bounds& bounds);

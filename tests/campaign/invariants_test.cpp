@@ -310,9 +310,9 @@ TEST(Recovery, SeesAGhostThatDoesNotStartAtTheHand) {
 }
 
 // The tip is pushed to and fro in a wall of 800 N/m, `back` times as hard on the way back.
-std::string push_and_return(double back, Observation& quirk) {
-  GoodCourse course(&make_energy);
+void push_and_return(GoodCourse& course, double back, const Observation& quirk) {
   const auto rest = [](Observation& now) {
+    now.servo.frame.is_limited = false;
     now.truth.motor_force = {};
     now.truth.tip = {};
   };
@@ -330,7 +330,24 @@ std::string push_and_return(double back, Observation& quirk) {
     });
   }
   course.run(1, rest);
+}
+std::string push_and_return(double back, const Observation& quirk) {
+  GoodCourse course(&make_energy);
+  push_and_return(course, back, quirk);
   return course.broken();
+}
+
+TEST(Energy, TellsHowManyTouchesItJudged) {
+  GoodCourse course(&make_energy);
+  Observation quirk;
+  for (const bool is_limited : {false, true, true, false, true}) {
+    quirk.servo.frame.is_limited = is_limited;
+    push_and_return(course, 1, quirk);
+  }
+  EXPECT_EQ(course.broken(), "");
+  EXPECT_EQ(course.judged().touches, 2U);
+  EXPECT_EQ(course.judged().excused_touches, 3U + 1)
+      << "and the one that the good course begins with";
 }
 
 TEST(Energy, HoldsForASpringAndSeesOneThatGivesMoreThanItTook) {

@@ -19,10 +19,12 @@ namespace campaign = thimble::campaign;
 constexpr int kExitKept = 0;
 constexpr int kExitBroken = 1;
 constexpr int kExitUsage = 2;
+constexpr int kExitBlind = 3;
 
 struct Arguments {
   campaign::Order order;
   std::optional<std::uint64_t> episode;
+  std::uint64_t least_judged{0};
   bool is_to_shrink{true};
   bool is_quiet{false};
 };
@@ -82,6 +84,12 @@ int run_all(const Arguments& arguments) {
                 outcome.tally.played_s / wall_s, outcome.tally.played_s / core_s());
   say(speed);
   if (!outcome.failure) {
+    const std::uint64_t judged = outcome.tally.judged.touches;
+    if (judged < arguments.least_judged) {
+      say("BLIND: the work of " + std::to_string(judged) + " touches was judged, instead of " +
+          std::to_string(arguments.least_judged) + " at least\n");
+      return kExitBlind;
+    }
     say("no rule was broken\n");
     return kExitKept;
   }
@@ -111,6 +119,9 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--jobs", arguments.order.jobs, "Episodes at a time")
       ->check(refuse_jobs)
       ->capture_default_str();
+  app.add_option("--least-judged", arguments.least_judged,
+                 "Touches whose work must have been judged, or it ends in failure")
+      ->check(refuse_less_than<0>);
   app.add_flag("!--no-shrink", arguments.is_to_shrink, "Leave a failing episode as it is");
   app.add_flag("--quiet", arguments.is_quiet, "Say nothing before the end");
 }

@@ -50,7 +50,8 @@ std::string to_text(const Tally& tally) {
   }
   text += "and then\n" + count("cleared", tally.cleared) + count("arms lost", tally.unplugged) +
           count("driven again", tally.recoveries) + count("edits applied", tally.edits) +
-          count("contacts", tally.contacts) +
+          count("contacts", tally.contacts) + count("touches judged", tally.judged.touches) +
+          count("touches excused", tally.judged.excused_touches) +
           format("  %-20s %12.3f N\n", "largest force sent", tally.peak_newton);
   return text;
 }
