@@ -253,6 +253,7 @@ void GhostPointArm::shift(Displacement3 by) noexcept {
 
 void GhostPointArm::press(const ArmInput& input, ArmOutput& output) noexcept {
   Force3 force{};
+  update_spring_budget(input.now);
   for (Contact& contact : contacts_) {
     if (!contact.is_held) continue;
     const double depth = depth_m(contact.plane, last_hand_);
@@ -265,7 +266,7 @@ void GhostPointArm::press(const ArmInput& input, ArmOutput& output) noexcept {
     if (!contact.is_pressing) {
       begin(contact, input, output);
     } else {
-      advance_ramp(contact, input.dt);
+      advance_ramp(contact, input.dt, depth);
     }
     contact.has_pressed = true;
     contact.last_pressed = input.now;
@@ -325,14 +326,36 @@ Force3 GhostPointArm::rub(Contact& contact, const ArmInput& input,
   return Force3{-share * wanted.x, -share * wanted.y, -share * wanted.z};
 }
 
+// What teleop.md 2(e) grants the coordinate spring in one touch, and no more (decision 0057). A
+// face that is found again within the guard has its old touch to thank for what the spring gave.
+void GhostPointArm::update_spring_budget(MonotonicTime now) noexcept {
+  const auto is_pressing = [](const Contact& contact) { return contact.is_pressing; };
+  const auto is_recent = [&](const Contact& contact) {
+    return contact.has_pressed && now - contact.last_pressed <= settings_.redetection_guard;
+  };
+  const double offset_m2 = dot(offset_, offset_);
+  const bool is_touching = std::any_of(contacts_.begin(), contacts_.end(), is_pressing);
+  touch_offset_m2_ = is_touching ? std::max(touch_offset_m2_, offset_m2) : offset_m2;
+  if (std::none_of(contacts_.begin(), contacts_.end(), is_recent)) spring_spent_joule_ = 0;
+}
+
 // Only a frame that was pushed away along the normal pulls back; one displaced the other way
-// would draw the finger into the wall.
-void GhostPointArm::advance_ramp(Contact& contact, Duration dt) const noexcept {
+// would draw the finger into the wall. A spring that grows under a finger that presses gives the
+// hand the growth times the depth; a finger deeper than half of the offset would get more than
+// the shift stored.
+void GhostPointArm::advance_ramp(Contact& contact, Duration dt, double depth) noexcept {
   const double target_m = std::max(0.0, -dot(contact.plane.normal, offset_));
   const double ramp_s = seconds(settings_.coordinate_spring_ramp);
   contact.ramp_elapsed_s += std::max(0.0, seconds(dt));
   const double share = ramp_s > 0 ? std::min(1.0, contact.ramp_elapsed_s / ramp_s) : 1.0;
-  contact.shown_m = contact.ramp_from_m + (target_m - contact.ramp_from_m) * share;
+  const double wanted_m = contact.ramp_from_m + (target_m - contact.ramp_from_m) * share;
+  const double price_newton = settings_.coordinate_spring.newton_per_m * depth;
+  const double granted_joule =
+      settings_.coordinate_spring.newton_per_m * touch_offset_m2_ / 2 - spring_spent_joule_;
+  double rise_m = wanted_m - contact.shown_m;
+  if (rise_m * price_newton > granted_joule) rise_m = std::max(0.0, granted_joule) / price_newton;
+  spring_spent_joule_ += std::max(0.0, rise_m) * price_newton;
+  contact.shown_m += rise_m;
 }
 
 Stiffness GhostPointArm::stiffness_of(const ConstraintPlane& plane) const noexcept {

@@ -99,7 +99,8 @@ class GhostPointArm final : public ArmCoupling {
   void begin(Contact& contact, const ArmInput& input, ArmOutput& output) noexcept;
   [[nodiscard]] Force3 rub(Contact& contact, const ArmInput& input,
                            double wall_newton) const noexcept;
-  void advance_ramp(Contact& contact, Duration dt) const noexcept;
+  void update_spring_budget(MonotonicTime now) noexcept;
+  void advance_ramp(Contact& contact, Duration dt, double depth_m) noexcept;
   [[nodiscard]] Stiffness stiffness_of(const ConstraintPlane& plane) const noexcept;
   [[nodiscard]] Damping damping_of(const ConstraintPlane& plane) const noexcept;
   [[nodiscard]] double friction_of(const ConstraintPlane& plane) const noexcept;
@@ -109,6 +110,9 @@ class GhostPointArm final : public ArmCoupling {
   ConstraintAge age_;
   ContactList contacts_{};
   Displacement3 offset_{};
+  // Of the touch that lasts: the largest offset, squared, and what its coordinate spring gave.
+  double touch_offset_m2_{0};
+  double spring_spent_joule_{0};
   Position3 last_hand_{};
   std::uint64_t sequence_{0};
   std::uint64_t applied_reply_{0};

@@ -112,6 +112,75 @@ TEST(GhostPointProperty, ANewWallOfAnyDirectionLeavesTheFingerAtMostHysteresisIn
   }
 }
 
+// A corner of three walls, told of only when the hand is already up to 30 mm past it.
+class LateCorner {
+ public:
+  explicit LateCorner(MadWorld& dice) { move(dice); }
+  void move(MadWorld& dice) {
+    for (double& face_m : faces_m_) face_m = dice.chance(3) ? 1 : dice.uniform(-0.03, 0.0);
+  }
+  [[nodiscard]] std::vector<ConstraintPlane> around(Position3 hand) const {
+    std::vector<ConstraintPlane> planes;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      Direction3 normal{};
+      normal[axis] = 1;
+      if (hand[axis] > faces_m_[axis]) planes.push_back(wall(normal, faces_m_[axis]));
+    }
+    return planes;
+  }
+
+ private:
+  std::array<double, 3> faces_m_{};
+};
+
+// teleop.md 2(e): N * KH^2/2 + k_o*o^2/2, at a hand that goes where it likes. While the spring
+// grows to k_o*o, a trapezoid is wrong by at most half of that over one step.
+TEST(GhostPointProperty, NoTouchGivesTheHandMoreThanItsShiftsStored) {
+  constexpr double kStep_m = 0.0001;
+  const GhostPointSettings settings;
+  const double start_joule = 0.5 * settings.stiffness.newton_per_m * 0.0005 * 0.0005;
+  int touches = 0;
+  for (std::uint32_t seed = 1; seed <= 200; ++seed) {
+    MadWorld dice(seed);
+    LateCorner corner(dice);
+    ArmBench bench(settings);
+    Position3 tip{};
+    Position3 goal{};
+    ArmOutput last = bench.told(tip, {});
+    double given_joule = 0;
+    double offset_m = 0;
+    std::uint64_t contacts = 0;  // found again within the guard included
+    std::uint64_t redetections = 0;
+    for (int i = 0; i < 6000; ++i) {
+      if (dice.chance(150))
+        goal = {dice.uniform(-0.02, 0.02), dice.uniform(-0.02, 0.02), dice.uniform(-0.02, 0.02)};
+      const Position3 before = tip;
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        tip[axis] += std::clamp(goal[axis] - tip[axis], -kStep_m, kStep_m);
+      const ArmOutput out = bench.told(tip, corner.around(last.sample.hand));
+      contacts += out.new_contacts + bench.sut.counters().redetections - redetections;
+      redetections = bench.sut.counters().redetections;
+      offset_m = std::max(offset_m, norm(out.offset));
+      given_joule += dot(0.5 * (last.force + out.force), tip - before);
+      const double spring_joule =
+          0.5 * settings.coordinate_spring.newton_per_m * offset_m * offset_m;
+      const double sum_joule =
+          0.5 * settings.coordinate_spring.newton_per_m * offset_m * kStep_m + 1e-9;
+      const double start_joules = static_cast<double>(contacts) * start_joule;
+      ASSERT_LE(given_joule, start_joules + spring_joule + sum_joule)
+          << "seed " << seed << " tick " << i;
+      last = out;
+      if (norm(out.force) > 0) continue;
+      if (contacts > 0) ++touches;
+      given_joule = 0;
+      offset_m = 0;
+      contacts = 0;
+      if (dice.chance(20)) corner.move(dice);
+    }
+  }
+  EXPECT_GT(touches, 500);
+}
+
 TEST(GhostPointProperty, SameInputGivesTheSameBits) {
   const auto run = [] {
     MadWorld world(99);
