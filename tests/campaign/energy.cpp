@@ -17,6 +17,8 @@ constexpr double kOnTheWay_j = 0.5e-3;
 constexpr Duration kAftermath = milliseconds(150);
 // A ghost in matter that an edit brought is pushed out, with force: four cells at 0.1 m/s at most.
 constexpr Duration kPushOut = milliseconds(1200);
+// Walls that a silence took away come back as slowly as they went (DESIGN 4, constraint age).
+constexpr double kFade_s = 0.1;
 // No hand of the campaign is faster by itself. A tip that is shoved moves on while its force is on
 // the way: at 1 m/s by 3 mm, which no wall behind this bus makes good.
 constexpr double kByHand_m_per_s = 0.3;
@@ -55,16 +57,29 @@ class Energy final : public Invariant {
     given_j_ = 0;
     raised_j_ = 0;
     offset_m_ = 0;
-    contacts_before_ = frame.contacts;
+    // The contact that begins a touch was counted when its force was sent, a report or two ago.
+    if (norm(frame.wish) == 0) contacts_before_ = frame.contacts;
     is_excused_ = false;
   }
 
   void allow(const servo::ServoFrame& frame) noexcept {
-    const double wish = norm(frame.wish);
-    const double stored_j = wish * wish / (2 * bounds_.stiffness_newton_per_m);
-    raised_j_ += std::max(0.0, frame.gain - gain_) * stored_j;
-    gain_ = frame.gain;
+    follow_fade(frame);
+    const double gain = frame.gain * fade_gain_;
+    const double full_newton = fade_gain_ > 0 ? norm(frame.wish) / fade_gain_ : 0;
+    const double stored_j = full_newton * full_newton / (2 * bounds_.stiffness_newton_per_m);
+    raised_j_ += std::max(0.0, gain - gain_) * stored_j;
+    gain_ = gain;
     offset_m_ = std::max(offset_m_, norm(frame.offset));
+  }
+
+  // The coupling's own gain, which the wish has in it.
+  void follow_fade(const servo::ServoFrame& frame) noexcept {
+    if (frame.state != OperatingState::Active) {
+      fade_gain_ = 1;
+      return;
+    }
+    const double share = seconds(frame.dt) / kFade_s;
+    fade_gain_ = std::clamp(fade_gain_ + (frame.is_fading ? -share : share), 0.0, 1.0);
   }
 
   void excuse(const Observation& now) noexcept {
@@ -92,6 +107,7 @@ class Energy final : public Invariant {
   double raised_j_{0};
   double offset_m_{0};
   double gain_{0};
+  double fade_gain_{1};
   std::uint32_t contacts_before_{0};
   bool is_excused_{false};
   bool is_touched_{false};

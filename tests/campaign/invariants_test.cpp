@@ -60,54 +60,6 @@ TEST(SentForce, SeesForceWhileNotActive) {
   EXPECT_THAT(course.broken(), HasSubstr("while not Active"));
 }
 
-TEST(ArmForce, HoldsOnAGoodCourse) { EXPECT_EQ(GoodCourse(&make_arm_force).broken(), ""); }
-
-TEST(ArmForce, SeesCurrentsAtTheWireAndInTheMotors) {
-  GoodCourse wire(&make_arm_force);
-  wire.run(1, [](Observation& now) { now.wire.largest_a[2] = 3.01; });
-  EXPECT_THAT(wire.broken(), HasSubstr("wire"));
-  GoodCourse motor(&make_arm_force);
-  motor.run(1, [](Observation& now) { now.truth.motor_current_a[1] = -3.01; });
-  EXPECT_THAT(motor.broken(), HasSubstr("motor"));
-}
-
-TEST(ArmForce, SeesANormThatOnlyTheArmShows) {
-  GoodCourse course(&make_arm_force);
-  double newton = 1;
-  course.run(100, [&](Observation& now) { now.truth.motor_force = {0, newton += 0.1, 0}; });
-  EXPECT_THAT(course.broken(), HasSubstr("norm of the force at the arm"));
-}
-
-TEST(ArmForce, SeesARiseThatOnlyTheArmShows) {
-  GoodCourse course(&make_arm_force, 100);
-  course.run(1, [](Observation& now) { now.truth.motor_force = {4.9, 0, 0}; });
-  EXPECT_THAT(course.broken(), HasSubstr("rise of the force at the arm"));
-}
-
-TEST(ArmForce, ExcusesASpoiltReportUntilTheNextOneActs) {
-  GoodCourse course(&make_arm_force);
-  const auto wrong = [](Observation& now) { now.truth.motor_current_a[0] = 20; };
-  course.run(1, [&](Observation& now) { ++now.spoilt_out; });
-  course.run(4, wrong);
-  EXPECT_EQ(course.broken(), "");
-  course.run(10, wrong);
-  EXPECT_THAT(course.broken(), HasSubstr("motor"));
-}
-
-TEST(ArmForce, ExcusesReportsThatAreLateUntilTheNextOneActs) {
-  GoodCourse course(&make_arm_force, 100);
-  const auto late = [](Observation& now) {
-    now.late_out_at = now.servo.frame.now;
-    now.truth.motor_force = {4.9, 0, 0};
-  };
-  course.run(10, late);
-  EXPECT_EQ(course.broken(), "");
-  course.run(30);
-  EXPECT_EQ(course.broken(), "") << "a force that falls";
-  course.run(1, [](Observation& now) { now.truth.motor_force = {4.9, 0, 0}; });
-  EXPECT_THAT(course.broken(), HasSubstr("rise of the force at the arm"));
-}
-
 TEST(ZeroAfterStop, HoldsOnAGoodCourse) {
   GoodCourse course(&make_zero_after_stop);
   course.stop(OperatingState::Fault, FaultCode::Estop);
@@ -307,63 +259,6 @@ TEST(Recovery, SeesAGhostThatDoesNotStartAtTheHand) {
     deep(now);
   });
   EXPECT_THAT(stale.broken(), HasSubstr("restart"));
-}
-
-// The tip is pushed to and fro in a wall of 800 N/m, `back` times as hard on the way back.
-void push_and_return(GoodCourse& course, double back, const Observation& quirk) {
-  const auto rest = [](Observation& now) {
-    now.servo.frame.is_limited = false;
-    now.truth.motor_force = {};
-    now.truth.tip = {};
-  };
-  course.run(200, rest);
-  for (int i = 1; i <= 40; ++i) {
-    const double depth_m = 1e-4 * (i <= 20 ? i : 40 - i);
-    course.run(1, [&](Observation& now) {
-      now.servo.frame.is_limited = quirk.servo.frame.is_limited;
-      now.truth.tip_velocity = quirk.truth.tip_velocity;
-      now.world_ok_since = quirk.world_ok_since;
-      now.servo.frame.contacts = 1;
-      now.servo.frame.wish = {-800 * depth_m, 0, 0};
-      now.truth.motor_force = {-(i <= 20 ? 800 : back * 800) * depth_m, 0, 0};
-      now.truth.tip = {depth_m, 0, 0};
-    });
-  }
-  course.run(1, rest);
-}
-std::string push_and_return(double back, const Observation& quirk) {
-  GoodCourse course(&make_energy);
-  push_and_return(course, back, quirk);
-  return course.broken();
-}
-
-TEST(Energy, TellsHowManyTouchesItJudged) {
-  GoodCourse course(&make_energy);
-  Observation quirk;
-  for (const bool is_limited : {false, true, true, false, true}) {
-    quirk.servo.frame.is_limited = is_limited;
-    push_and_return(course, 1, quirk);
-  }
-  EXPECT_EQ(course.broken(), "");
-  EXPECT_EQ(course.judged().touches, 2U);
-  EXPECT_EQ(course.judged().excused_touches, 3U + 1)
-      << "and the one that the good course begins with";
-}
-
-TEST(Energy, HoldsForASpringAndSeesOneThatGivesMoreThanItTook) {
-  Observation quirk;
-  EXPECT_EQ(push_and_return(1, quirk), "");
-  EXPECT_EQ(push_and_return(1.2, quirk), "") << "0.3 mJ are on the way";
-  EXPECT_THAT(push_and_return(1.5, quirk), HasSubstr("energy"));
-  quirk.servo.frame.is_limited = true;
-  EXPECT_EQ(push_and_return(1.5, quirk), "") << "a touch that met the limiter is not judged";
-  quirk.servo.frame.is_limited = false;
-  quirk.truth.tip_velocity = {0.31, 0, 0};
-  EXPECT_EQ(push_and_return(1.5, quirk), "") << "nor one of a tip that is shoved";
-  quirk.truth.tip_velocity = {};
-  EXPECT_THAT(push_and_return(1.5, quirk), HasSubstr("energy"));
-  quirk.world_ok_since = {};
-  EXPECT_EQ(push_and_return(1.5, quirk), "") << "nor one in a world that moves";
 }
 
 }  // namespace
