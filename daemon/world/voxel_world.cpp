@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "daemon/world/push_out.hpp"
@@ -10,41 +9,8 @@
 namespace thimble::world {
 namespace {
 
-[[nodiscard]] double distance_to_cell_m(const VoxelGrid& grid, std::size_t axis, std::int32_t index,
-                                        double p) noexcept {
-  return std::max({0.0, grid.face_m(axis, index) - p, p - grid.face_m(axis, index + 1)});
-}
-
-// Every free cell of one row, as far as it can still be the nearest.
-void search_row(const VoxelGrid& grid, Position3 p, Cell row, double row2_m2,
-                std::pair<double, std::optional<Cell>>& best) noexcept {
-  const auto end = static_cast<std::int32_t>(grid.cells()[0]);
-  for (row.x = grid.next_free_in_row(row); row.x < end;
-       ++row.x, row.x = grid.next_free_in_row(row)) {
-    const double dx_m = distance_to_cell_m(grid, 0, row.x, p.x);
-    const double distance2_m2 = row2_m2 + dx_m * dx_m;
-    if (!best.second || distance2_m2 < best.first) best = {distance2_m2, row};
-  }
-}
-
-// The nearest free cell of the whole grid. Walks it all but for rows too far away.
-[[nodiscard]] std::optional<Cell> nearest_free_cell(const VoxelGrid& grid, Position3 p) noexcept {
-  std::pair<double, std::optional<Cell>> best{std::numeric_limits<double>::infinity(), {}};
-  const auto rows = static_cast<std::int32_t>(grid.cells()[1]);
-  const auto layers = static_cast<std::int32_t>(grid.cells()[2]);
-  for (Cell row; row.z < layers; ++row.z) {
-    const double dz_m = distance_to_cell_m(grid, 2, row.z, p.z);
-    for (row.y = 0; row.y < rows; ++row.y) {
-      const double dy_m = distance_to_cell_m(grid, 1, row.y, p.y);
-      const double row2_m2 = dy_m * dy_m + dz_m * dz_m;
-      if (row2_m2 < best.first) search_row(grid, p, row, row2_m2, best);
-    }
-  }
-  return best.second;
-}
-
 // At the hand, if that is free; else at the nearest free place. The first of equally near ones.
-[[nodiscard]] std::optional<GhostPoint> start_place(const VoxelGrid& grid,
+[[nodiscard]] std::optional<GhostPoint> start_place(const VoxelGrid& grid, FreeRows& free_rows,
                                                     Position3 hand) noexcept {
   const Position3 near = grid.clamp_near(hand);
   Cell middle;
@@ -54,7 +20,7 @@ void search_row(const VoxelGrid& grid, Position3 p, Cell row, double row2_m2,
   if (const auto exit = find_exit(grid, {near, Position3{} - near, false, middle, kPushOutReach})) {
     return exit->at;
   }
-  const auto cell = nearest_free_cell(grid, near);
+  const auto cell = free_rows.nearest(grid, near);
   if (!cell) return std::nullopt;
   GhostPoint place{near, *cell};
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -67,7 +33,10 @@ void search_row(const VoxelGrid& grid, Position3 p, Cell row, double row2_m2,
 }  // namespace
 
 VoxelWorld::VoxelWorld(VoxelGrid grid, std::string source, MaterialMap materials)
-    : grid_(std::move(grid)), materials_(std::move(materials)), occupied_(grid_.count_occupied()) {
+    : grid_(std::move(grid)),
+      materials_(std::move(materials)),
+      free_rows_(grid_),
+      occupied_(grid_.count_occupied()) {
   info_.source = std::move(source);
   info_.cells = grid_.cells();
   info_.cell_m = grid_.cell_m();
@@ -83,7 +52,7 @@ Result<ProbeId> VoxelWorld::add_probe(Position3 hand) {
   for (auto& slot : probes_) {
     if (slot) continue;
     // Of a full world it is known; the search would walk all of it to say the same.
-    const auto place = is_full ? std::nullopt : start_place(grid_, hand);
+    const auto place = is_full ? std::nullopt : start_place(grid_, free_rows_, hand);
     if (!place) return fail(Errc::NotFound, info_.source + ": the world has no free cell");
     const bool is_held_back = place->position != hand;
     slot = Probe{{++last_id_}, {*place, GhostPhase::Loose, is_held_back}};
@@ -108,6 +77,7 @@ ProbeMotion VoxelWorld::move_probe(ProbeId probe, Position3 hand, Duration dt) n
 std::size_t VoxelWorld::set_row(Cell from, std::int32_t end_x, std::uint8_t value) noexcept {
   if (value > 0) materials_.set_row(from, end_x, static_cast<std::uint8_t>(value - 1));
   const std::size_t changed = grid_.set_row(from, end_x, value > 0);
+  if (value == 0 && changed > 0) free_rows_.note_freed(from);
   occupied_ = value > 0 ? occupied_ + changed : occupied_ - changed;
   return changed;
 }

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "daemon/world/free_rows.hpp"
 #include "daemon/world/ghost_motion.hpp"
 #include "daemon/world/material_map.hpp"
 #include "daemon/world/voxel_grid.hpp"
@@ -34,6 +35,7 @@ class VoxelWorld final : public World {
   void set_cell(Cell cell, bool is_occupied) noexcept {
     if (is_occupied && !grid_.is_occupied(cell)) materials_.set(cell, 0);
     const std::size_t changed = grid_.set_row(cell, cell.x + 1, is_occupied);
+    if (!is_occupied) free_rows_.note_freed(cell);
     occupied_ = is_occupied ? occupied_ + changed : occupied_ - changed;
   }
   // The cells of one row from `from` up to, not including, x = `end_x`: 0 frees them, 1 fills them
@@ -43,6 +45,8 @@ class VoxelWorld final : public World {
   [[nodiscard]] std::size_t materials() const noexcept { return materials_.count(); }
   [[nodiscard]] std::size_t occupied_cells() const noexcept override { return occupied_; }
   [[nodiscard]] bool is_occupied(Cell cell) const noexcept { return grid_.is_occupied(cell); }
+  // What looking for places to start has cost: FreeRows::looked_at().
+  [[nodiscard]] std::uint64_t looked_at() const noexcept { return free_rows_.looked_at(); }
 
  private:
   struct Probe {
@@ -55,6 +59,7 @@ class VoxelWorld final : public World {
 
   VoxelGrid grid_;
   MaterialMap materials_;
+  FreeRows free_rows_;
   std::size_t occupied_;
   WorldInfo info_;
   std::array<std::optional<Probe>, kMaxProbes> probes_{};
