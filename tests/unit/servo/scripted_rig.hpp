@@ -130,6 +130,12 @@ struct ServoRig {
     controls.want_active = true;
     tick(static_cast<int>(settings_.rate_hz * 0.6));
   }
+  // The emergency stop is pressed for one tick, which latches a fault.
+  void press_estop() {
+    controls.is_estop_healthy = false;
+    tick();
+    controls.is_estop_healthy = true;
+  }
   [[nodiscard]] ServoSnapshot snapshot() const {
     ServoSnapshot out;
     EXPECT_TRUE(sut.snapshot(out));
@@ -144,6 +150,14 @@ struct ServoRig {
   ScriptedLink link;
   ServoControls controls;
   ServoLoop sut{ServoParts{device, coupling, link, controls, clock, clock}, settings_};
+};
+
+// Active, and told by its coupling to push with 4 N.
+struct DrivenRig : ServoRig {
+  DrivenRig() {
+    coupling.wish = {4, 0, 0};
+    activate_fully();
+  }
 };
 
 }  // namespace thimble::servo

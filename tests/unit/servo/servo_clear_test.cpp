@@ -8,9 +8,12 @@
 namespace thimble::servo {
 namespace {
 
-TEST(ServoClear, AClearWhileTheEstopIsPressedDoesNothing) {
+struct ServoClear : testing::Test {
+  ServoClear() { rig.activate_fully(); }
   ServoRig rig;
-  rig.activate_fully();
+};
+
+TEST_F(ServoClear, AClearWhileTheEstopIsPressedDoesNothing) {
   rig.controls.is_estop_healthy = false;
   rig.tick();
   rig.controls.request_clear(rig.snapshot().fault.number);
@@ -20,12 +23,8 @@ TEST(ServoClear, AClearWhileTheEstopIsPressedDoesNothing) {
   EXPECT_EQ(rig.state(), OperatingState::Fault);
 }
 
-TEST(ServoClear, AClearOfTheTickAfterTheFaultIsTakenAndAnswered) {
-  ServoRig rig;
-  rig.activate_fully();
-  rig.controls.is_estop_healthy = false;
-  rig.tick();
-  rig.controls.is_estop_healthy = true;
+TEST_F(ServoClear, AClearOfTheTickAfterTheFaultIsTakenAndAnswered) {
+  rig.press_estop();
   const std::uint32_t id = rig.controls.request_clear(rig.snapshot().fault.number);
   rig.tick();
   EXPECT_EQ(rig.snapshot().clear_answered, id);
@@ -33,9 +32,7 @@ TEST(ServoClear, AClearOfTheTickAfterTheFaultIsTakenAndAnswered) {
   EXPECT_NE(rig.state(), OperatingState::Fault);
 }
 
-TEST(ServoClear, AClearIsForTheFaultThatItNamesAndNoOther) {
-  ServoRig rig;
-  rig.activate_fully();
+TEST_F(ServoClear, AClearIsForTheFaultThatItNamesAndNoOther) {
   for (int round = 1; round <= 3; ++round) {
     // Asked for while nothing is latched, and for a fault that is over.
     const std::uint32_t old = rig.snapshot().fault.number;
@@ -44,9 +41,7 @@ TEST(ServoClear, AClearIsForTheFaultThatItNamesAndNoOther) {
     EXPECT_EQ(old, 0U);
     EXPECT_EQ(rig.snapshot().clear_answered, early);
     EXPECT_EQ(rig.snapshot().clear_outcome, ClearOutcome::NotLatched);
-    rig.controls.is_estop_healthy = false;
-    rig.tick();
-    rig.controls.is_estop_healthy = true;
+    rig.press_estop();
     rig.controls.request_clear(static_cast<std::uint32_t>(round - 1));
     rig.tick(5);
     EXPECT_EQ(rig.state(), OperatingState::Fault) << "that was for the fault before";
@@ -57,9 +52,7 @@ TEST(ServoClear, AClearIsForTheFaultThatItNamesAndNoOther) {
   }
 }
 
-TEST(ServoClear, ANumberThatWasGuessedClearsNoFaultOfItsOwnTick) {
-  ServoRig rig;
-  rig.activate_fully();
+TEST_F(ServoClear, ANumberThatWasGuessedClearsNoFaultOfItsOwnTick) {
   rig.device.state.tip.x = std::numeric_limits<double>::quiet_NaN();
   rig.controls.request_clear(1);
   rig.tick();
@@ -70,10 +63,8 @@ TEST(ServoClear, ANumberThatWasGuessedClearsNoFaultOfItsOwnTick) {
 
 // Requests at random moments, the oracle: a fault ends only by a request that names it, made
 // since it latched, judged with a healthy input.
-TEST(ServoClear, RandomClearsNeverEndAFaultThatTheyDoNotName) {
-  ServoRig rig;
+TEST_F(ServoClear, RandomClearsNeverEndAFaultThatTheyDoNotName) {
   std::mt19937 random(6);
-  rig.activate_fully();
   int cleared = 0;
   for (int step = 0; step < 20'000; ++step) {
     const ServoSnapshot before = rig.snapshot();
@@ -91,12 +82,8 @@ TEST(ServoClear, RandomClearsNeverEndAFaultThatTheyDoNotName) {
   EXPECT_GT(cleared, 1000);
 }
 
-TEST(ServoClear, AClearOfALostArmIsRefusedAndDoesNotLieInWait) {
-  ServoRig rig;
-  rig.activate_fully();
-  rig.controls.is_estop_healthy = false;
-  rig.tick();
-  rig.controls.is_estop_healthy = true;
+TEST_F(ServoClear, AClearOfALostArmIsRefusedAndDoesNotLieInWait) {
+  rig.press_estop();
   rig.device.next_status = IoStatus::Disconnected;
   rig.tick();
   ASSERT_EQ(rig.state(), OperatingState::Lost);

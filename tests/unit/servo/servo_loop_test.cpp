@@ -60,9 +60,7 @@ TEST(ServoLoop, TheGhostRestartsAtTheHandOnActivation) {
 }
 
 TEST(ServoLoop, RampsDownOnDeactivation) {
-  ServoRig rig;
-  rig.coupling.wish = {4, 0, 0};
-  rig.activate_fully();
+  DrivenRig rig;
   rig.controls.want_active = false;
   rig.device.written.clear();
 
@@ -74,9 +72,7 @@ TEST(ServoLoop, RampsDownOnDeactivation) {
 }
 
 TEST(ServoLoop, HoldsThenRampsThenFaultsWhenSamplesStop) {
-  ServoRig rig;
-  rig.coupling.wish = {4, 0, 0};
-  rig.activate_fully();
+  DrivenRig rig;
   rig.device.next_status = IoStatus::NoData;
   rig.device.written.clear();
 
@@ -105,9 +101,7 @@ TEST(ServoLoop, TheGhostRestartsAtTheHandAfterAnOutage) {
 }
 
 TEST(ServoLoop, OverspeedLatchesAndCutsTheForce) {
-  ServoRig rig;
-  rig.coupling.wish = {4, 0, 0};
-  rig.activate_fully();
+  DrivenRig rig;
   for (int i = 0; i < 30 && rig.state() == OperatingState::Active; ++i) {
     rig.device.state.tip.x += 0.002;  // 2 m/s
     rig.tick();
@@ -137,9 +131,7 @@ TEST(ServoLoop, ANonFinitePositionLatches) {
 }
 
 TEST(ServoLoop, AnEstopCutsInTheTickThatSeesIt) {
-  ServoRig rig;
-  rig.coupling.wish = {4, 0, 0};
-  rig.activate_fully();
+  DrivenRig rig;
   rig.controls.is_estop_healthy = false;
   rig.tick();
   EXPECT_EQ(rig.device.written.back(), Force3{});
@@ -147,9 +139,7 @@ TEST(ServoLoop, AnEstopCutsInTheTickThatSeesIt) {
 }
 
 TEST(ServoLoop, AReleasedDeadmanRampsToZeroWithinTwentyMilliseconds) {
-  ServoRig rig;
-  rig.coupling.wish = {4, 0, 0};
-  rig.activate_fully();
+  DrivenRig rig;
   rig.controls.is_deadman_held = false;
   rig.tick(20);
   EXPECT_EQ(rig.device.written.back(), Force3{});
@@ -157,12 +147,8 @@ TEST(ServoLoop, AReleasedDeadmanRampsToZeroWithinTwentyMilliseconds) {
 }
 
 TEST(ServoLoop, ALatchedFaultIsZeroThenSilenceUntilAPersonClearsIt) {
-  ServoRig rig;
-  rig.coupling.wish = {4, 0, 0};
-  rig.activate_fully();
-  rig.controls.is_estop_healthy = false;
-  rig.tick();
-  rig.controls.is_estop_healthy = true;
+  DrivenRig rig;
+  rig.press_estop();
   rig.device.written.clear();
 
   rig.tick(500);
@@ -189,9 +175,7 @@ TEST(ServoLoop, TheFirstFaultWins) {
 }
 
 TEST(ServoLoop, EveryLatchedStopFreezesARecordingThatEndsWithTheFault) {
-  ServoRig rig;
-  rig.coupling.wish = {4, 0, 0};
-  rig.activate_fully();
+  DrivenRig rig;
   rig.controls.is_estop_healthy = false;
   rig.tick(3);
 
@@ -276,9 +260,7 @@ TEST(ServoLoop, AReturnedArmIsCalibratedAgainBeforeItIsDriven) {
 TEST(ServoLoop, AFaultOutlivesAnUnplug) {
   ServoRig rig;
   rig.activate_fully();
-  rig.controls.is_estop_healthy = false;
-  rig.tick();
-  rig.controls.is_estop_healthy = true;
+  rig.press_estop();
   rig.device.next_status = IoStatus::Disconnected;
   rig.tick();
   rig.device.next_status = IoStatus::Ok;
@@ -366,9 +348,7 @@ TEST(ServoLoop, AReplyFromBeforeThePauseIsNotAppliedOnActivation) {
 }
 
 TEST(ServoLoop, AStuckWayOutIsNoFreshCommand) {
-  ServoRig rig;
-  rig.coupling.wish = {4, 0, 0};
-  rig.activate_fully();
+  DrivenRig rig;
   rig.device.write_status = IoStatus::Backlogged;
   rig.tick(15);
   EXPECT_EQ(rig.state(), OperatingState::Active);
