@@ -4,6 +4,7 @@
 #include <boost/json.hpp>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace thimble::cli {
 namespace {
@@ -139,6 +140,16 @@ api::LinkStatus link(const json::value& value) {
           text(value, "last_error")};
 }
 
+// Nothing where the daemon does not tell of one, or of one that cannot be.
+std::optional<api::SphereStatus> sphere(const json::value& value) {
+  const json::value* found = member(value, "sphere");
+  if (found == nullptr) return {};
+  const api::SphereStatus out{vector(*found, "center_m"), number(*found, "radius_m"),
+                              number(*found, "floor_m")};
+  const double sum = out.center_m[0] + out.center_m[1] + out.center_m[2] + out.floor_m;
+  return out.radius_m > 0 && std::isfinite(sum + out.radius_m) ? std::optional(out) : std::nullopt;
+}
+
 api::WorldStatus world(const json::value& value) {
   api::WorldStatus out;
   out.name = text(value, "name");
@@ -153,6 +164,7 @@ api::WorldStatus world(const json::value& value) {
   out.occupied_cells = count(value, "occupied_cells");
   out.edits_applied = count(value, "edits_applied");
   out.edits_waiting = count(value, "edits_waiting");
+  out.sphere = sphere(value);
   return out;
 }
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -84,6 +85,14 @@ struct LinkStatus {
   bool operator==(const LinkStatus&) const = default;
 };
 
+// World frame, y up.
+struct SphereStatus {
+  std::array<double, 3> center_m{};
+  double radius_m{0};
+  double floor_m{0};  // y; matter lies below
+  bool operator==(const SphereStatus&) const = default;
+};
+
 struct WorldStatus {
   std::string name;
   std::string source;
@@ -93,6 +102,7 @@ struct WorldStatus {
   std::uint64_t occupied_cells{0};
   std::uint64_t edits_applied{0};  // since the start
   std::uint64_t edits_waiting{0};
+  std::optional<SphereStatus> sphere{};  // of a world that is one
   bool operator==(const WorldStatus&) const = default;
 };
 

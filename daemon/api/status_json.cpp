@@ -88,14 +88,20 @@ json::object to_value(const LinkStatus& link) {
 }
 
 json::object to_value(const WorldStatus& world) {
-  return {{"name", world.name},
-          {"source", world.source},
-          {"cells", vector_of(world.cells)},
-          {"cell_m", world.cell_m},
-          {"probes", world.probes},
-          {"occupied_cells", world.occupied_cells},
-          {"edits_applied", world.edits_applied},
-          {"edits_waiting", world.edits_waiting}};
+  json::object out = {{"name", world.name},
+                      {"source", world.source},
+                      {"cells", vector_of(world.cells)},
+                      {"cell_m", world.cell_m},
+                      {"probes", world.probes},
+                      {"occupied_cells", world.occupied_cells},
+                      {"edits_applied", world.edits_applied},
+                      {"edits_waiting", world.edits_waiting}};
+  if (world.sphere) {
+    out["sphere"] = json::object{{"center_m", vector_of(world.sphere->center_m)},
+                                 {"radius_m", world.sphere->radius_m},
+                                 {"floor_m", world.sphere->floor_m}};
+  }
+  return out;
 }
 
 }  // namespace

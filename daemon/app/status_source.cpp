@@ -141,6 +141,9 @@ api::WorldStatus world_status(const session::WorldHost& host) {
   world.source = info.source;
   world.cells = info.cells;
   world.cell_m = info.cell_m;
+  if (info.sphere) {
+    world.sphere = {as_array(info.sphere->center), info.sphere->radius_m, info.sphere->floor_m};
+  }
   if (const world::EditQueue* edits = host.edits()) {
     world.occupied_cells = host.world().occupied_cells();
     world.edits_applied = edits->applied();

@@ -1,18 +1,11 @@
 #pragma once
 
+#include "daemon/world/sphere_scene.hpp"
 #include "daemon/world/world.hpp"
 #include "hal/base/geometry.hpp"
 #include "hal/rt/annotations.hpp"
 
 namespace thimble::world {
-
-// The matter of thesis 3.2: a ball, and everything below a floor. World frame, y up. They may stand
-// apart, touch, or the floor may cut the ball; its top is above the floor.
-struct SphereScene {
-  Position3 center{};
-  double radius_m{0};
-  double floor_m{0};  // y of the floor
-};
 
 // A ghost point outside all matter, and the surfaces that it is on.
 struct SphereGhost {

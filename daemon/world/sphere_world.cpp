@@ -8,6 +8,7 @@ namespace thimble::world {
 SphereWorld::SphereWorld(const SphereScene& scene, const Material& surface)
     : scene_(scene), surface_(surface) {
   info_.source = "sphere";
+  info_.sphere = scene;
 }
 
 Result<SphereWorld> SphereWorld::create(const SphereScene& scene, const Material& surface) {

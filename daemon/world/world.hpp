@@ -3,8 +3,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 
+#include "daemon/world/sphere_scene.hpp"
 #include "hal/base/geometry.hpp"
 #include "hal/base/result.hpp"
 #include "hal/base/time.hpp"
@@ -41,7 +43,8 @@ struct WorldInfo {
   std::string source;                    // e.g. "box:3"
   std::array<std::uint32_t, 3> cells{};  // 0 where the world has no cells
   double cell_m{0};
-  std::array<double, 3> extent_m{};  // the world is centred on the origin; 0 where it has no end
+  std::array<double, 3> extent_m{};     // the world is centred on the origin; 0 where it has no end
+  std::optional<SphereScene> sphere{};  // of a world that is one
 };
 
 // A world that ghost points move through.

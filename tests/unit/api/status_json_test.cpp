@@ -41,6 +41,17 @@ std::set<std::string> keys_of(const json::value& value) {
   return out;
 }
 
+TEST(StatusJson, TellsOfABallAndFloorWhereTheWorldIsOne) {
+  Status status = sample();
+  EXPECT_FALSE(json::parse(to_json(status)).at("worlds").at(0).as_object().contains("sphere"));
+  status.worlds[0].sphere = {{0.5, -0.25, 0}, 0.125, -2};
+  const auto sut = json::parse(to_json(status)).at("worlds").at(0).at("sphere");
+  EXPECT_EQ(keys_of(sut), (std::set<std::string>{"center_m", "radius_m", "floor_m"}));
+  EXPECT_EQ(sut.at("center_m").at(1).to_number<double>(), -0.25);
+  EXPECT_EQ(sut.at("radius_m").to_number<double>(), 0.125);
+  EXPECT_EQ(sut.at("floor_m").to_number<double>(), -2);
+}
+
 TEST(StatusJson, HasTheNamesThatOthersRelyOn) {
   const auto sut = json::parse(to_json(sample()));
   using Names = std::set<std::string>;

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
+#include <string>
 #include <vector>
 
 #include "tests/unit/cli/sample_status.hpp"
@@ -116,6 +118,72 @@ TEST(RenderWatch, DrawsTheFingerAtTheRightWallOfTheBoxOnAClassicTerminal) {
   // Hollow to the left of the finger, wall to its right.
   EXPECT_EQ(row[row.find('@') - 1], ' ') << sut;
   EXPECT_EQ(row[row.find('@') + 1], ':') << sut;
+}
+
+// The picture's rows, each of both views.
+std::vector<std::string> picture(const api::Status& status) {
+  std::vector<std::string> out;
+  for (const std::string& line : lines_of(render_watch(status, Glyphs::Ascii, 40))) {
+    if (line.starts_with("    |")) out.push_back(line);
+  }
+  return out;
+}
+
+api::Status beside_a_sphere(const api::SphereStatus& sphere) {
+  api::Status status = sample_status();
+  status.worlds = {{"box", "sphere", {}, 0, 1}};
+  status.worlds[0].sphere = sphere;
+  status.arms[0].position_m = {-0.04, 0.04, 0.04};  // out of the way
+  return status;
+}
+
+TEST(RenderWatch, DrawsTheBallAndTheFloorOfASphere) {
+  const api::Status status = beside_a_sphere({{0, 0, 0}, 0.02, -0.033});
+  const std::vector<std::string> sut = picture(status);
+  ASSERT_EQ(sut.size(), 15U);
+  // A row is 6 mm high, a column 2.9 mm wide: 31 columns, the 16th in the middle.
+  EXPECT_EQ(sut[7].substr(5, 31), "         :::::::::::::         ");
+  EXPECT_EQ(sut[10].substr(5, 31), "            :::::::            ");
+  EXPECT_EQ(sut[11].substr(5, 31), std::string(31, ' ')) << "between the ball and the floor";
+  EXPECT_EQ(sut[12].substr(5, 31), std::string(31, ' '));
+  EXPECT_EQ(sut[13].substr(5, 31), std::string(31, ':'));
+  EXPECT_EQ(sut[14].substr(5, 31), std::string(31, ':'));
+  EXPECT_EQ(sut[14].substr(42, 31), std::string(31, ' ')) << "no floor as high as the cut";
+  EXPECT_EQ(sut[7].substr(42, 31), sut[7].substr(5, 31));
+  EXPECT_THAT(render_watch(status, Glyphs::Ascii, 40), Not(HasSubstr("not drawn")));
+}
+
+TEST(RenderWatch, ABallFarOutIsStillInThePicture) {
+  for (const double far_m : {0.2, -0.9}) {
+    const auto sut = picture(beside_a_sphere({{far_m, 0, 0}, 0.05, -5}));
+    const std::string all = std::accumulate(sut.begin(), sut.end(), std::string());
+    EXPECT_NE(all.find(':'), std::string::npos) << far_m;
+  }
+}
+
+TEST(RenderWatch, SaysWhatOfTheWorldIsNotDrawn) {
+  const auto watched = [](const api::Status& status) {
+    return render_watch(status, Glyphs::Ascii, 40);
+  };
+  api::Status status = sample_status();
+  EXPECT_THAT(watched(status), Not(HasSubstr("drawn")));
+  status.worlds[0].edits_applied = 1;
+  EXPECT_THAT(watched(status), HasSubstr("drawn as configured, without the edits"));
+  status.worlds[0].source = "scan.nrrd";
+  EXPECT_THAT(watched(status), HasSubstr("cells are not drawn: the status does not tell"));
+  status.worlds.clear();
+  EXPECT_THAT(watched(status), HasSubstr("not drawn: it is on another host"));
+  EXPECT_THAT(watched(beside_a_sphere({{0, 0, 0}, 0.02, -5})), HasSubstr("floor is below"));
+}
+
+TEST(RenderWatch, SaysSoEvenWhereThereIsNoRoomForThePicture) {
+  api::Status status = sample_status();
+  status.worlds[0].source = "scan.nrrd";
+  const std::size_t text = lines_of(render_status(status, Glyphs::Ascii)).size();
+  EXPECT_THAT(render_watch(status, Glyphs::Ascii, text + 2), HasSubstr("cells are not drawn"));
+  for (std::size_t rows = 2; rows < 50; ++rows) {
+    EXPECT_LT(lines_of(render_watch(status, Glyphs::Ascii, rows)).size(), rows);
+  }
 }
 
 TEST(RenderWatch, DrawsTheHandApartOnceTheOffsetShows) {

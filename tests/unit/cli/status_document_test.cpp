@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <random>
+#include <string>
 
 #include "tests/unit/cli/sample_status.hpp"
 
@@ -14,6 +15,7 @@ TEST(StatusDocument, IsReadBackAsTheDaemonWroteIt) {
   api::Status status = sample_status();
   for (const bool has_gimbal : {false, true}) {
     if (has_gimbal) status.arms[0].gimbal_rad = {0.5, -1.25, 3};
+    if (has_gimbal) status.worlds[0].sphere = {{0, -0.25, 1}, 0.5, -10};
     const auto sut = parse_status(api::to_json(status));
     ASSERT_TRUE(sut);
     EXPECT_EQ(*sut, status);
@@ -36,6 +38,17 @@ TEST(StatusDocument, TakesMissingAndMistypedMembersAsUnknown) {
   EXPECT_TRUE(std::isnan(sut->arms[1].position_m[1]));
   EXPECT_TRUE(std::isnan(sut->arms[1].position_m[2]));
   EXPECT_EQ(sut->arms[1].contacts, 0U);
+}
+
+TEST(StatusDocument, TakesABallThatCannotBeForNone) {
+  for (const char* sphere : {"3", "{}", R"({"center_m": [0, 0, 0], "radius_m": 0, "floor_m": 0})",
+                             R"({"center_m": [0, 0], "radius_m": 1, "floor_m": 0})",
+                             R"({"center_m": [0, 0, null], "radius_m": 1, "floor_m": 0})",
+                             R"({"center_m": [1e308, 1e308, 0], "radius_m": 1, "floor_m": 0})"}) {
+    const auto sut = parse_status(R"({"worlds": [{"sphere": )" + std::string(sphere) + "}]}");
+    ASSERT_TRUE(sut) << sphere;
+    EXPECT_FALSE(sut->worlds[0].sphere) << sphere;
+  }
 }
 
 TEST(StatusDocument, BoundsItsLists) {

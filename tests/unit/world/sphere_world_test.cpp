@@ -251,6 +251,7 @@ TEST(SphereWorld, HasNoCellsRoomForEightProbesAndOneSurface) {
   SphereWorld sut = SphereWorld::create(kResting, {{500}, {2}, 0.3}).value();
   EXPECT_EQ(sut.grid(), nullptr);
   EXPECT_EQ(sut.info().cell_m, 0);
+  EXPECT_EQ(sut.info().sphere->radius_m, kResting.radius_m);
   std::vector<ProbeId> probes;
   for (std::size_t i = 0; i < SphereWorld::kMaxProbes; ++i) {
     probes.push_back(sut.add_probe({0, 0.01, 0}).value());
