@@ -11,12 +11,15 @@ FlightRecorder::FlightRecorder(std::size_t frames) {
   for (Memory& memory : memories_) memory.frames.resize(frames);
 }
 
-void FlightRecorder::freeze(const Fault& cause) noexcept {
+// One look at the flag decides of both, frame and stop: a memory given back between two looks would
+// freeze without a frame.
+void FlightRecorder::freeze(const ServoFrame& last, const Fault& cause) noexcept {
   Memory& memory = memories_[writing_];
   if (memory.is_frozen.load(std::memory_order_acquire)) {
     without_room_.fetch_add(1, std::memory_order_relaxed);
     return;
   }
+  memory.keep(last);
   memory.cause = cause;
   memory.is_frozen.store(true, std::memory_order_release);
   writing_ = 1 - writing_;

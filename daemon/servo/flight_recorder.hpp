@@ -15,7 +15,7 @@ namespace thimble::servo {
 // One stop, as the recorder gives it away.
 struct FlightStop {
   Fault cause{};
-  std::vector<ServoFrame> frames;  // oldest first; the last one is the tick of the stop
+  std::vector<ServoFrame> frames;  // oldest first, at least one: the last is the tick of the stop
   std::uint64_t without_room{0};   // stops since the last take() that were not recorded
 };
 
@@ -33,12 +33,10 @@ class FlightRecorder {
 
   THIMBLE_RT void record(const ServoFrame& frame) noexcept {
     Memory& memory = memories_[writing_];
-    if (memory.is_frozen.load(std::memory_order_acquire)) return;
-    memory.frames[static_cast<std::size_t>(memory.count % memory.frames.size())] = frame;
-    ++memory.count;
+    if (!memory.is_frozen.load(std::memory_order_acquire)) memory.keep(frame);
   }
-  // What was recorded up to now is how it came to `cause`.
-  THIMBLE_RT void freeze(const Fault& cause) noexcept;
+  // What was recorded up to now, and `last`, is how it came to `cause`.
+  THIMBLE_RT void freeze(const ServoFrame& last, const Fault& cause) noexcept;
 
   // A stop waits to be taken.
   [[nodiscard]] bool is_frozen() const noexcept {
@@ -54,6 +52,11 @@ class FlightRecorder {
     std::uint64_t count{0};
     Fault cause{};
     std::atomic<bool> is_frozen{false};
+
+    void keep(const ServoFrame& frame) noexcept {
+      frames[static_cast<std::size_t>(count % frames.size())] = frame;
+      ++count;
+    }
   };
   std::array<Memory, 2> memories_;
   std::size_t writing_{0};  // servo

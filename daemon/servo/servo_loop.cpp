@@ -270,10 +270,7 @@ void ServoLoop::write(ServoFrame& frame, const LimitedWrench& wrench) noexcept {
 void ServoLoop::record(ServoFrame& frame) noexcept {
   if (stops_.empty()) return recorder_.record(frame);
   // Every recording ends with the tick of its own stop.
-  for (const Fault& cause : stops_) {
-    recorder_.record(frame);
-    recorder_.freeze(cause);
-  }
+  for (const Fault& cause : stops_) recorder_.freeze(frame, cause);
   stops_.clear();
 }
 

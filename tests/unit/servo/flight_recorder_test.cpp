@@ -23,8 +23,8 @@ Fault numbered_cause(std::uint64_t tick) { return {FaultCode::Estop, {}, tick, 1
 
 TEST(FlightRecorder, KeepsTheLastFramesOldestFirst) {
   FlightRecorder sut(5);
-  for (std::uint64_t i = 1; i <= 12; ++i) sut.record(numbered(i));
-  sut.freeze(numbered_cause(12));
+  for (std::uint64_t i = 1; i <= 11; ++i) sut.record(numbered(i));
+  sut.freeze(numbered(12), numbered_cause(12));
 
   const FlightStop stop = sut.take();
 
@@ -37,21 +37,17 @@ TEST(FlightRecorder, GivesNothingUntilFrozenAndStartsAnewAfterAStop) {
   FlightRecorder sut(5);
   sut.record(numbered(1));
   EXPECT_TRUE(sut.take().frames.empty());
-  sut.freeze(numbered_cause(1));
-  sut.record(numbered(2));
-  EXPECT_EQ(sut.take().frames.size(), 1U) << "what comes after the stop is no part of it";
-  EXPECT_FALSE(sut.is_frozen());
+  sut.freeze(numbered(2), numbered_cause(2));
   sut.record(numbered(3));
-  sut.freeze(numbered_cause(3));
-  EXPECT_EQ(sut.take().frames.front().tick, 2U) << "it belongs to the next";
+  EXPECT_EQ(sut.take().frames.size(), 2U) << "what comes after the stop is no part of it";
+  EXPECT_FALSE(sut.is_frozen());
+  sut.freeze(numbered(4), numbered_cause(4));
+  EXPECT_EQ(sut.take().frames.front().tick, 3U) << "it belongs to the next";
 }
 
 TEST(FlightRecorder, CountsTheStopsThatFoundNoRoom) {
   FlightRecorder sut(5);
-  for (std::uint64_t i = 1; i <= 4; ++i) {
-    sut.record(numbered(i));
-    sut.freeze(numbered_cause(i));
-  }
+  for (std::uint64_t i = 1; i <= 4; ++i) sut.freeze(numbered(i), numbered_cause(i));
   const FlightStop first = sut.take();
   EXPECT_EQ(first.cause.tick, 1U);
   EXPECT_EQ(first.without_room, 2U);
@@ -71,8 +67,8 @@ TEST(FlightRecorder, AnyOrderOfStopsAndTakesLosesNoCauseUncounted) {
     const auto choice = random() % 10;
     if (choice < 7) sut.record(numbered(++tick));
     if (choice == 7) {
-      sut.record(numbered(++tick));
-      sut.freeze(numbered_cause(tick));
+      ++tick;
+      sut.freeze(numbered(tick), numbered_cause(tick));
       ++stops;
     }
     if (choice < 8 || !sut.is_frozen()) continue;
