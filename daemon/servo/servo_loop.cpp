@@ -197,8 +197,9 @@ void ServoLoop::estimate_velocity(ServoFrame& frame) noexcept {
 
 bool ServoLoop::is_driving() const noexcept { return state_ == OperatingState::Active; }
 
+// Of an arm that is driven; of any other it says nothing.
 bool ServoLoop::may_drive() const noexcept {
-  return is_driving() && parts_.controls.want_active.load(std::memory_order_relaxed) &&
+  return !is_released_ && parts_.controls.want_active.load(std::memory_order_relaxed) &&
          parts_.controls.is_deadman_held.load(std::memory_order_relaxed);
 }
 

@@ -69,6 +69,8 @@ class ServoLoop {
   THIMBLE_RT_IO void tick(Duration lateness) noexcept;
   // Periods that the caller left out because the previous tick took too long.
   THIMBLE_RT void count_skipped(std::uint64_t periods) noexcept { snapshot_.overruns += periods; }
+  // The arm is let go for good, whatever the controls say: ramps to zero like a released deadman.
+  THIMBLE_RT void release() noexcept { is_released_ = true; }
   // True when the arm gets no force: nothing is lost by stopping now.
   [[nodiscard]] bool is_at_rest() const noexcept { return gain_.value() == 0; }
 
@@ -128,6 +130,7 @@ class ServoLoop {
   // Of this tick: what latched, what was unplugged, and what latched again after a clear.
   rt::StaticVector<Fault, 3> stops_;
   bool is_outage_over_{false};
+  bool is_released_{false};
   bool is_let_go_{false};  // driven, but at zero force: the hand may have gone anywhere
   ServoSnapshot snapshot_{};
 };

@@ -6,7 +6,6 @@
 namespace thimble::servo {
 namespace {
 
-constexpr Duration kLongestRampDown = std::chrono::milliseconds(200);
 // Zero is sent for so long after the ramp: several frames of a full-speed bus (1 ms each), so
 // that losing one report does not leave a force.
 constexpr Duration kFinalZero = std::chrono::milliseconds(5);
@@ -27,7 +26,6 @@ std::int64_t skip_missed(ServoLoop& loop, Duration behind, Duration lateness) no
 void run_servo(ServoLoop& loop, Clock& clock, const std::atomic<bool>& is_stopping) noexcept {
   const Duration period = loop.settings().period();
   MonotonicTime next = clock.now() + period;
-  std::optional<MonotonicTime> stop_by;
   std::optional<MonotonicTime> end_at;
   while (!end_at || clock.now() < *end_at) {
     const Duration lateness = clock.sleep_until(next);
@@ -36,8 +34,8 @@ void run_servo(ServoLoop& loop, Clock& clock, const std::atomic<bool>& is_stoppi
     next = next + period;
     next = next + skip_missed(loop, now - next, lateness) * period;
     if (!is_stopping.load(std::memory_order_relaxed)) continue;
-    if (!stop_by) stop_by = now + kLongestRampDown;
-    if (!end_at && (loop.is_at_rest() || now >= *stop_by)) end_at = now + kFinalZero;
+    loop.release();
+    if (!end_at && loop.is_at_rest()) end_at = now + kFinalZero;
   }
 }
 

@@ -73,6 +73,26 @@ TEST(ServoRunner, StoppingRampsTheForceToZeroAndSendsZero) {
   EXPECT_LE(clock.sleeps, 800 + 30);
 }
 
+// Zero force on every exit: not only where somebody remembered to withdraw the wish to drive.
+TEST(ServoRunner, StoppingEndsInZeroThoughTheControlsStillWantForce) {
+  ServoRig rig;
+  rig.coupling.wish = {4, 0, 0};
+  rig.controls.want_active = true;
+  ServoControls unheard;
+  std::atomic<bool> stop{false};
+  StoppingClock clock(rig.clock, stop, unheard, 800);
+
+  run_servo(rig.sut, clock, stop);
+
+  const std::vector<Force3>& written = rig.device.written;
+  ASSERT_GT(written.size(), 804U);
+  for (std::size_t last = 1; last <= 5; ++last) {
+    EXPECT_EQ(written[written.size() - last], Force3{}) << "zero for 5 ms";
+  }
+  EXPECT_GT(written[804].x, 0) << "a ramp, not a cut";
+  EXPECT_LE(clock.sleeps, 800 + 30);
+}
+
 TEST(ServoRunner, CountsThePeriodsThatPassedWithinATick) {
   ServoRig rig;
   rig.device.on_write = [&] { rig.clock.advance(std::chrono::microseconds(2500)); };
