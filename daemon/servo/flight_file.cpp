@@ -8,7 +8,8 @@ namespace {
 
 void append_row(std::string& out, const ServoFrame& f) {
   std::array<char, 640> row{};
-  const int length = std::snprintf(
+  // Ends in a zero byte always; 500 characters hold the longest numbers there are.
+  std::snprintf(
       row.data(), row.size(),
       "%llu,%.9f,%.9f,%.9f,%s,%s,%s,%s,%s,%.9g,%.9g,%.9g,%.6g,%.6g,%.6g,%.9g,%.9g,%.9g,"
       "%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.4g,%.6g,%u,%u,%d,%d,%d,%d,%d\n",
@@ -20,7 +21,7 @@ void append_row(std::string& out, const ServoFrame& f) {
       f.offset.z, f.wish.x, f.wish.y, f.wish.z, f.force.x, f.force.y, f.force.z, f.gain,
       f.generated_energy_j, f.buttons, f.contacts, f.is_in_contact ? 1 : 0, f.is_limited ? 1 : 0,
       f.is_stale ? 1 : 0, f.is_frozen ? 1 : 0, f.is_fading ? 1 : 0);
-  if (length > 0) out.append(row.data(), static_cast<std::size_t>(length));
+  out += row.data();
 }
 
 }  // namespace

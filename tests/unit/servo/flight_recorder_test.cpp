@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
+#include <limits>
 #include <random>
 #include <sstream>
 #include <string>
@@ -43,6 +45,10 @@ TEST(FlightRecorder, GivesNothingUntilFrozenAndStartsAnewAfterAStop) {
   EXPECT_FALSE(sut.is_frozen());
   sut.freeze(numbered(4), numbered_cause(4));
   EXPECT_EQ(sut.take().frames.front().tick, 3U) << "it belongs to the next";
+}
+
+TEST(FlightRecorder, RefusesToBeBuiltWithoutRoomForAFrame) {
+  EXPECT_DEATH(FlightRecorder sut(0), "broken invariant: frames > 0");
 }
 
 TEST(FlightRecorder, CountsTheStopsThatFoundNoRoom) {
@@ -115,6 +121,27 @@ TEST(FlightFile, NamesTheCauseAndHasARowPerTickWithAsManyFieldsAsTheHeader) {
   EXPECT_TRUE(has_cause);
   EXPECT_TRUE(has_count);
   EXPECT_EQ(rows, 2U);
+}
+
+TEST(FlightFile, ARowOfTheLongestNumbersIsWhole) {
+  constexpr double kLowest = std::numeric_limits<double>::lowest();
+  ServoFrame frame;
+  frame.tick = std::numeric_limits<std::uint64_t>::max();
+  frame.now = MonotonicTime{Duration::min()};
+  frame.lateness = frame.sample_age = Duration::min();
+  frame.tip = {kLowest, kLowest, kLowest};
+  frame.velocity = {kLowest, kLowest, kLowest};
+  frame.offset = {kLowest, kLowest, kLowest};
+  frame.wish = frame.force = {kLowest, kLowest, kLowest};
+  frame.gain = frame.generated_energy_j = kLowest;
+  frame.buttons = frame.contacts = std::numeric_limits<std::uint32_t>::max();
+  frame.is_fading = true;
+
+  const std::string text = format_flight({"right", "sim:phantom-vintage", {}, 0}, {frame});
+
+  const std::string row = text.substr(text.rfind('\n', text.size() - 2) + 1);
+  EXPECT_EQ(std::count(row.begin(), row.end(), ','), 32);
+  EXPECT_EQ(row.substr(row.size() - 11), ",0,0,0,0,1\n");
 }
 
 TEST(FlightFile, EachFlagIsAColumnOfItsOwn) {
