@@ -5,23 +5,11 @@
 
 namespace thimble::sim {
 
-FaultCounts FaultTally::read() const noexcept {
-  FaultCounts counts;
-  for (std::size_t i = 0; i < kFaultKindCount; ++i) {
-    counts.by_kind[i] = by_kind_[i].load(std::memory_order_relaxed);
-  }
-  counts.out_under_way = out_under_way_.load(std::memory_order_relaxed);
-  return counts;
-}
-
 FaultyHid::FaultyHid(std::unique_ptr<bus::HidDevice> device, const Clock& clock, FaultPlan plan,
                      std::shared_ptr<FaultTally> tally)
-    : device_(std::move(device)),
-      clock_(&clock),
-      plan_(std::move(plan)),
-      tally_(std::move(tally)) {}
+    : device_(std::move(device)), clock_(&clock), dice_(std::move(plan), std::move(tally)) {}
 
-FaultyHid::~FaultyHid() { tally_->set_out_under_way(0); }
+FaultyHid::~FaultyHid() { dice_.tally().set_out_under_way(0); }
 
 IoStatus FaultyHid::read_newest(bus::HidReport& out) noexcept {
   const MonotonicTime now = clock_->now();
@@ -69,35 +57,14 @@ bus::HidCounters FaultyHid::counters() const noexcept {
 }
 
 bool FaultyHid::is_disconnected(MonotonicTime now) noexcept {
-  if (is_disconnected_) return true;
-  for (const ScriptedFault& fault : plan_.script) {
-    if (fault.kind != FaultKind::Disconnect || !fault.covers(now)) continue;
-    tally_->add(FaultKind::Disconnect);
-    is_disconnected_ = true;
-    return true;
-  }
-  return false;
+  if (is_disconnected_ || !dice_.is_on(FaultKind::Disconnect, now)) return is_disconnected_;
+  dice_.tally().add(FaultKind::Disconnect);
+  is_disconnected_ = true;
+  return true;
 }
 
 bool FaultyHid::is_stalled(MonotonicTime now) const noexcept {
-  if (now < stalled_until_) return true;
-  return std::any_of(plan_.script.begin(), plan_.script.end(), [&](const ScriptedFault& fault) {
-    return fault.kind == FaultKind::Stall && fault.covers(now);
-  });
-}
-
-const ScriptedFault* FaultyHid::scripted(FaultKind kind, MonotonicTime t,
-                                         std::uint64_t number) const noexcept {
-  for (const ScriptedFault& fault : plan_.script) {
-    if (fault.kind == kind && fault.covers(t) && fault.covers(number)) return &fault;
-  }
-  return nullptr;
-}
-
-bool FaultyHid::strikes(FaultKind kind, double chance, MonotonicTime t,
-                        std::uint64_t number) const noexcept {
-  if (scripted(kind, t, number) != nullptr) return true;
-  return fault_strikes(fault_bits(plan_.seed, kind, number), chance);
+  return now < stalled_until_ || dice_.is_on(FaultKind::Stall, now);
 }
 
 void FaultyHid::lose_stalled_input() noexcept {
@@ -114,18 +81,17 @@ void FaultyHid::lose_stalled_input() noexcept {
 void FaultyHid::take_in(bus::HidReport& report) noexcept {
   const std::uint64_t number = report.sequence;
   seen_below_ = number;
-  if (fault_strikes(fault_bits(plan_.seed, FaultKind::Stall, number), plan_.random.stall)) {
-    stalled_until_ = clock_->now() + plan_.random.stall_lasts;
+  if (dice_.strikes_by_chance(FaultKind::Stall, number)) {
+    stalled_until_ = clock_->now() + dice_.chances().stall_lasts;
     lose(1, FaultKind::Stall);
     return;
   }
-  if (strikes(FaultKind::DropIn, plan_.random.drop_in, report.arrived_at, number)) {
+  if (dice_.strikes(FaultKind::DropIn, report.arrived_at, number)) {
     lose(1, FaultKind::DropIn);
     return;
   }
   spoil(report, number);
-  const Duration delay =
-      delay_of(FaultKind::DelayIn, plan_.random.delay_in, report.arrived_at, number);
+  const Duration delay = dice_.delay_of(FaultKind::DelayIn, report.arrived_at, number);
   if (queue_size_ == kMaxDelayed) {
     lose(1, FaultKind::DropIn);
     return;
@@ -139,38 +105,12 @@ void FaultyHid::take_in(bus::HidReport& report) noexcept {
 void FaultyHid::spoil(bus::HidReport& report, std::uint64_t number) noexcept {
   const std::span<std::uint8_t> bytes(report.bytes.data(), report.size);
   if (bytes.empty()) return;
-  if (strikes(FaultKind::CorruptIn, plan_.random.corrupt_in, report.arrived_at, number)) {
-    corrupt(bytes, FaultKind::CorruptIn, number);
+  if (dice_.strikes(FaultKind::CorruptIn, report.arrived_at, number)) {
+    dice_.corrupt(bytes, FaultKind::CorruptIn, number);
   }
-  if (strikes(FaultKind::TruncateIn, plan_.random.truncate_in, report.arrived_at, number)) {
-    report.size = fault_bits(plan_.seed + 1, FaultKind::TruncateIn, number) % report.size;
-    tally_->add(FaultKind::TruncateIn);
+  if (dice_.strikes(FaultKind::TruncateIn, report.arrived_at, number)) {
+    report.size = dice_.cut(report.size, FaultKind::TruncateIn, number);
   }
-}
-
-Duration FaultyHid::delay_of(FaultKind kind, double chance, MonotonicTime t,
-                             std::uint64_t number) noexcept {
-  Duration delay{};
-  const ScriptedFault* fault = scripted(kind, t, number);
-  if (fault != nullptr) delay = fault->delay;
-  const std::uint64_t bits = fault_bits(plan_.seed, kind, number);
-  const auto longest = static_cast<std::uint64_t>(plan_.random.max_delay.count());
-  if (fault_strikes(bits, chance) && longest > 0) {
-    const std::uint64_t length = fault_bits(plan_.seed + 1, kind, number) % longest;
-    delay += Duration(static_cast<std::int64_t>(length + 1));
-  }
-  if (delay > Duration(0)) tally_->add(kind);
-  return delay;
-}
-
-// One byte becomes another one: never a corruption that leaves the report as it was.
-void FaultyHid::corrupt(std::span<std::uint8_t> bytes, FaultKind kind,
-                        std::uint64_t number) noexcept {
-  const std::uint64_t bits = fault_bits(plan_.seed + 1, kind, number);
-  const auto change = static_cast<std::uint8_t>(1 + (bits >> 32U) % 255);
-  std::uint8_t& byte = bytes[(bits & 0xffffffffU) % bytes.size()];
-  byte = static_cast<std::uint8_t>(byte ^ change);
-  tally_->add(kind);
 }
 
 void FaultyHid::enqueue(const bus::HidReport& report) noexcept {
@@ -180,7 +120,7 @@ void FaultyHid::enqueue(const bus::HidReport& report) noexcept {
 
 void FaultyHid::lose(std::uint64_t reports, FaultKind kind) noexcept {
   lost_ += reports;
-  tally_->add(kind, reports);
+  dice_.tally().add(kind, reports);
   publish_not_arrived();
 }
 
@@ -207,17 +147,17 @@ IoStatus FaultyHid::hand_over(bus::HidReport& out) noexcept {
 
 IoStatus FaultyHid::send(std::span<const std::uint8_t> report, MonotonicTime now,
                          std::uint64_t number) noexcept {
-  if (strikes(FaultKind::DropOut, plan_.random.drop_out, now, number)) {
-    tally_->add(FaultKind::DropOut);
+  if (dice_.strikes(FaultKind::DropOut, now, number)) {
+    dice_.tally().add(FaultKind::DropOut);
     dropped_out_.fetch_add(1, std::memory_order_relaxed);
     return IoStatus::Ok;
   }
-  if (!strikes(FaultKind::CorruptOut, plan_.random.corrupt_out, now, number)) {
+  if (!dice_.strikes(FaultKind::CorruptOut, now, number)) {
     return device_->submit(report);
   }
   std::array<std::uint8_t, bus::kMaxHidReportBytes> bytes{};
   std::copy(report.begin(), report.end(), bytes.begin());
-  corrupt({bytes.data(), report.size()}, FaultKind::CorruptOut, number);
+  dice_.corrupt({bytes.data(), report.size()}, FaultKind::CorruptOut, number);
   return device_->submit({bytes.data(), report.size()});
 }
 
@@ -226,7 +166,7 @@ void FaultyHid::hold(std::span<const std::uint8_t> report) noexcept {
   std::copy(report.begin(), report.end(), held_.bytes.begin());
   held_.size = report.size();
   held_.number = ++submitted_;
-  tally_->add(FaultKind::Stall);
+  dice_.tally().add(FaultKind::Stall);
 }
 
 void FaultyHid::send_held(MonotonicTime now) noexcept {
@@ -237,7 +177,7 @@ void FaultyHid::send_held(MonotonicTime now) noexcept {
 
 IoStatus FaultyHid::send_or_delay(std::span<const std::uint8_t> report, MonotonicTime now,
                                   std::uint64_t number) noexcept {
-  const Duration delay = delay_of(FaultKind::DelayOut, plan_.random.delay_out, now, number);
+  const Duration delay = dice_.delay_of(FaultKind::DelayOut, now, number);
   if (delay <= Duration(0) && out_size_ == 0) return send(report, now, number);
   delay_out(report, now + delay, number);
   return IoStatus::Ok;
@@ -258,7 +198,7 @@ void FaultyHid::delay_out(std::span<const std::uint8_t> report, MonotonicTime le
   waiting.size = report.size();
   waiting.number = number;
   waiting.leaves_at = leaves_at;
-  tally_->set_out_under_way(++out_size_);
+  dice_.tally().set_out_under_way(++out_size_);
 }
 
 void FaultyHid::send_delayed(MonotonicTime now) noexcept {
@@ -269,7 +209,7 @@ void FaultyHid::send_delayed(MonotonicTime now) noexcept {
     out_first_ = (out_first_ + 1) % kMaxDelayed;
     --out_size_;
   }
-  tally_->set_out_under_way(out_size_);
+  dice_.tally().set_out_under_way(out_size_);
 }
 
 }  // namespace thimble::sim

@@ -10,34 +10,10 @@
 #include "hal/base/time.hpp"
 #include "hal/bus/hid_device.hpp"
 #include "hal/rt/annotations.hpp"
+#include "sim/fault/fault_dice.hpp"
 #include "sim/fault/fault_plan.hpp"
 
 namespace thimble::sim {
-
-// How many faults of each kind were injected.
-struct FaultCounts {
-  std::array<std::uint64_t, kFaultKindCount> by_kind{};
-  std::uint64_t out_under_way{0};  // output reports that are delayed just now
-  [[nodiscard]] std::uint64_t of(FaultKind kind) const noexcept {
-    return by_kind[static_cast<std::size_t>(kind)];
-  }
-};
-
-// The running counts behind FaultCounts. Thread: add() from one, read() from any.
-class FaultTally {
- public:
-  THIMBLE_RT void add(FaultKind kind, std::uint64_t n = 1) noexcept {
-    by_kind_[static_cast<std::size_t>(kind)].fetch_add(n, std::memory_order_relaxed);
-  }
-  THIMBLE_RT void set_out_under_way(std::uint64_t reports) noexcept {
-    out_under_way_.store(reports, std::memory_order_relaxed);
-  }
-  [[nodiscard]] FaultCounts read() const noexcept;
-
- private:
-  std::array<std::atomic<std::uint64_t>, kFaultKindCount> by_kind_{};
-  std::atomic<std::uint64_t> out_under_way_{0};
-};
 
 // Any HID device behind a bad cable: passes everything on, but for what the plan says.
 //
@@ -66,7 +42,7 @@ class FaultyHid final : public bus::HidDevice {
   // As its user sees them: a dropped report is neither in nor skipped, a write that was
   // dropped here went out.
   [[nodiscard]] bus::HidCounters counters() const noexcept override;
-  [[nodiscard]] FaultCounts injected() const noexcept { return tally_->read(); }
+  [[nodiscard]] FaultCounts injected() const noexcept { return dice_.tally().read(); }
 
  private:
   // Reports under way while a delay lasts: 64 ms of a 1 kHz device. More are lost.
@@ -81,17 +57,10 @@ class FaultyHid final : public bus::HidDevice {
 
   [[nodiscard]] bool is_disconnected(MonotonicTime now) noexcept;
   [[nodiscard]] bool is_stalled(MonotonicTime now) const noexcept;
-  [[nodiscard]] const ScriptedFault* scripted(FaultKind kind, MonotonicTime t,
-                                              std::uint64_t number) const noexcept;
-  [[nodiscard]] bool strikes(FaultKind kind, double chance, MonotonicTime t,
-                             std::uint64_t number) const noexcept;
   void lose_stalled_input() noexcept;
   void take_in(bus::HidReport& report) noexcept;
   void spoil(bus::HidReport& report, std::uint64_t number) noexcept;
-  [[nodiscard]] Duration delay_of(FaultKind kind, double chance, MonotonicTime t,
-                                  std::uint64_t number) noexcept;
   void enqueue(const bus::HidReport& report) noexcept;
-  void corrupt(std::span<std::uint8_t> bytes, FaultKind kind, std::uint64_t number) noexcept;
   void lose(std::uint64_t reports, FaultKind kind) noexcept;
   void publish_not_arrived() noexcept;
   IoStatus hand_over(bus::HidReport& out) noexcept;
@@ -107,8 +76,7 @@ class FaultyHid final : public bus::HidDevice {
 
   std::unique_ptr<bus::HidDevice> device_;
   const Clock* clock_;
-  FaultPlan plan_;
-  std::shared_ptr<FaultTally> tally_;
+  FaultDice dice_;
   bool is_disconnected_{false};
   MonotonicTime stalled_until_{Duration::min()};  // by chance; the script knows its own
 
