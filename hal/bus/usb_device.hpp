@@ -41,6 +41,16 @@ struct UsbControlRequest {
   bool operator==(const UsbControlRequest&) const = default;
 };
 
+// False for what is too long, and for a standard request.
+[[nodiscard]] constexpr bool may_be_sent(const UsbControlRequest& request) noexcept {
+  return request.length <= kMaxUsbControlBytes &&
+         (request.request_type & kUsbRequestOwnerBits) != 0;
+}
+// USB 2.0, table 9-2: bit 7 of bmRequestType is the direction of the data stage.
+[[nodiscard]] constexpr bool asks_for_data(const UsbControlRequest& request) noexcept {
+  return (request.request_type & kUsbInBit) != 0;
+}
+
 // How a transfer ended that did not end by the cable.
 enum class UsbOutcome : std::uint8_t {
   Done,

@@ -12,10 +12,6 @@ std::string name_of(std::uint8_t endpoint) {
   return std::string("0x") + kDigits[endpoint / 16] + kDigits[endpoint % 16];
 }
 
-bool is_standard(const UsbControlRequest& request) noexcept {
-  return (request.request_type & kUsbRequestOwnerBits) == 0;
-}
-
 Result<UsbOpenPipe> resolve(const UsbPipe& pipe, std::uint8_t interface_number,
                             std::span<const UsbEndpointInfo> endpoints) {
   const auto info =
@@ -232,7 +228,7 @@ IoStatus UsbMailboxes::submit(std::uint8_t endpoint,
 
 IoStatus UsbMailboxes::start_control(const UsbControlRequest& request) noexcept {
   if (is_disconnected()) return IoStatus::Disconnected;
-  if (request.length > kMaxUsbControlBytes || is_standard(request)) return IoStatus::ProtocolError;
+  if (!may_be_sent(request)) return IoStatus::ProtocolError;
   if (is_reply_owed_) return IoStatus::Backlogged;
   is_reply_owed_ = true;
   requests_.write(request);

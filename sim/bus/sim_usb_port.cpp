@@ -10,11 +10,6 @@ using bus::UsbOutcome;
 using bus::UsbTransferKind;
 using plugin::UsbHandshake;
 
-// USB 2.0, table 9-2: bit 7 of bmRequestType is the direction of the data stage.
-constexpr bool is_to_host(const bus::UsbControlRequest& request) noexcept {
-  return (request.request_type & bus::kUsbInBit) != 0;
-}
-
 bus::BusDeviceInfo description(bus::DeviceAddress address, const plugin::SimUsbModel& model) {
   bus::BusDeviceInfo info = model.describe();
   info.address = std::move(address);
@@ -73,10 +68,10 @@ void SimUsbPort::serve_control(SimUsb& host) noexcept {
   if (request == nullptr) return;
   if (!take_budget(kUsbControlOverheadBytes + request->length)) return;
   bus::UsbControlReply reply;
-  const plugin::UsbAnswer answer =
-      model_->control(*request, {reply.data.data(), is_to_host(*request) ? request->length : 0U});
+  const plugin::UsbAnswer answer = model_->control(
+      *request, {reply.data.data(), bus::asks_for_data(*request) ? request->length : 0U});
   if (answer.handshake == UsbHandshake::Nak) return;
-  reply.size = is_to_host(*request) ? answer.size : request->length;
+  reply.size = bus::asks_for_data(*request) ? answer.size : request->length;
   if (answer.handshake == UsbHandshake::Stall) {
     reply = {.outcome = UsbOutcome::Stalled};
   } else if (reply.size > request->length) {

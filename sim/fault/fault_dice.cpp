@@ -43,6 +43,10 @@ double FaultDice::chance_of(FaultKind kind) const noexcept {
       return plan_.random.truncate_out;
     case FaultKind::Stall:
       return plan_.random.stall;
+    case FaultKind::Halt:
+      return plan_.random.halt;
+    case FaultKind::Babble:
+      return plan_.random.babble;
     case FaultKind::Disconnect:
     case FaultKind::RefuseOpen:
     case FaultKind::LoseEvents:

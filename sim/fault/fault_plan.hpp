@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "hal/base/time.hpp"
@@ -18,15 +19,19 @@ enum class FaultKind : std::uint8_t {
   CorruptIn,    // one byte of an input report is another one
   CorruptOut,   // one byte of an output report is another one
   TruncateIn,   // an input report is cut short
-  TruncateOut,  // an output report is cut short: by ShortReports, at the device's plug
+  TruncateOut,  // an output report is cut short; of HID by ShortReports, at the device's plug
   Stall,        // nothing passes; the newest output report waits
   Disconnect,   // the device is gone, for good as far as a handle used meanwhile goes
   // Of the bus rather than of a report; they look at the time only.
   RefuseOpen,   // somebody else holds the device
   LoseEvents,   // arrivals and departures of the device are never told
   DelayEvents,  // nothing on this bus is told until it ends
+  // Of a bare USB device, where a report is a packet of one endpoint.
+  Halt,    // the device answers STALL: the packet or request is lost, and its sender told
+  Babble,  // a packet from the device is longer than asked for: lost, and its reader told
 };
-inline constexpr std::size_t kFaultKindCount = 13;
+inline constexpr std::size_t kFaultKindCount = 15;
+inline constexpr std::size_t kHidFaultKindCount = 13;  // the kinds before Halt
 
 // One fault that happens while both windows hold.
 struct ScriptedFault {
@@ -39,6 +44,8 @@ struct ScriptedFault {
   std::uint64_t first_report{1};
   std::uint64_t reports{std::numeric_limits<std::uint64_t>::max()};
   Duration delay{};  // DelayIn, DelayOut
+  // Of a bare USB device: that endpoint alone, 0 for its requests. Everything else takes no notice.
+  std::optional<std::uint8_t> endpoint{};
 
   THIMBLE_RT [[nodiscard]] bool covers(MonotonicTime t) const noexcept;
   THIMBLE_RT [[nodiscard]] bool covers(std::uint64_t report) const noexcept;
@@ -54,7 +61,9 @@ struct RandomFaults {
   double corrupt_out{0};
   double truncate_in{0};
   double truncate_out{0};
-  double stall{0};       // per input report
+  double stall{0};  // per input report
+  double halt{0};
+  double babble{0};
   Duration max_delay{};  // a delay is uniform in (0, max_delay]
   Duration stall_lasts{};
   bool operator==(const RandomFaults&) const = default;

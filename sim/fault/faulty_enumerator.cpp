@@ -33,17 +33,39 @@ std::optional<bus::BusEvent> FaultyEnumerator::poll_event() {
   return std::nullopt;
 }
 
+Result<void> FaultyEnumerator::check_willing(const bus::DeviceAddress& address) {
+  const auto cable = cables_.find(address);
+  if (cable == cables_.end() || !is_on(cable->second, FaultKind::RefuseOpen)) return {};
+  cable->second.tally->add(FaultKind::RefuseOpen);
+  return fail(Errc::Busy, address.text + " is held by somebody else");
+}
+
 Result<std::unique_ptr<bus::HidDevice>> FaultyEnumerator::open_hid(
     const bus::DeviceAddress& address) {
-  if (const auto cable = cables_.find(address);
-      cable != cables_.end() && is_on(cable->second, FaultKind::RefuseOpen)) {
-    cable->second.tally->add(FaultKind::RefuseOpen);
-    return fail(Errc::Busy, address.text + " is held by somebody else");
-  }
+  const Result<void> is_willing = check_willing(address);
+  if (!is_willing.has_value()) return tl::unexpected(is_willing.error());
   Result<std::unique_ptr<bus::HidDevice>> device = buses_->open_hid(address);
   if (!device.has_value()) return device;
   const Cable& cable = cables_[address];
   return std::make_unique<FaultyHid>(std::move(device.value()), *clock_, cable.plan, cable.tally);
+}
+
+Result<std::unique_ptr<bus::UsbDevice>> FaultyEnumerator::open_usb(
+    const bus::DeviceAddress& address, const bus::UsbClaim& claim) {
+  const Result<void> is_willing = check_willing(address);
+  if (!is_willing.has_value()) return tl::unexpected(is_willing.error());
+  Result<std::unique_ptr<bus::UsbDevice>> device = buses_->open_usb(address, claim);
+  if (!device.has_value()) return device;
+  const std::vector<bus::BusDeviceInfo> devices = buses_->list();
+  const auto info = std::find_if(devices.begin(), devices.end(), [&](const auto& candidate) {
+    return candidate.address == address;
+  });
+  if (info == devices.end()) return fail(Errc::NotFound, address.text + " is gone again");
+  const auto pipes = bus::resolve_claim(claim, info->endpoints);
+  if (!pipes.has_value()) return tl::unexpected(pipes.error().in(address.text));
+  const Cable& cable = cables_[address];
+  return std::make_unique<FaultyUsb>(std::move(device.value()), pipes.value(), *clock_, cable.plan,
+                                     cable.tally);
 }
 
 }  // namespace thimble::sim

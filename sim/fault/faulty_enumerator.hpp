@@ -9,10 +9,12 @@
 #include "hal/bus/bus_enumerator.hpp"
 #include "sim/fault/fault_plan.hpp"
 #include "sim/fault/faulty_hid.hpp"
+#include "sim/fault/faulty_usb.hpp"
 
 namespace thimble::sim {
 
-// Any bus whose devices sit behind bad cables: what is opened through it is a FaultyHid.
+// Any bus whose devices sit behind bad cables: what is opened through it is a FaultyHid
+// or a FaultyUsb.
 //
 // Thread: as BusEnumerator. Ownership: the bus below and the clock must outlive it.
 // Errors: as the bus below. An injected Disconnect is known to the handle only: no device
@@ -32,6 +34,8 @@ class FaultyEnumerator final : public bus::BusEnumerator {
   [[nodiscard]] std::optional<bus::BusEvent> poll_event() override;
   [[nodiscard]] Result<std::unique_ptr<bus::HidDevice>> open_hid(
       const bus::DeviceAddress& address) override;
+  [[nodiscard]] Result<std::unique_ptr<bus::UsbDevice>> open_usb(
+      const bus::DeviceAddress& address, const bus::UsbClaim& claim) override;
 
  private:
   struct Cable {
@@ -39,6 +43,7 @@ class FaultyEnumerator final : public bus::BusEnumerator {
     std::shared_ptr<FaultTally> tally = std::make_shared<FaultTally>();
   };
 
+  [[nodiscard]] Result<void> check_willing(const bus::DeviceAddress& address);
   [[nodiscard]] bool is_on(const Cable& cable, FaultKind kind) const noexcept;
 
   bus::BusEnumerator* buses_;

@@ -253,7 +253,7 @@ sim::FaultPlan cables_of(const Programme& programme) {
   plan.seed = programme.seed;
   plan.random = programme.setup.noise;
   for (const Event& event : programme.events) {
-    if (static_cast<std::size_t>(event.kind) >= sim::kFaultKindCount) continue;
+    if (static_cast<std::size_t>(event.kind) >= sim::kHidFaultKindCount) continue;
     sim::ScriptedFault fault;
     fault.kind = static_cast<sim::FaultKind>(event.kind);
     fault.from = MonotonicTime{event.at};

@@ -17,7 +17,7 @@ std::string count(std::string_view name, std::uint64_t n) {
   return format("  %-20s %12llu\n", std::string(name).c_str(), static_cast<unsigned long long>(n));
 }
 
-constexpr std::array<const char*, sim::kFaultKindCount> kReportNames{
+constexpr std::array<const char*, sim::kHidFaultKindCount> kReportNames{
     "dropped in",      "dropped out",  "delayed in",    "delayed out", "corrupted in",
     "corrupted out",   "truncated in", "truncated out", "stalled",     "handles killed",
     "opening refused", "events lost",  "events delayed"};
@@ -33,7 +33,7 @@ std::string to_text(const Tally& tally) {
     text += count(to_string(static_cast<EventKind>(i)), tally.events[i]);
   }
   text += "faults of the bus\n";
-  for (std::size_t i = 0; i < sim::kFaultKindCount; ++i) {
+  for (std::size_t i = 0; i < sim::kHidFaultKindCount; ++i) {
     text += count(kReportNames[i], tally.reports.by_kind[i]);
   }
   text += "messages on the link\n" + count("lost", tally.messages_lost) +

@@ -1,5 +1,6 @@
-// The simulated USB bus under its contract suite.
+// The simulated USB bus, bare and behind a cable without faults, under its contract suite.
 #include "sim/bus/sim_enumerator.hpp"
+#include "sim/fault/faulty_enumerator.hpp"
 #include "sim/time/virtual_clock.hpp"
 #include "tests/contract/usb_device_contract.hpp"
 #include "tests/support/scripted_usb_model.hpp"
@@ -9,10 +10,13 @@ namespace {
 
 class SimUsbRig final : public UsbRig {
  public:
-  SimUsbRig() {
+  explicit SimUsbRig(bool is_behind_cable) : is_behind_cable_(is_behind_cable) {
     EXPECT_TRUE(buses_.plug(address(), std::make_unique<ScriptedUsbModel>(script_)).has_value());
   }
-  bus::BusEnumerator& buses() override { return buses_; }
+  bus::BusEnumerator& buses() override {
+    if (is_behind_cable_) return faulty_;
+    return buses_;
+  }
   bus::DeviceAddress address() const override { return {"sim:scripted"}; }
   void run_for(Duration duration) override { clock_.run_for(duration); }
   void device_sends(std::uint8_t endpoint, const Packet& packet) override {
@@ -38,16 +42,20 @@ class SimUsbRig final : public UsbRig {
  private:
   sim::VirtualClock clock_;
   sim::SimEnumerator buses_{clock_};
+  sim::FaultyEnumerator faulty_{buses_, clock_};
+  bool is_behind_cable_;
   std::shared_ptr<UsbModelScript> script_ = std::make_shared<UsbModelScript>();
 };
 
-template <class Rig>
+template <bool kIsBehindCable>
 std::unique_ptr<UsbRig> make() {
-  return std::make_unique<Rig>();
+  return std::make_unique<SimUsbRig>(kIsBehindCable);
 }
 
 INSTANTIATE_TEST_SUITE_P(Bus, UsbDeviceContract,
-                         testing::Values(UsbRigFactory{"SimUsb", &make<SimUsbRig>}), usb_rig_name);
+                         testing::Values(UsbRigFactory{"SimUsb", &make<false>},
+                                         UsbRigFactory{"FaultyUsb", &make<true>}),
+                         usb_rig_name);
 
 }  // namespace
 }  // namespace thimble::test
