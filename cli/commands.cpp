@@ -154,7 +154,8 @@ int run_world_edit(const std::string& socket_path, const std::string& world,
   if (!body) return complain(body.error());
   const Result<std::uint64_t> changed = parse_changed_cells(*body, meant->name);
   if (!changed) return complain(changed.error());
-  std::cout << "world " << plain(meant->name) << ": " << *changed << " cells changed\n";
+  std::cout << "world " << plain(meant->name) << ": " << *changed
+            << (*changed == 1 ? " cell changed\n" : " cells changed\n");
   return kExitOk;
 }
 

@@ -128,7 +128,7 @@ class Edits(ProcessTest):
                 (["paint", "--center", -0.0075, "-.0075", "+.0075", "--radius", 0.001], 1, 153)):
             told = self.thimble(daemon, "world", *words)
             self.assertEqual((told.returncode, told.stderr), (0, ""), words)
-            self.assertEqual(told.stdout, f"world box: {changed} cells changed\n")
+            self.assertEqual(told.stdout, f"world box: {changed} cell{'s' * (changed != 1)} changed\n")
             self.assertEqual(occupied(daemon.status()), left)
         for words, code in ((["paint"], 2), (["fill", "left"], 1), (["smooth"], 2),
                             (["fill", "--min", 1, 2], 2), (["paint", "--radius", "nan"], 2)):
