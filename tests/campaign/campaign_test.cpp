@@ -64,6 +64,16 @@ Programme leaning() {
   return programme;
 }
 
+TEST(Episode, APlugThatIsPulledAndPutBackWhileTheServoSleepsCostsTheBoardItsStart) {
+  Programme programme = leaning();
+  programme.events = {{EventKind::Unplug, milliseconds(2000), milliseconds(707)},
+                      {EventKind::LateServo, milliseconds(3240), milliseconds(25)},
+                      {EventKind::Unplug, milliseconds(3244), milliseconds(9)}};
+  const Ending ending = play(programme);
+  EXPECT_FALSE(ending.breach.has_value()) << to_text(*ending.breach);
+  EXPECT_EQ(ending.tally.unplugged, 2U);
+}
+
 // A board beside which something stands that changes what it is sent.
 class ArmBehind : public plugin::SimHidModel {
  public:

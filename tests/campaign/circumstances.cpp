@@ -20,8 +20,10 @@ Circumstances::Circumstances(const Programme& programme, test::ClosedLoop& loop)
 
 Duration Circumstances::prepare(MonotonicTime now) {
   late_ = {};
+  was_on_.reset();
   for (; next_ < edges_.size() && edges_[next_].at <= now; ++next_) {
     const Event& event = programme_->events[edges_[next_].event];
+    was_on_.set(static_cast<std::size_t>(event.kind));
     int& count = on_[static_cast<std::size_t>(event.kind)];
     if (edges_[next_].is_begin) {
       ++count;
@@ -127,9 +129,9 @@ void Circumstances::look_at_world(Observation& observation) {
 bool Circumstances::is_cable_disturbed() const noexcept {
   for (auto kind = EventKind::DropIn; kind <= EventKind::Disconnect;
        kind = static_cast<EventKind>(static_cast<int>(kind) + 1)) {
-    if (is_on(kind)) return true;
+    if (has_been_on(kind)) return true;
   }
-  return is_on(EventKind::Unplug);
+  return has_been_on(EventKind::Unplug);
 }
 
 bool Circumstances::look_at_reports(Observation& observation) {
@@ -153,12 +155,11 @@ void Circumstances::describe(Observation& observation) {
   const MonotonicTime now = observation.servo.frame.now;
   const bool are_reports_disturbed = look_at_reports(observation);
   if (is_cable_disturbed() || are_reports_disturbed || late_ > Duration{}) cable_ok_since_ = now;
-  if (is_on(EventKind::NetworkDown)) network_ok_since_ = now;
-  observation.is_plugged = !is_on(EventKind::Unplug);
-  observation.is_open_refused = is_on(EventKind::RefuseOpen);
-  if (!observation.is_plugged || observation.is_open_refused || is_on(EventKind::Disconnect)) {
-    opening_ok_since_ = now;
-  }
+  if (has_been_on(EventKind::NetworkDown)) network_ok_since_ = now;
+  const bool is_opening_disturbed = has_been_on(EventKind::Unplug) ||
+                                    has_been_on(EventKind::RefuseOpen) ||
+                                    has_been_on(EventKind::Disconnect);
+  if (is_opening_disturbed) opening_ok_since_ = now;
   observation.is_estop_healthy = !is_on(EventKind::Estop);
   observation.clear_asked = clear_asked_;
   observation.is_clear_for_other = is_clear_for_other_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -44,6 +45,10 @@ class Circumstances {
   [[nodiscard]] bool is_on(EventKind kind) const noexcept {
     return on_[static_cast<std::size_t>(kind)] > 0;
   }
+  // Also what came and went while the servo slept.
+  [[nodiscard]] bool has_been_on(EventKind kind) const noexcept {
+    return is_on(kind) || was_on_[static_cast<std::size_t>(kind)];
+  }
   [[nodiscard]] bool is_cable_disturbed() const noexcept;
   // Whether single reports suffered anything since the last tick.
   [[nodiscard]] bool look_at_reports(Observation& observation);
@@ -55,6 +60,7 @@ class Circumstances {
   std::vector<Edge> edges_;  // by time
   std::size_t next_{0};
   std::array<int, kEventKindCount> on_{};  // how many of a kind last
+  std::bitset<kEventKindCount> was_on_{};  // began or ended since the last tick
   std::array<std::uint64_t, kEventKindCount> happened_{};
   Force3 push_{};
   Duration late_{};

@@ -19,8 +19,6 @@ struct Observation {
   plugin::ArmTruth truth{};
   WireSeen wire{};
   bool is_estop_healthy{true};
-  bool is_plugged{true};
-  bool is_open_refused{false};
   std::uint32_t clear_asked{0};    // ClearRequest::id of the newest request
   bool is_clear_for_other{false};  // and it names another fault than the one latched then
   std::uint64_t spoilt_in{0};      // reports with wrong bytes so far, towards the servo
