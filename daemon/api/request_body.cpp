@@ -19,12 +19,14 @@ constexpr std::size_t kLongestNamedKey = 64;  // bytes; ours
 // at the first that is there already. A body has few bytes, so a list is searched.
 class KeyCheck {
  public:
+  // NOLINTBEGIN(readability-identifier-naming): Boost.JSON's own names
   static constexpr std::size_t max_object_size = std::numeric_limits<std::size_t>::max();
   static constexpr std::size_t max_array_size = std::numeric_limits<std::size_t>::max();
   static constexpr std::size_t max_key_size = std::numeric_limits<std::size_t>::max();
   static constexpr std::size_t max_string_size = std::numeric_limits<std::size_t>::max();
+  // NOLINTEND(readability-identifier-naming)
 
-  // Empty: a key may be so, too.
+  // Whether key() was there already; it may be empty.
   [[nodiscard]] bool is_repeated() const { return is_repeated_; }
   [[nodiscard]] const std::string& key() const { return key_; }
 
