@@ -60,9 +60,11 @@ Result<std::unique_ptr<ArmRig>> ArmRig::create(const config::ArmConfig& arm,
     rig->link_ = *std::move(link);
   }
 
+  if (parts.wrap_link) rig->wrapped_link_ = parts.wrap_link(rig->link_->arm_end());
+  coupling::ArmLink& arm_end = rig->wrapped_link_ ? *rig->wrapped_link_ : rig->link_->arm_end();
   const Clock& stopwatch = parts.stopwatch != nullptr ? *parts.stopwatch : *rig->clock_;
   const ArmSessionParts session_parts{
-      *rig->buses_, parts.drivers, rig->link_->arm_end(),
+      *rig->buses_, parts.drivers, arm_end,
       *rig->clock_, stopwatch,     world != nullptr ? world->world().info().cell_m : 0};
   Result<std::unique_ptr<ArmSession>> session = ArmSession::create(arm, servo, session_parts);
   if (!session) return tl::unexpected(session.error());

@@ -26,6 +26,9 @@ struct RigParts {
   // Puts something between a simulated arm's bus and its session, such as a bad cable.
   std::function<std::unique_ptr<bus::BusEnumerator>(bus::BusEnumerator&, const Clock&)>
       wrap_sim_bus{};
+  // Puts something between an arm's link and its session, such as a world that lies; nullptr:
+  // nothing.
+  std::function<std::unique_ptr<coupling::ArmLink>(coupling::ArmLink&)> wrap_link{};
 };
 
 // One arm with everything below and beside it: bus and time, device, coupling, servo, link.
@@ -61,7 +64,8 @@ class ArmRig {
   Clock* clock_{nullptr};
   bus::BusEnumerator* buses_{nullptr};
   std::unique_ptr<RigLink> link_;
-  std::unique_ptr<ArmSession> session_;  // last: it uses all of the above
+  std::unique_ptr<coupling::ArmLink> wrapped_link_;  // of RigParts::wrap_link
+  std::unique_ptr<ArmSession> session_;              // last: it uses all of the above
 };
 
 }  // namespace thimble::session

@@ -41,10 +41,14 @@ ClosedLoop::ClosedLoop(const std::vector<std::string>& overrides, const Setup& s
   session::RigParts parts{plugins_.models, plugins_.drivers};
   parts.wrap_sim_bus = [&](bus::BusEnumerator& buses, const Clock& clock) {
     auto cables = std::make_unique<sim::FaultyEnumerator>(buses, clock);
-    for (const config::ArmConfig& arm : config->arms) cables->set_plan({arm.device}, setup.cables);
+    const bool is_spared = setup.spares_others && !cables_.empty();
+    for (const config::ArmConfig& arm : config->arms) {
+      if (!is_spared) cables->set_plan({arm.device}, setup.cables);
+    }
     cables_.push_back(cables.get());
     return cables;
   };
+  parts.wrap_link = setup.wrap_link;
   Result<std::unique_ptr<session::Runtime>> runtime = session::Runtime::create(*config, parts);
   if (!runtime) {
     ADD_FAILURE() << runtime.error().message;

@@ -24,11 +24,16 @@ class ClosedLoop {
     std::string text;                              // empty: hello_text()
     sim::FaultPlan cables;                         // of every arm's bus
     std::function<void(session::Plugins&)> bring;  // drivers and models of the test's own
+    bool spares_others{false};                     // all cables but that of the first arm are good
+    // As RigParts::wrap_link, in the order of the arms.
+    std::function<std::unique_ptr<coupling::ArmLink>(coupling::ArmLink&)> wrap_link{};
   };
 
   // `overrides` as --set takes them. `models`: empty for those of sim/model/arm.
-  explicit ClosedLoop(const std::vector<std::string>& overrides = {}, const Setup& setup = {},
-                      const std::vector<plugin::SimModelEntry>& models = {});
+  ClosedLoop(const std::vector<std::string>& overrides, const Setup& setup,
+             const std::vector<plugin::SimModelEntry>& models = {});
+  explicit ClosedLoop(const std::vector<std::string>& overrides = {})
+      : ClosedLoop(overrides, Setup{}) {}
 
   [[nodiscard]] session::Runtime& runtime() { return *runtime_; }
   // Arms as the configuration lists them.
