@@ -14,6 +14,9 @@ constexpr float kHysteresis = static_cast<float>(0.5);         // mm
 constexpr float kDeadBand = 4 * kHysteresis;
 constexpr float kRelaxationStep = kHysteresis / 2;
 constexpr std::uint8_t kRelaxationTicks = 10;
+// As of the ghost point. Ours: the thesis has no bound, and a plane beyond what a float can say
+// would make the frame infinite, for good.
+constexpr double kMaxPlaneOffset_m = 1e6;
 
 constexpr bool has_below(std::uint8_t directions, std::size_t axis) noexcept {
   return ((unsigned{directions} >> (2 * axis)) & 1U) != 0;
@@ -47,7 +50,7 @@ ThesisConstraint to_thesis(const PlaneList& planes) noexcept {
   ThesisConstraint constraint;
   for (const ConstraintPlane& plane : planes) {
     const Face face = face_of(plane.normal);
-    if (face.axis == 3 || !std::isfinite(plane.offset_m)) continue;
+    if (face.axis == 3 || !(std::abs(plane.offset_m) <= kMaxPlaneOffset_m)) continue;
     if (has_below(constraint.directions, face.axis) ||
         has_above(constraint.directions, face.axis)) {
       continue;

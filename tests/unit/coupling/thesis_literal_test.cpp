@@ -170,6 +170,23 @@ TEST(ThesisLiteralArm, ReportsTheOffsetInMetres) {
   EXPECT_NEAR(told(sut, 2, {0.020, 0, 0}, &set).offset.x, -0.0045, 1e-8);
 }
 
+TEST(ThesisLiteralArm, APlaneThatIsNowhereMovesNoFrame) {
+  for (const double offset_m :
+       {std::numeric_limits<double>::max(), 1e37, 2e6, std::numeric_limits<double>::infinity(),
+        std::numeric_limits<double>::quiet_NaN()}) {
+    for (const double side : {-1.0, 1.0}) {
+      ThesisLiteralArm sut;
+      sut.reset({}, {});
+      ConstraintSet set;
+      set.planes.push_back({.normal = {side, 0, 0}, .offset_m = -offset_m, .surface = {}});
+      told(sut, 1, {}, nullptr);
+      const ArmOutput out = told(sut, 2, {0.01, 0, 0}, &set);
+      EXPECT_EQ(out.offset, Displacement3{}) << offset_m;
+      EXPECT_EQ(out.force, Force3{}) << offset_m;
+    }
+  }
+}
+
 TEST(ThesisLiteralArm, StillLosesForceWhenTheWorldFallsSilent) {
   ThesisLiteralArm sut;
   sut.reset({}, {});
