@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "daemon/link/send_gate.hpp"
 #include "daemon/link/world_session.hpp"
 #include "daemon/world/voxel_world.hpp"
 
@@ -118,9 +119,10 @@ void Circumstances::look_at_world(Observation& observation) {
   if (is_waiting || edits_.has_applied()) world_ok_since_ = now;
   if (!is_waiting || is_on(EventKind::NetworkDown)) edits_ok_since_ = now;
   const world::World& world = loop_->world();
-  // One that was refused asks again after a while.
+  // One that was refused asks again after a while, in lock-step when it gave up the last sample.
   const bool is_full = world.grid() != nullptr && world.occupied_cells() >= all_cells(world);
-  if (is_full) replies_ok_since_ = now + link::WorldSession::kRetry;
+  const Duration gate = programme_->setup.is_lock_step ? link::SendGate::kMaxTimeout : Duration{};
+  if (is_full) replies_ok_since_ = now + link::WorldSession::kRetry + gate;
   observation.world_ok_since = world_ok_since_;
   observation.edits_ok_since = edits_ok_since_;
   observation.replies_ok_since = replies_ok_since_;

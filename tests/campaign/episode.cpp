@@ -5,8 +5,11 @@
 #include <stdexcept>
 
 #include "tests/campaign/circumstances.hpp"
+#include "tests/campaign/hostile_link.hpp"
 #include "tests/campaign/tapped_arm.hpp"
+#include "tests/campaign/worlds.hpp"
 #include "tests/support/closed_loop.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace thimble::campaign {
 namespace {
@@ -35,17 +38,31 @@ class Trace {
   std::uint64_t hash_{0};
 };
 
-Bounds bounds_of(const Setup& setup, const servo::ServoSettings& servo, double cell_m) {
+Bounds bounds_of(const Setup& setup, test::ClosedLoop& loop) {
+  const double cell_m = loop.world().info().cell_m;
   Bounds bounds;
-  bounds.servo = servo;
+  bounds.servo = loop.settings();
+  if (setup.has_bystander) bounds.other_servo = loop.arm(1).session().loop().settings();
   bounds.stiffness_newton_per_m = setup.is_thesis_literal ? 800 : setup.stiffness_newton_per_m;
   bounds.damping_newton_s_per_m = setup.is_thesis_literal ? 10 : 5;
-  bounds.hysteresis_m = setup.is_thesis_literal ? 0.0005 : std::min(0.0005, cell_m / 4);
+  for (const Material& material : materials_of(setup)) {
+    bounds.stiffness_newton_per_m =
+        std::max(bounds.stiffness_newton_per_m, material.stiffness_newton_per_m);
+    bounds.damping_newton_s_per_m =
+        std::max(bounds.damping_newton_s_per_m, material.damping_newton_s_per_m);
+    bounds.friction = std::max(bounds.friction, material.friction);
+  }
+  const bool is_halved = !setup.is_thesis_literal && cell_m > 0;
+  bounds.hysteresis_m = is_halved ? std::min(0.0005, cell_m / 4) : 0.0005;
   // Where order is lost a reply waits for those that overtook it, where delay and jitter add up.
   bounds.round_trip = from_seconds(setup.delay_s + setup.jitter_s + 0.01);
   bounds.is_network_lossless = setup.loss == 0 && setup.reorder == 0;
   // A harder wall is not passive behind the milliseconds of this bus (teleop.md 2(a)).
-  bounds.is_energy_bounded = !setup.is_thesis_literal && setup.stiffness_newton_per_m <= 800;
+  // It speaks of one stiffness and of flat walls.
+  const bool is_plain = setup.world != "sphere" && setup.materials == 0 && !setup.is_hostile;
+  bounds.is_energy_bounded =
+      !setup.is_thesis_literal && is_plain && setup.stiffness_newton_per_m <= 800;
+  bounds.is_world_honest = !setup.is_hostile;
   return bounds;
 }
 
@@ -72,6 +89,45 @@ void count(const Before& before, const servo::ServoSnapshot& now, bool& is_down,
   if (!is_down || frame.gain < 1) return;
   is_down = false;
   ++tally.recoveries;
+}
+
+// The session of a programme, and what stands between its first arm and its world.
+struct Stage {
+  std::unique_ptr<test::ClosedLoop> loop;
+  HostileLink* liar{nullptr};
+};
+
+Stage make_stage(const Programme& programme, const Planted& planted) {
+  const Setup& setup = programme.setup;
+  Stage stage;
+  std::vector<std::string> settings = overrides(setup);
+  std::optional<testing_support::TemporaryFolder> folder;
+  if (setup.world == "volume") {
+    folder.emplace();
+    const auto file = folder->write("volume.nrrd", volume_of(setup));
+    settings.push_back("world.source=" + file.string());
+  }
+  test::ClosedLoop::Setup parts;
+  parts.text = test::hello_text() + more_configuration(setup);
+  parts.cables = cables_of(programme);
+  parts.spares_others = true;
+  parts.wrap_link = [&](coupling::ArmLink& below) -> std::unique_ptr<coupling::ArmLink> {
+    if (!setup.is_hostile || stage.liar != nullptr) return nullptr;
+    auto liar = std::make_unique<HostileLink>(below, derive(programme.seed, 1));
+    stage.liar = liar.get();
+    return liar;
+  };
+  stage.loop = std::make_unique<test::ClosedLoop>(
+      settings, parts, planted.models.empty() ? tapped_arms() : planted.models);
+  return stage;
+}
+
+void finish_setup(const Setup& setup, const Stage& stage, Tally& tally) {
+  tally.lies = stage.liar == nullptr ? 0 : stage.liar->lies();
+  tally.in_spheres = setup.world == "sphere" ? 1 : 0;
+  tally.in_volumes = setup.world == "volume" ? 1 : 0;
+  tally.with_bystander = setup.has_bystander ? 1 : 0;
+  if (setup.has_bystander) tally.played_s += seconds(stage.loop->frame(1).now.since_epoch);
 }
 
 void finish(test::ClosedLoop& loop, const Circumstances& circumstances, std::uint64_t cut,
@@ -110,6 +166,10 @@ void Tally::add(const Tally& other) noexcept {
   unplugged += other.unplugged;
   recoveries += other.recoveries;
   edits += other.edits;
+  lies += other.lies;
+  in_spheres += other.in_spheres;
+  in_volumes += other.in_volumes;
+  with_bystander += other.with_bystander;
   contacts += other.contacts;
   judged.touches += other.judged.touches;
   judged.excused_touches += other.judged.excused_touches;
@@ -117,20 +177,19 @@ void Tally::add(const Tally& other) noexcept {
 }
 
 Ending play(const Programme& programme, const Planted& planted) {
-  test::ClosedLoop::Setup setup;
-  setup.cables = cables_of(programme);
-  test::ClosedLoop loop(overrides(programme.setup), setup,
-                        planted.models.empty() ? tapped_arms() : planted.models);
+  const Stage stage = make_stage(programme, planted);
+  test::ClosedLoop& loop = *stage.loop;
   auto* const tap = dynamic_cast<TappedArm*>(&loop.sim_arm().backend());
   if (tap == nullptr) throw std::logic_error("an arm without a tap");
-  tap->set_cable(setup.cables);
-  const Bounds bounds = bounds_of(programme.setup, loop.settings(), loop.world().info().cell_m);
+  tap->set_cable(cables_of(programme));
+  const Bounds bounds = bounds_of(programme.setup, loop);
   const auto invariants = planted.invariants ? planted.invariants(bounds) : make_invariants(bounds);
 
   Circumstances circumstances(programme, loop);
   Findings findings;
   Ending ending;
   Observation observation;
+  const bool has_other = programme.setup.has_bystander;
   Trace trace;
   bool is_down = false;
   while (ending.tally.ticks < programme.ticks && !findings.breach()) {
@@ -139,14 +198,17 @@ Ending play(const Programme& programme, const Planted& planted) {
     observation.servo = loop.snapshot();
     observation.truth = loop.truth();
     observation.wire = tap->look();
+    if (has_other) observation.other = &loop.snapshot(1);
     circumstances.describe(observation);
     findings.look_at(observation.servo.frame);
     for (const auto& invariant : invariants) invariant->see(observation, findings);
     trace.add(observation.servo.frame, observation.truth);
+    if (has_other) trace.add(observation.other->frame, loop.truth(1));
     count(before, observation.servo, is_down, ending.tally);
   }
   for (const auto& invariant : invariants) invariant->tell(ending.tally.judged);
   finish(loop, circumstances, observation.wire.cut, ending.tally);
+  finish_setup(programme.setup, stage, ending.tally);
   ending.breach = findings.breach();
   ending.trace = trace.value();
   return ending;

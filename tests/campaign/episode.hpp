@@ -31,6 +31,11 @@ struct Tally {
   std::uint64_t recoveries{0};  // driven again after a fault or a loss
   std::uint64_t edits{0};       // applied
   std::uint64_t contacts{0};
+  std::uint64_t lies{0};  // sets that a hostile world sent
+  // Episodes that were another thing than one arm in a box.
+  std::uint64_t in_spheres{0};
+  std::uint64_t in_volumes{0};
+  std::uint64_t with_bystander{0};
   Judged judged{};  // of its touches that ended
   double peak_newton{0};
 

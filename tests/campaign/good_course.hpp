@@ -14,10 +14,10 @@ namespace thimble::campaign {
 // An arm at 1 kHz as it should be, driven up to 1 N for 600 ms, then as a test spoils it.
 class GoodCourse {
  public:
-  using Maker = std::unique_ptr<Invariant> (*)(const Bounds&);
+  using Maker = std::function<std::unique_ptr<Invariant>(const Bounds&)>;
   using Spoil = std::function<void(Observation&)>;
 
-  explicit GoodCourse(Maker maker, double rise_newton_per_s = 1000) {
+  explicit GoodCourse(const Maker& maker, double rise_newton_per_s = 1000) {
     Bounds bounds;
     bounds.servo.limiter.max_force_newton = 5;
     bounds.servo.limiter.max_rise_newton_per_s = rise_newton_per_s;

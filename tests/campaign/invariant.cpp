@@ -22,6 +22,7 @@ std::vector<std::unique_ptr<Invariant>> make_invariants(const Bounds& bounds) {
   all.push_back(make_recovery(bounds));
   all.push_back(make_energy(bounds));
   all.push_back(make_progress(bounds));
+  all.push_back(make_bystander(bounds));
   return all;
 }
 

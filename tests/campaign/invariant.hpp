@@ -16,6 +16,7 @@ namespace thimble::campaign {
 // wire, what the arm then did, and what was done to all of them. Times on the arm's clock.
 struct Observation {
   servo::ServoSnapshot servo{};
+  const servo::ServoSnapshot* other{nullptr};  // of the arm nearby, where there is one
   plugin::ArmTruth truth{};
   WireSeen wire{};
   bool is_estop_healthy{true};
@@ -37,13 +38,16 @@ struct Observation {
 // What the judges need to know of the configuration. Newton, metre, second.
 struct Bounds {
   servo::ServoSettings servo{};
+  servo::ServoSettings other_servo{};  // of the arm nearby
   double stiffness_newton_per_m{800};
   double damping_newton_s_per_m{5};
+  double friction{0};
   double hysteresis_m{0.0005};
   double coordinate_spring_newton_per_m{50};
   Duration round_trip{};           // injected, at its longest
   bool is_network_lossless{true};  // every sample is answered
   bool is_energy_bounded{true};    // the scheme promises it
+  bool is_world_honest{true};      // what answers the arm is a world
 };
 
 struct Breach {
@@ -99,6 +103,7 @@ class Invariant {
 [[nodiscard]] std::unique_ptr<Invariant> make_recovery(const Bounds& bounds);
 [[nodiscard]] std::unique_ptr<Invariant> make_energy(const Bounds& bounds);
 [[nodiscard]] std::unique_ptr<Invariant> make_progress(const Bounds& bounds);
+[[nodiscard]] std::unique_ptr<Invariant> make_bystander(const Bounds& bounds);
 [[nodiscard]] std::vector<std::unique_ptr<Invariant>> make_invariants(const Bounds& bounds);
 
 }  // namespace thimble::campaign

@@ -223,6 +223,13 @@ TEST(Latch, SeesAnEstopThatStopsNothingAndARequestWithoutAnswer) {
   EXPECT_THAT(asked.broken(), HasSubstr("answered"));
 }
 
+TEST(Latch, SeesAForceThatWasNotFinite) {
+  GoodCourse course(&make_latch);
+  course.stop(OperatingState::Fault, FaultCode::NonFiniteForce);
+  course.run(1);
+  EXPECT_THAT(course.broken(), HasSubstr("not finite"));
+}
+
 TEST(Recovery, HoldsOnAGoodCourse) { EXPECT_EQ(GoodCourse(&make_recovery).broken(), ""); }
 
 void pause(GoodCourse& course) {
@@ -244,6 +251,18 @@ TEST(Recovery, SeesAForceBeyondItsGain) {
   pause(course);
   course.run(1, [](Observation& now) { now.servo.frame.force = {0.5, 0, 0}; });
   EXPECT_THAT(course.broken(), HasSubstr("beyond its gain"));
+}
+
+TEST(Recovery, AsksNothingOfAGhostThatLies) {
+  for (const bool is_honest : {true, false}) {
+    GoodCourse course([is_honest](Bounds bounds) {
+      bounds.is_world_honest = is_honest;
+      return make_recovery(bounds);
+    });
+    pause(course);
+    course.run(1, [](Observation& now) { now.servo.frame.wish = {0, 90, 0}; });
+    EXPECT_EQ(course.broken() == "", !is_honest);
+  }
 }
 
 TEST(Recovery, SeesAGhostThatDoesNotStartAtTheHand) {

@@ -23,6 +23,9 @@ class Latch final : public Invariant {
     }
     const bool is_new = is_latched && (!was_latched || is_cleared);
     if (is_new) ++faults_;
+    // What a world says is refused before it is a force; so this would be a defect of ours.
+    findings.require("no force is wished for that is not finite",
+                     frame.fault != FaultCode::NonFiniteForce);
     findings.require("every latched fault is counted once", servo.faults == faults_);
     if (is_cleared) see_clear(now, was_latched, findings);
     findings.require("a fault means Fault or Lost", !is_latched || is_stopped(frame.state));

@@ -130,6 +130,22 @@ void draw_link(Dice& dice, Setup& setup) {
   if (dice.chance(0.2)) setup.reorder = dice.uniform(0, 0.1);
 }
 
+// A world without cells knows neither the simple model nor the scheme of the thesis.
+void draw_world(Dice& dice, Setup& setup) {
+  if (dice.chance(0.1)) {
+    setup.world = "sphere";
+    setup.is_simple_model = setup.is_thesis_literal = false;
+  } else if (dice.chance(0.15)) {
+    setup.world = "volume";
+    setup.world_seed = dice.below(1'000'000);
+    // The simple model tells no surface.
+    if (!setup.is_simple_model) setup.materials = static_cast<int>(dice.below(4));
+  }
+  setup.is_edited = dice.chance(0.35);
+  setup.is_hostile = dice.chance(0.1);
+  setup.has_bystander = dice.chance(0.08);
+}
+
 Setup some_setup(Dice& dice) {
   constexpr std::array kOtherRates{500, 2000, 4000, 8000};
   constexpr std::array<std::string_view, 8> kMotions{"explore", "explore", "explore", "poke",
@@ -154,7 +170,7 @@ Setup some_setup(Dice& dice) {
   setup.amplifier_a = dice.chance(0.2) ? dice.uniform(0.5, 6) : 3;
   if (dice.chance(0.2)) setup.ramp_s = dice.uniform(0.5, 1.5);
   setup.is_realtime_required = dice.chance(0.1);
-  setup.is_edited = dice.chance(0.35);
+  draw_world(dice, setup);
   draw_link(dice, setup);
   setup.noise = some_noise(dice);
   return setup;
@@ -194,31 +210,32 @@ std::vector<std::string> overrides(const Setup& setup) {
       all.push_back(std::string(key) + '=' + std::string(value));
     }
   };
-  set("arm.device", setup.device);
+  set("arm.right.device", setup.device);
   set("servo.rate_hz", setup.rate_hz);
-  set("arm.hand.motion", setup.motion);
-  set("arm.hand.seed", setup.hand_seed);
-  set("arm.hand.speed_m_per_s", setup.hand_speed_m_per_s);
-  set("arm.hand.reach_m", setup.hand_reach_m);
-  set("arm.hand.stiffness_newton_per_m", setup.hand_newton_per_m);
-  set("world.source", "box:" + std::to_string(setup.cells));
+  set("arm.right.hand.motion", setup.motion);
+  set("arm.right.hand.seed", setup.hand_seed);
+  set("arm.right.hand.speed_m_per_s", setup.hand_speed_m_per_s);
+  set("arm.right.hand.reach_m", setup.hand_reach_m);
+  set("arm.right.hand.stiffness_newton_per_m", setup.hand_newton_per_m);
+  if (setup.world == "box") set("world.source", "box:" + std::to_string(setup.cells));
+  if (setup.world == "sphere") set("world.source", "sphere");
   if (setup.is_simple_model) set("world.constraint_model", "simple");
-  if (setup.is_thesis_literal) set("arm.coupling.scheme", "thesis-literal");
+  if (setup.is_thesis_literal) set("arm.right.coupling.scheme", "thesis-literal");
   if (!setup.is_thesis_literal) {
-    set("arm.coupling.stiffness_newton_per_m", setup.stiffness_newton_per_m);
+    set("arm.right.coupling.stiffness_newton_per_m", setup.stiffness_newton_per_m);
   }
-  if (setup.is_lock_step) set("arm.coupling.mode", "lock-step");
-  if (setup.force_newton > 0) set("arm.limits.force_newton", setup.force_newton);
-  set("arm.limits.rise_newton_per_s", setup.rise_newton_per_s);
-  set("arm.limits.ramp_s", setup.ramp_s);
-  set("arm.amplifier_max_a", setup.amplifier_a);
+  if (setup.is_lock_step) set("arm.right.coupling.mode", "lock-step");
+  if (setup.force_newton > 0) set("arm.right.limits.force_newton", setup.force_newton);
+  set("arm.right.limits.rise_newton_per_s", setup.rise_newton_per_s);
+  set("arm.right.limits.ramp_s", setup.ramp_s);
+  set("arm.right.amplifier_max_a", setup.amplifier_a);
   if (setup.is_realtime_required) set("servo.realtime", "required");
-  set("arm.impairment.delay_s", setup.delay_s);
-  set("arm.impairment.jitter_s", setup.jitter_s);
-  set("arm.impairment.loss", setup.loss);
-  set("arm.impairment.duplicate", setup.duplicate);
-  set("arm.impairment.reorder", setup.reorder);
-  set("arm.impairment.seed", setup.hand_seed + 1);
+  set("arm.right.impairment.delay_s", setup.delay_s);
+  set("arm.right.impairment.jitter_s", setup.jitter_s);
+  set("arm.right.impairment.loss", setup.loss);
+  set("arm.right.impairment.duplicate", setup.duplicate);
+  set("arm.right.impairment.reorder", setup.reorder);
+  set("arm.right.impairment.seed", setup.hand_seed + 1);
   return all;
 }
 
@@ -235,6 +252,11 @@ Programme draw(std::uint64_t seed, std::uint64_t episode) {
   const Duration end = from_seconds(static_cast<double>(programme.ticks) / programme.setup.rate_hz);
   add_events(end, per_s, programme.setup.is_edited, dice, programme.events);
   add_clears(end, dice, programme.events);
+  // Servos of one process wake late together: that would be something done to the bystander.
+  if (programme.setup.has_bystander) {
+    std::erase_if(programme.events,
+                  [](const Event& event) { return event.kind == EventKind::LateServo; });
+  }
   std::stable_sort(programme.events.begin(), programme.events.end(),
                    [](const Event& a, const Event& b) { return a.at < b.at; });
   return programme;
@@ -243,6 +265,14 @@ Programme draw(std::uint64_t seed, std::uint64_t episode) {
 std::string to_text(const Programme& programme) {
   std::string text = std::to_string(programme.ticks) + " ticks of\n";
   for (const std::string& line : overrides(programme.setup)) text += "  --set " + line + '\n';
+  const Setup& setup = programme.setup;
+  if (setup.world == "volume") {
+    text += "  in a volume of " + std::to_string(setup.cells) + " cells, seed " +
+            std::to_string(setup.world_seed) + ", " + std::to_string(setup.materials) +
+            " materials\n";
+  }
+  if (setup.is_hostile) text += "  whose world lies\n";
+  if (setup.has_bystander) text += "  beside another arm\n";
   text += "and in it\n";
   for (const Event& event : programme.events) text += line_of(event);
   return text;

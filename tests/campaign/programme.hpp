@@ -71,7 +71,10 @@ struct Setup {
   double hand_speed_m_per_s{0.15};
   double hand_reach_m{0.018};
   double hand_newton_per_m{200};
-  int cells{3};
+  std::string_view world{"box"};  // or "sphere", or "volume": of random labels
+  int cells{3};                   // along an edge, where it has cells
+  std::uint64_t world_seed{1};    // volume
+  int materials{0};               // volume: the first so many labels have one each
   bool is_simple_model{false};
   bool is_thesis_literal{false};
   bool is_lock_step{false};
@@ -81,7 +84,9 @@ struct Setup {
   double amplifier_a{3};
   double ramp_s{0.5};
   bool is_realtime_required{false};
-  bool is_edited{false};  // clients edit the world
+  bool is_edited{false};      // clients edit the world
+  bool is_hostile{false};     // what answers the arm lies
+  bool has_bystander{false};  // another arm, in the same world, to which nothing is done
   double delay_s{0};
   double jitter_s{0};
   double loss{0};

@@ -25,7 +25,7 @@ class Recovery final : public Invariant {
     const bool is_restarted =
         !was_driving_ || (was_let_go_ && frame.gain > 0) || (was_stale_ && !frame.is_stale);
     if (!was_driving_) gain_ = 0;
-    if (is_restarted && !frame.is_stale) {
+    if (is_restarted && !frame.is_stale && bounds_.is_world_honest) {
       findings.at_most("force asked for at a restart, N", norm(frame.wish), newest_wall(frame));
     }
     see_gain(frame, findings);
@@ -36,8 +36,10 @@ class Recovery final : public Invariant {
 
  private:
   [[nodiscard]] double newest_wall(const servo::ServoFrame& frame) const noexcept {
-    return kFaces * bounds_.stiffness_newton_per_m * bounds_.hysteresis_m * (1 + 1e-6) +
-           bounds_.damping_newton_s_per_m * norm(frame.velocity) + 1e-6;
+    const double wall_newton =
+        kFaces * bounds_.stiffness_newton_per_m * bounds_.hysteresis_m * (1 + 1e-6) +
+        bounds_.damping_newton_s_per_m * norm(frame.velocity);
+    return (1 + bounds_.friction) * wall_newton + 1e-6;
   }
 
   // While samples are stale the gain falls along another ramp, and returns to its own at once.

@@ -28,6 +28,8 @@ std::string to_text(const Tally& tally) {
   std::string text = format("%llu episodes, %llu ticks, %.0f s of the arms' time\n",
                             static_cast<unsigned long long>(tally.episodes),
                             static_cast<unsigned long long>(tally.ticks), tally.played_s);
+  text += count("in a sphere", tally.in_spheres) + count("in volumes", tally.in_volumes) +
+          count("beside another arm", tally.with_bystander);
   text += "events\n";
   for (std::size_t i = 0; i < kEventKindCount; ++i) {
     text += count(to_string(static_cast<EventKind>(i)), tally.events[i]);
@@ -50,7 +52,8 @@ std::string to_text(const Tally& tally) {
   }
   text += "and then\n" + count("cleared", tally.cleared) + count("arms lost", tally.unplugged) +
           count("driven again", tally.recoveries) + count("edits applied", tally.edits) +
-          count("contacts", tally.contacts) + count("touches judged", tally.judged.touches) +
+          count("lies of worlds", tally.lies) + count("contacts", tally.contacts) +
+          count("touches judged", tally.judged.touches) +
           count("touches excused", tally.judged.excused_touches) +
           format("  %-20s %12.3f N\n", "largest force sent", tally.peak_newton);
   return text;

@@ -104,11 +104,14 @@ class Shrinker {
           &Setup::stiffness_newton_per_m}) {
       try_plain(member);
     }
-    for (const auto member :
-         {&Setup::is_lock_step, &Setup::is_thesis_literal, &Setup::is_simple_model,
-          &Setup::is_realtime_required, &Setup::is_edited}) {
+    for (const auto member : {&Setup::is_lock_step, &Setup::is_thesis_literal,
+                              &Setup::is_simple_model, &Setup::is_realtime_required,
+                              &Setup::is_edited, &Setup::is_hostile, &Setup::has_bystander}) {
       try_plain(member);
     }
+    try_plain(&Setup::world);
+    try_plain(&Setup::materials);
+    try_plain(&Setup::world_seed);
     try_plain(&Setup::cells);
   }
 

@@ -68,6 +68,22 @@ TEST(Shrink, KeepsTheSettingThatMatters) {
   EXPECT_EQ(shrunk->programme.setup, expected);
 }
 
+TEST(Shrink, PutsEverySettingBackThatDoesNotMatter) {
+  Programme programme = some_programme();
+  campaign::Setup& setup = programme.setup;
+  setup.world = "volume";
+  setup.world_seed = 7;
+  setup.materials = 2;
+  setup.cells = 5;
+  setup.is_edited = setup.is_hostile = setup.has_bystander = true;
+  setup.is_simple_model = setup.is_thesis_literal = setup.is_lock_step = true;
+  setup.noise.delay_out = setup.noise.truncate_out = 0.01;
+  Oracle oracle{{EventKind::Clear}};
+  const auto shrunk = shrink(programme, [&](const Programme& one) { return oracle(one); });
+  ASSERT_TRUE(shrunk.has_value());
+  EXPECT_EQ(shrunk->programme.setup, campaign::Setup{});
+}
+
 TEST(Shrink, IsNotLedAstrayByAnotherRule) {
   Programme programme = some_programme();
   programme.events.push_back({EventKind::Estop, milliseconds(9000)});
