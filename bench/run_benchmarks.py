@@ -13,6 +13,7 @@ ROOT = pathlib.Path(os.path.realpath(__file__)).parents[1]
 ALL = ("servo_tick", "ghost_step", "wakeup", "link_round_trip", "daemon", "voxel_memory",
        "volume_load")
 FORMAT = 1  # of the file that --json writes
+DEFAULT_FILE = "build/bench.json"
 MAX_FILE_BYTES = 1 << 20
 
 
@@ -43,6 +44,12 @@ def change(figure, before):
     if not before[key] or before["unit"] != figure["unit"]:
         return "-"
     return f"x {figure[key] / before[key]:.3f}"
+
+
+def gone_lines(before, figures):
+    """A line for each figure of the earlier run that this one has not, with what it was."""
+    there = {figure["name"] for figure in figures}
+    return [f"{table_line(figure)} {'gone':>9}" for name, figure in before.items() if name not in there]
 
 
 def header(is_compared):
@@ -106,9 +113,14 @@ def write_file(path, figures):
 def parse_arguments(arguments):
     parser = argparse.ArgumentParser(prog="./run bench", description=__doc__.split(";", maxsplit=1)[0])
     parser.add_argument("name", nargs="*", metavar="NAME", help="of: " + " ".join(ALL))
-    parser.add_argument("--json", metavar="FILE", help="write the figures, for --compare")
-    parser.add_argument("--compare", metavar="FILE", help="show new to old beside each figure")
+    parser.add_argument("--json", metavar="FILE", nargs="?", const=DEFAULT_FILE,
+                        help=f"write the figures, for --compare; without FILE into {DEFAULT_FILE}")
+    parser.add_argument("--compare", metavar="FILE",
+                        help="show new to old beside each figure, and what is gone")
     chosen = parser.parse_args(arguments)
+    if chosen.json in ALL:  # --json NAME: a benchmark was meant, not a file of its name
+        chosen.name.append(chosen.json)
+        chosen.json = DEFAULT_FILE
     for name in chosen.name:
         if name not in ALL:
             raise UsageError(f'there is no benchmark "{name}"; there are: {" ".join(ALL)}')
@@ -135,6 +147,9 @@ def main(arguments):
             print(f"run: bench_{name} failed", file=sys.stderr)
             status = 1
         figures += found or []
+    if before is not None and not chosen.name:  # some benchmarks alone lack the others' figures
+        for line in gone_lines(before, figures):
+            print(line, flush=True)
     if chosen.json:
         try:
             write_file(chosen.json, figures)

@@ -1,9 +1,12 @@
+import contextlib
+import io
 import json
 import os
 import pathlib
 import sys
 import tempfile
 import unittest
+from unittest import mock
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "bench"))
 import run_benchmarks as sut  # noqa: E402
@@ -75,6 +78,85 @@ class RunBenchmarks(unittest.TestCase):
         with self.assertRaises(sut.UsageError) as caught:
             sut.parse_arguments(["servo_tok"])
         self.assertIn("servo_tick", str(caught.exception))
+
+
+class RunBenchmarksMain(unittest.TestCase):
+    """main() with programs that print what they are told to."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.root = pathlib.Path(folder.name)
+        (self.root / "build/release/bin").mkdir(parents=True)
+        for name, value in (("ROOT", self.root), ("ALL", ("one", "two"))):
+            patch = mock.patch.object(sut, name, value)
+            patch.start()
+            self.addCleanup(patch.stop)
+        self.make_benchmark("one", [figure("tick")])
+        self.make_benchmark("two", [figure("step"), figure("wake", reference=None, ratio=None)])
+
+    def make_benchmark(self, name, figures, status=0):
+        lines = "".join(json.dumps(entry) + "\n" for entry in figures)
+        program = self.root / f"build/release/bin/bench_{name}"
+        program.write_text(f"#!/bin/sh\ncat <<'END'\n{lines}END\nexit {status}\n", encoding="utf-8")
+        program.chmod(0o755)
+
+    def run_main(self, *arguments):
+        out, err = io.StringIO(), io.StringIO()
+        before = os.getcwd()
+        os.chdir(self.root)  # as run does
+        try:
+            with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+                status = sut.main(list(arguments))
+        finally:
+            os.chdir(before)
+        return status, out.getvalue().splitlines(), err.getvalue()
+
+    def test_json_without_a_name_writes_the_file_that_the_help_names(self):
+        for arguments, names in ((("--json",), ["tick", "step", "wake"]),
+                                 (("--json", "one"), ["tick"]),
+                                 (("two", "--json"), ["step", "wake"])):
+            with self.subTest(arguments):
+                self.assertEqual(self.run_main(*arguments)[0], 0)
+                self.assertEqual(list(sut.read_file(self.root / sut.DEFAULT_FILE)), names)
+
+    def test_json_writes_the_file_that_it_is_given(self):
+        self.assertEqual(self.run_main("--json", "mine.json", "one")[0], 0)
+
+        self.assertEqual(list(sut.read_file(self.root / "mine.json")), ["tick"])
+        self.assertFalse((self.root / sut.DEFAULT_FILE).exists())
+
+    def test_json_says_which_file_it_cannot_write(self):
+        status, lines, err = self.run_main("--json", "no/such/folder.json")
+
+        self.assertEqual((status, len(lines)), (1, 4))
+        self.assertIn("no/such/folder.json", err)
+
+    def test_compare_tells_what_changed_what_is_new_and_what_is_gone(self):
+        self.run_main("--json", "old.json")
+        self.make_benchmark("one", [figure("tick", ratio=6.0)])
+        self.make_benchmark("two", [figure("sprint")])
+
+        status, lines, _ = self.run_main("--compare", "old.json")
+
+        self.assertEqual(status, 0)
+        self.assertEqual([(line.split()[0], line.split()[-1]) for line in lines[1:]],
+                         [("tick", "1.500"), ("sprint", "new"), ("step", "gone"), ("wake", "gone")])
+        self.assertEqual({len(line) for line in lines}, {len(lines[0])})
+
+    def test_compare_of_one_benchmark_misses_no_figure_of_the_others(self):
+        self.run_main("--json", "old.json")
+
+        lines = self.run_main("one", "--compare", "old.json")[1]
+
+        self.assertEqual([line.split()[0] for line in lines[1:]], ["tick"])
+
+    def test_a_benchmark_that_fails_is_named_and_the_others_run(self):
+        self.make_benchmark("one", [], status=3)
+        status, lines, err = self.run_main()
+
+        self.assertEqual((status, len(lines)), (1, 3))
+        self.assertIn("bench_one failed", err)
 
 
 if __name__ == "__main__":
