@@ -123,7 +123,57 @@ def ctest_names(root, paths):
     return names
 
 
-def check_proof(where, proof, known, breaches):
+def read_if_there(root, path):
+    return cpp_source.read(root, path) if pathlib.Path(root, path).exists() else ""
+
+
+def run_commands(root):
+    """What `run` takes for its first word: the branches of its case that do something."""
+    choices = re.search(r"^case \$command in\n(.*?)^esac", read_if_there(root, "run"), re.MULTILINE | re.DOTALL)
+    commands = set()
+    for branch in re.split(r";;", choices.group(1)) if choices else ():
+        pattern, end, action = branch.partition(")")
+        if end and "*" not in pattern and not re.search(r"\bexit\b", action):
+            commands.update(word.strip() for word in pattern.split("|"))
+    return commands
+
+
+def benchmarks(root):
+    names = re.search(r"^ALL = \(([^)]*)\)", read_if_there(root, "bench/run_benchmarks.py"), re.MULTILINE)
+    return set(re.findall(r'"(\w+)"', names.group(1))) if names else set()
+
+
+def thimble_commands(root):
+    """The words of each command of thimble(1), such as ("flight", "show"); arguments are in capitals."""
+    headings = re.findall(r"^\.SS (.*)$", read_if_there(root, "docs/man/thimble.1"), re.MULTILINE)
+    return {tuple(re.findall(r"(?<![\w\[])[a-z-]+(?!\w)", heading)) for heading in headings}
+
+
+def without_options(words, takes_value):
+    """The words that are no options, nor the values of those of `takes_value`."""
+    return [word for before, word in zip([""] + words, words)
+            if not word.startswith("-") and before not in takes_value]
+
+
+def check_subcommand(root, where, words, breaches):
+    """That `./run X`, `./run bench NAME` and `thimble X` exist; other programs are not looked into."""
+    first = words[1] if len(words) > 1 else ""
+    if words[0] == "./run" and first not in run_commands(root):
+        breaches.append(f"{where}: run has no '{first}'; the case at its end lists what it has")
+    elif words[0] == "./run" and first == "bench":
+        for name in without_options(words[2:], ("--json", "--compare")):
+            if name not in benchmarks(root):
+                breaches.append(f"{where}: there is no benchmark '{name}'; bench/run_benchmarks.py lists them")
+    elif words[0] == "thimble" and first not in ("-h", "--help", "--version"):
+        given = without_options(words[1:], ("--socket",))
+        commands = thimble_commands(root)
+        if not any(command and tuple(given[:len(command)]) == command for command in commands):
+            length = max((len(c) for c in commands if c and c[:1] == tuple(given[:1])), default=1)
+            breaches.append(f"{where}: docs/man/thimble.1 has no '{' '.join(given[:length])}'; name a command "
+                            "that it has")
+
+
+def check_proof(root, where, proof, known, breaches):
     command = re.findall(r"`([^`]+)`", proof)
     if not command:
         breaches.append(f"{where}: names no `command` that proves it")
@@ -131,6 +181,7 @@ def check_proof(where, proof, known, breaches):
         if words.split()[0] not in KNOWN_PROGRAMS:
             breaches.append(f"{where}: `{words}` starts no known program; use one of "
                             f"{', '.join(KNOWN_PROGRAMS)}")
+        check_subcommand(root, where, words.split(), breaches)
         match = re.search(r"ctest .*-R '?([^\s'`]+)", words)
         if match and not any(re.search(match.group(1), name) for name in known):
             breaches.append(f"{where}: no test is called {match.group(1)}; name one that is there")
@@ -150,7 +201,7 @@ def check_features(root, paths, breaches):
         for place in re.findall(r"`([^`]+)`", cells[1]):
             if not pathlib.Path(root, place).exists():
                 breaches.append(f"{where}: {place} does not exist; name where the feature lives now")
-        check_proof(where, cells[2], known, breaches)
+        check_proof(root, where, cells[2], known, breaches)
 
 
 def check_defects(root, paths, breaches):

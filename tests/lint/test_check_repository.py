@@ -78,10 +78,10 @@ class CheckRepository(PlantedTreeTest):
         self.assertEqual(self.check_all(), [])
 
     def test_refuses_a_feature_at_a_path_that_is_not(self):
-        self.plant_features("| one script | `walk` | `./run test` | there |")
+        self.plant_features("| one script | `walk` | `ninja test` | there |")
         self.assert_one_breach(self.check_all(), "docs/features.md:3", "walk does not exist")
 
-        self.plant_features("| one script | `walk` | `./run test` | not yet |")
+        self.plant_features("| one script | `walk` | `ninja test` | not yet |")
         self.assertEqual(self.check_all(), [])
 
     def test_refuses_a_proof_that_cannot_run(self):
@@ -94,6 +94,34 @@ class CheckRepository(PlantedTreeTest):
 
         self.plant_features("| one script | `run` | believe me | there |")
         self.assert_one_breach(self.check_all(), "names no `command`")
+
+    def breaches_of_proof(self, command):
+        self.plant("tests/README.md", "")
+        self.plant("docs/man/README.md", "")
+        self.plant("bench/README.md", "")
+        self.plant("run", 'case $command in\n  test | bench) "command_$command" "$@" ;;\n'
+                          "  vm)\n    exit 2 ;;\n  -h | --help) usage ;;\n  *) exit 2 ;;\nesac\n")
+        self.plant("bench/run_benchmarks.py", 'ALL = ("servo_tick", "wakeup",\n       "daemon")\nX = ("other")\n')
+        self.plant("docs/man/thimble.1", ".SS status\n.SS flight show FILE\n.SS activate [ARM]\n")
+        self.plant_features(f"| one script | `run` | `{command}` | there |")
+        return self.check_all()
+
+    def test_accepts_a_proof_with_a_subcommand_that_is_there(self):
+        for command in ("./run test --quick", "./run --help", "./run bench", "./run bench daemon wakeup",
+                        "./run bench --json old.json daemon", "thimble status --json", "thimble flight show FILE",
+                        "thimble --socket s status", "thimble --help", "thimble activate arm"):
+            with self.subTest(command):
+                self.assertEqual(self.breaches_of_proof(command), [])
+
+    def test_refuses_a_proof_with_a_subcommand_that_is_not_there(self):
+        for command, words in (("./run nonsense", "run has no 'nonsense'"), ("./run", "run has no ''"),
+                               ("./run vm", "run has no 'vm'"), ("./run bench no_such", "no benchmark 'no_such'"),
+                               ("./run bench other", "no benchmark 'other'"),
+                               ("thimble frobnicate", "thimble.1 has no 'frobnicate'"),
+                               ("thimble", "thimble.1 has no ''"),
+                               ("thimble flight hide FILE", "thimble.1 has no 'flight hide'")):
+            with self.subTest(command):
+                self.assert_one_breach(self.breaches_of_proof(command), "docs/features.md:3", words)
 
     def test_a_proof_is_one_test_not_words_of_several(self):
         self.plant("run", "")
