@@ -1,10 +1,11 @@
 """thimbled from its command line to its last command: --check, --for, --summary, signals."""
 
 import pathlib
+import re
 import signal
 import subprocess
 
-from rig import (BIN, EXAMPLES, HELLO, TIMEOUT_S, ProcessTest, clean_environment,
+from rig import (BIN, EXAMPLES, HELLO, ROOT, TIMEOUT_S, ProcessTest, clean_environment,
                  die_with_parent)
 
 ARM_KEYS = {"name", "device", "state", "calibration", "position_m", "force_newton",
@@ -28,8 +29,10 @@ def zeros(path, edge):
     return path
 
 
-def session_in(source):
-    return (f'[[world]]\nname = "w"\nsource = "{source}"\nworkspace_m = 0.09\n[[arm]]\nname = "right"\n'
+def session_in(source, materials=0):
+    labels = "".join(f'[[world.material]]\nname = "m{n}"\nfrom = {n}\nfriction = 0.1\n'
+                     for n in range(1, 1 + materials))
+    return (f'[[world]]\nname = "w"\nsource = "{source}"\nworkspace_m = 0.09\n{labels}[[arm]]\nname = "right"\n'
             'device = "sim:phantom-vintage"\namplifier_max_a = 3.0\nworld = "w"\n')
 
 
@@ -239,9 +242,9 @@ class Places(ProcessTest):
 
 
 class Memory(ProcessTest):
-    def peak_of(self, source, name):
+    def peak_of(self, source, name, materials=0):
         """Bytes of memory that a daemon in this world had at most, until it was ready."""
-        daemon = self.start(config=session_in(source), name=name)
+        daemon = self.start(config=session_in(source, materials), name=name)
         words = pathlib.Path(f"/proc/{daemon.pid}/status").read_text().split()
         self.assertEqual(daemon.stop(), 0, daemon.log())
         return int(words[words.index("VmHWM:") + 1]) * 1024
@@ -253,6 +256,21 @@ class Memory(ProcessTest):
         # The goal is an eighth of the file: 256 MiB for 2 GiB. A box of as many cells has the bits.
         bits = edge ** 3 // 8
         self.assertLess(bits + extra, volume.stat().st_size // 8)
+
+    def test_materials_take_the_bits_a_cell_that_the_manual_says(self):
+        edge = 512
+        text = (ROOT / "docs" / "configuration.md").read_text()
+        rows = re.findall(r"^\|.*?(\d+) \| (\d) bits a cell: (\d+) MiB for 512³ cells, (\d+) MiB for", text, re.M)
+        said = {int(most): [int(number) for number in rest] for most, *rest in rows}
+        self.assertEqual(list(said), [1, 3, 15])
+        box = self.peak_of(f"box:{edge}", "box")
+        bits = edge ** 3 // 8
+        volume = zeros(self.folder / "scan.npy", edge)
+        for materials, (bits_a_cell, mebibytes, of_1024) in said.items():
+            self.assertEqual((mebibytes * 2 ** 20, of_1024 * 2 ** 20), (bits * bits_a_cell, 8 * bits * bits_a_cell))
+            taken = bits + self.peak_of(volume, f"scan{materials}", materials) - box
+            # Two daemons differ by a few pages that have nothing to do with the volume.
+            self.assertAlmostEqual(taken, mebibytes * 2 ** 20, delta=4 * 2 ** 20)
 
 
 class Programs(ProcessTest):

@@ -17,8 +17,9 @@ using DataOpener = std::function<Result<std::unique_ptr<ByteSource>>(const std::
 // Reads a three-dimensional NRRD volume as occupancy: the axis that runs fastest is the world's x,
 // index 0 at the negative end, unless the options order the axes otherwise.
 //
-// Checks header, sizes and lengths before it allocates the grid; holds 350 KiB beside it, whatever
-// the file says of itself. A file that holds more than its sizes ask for is refused, too.
+// Checks header, sizes and lengths before it allocates the grid and the labels of its materials
+// (MaterialMap); holds 350 KiB beside both, whatever the file says of itself. A file that holds
+// more than its sizes ask for is refused, too.
 // Where `materials` is not null, it gets what the options say of them.
 // Errors: Malformed, TooLarge, Unsupported, System, and those of the opener, each naming the field;
 // load_nrrd_file() puts the path in front.
