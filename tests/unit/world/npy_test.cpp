@@ -46,6 +46,15 @@ TEST(Npy, IndexesVolumeXYZInBothOrders) {
   }
 }
 
+TEST(Npy, AHeaderTooShortToHoldAnythingIsRefused) {
+  const std::string file =
+      std::string("\x93NUMPY\x01\x00\x01\x00", 10) + "\n" + std::string(9, 'x');
+  const auto sut = load(file);
+  ASSERT_FALSE(sut);
+  EXPECT_EQ(sut.error().code, Errc::Malformed);
+  EXPECT_EQ(sut.error().message, "header length: too small to hold a header");
+}
+
 TEST(Npy, TheLongestAxisSpansTheWorkspaceWithCubes) {
   const auto sut = load(NpyBytes{}.file(), {0.08, 0});
   ASSERT_TRUE(sut);

@@ -121,6 +121,8 @@ TEST(Nrrd, SkipsLinesBeforeAndBytesAfterUnpacking) {
   bytes.more = "byte skip: 1000\n";
   bytes.data = gzipped("short") + std::string(8, 'x');
   EXPECT_FALSE(load(bytes.file()));
+  bytes.data = gzipped("short");
+  EXPECT_EQ(error_of(load(bytes.file())), "byte skip: the data has not so many bytes");
 }
 
 TEST(Nrrd, TakesSpacingFromTheFileUnlessTold) {
