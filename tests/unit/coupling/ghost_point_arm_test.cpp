@@ -293,16 +293,30 @@ TEST(GhostPointArm, TightestOfParallelPlanesConstrains) {
   EXPECT_EQ(out.new_contacts, 1U);
 }
 
-TEST(GhostPointArm, TipThatIsNotFiniteGivesAForceThatIsNotFiniteAndNoMemory) {
+TEST(GhostPointArm, StateThatIsNotFiniteGivesAForceThatIsNotFiniteAndNoMemory) {
   ArmBench bench;
   bench.told({0.020, 0, 0}, {wall(kPlusX, kWall_m)});
   const ArmOutput good = bench.alone({0.020, 0, 0});
-  const ArmOutput bad = bench.alone({std::nan(""), 0, 0});
-  EXPECT_FALSE(is_finite(bad.force));
-  EXPECT_EQ(bad.sample.hand, good.sample.hand);
-  const ArmOutput again = bench.alone({0.020, 0, 0});
-  EXPECT_EQ(again.offset, good.offset);
-  EXPECT_TRUE(is_finite(again.force));
+  for (const bool is_tip : {true, false}) {
+    const double nan = std::nan("");
+    const ArmOutput bad =
+        is_tip ? bench.alone({nan, 0, 0}) : bench.alone({0.020, 0, 0}, {0, nan, 0});
+    EXPECT_FALSE(is_finite(bad.force));
+    EXPECT_EQ(bad.sample.hand, good.sample.hand);
+    EXPECT_EQ(bad.sample.velocity, Velocity3{});
+    const ArmOutput again = bench.alone({0.020, 0, 0});
+    EXPECT_EQ(again.offset, good.offset);
+    EXPECT_TRUE(is_finite(again.force));
+  }
+}
+
+TEST(GhostPointArm, ARestartAtNoPlaceTellsTheWorldOfAPlaceThatThereIs) {
+  ArmBench bench;
+  bench.alone({0.020, 0, 0});
+  bench.sut.reset(bench.now, {std::nan(""), 0, 0});
+  const ArmOutput out = bench.alone({std::nan(""), 0, 0});
+  EXPECT_EQ(out.sample.hand, Position3{});
+  EXPECT_EQ(bench.alone({0.010, 0, 0}).sample.hand, (Position3{0.010, 0, 0}));
 }
 
 TEST(GhostPointArm, ResetRestartsTheGhostAtTheHand) {
