@@ -5,16 +5,6 @@
 
 namespace thimble::coupling {
 
-std::string_view to_string(ConstraintModel model) noexcept {
-  switch (model) {
-    case ConstraintModel::GhostPoint:
-      return "ghost-point";
-    case ConstraintModel::Simple:
-      return "simple";
-  }
-  return "unknown";
-}
-
 Result<std::unique_ptr<WorldCoupling>> make_world_coupling(ConstraintModel model,
                                                            world::World& world,
                                                            std::uint32_t first_session) {

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <string_view>
 
 #include "daemon/coupling/world_coupling.hpp"
 #include "daemon/world/world.hpp"
@@ -15,7 +14,6 @@ enum class ConstraintModel : std::uint8_t {
   GhostPoint,  // "ghost-point": thesis 3.7.1, figure 3-9
   Simple,      // "simple": thesis 3.7.1, figure 3-8, with its faults
 };
-[[nodiscard]] std::string_view to_string(ConstraintModel model) noexcept;
 
 // The world half of `model` in `world`, which must outlive it. Sessions are numbered as by
 // GhostPointWorld. Control plane: allocates. Unsupported: "simple" in a world without cells.

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
-#include <string_view>
 
 #include "daemon/link/impairment.hpp"
 #include "hal/base/time.hpp"
@@ -21,8 +20,6 @@ enum class RejectReason : std::uint8_t {
   SessionRefused,  // the world would not let the hand in; tried again
 };
 inline constexpr std::size_t kRejectReasons = 6;
-
-[[nodiscard]] std::string_view to_string(RejectReason reason) noexcept;  // "wrong size", …
 
 // What one end of a link has done since it was made. "Message": a hand sample one way, a
 // constraint set the other.
