@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "daemon/link/udp_arm_link.hpp"
+#include "daemon/link/udp_port.hpp"
 #include "daemon/link/udp_world_server.hpp"
 #include "hal/linux/monotonic_clock.hpp"
 #include "tests/unit/link/thesis_1999.hpp"
@@ -306,6 +307,14 @@ TEST_F(UdpTest, SaysClearlyWhyItCannotListenOrLink) {
   const auto open_to_all = UdpWorldServer::open(io, clock, {.bind = Endpoint{}}, world);
   ASSERT_FALSE(open_to_all.has_value());
   EXPECT_EQ(open_to_all.error().code, Errc::Permission);
+  Endpoint elsewhere;
+  elsewhere.address = {192, 0, 2, 1};  // RFC 5737: nobody's
+  UdpPort port(io);
+  const auto bound = port.open(elsewhere);
+  ASSERT_FALSE(bound.has_value());
+  EXPECT_EQ(bound.error().code, Errc::System);
+  EXPECT_TRUE(bound.error().message.starts_with("cannot bind udp://192.0.2.1:0: "))
+      << bound.error().message;
   Endpoint far = loopback(5001);
   far.address = {10, 0, 0, 7};
   const auto arm = UdpArmLink::open(io, clock, {.peer = far}, nullptr);
