@@ -69,5 +69,12 @@ TEST(FaultCode, EveryCodeHasANameAndASentence) {
   EXPECT_EQ(names.count("unknown"), 0U);
 }
 
+// A number from a broken file or a later version.
+TEST(FaultCode, OneThatDoesNotExistIsNamedAsSuch) {
+  const auto code = static_cast<FaultCode>(kFaultCodeCount);
+  EXPECT_EQ(to_string(code), "unknown");
+  EXPECT_EQ(explain(code), "unknown fault");
+}
+
 }  // namespace
 }  // namespace thimble

@@ -70,11 +70,20 @@ TEST(OperatingState, OnlyInactiveLeadsToActive) {
   }
 }
 
-TEST(OperatingState, NamesAreDistinct) {
+TEST(OperatingState, NamesAreDistinctAndOneThatDoesNotExistHasNone) {
   std::set<std::string_view> names;
   for (std::size_t s = 0; s < kOperatingStateCount; ++s) names.insert(to_string(static_cast<S>(s)));
   EXPECT_EQ(names.size(), kOperatingStateCount);
   EXPECT_EQ(names.count("unknown"), 0U);
+
+  std::set<std::string_view> events;
+  for (std::size_t e = 0; e < kLifecycleEventCount; ++e) {
+    events.insert(to_string(static_cast<E>(e)));
+  }
+  EXPECT_EQ(events.size(), kLifecycleEventCount);
+  EXPECT_EQ(events.count("unknown"), 0U);
+  EXPECT_EQ(to_string(static_cast<S>(kOperatingStateCount)), "unknown");
+  EXPECT_EQ(to_string(static_cast<E>(kLifecycleEventCount)), "unknown");
 }
 
 }  // namespace

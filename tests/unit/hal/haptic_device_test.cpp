@@ -1,0 +1,42 @@
+#include "hal/device/haptic_device.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <set>
+#include <vector>
+
+namespace thimble {
+namespace {
+
+// An arm that returns is judged by this: another limit, and it is another arm.
+TEST(HapticCapabilities, OfTwoArmsDifferWhereverOneNumberDoes) {
+  using Change = std::function<void(HapticCapabilities&)>;
+  const std::vector<Change> changes{
+      [](HapticCapabilities& arm) { arm.model = "other"; },
+      [](HapticCapabilities& arm) { arm.joint_count = 6; },
+      [](HapticCapabilities& arm) { arm.peak_force_newton = 1; },
+      [](HapticCapabilities& arm) { arm.continuous_force_newton = 1; },
+      [](HapticCapabilities& arm) { arm.max_stiffness_newton_per_m = 1; },
+      [](HapticCapabilities& arm) { arm.workspace_radius_m = 1; },
+      [](HapticCapabilities& arm) { arm.peak_current_a[2] = 1; },
+      [](HapticCapabilities& arm) { arm.continuous_current_a[2] = 1; },
+      [](HapticCapabilities& arm) { arm.sample_period = Duration(1); },
+      [](HapticCapabilities& arm) { arm.device_watchdog = Duration(1); }};
+  const HapticCapabilities one;
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    HapticCapabilities other;
+    EXPECT_EQ(one, other);
+    changes[i](other);
+    EXPECT_NE(one, other) << i;
+  }
+}
+
+TEST(CalibrationState, EachHasANameAndOneThatDoesNotExistIsUnknown) {
+  std::set<std::string_view> names;
+  for (int i = 0; i < 4; ++i) names.insert(to_string(static_cast<CalibrationState>(i)));
+  EXPECT_EQ(names, (std::set<std::string_view>{"unknown", "needs-user", "ok"}));
+}
+
+}  // namespace
+}  // namespace thimble
