@@ -5,7 +5,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <random>
@@ -204,13 +206,25 @@ TEST_F(NpyFile, NamesTheFileInFrontOfTheField) {
 TEST_F(NpyFile, RefusesWhatIsNoRegularFileWithoutWaiting) {
   const std::string fifo = folder + "/fifo.npy";
   ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
+  const std::string socket = folder + "/socket.npy";
+  ASSERT_EQ(::mknod(socket.c_str(), S_IFSOCK | 0600, 0), 0);
   for (const auto& [path, kind] : {std::pair{fifo, "a FIFO"},
+                                   {socket, "a socket"},
                                    {folder, "a directory"},
                                    {std::string("/dev/zero"), "a device"}}) {
     const auto sut = load_npy_file(path, {});
     ASSERT_FALSE(sut);
     EXPECT_EQ(sut.error().message, path + ": is " + kind + ", expected a regular file");
   }
+}
+
+TEST_F(NpyFile, ANameThatTheSystemCannotFollowIsToldInItsWords) {
+  const std::string path = folder + "/circle.npy";
+  ASSERT_EQ(::symlink("circle.npy", path.c_str()), 0);
+  const auto sut = load_npy_file(path, {});
+  ASSERT_FALSE(sut);
+  EXPECT_EQ(sut.error().code, Errc::System);
+  EXPECT_EQ(sut.error().message, path + ": open: " + std::strerror(ELOOP));
 }
 
 TEST_F(NpyFile, TellsMissingFromForbidden) {
