@@ -231,6 +231,19 @@ TEST_P(PhantomKinematics, OutOfReachHasNoAngles) {
 }
 
 // An arm that reaches beyond its stops loses its reference there: the workspace must not.
+// There a force would ask for currents without bound, and the waist for no angle in particular.
+TEST_P(PhantomKinematics, PlacesOnTheAxisOfTheWaistHaveNoAngles) {
+  const double shortest_m = std::abs(model_.link_m[1] - model_.link_m[2]);
+  const double longest_m = model_.link_m[1] + model_.link_m[2];
+  for (int round = 0; round < kRounds; ++round) {
+    const double above_shoulder_m = uniform(shortest_m + 0.001, longest_m - 0.001);
+    const Position3 tip{-model_.origin_m[1],
+                        above_shoulder_m - model_.origin_m[2] + model_.link_m[0],
+                        -model_.origin_m[0]};
+    ASSERT_FALSE(inverse(model_, tip).has_value()) << above_shoulder_m;
+  }
+}
+
 TEST_P(PhantomKinematics, TheWorkspaceLiesWithinTheStops) {
   for (int round = 0; round < kRounds; ++round) {
     const auto angles = inverse(model_, place_in_workspace());
