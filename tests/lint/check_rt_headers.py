@@ -1,35 +1,40 @@
 #!/usr/bin/env python3
-"""Servo-plane code (hal/rt, daemon/servo) may include only the headers of rt_headers.txt."""
+"""Code that the tick runs, the `servo` files of rt_headers.txt, may include only the headers of that list."""
 
 import fnmatch
 import re
 
 import cpp_source
 
-SERVO_FOLDERS = ("hal/rt/", "daemon/servo/")
+LIST = "tests/lint/rt_headers.txt"
 _INCLUDE = re.compile(r"^[ \t]*#[ \t]*include[ \t]*<([^>\n]+)>", re.MULTILINE)
 
 
-def allowed_headers(text):
-    """(headers free everywhere, {file pattern: headers free only there})."""
-    everywhere, special = set(), {}
+def rules(text):
+    """(patterns of servo files, headers free everywhere, {file pattern: headers free only there})."""
+    servo, everywhere, special = [], set(), {}
     for line in text.splitlines():
         words = line.split("#", 1)[0].split()
-        if words and words[0].endswith(":"):
+        if words and words[0] == "servo":
+            servo += words[1:]
+        elif words and words[0].endswith(":"):
             special[words[0][:-1]] = set(words[1:])
         else:
             everywhere.update(words)
-    return everywhere, special
+    return servo, everywhere, special
+
+
+def fits(path, patterns):
+    return any(fnmatch.fnmatchcase(path, pattern) for pattern in patterns)
 
 
 def check(root):
-    everywhere, special = allowed_headers(cpp_source.read(root, "tests/lint/rt_headers.txt"))
-    breaches = []
-    for path in cpp_source.cpp_files(root, cpp_source.PRODUCT_FOLDERS):
-        if not path.startswith(SERVO_FOLDERS):
-            continue
-        allowed = everywhere.union(*(headers for pattern, headers in special.items()
-                                     if fnmatch.fnmatch(path, pattern)))
+    servo, everywhere, special = rules(cpp_source.read(root, LIST))
+    paths = [path for path in cpp_source.cpp_files(root, cpp_source.PRODUCT_FOLDERS) if fits(path, servo)]
+    breaches = [f"{LIST}: no file of the servo plane is {pattern}; mend or remove the pattern"
+                for pattern in servo + list(special) if not any(fits(path, [pattern]) for path in paths)]
+    for path in paths:
+        allowed = everywhere.union(*(headers for pattern, headers in special.items() if fits(path, [pattern])))
         code = cpp_source.without_comments(cpp_source.read(root, path))
         for match in _INCLUDE.finditer(code):
             if match.group(1) not in allowed:
@@ -37,7 +42,7 @@ def check(root):
                     f"{path}:{cpp_source.line_of(code, match.start(1))}: <{match.group(1)}> is not "
                     "allowed on the servo plane. Use hal/rt (static_vector, triple_buffer, "
                     "spsc_ring) or do the work before the loop starts; a header that is harmless "
-                    "there goes into tests/lint/rt_headers.txt with a reason")
+                    f"there goes into {LIST} with a reason")
     return breaches
 
 

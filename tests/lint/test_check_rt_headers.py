@@ -5,7 +5,11 @@ from planted_tree import PlantedTreeTest
 class CheckRtHeaders(PlantedTreeTest):
     def setUp(self):
         super().setUp()
-        self.plant_copy("tests/lint/rt_headers.txt")
+        self.plant_copy(check_rt_headers.LIST)
+        text = (self.root / check_rt_headers.LIST).read_text(encoding="utf-8")
+        servo, _, special = check_rt_headers.rules(text)
+        for pattern in servo + list(special):
+            self.plant(pattern.replace("/*", "/some.hpp").replace(".*", ".hpp"), "")
 
     def test_accepts_headers_of_the_list(self):
         self.plant("daemon/servo/loop.cpp", "#include <array>\n#include <atomic>\n")
@@ -21,8 +25,28 @@ class CheckRtHeaders(PlantedTreeTest):
                 self.assert_one_breach(check_rt_headers.check(self.root),
                                        "daemon/servo/loop.cpp:2", header, "rt_headers.txt")
 
+    def test_looks_at_all_that_the_tick_runs(self):
+        for path in ("hal/rt/ring.hpp", "hal/device/fault.cpp", "daemon/coupling/ghost_point_arm.cpp",
+                     "drivers/phantom/phantom_device.cpp", "drivers/phantom/phantom_codec.hpp",
+                     "hal/plugin/plugin_device.cpp", "daemon/link/arm_mailbox.hpp"):
+            with self.subTest(path):
+                self.plant(path, "#include <mutex>\n")
+                self.assert_one_breach(check_rt_headers.check(self.root), path + ":1", "<mutex>")
+                self.plant(path, "")
+
+        for path in ("drivers/phantom/phantom_match.cpp", "daemon/link/udp_port.cpp"):
+            self.plant(path, "#include <mutex>\n")
+        self.assertEqual(check_rt_headers.check(self.root), [])
+
+    def test_refuses_a_pattern_of_no_file(self):
+        self.plant("hal/rt/a.hpp", "")
+        for line in ("servo hal/rt/b.*", "hal/rt/b.hpp: cstdio"):
+            with self.subTest(line):
+                self.plant(check_rt_headers.LIST, f"servo hal/rt/a.*\n{line}\n")
+                self.assert_one_breach(check_rt_headers.check(self.root), check_rt_headers.LIST, "hal/rt/b.")
+
     def test_lets_the_named_file_alone_use_its_own_header(self):
-        self.plant("tests/lint/rt_headers.txt", "array\ndaemon/servo/file.*: cstdio  # why\n")
+        self.plant(check_rt_headers.LIST, "servo daemon/servo/*\narray\ndaemon/servo/file.*: cstdio  # why\n")
         self.plant("daemon/servo/file.cpp", "#include <array>\n#include <cstdio>\n")
         self.assertEqual(check_rt_headers.check(self.root), [])
 
