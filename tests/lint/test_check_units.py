@@ -21,7 +21,7 @@ class CheckUnits(PlantedTreeTest):
                             "constexpr double kLongestPause = 1;", "float speed_;",
                             "std::array<double, 3> origin;", "std::optional<double> reach;",
                             "[[nodiscard]] double length() const;", "const double& speed;",
-                            "double atom{0};"):
+                            "double atom{0};", "double m;", "double kS;"):
             with self.subTest(declaration):
                 self.plant(HEADER, f"int a;\n{declaration}\n")
 
@@ -43,6 +43,30 @@ class CheckUnits(PlantedTreeTest):
                    "| `arm.delay` | of replies | above 0 up to 2 | 1 |\n")
 
         self.assert_one_breach(check_units.check(self.root), "configuration.md:3", "'delay'")
+
+    def test_takes_a_listed_name_whole_and_in_its_file_alone(self):
+        self.plant(check_units.UNITS_FILE, f"unit m\n{HEADER}: value kept_low  # a reason\n")
+        self.plant(HEADER, "double value_{0};\nconstexpr double kKeptLow = 1;\n")
+        self.assertEqual(check_units.check(self.root), [])
+
+        self.plant("daemon/servo/other.hpp", "double value;\n")
+        self.assert_one_breach(check_units.check(self.root), "daemon/servo/other.hpp:1", "'value'")
+
+        self.plant("daemon/servo/other.hpp", "double limit_value;\n")
+        self.assert_one_breach(check_units.check(self.root), "'limit_value'")
+
+    def test_the_list_of_this_tree_frees_no_number_of_another_place(self):
+        self.plant_copy(check_units.UNITS_FILE)
+        for name in ("limit_value", "force_max", "speed_low", "length_of_step", "a", "value", "from", "to"):
+            with self.subTest(name):
+                self.plant(HEADER, f"double {name};\n")
+                self.assertEqual(len([b for b in check_units.check(self.root) if HEADER in b]), 1)
+
+    def test_refuses_a_listed_name_that_is_gone(self):
+        self.plant(check_units.UNITS_FILE, "unit m\ndaemon/servo/*: value\n")
+        self.plant(HEADER, "double reach_m;\n")
+
+        self.assert_one_breach(check_units.check(self.root), check_units.UNITS_FILE, "'value'", "daemon/servo/*")
 
     def test_refuses_a_line_of_the_list_that_says_nothing(self):
         self.plant(check_units.UNITS_FILE, "m s\n")
