@@ -45,6 +45,7 @@ endfunction()
 # thimble_test(<name> LABEL <tier> [THREADED] SOURCES … LINKS …): one GoogleTest program, one
 # ctest entry per test case. THREADED: more than one thread takes part, so ThreadSanitizer has
 # something to see; with THIMBLE_ONLY_THREADED the others are left out.
+set(THIMBLE_TEST_TIMEOUT 300 CACHE STRING "Seconds after which a test case is ended")
 function(thimble_test name)
   cmake_parse_arguments(ARG "THREADED" "LABEL" "SOURCES;LINKS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
@@ -54,5 +55,5 @@ function(thimble_test name)
     return()
   endif()
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST
-    PROPERTIES LABELS "${ARG_LABEL}" TIMEOUT 300)
+    PROPERTIES LABELS "${ARG_LABEL}" TIMEOUT ${THIMBLE_TEST_TIMEOUT})
 endfunction()
