@@ -4,7 +4,8 @@
     report_coverage.py BUILD_FOLDER
 
 A throw's branch counts only where somebody throws: gcovr leaves out the ones of the compiler's own
-clean-up. Goal: 95 % of the branches in servo and safety.
+clean-up. Goal: 95 % of the branches in servo and safety; the fault latch and the life cycle are in
+hal/device. What was measured: tests/README.md.
 """
 
 import json
@@ -15,7 +16,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FOLDERS = ("daemon/servo", "daemon/safety", "daemon/coupling", "daemon/world", "daemon/link", "drivers",
            "hal/device", "hal/rt")
-GOAL_PERCENT = {"daemon/servo": 95, "daemon/safety": 95}
+GOAL_PERCENT = {"daemon/servo": 95, "daemon/safety": 95, "hal/device": 95}
 
 
 def summary_of(build):
