@@ -1,0 +1,349 @@
+#include "hal/linux/usb_transfers.hpp"
+
+#include <libusb.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <utility>
+
+namespace thimble::linux {
+namespace {
+
+using bus::UsbOutcome;
+
+constexpr std::size_t kPendingReads = 2;  // so that one is with the kernel while one is handled
+constexpr Duration kRetryAfter = std::chrono::milliseconds(1);  // a full-speed frame
+constexpr int kRetryPoll_ms = 1;
+// A cancelled transfer comes back within a frame; the rest is patience with a bad hub.
+constexpr int kClosingPolls = 100;
+constexpr int kClosingPoll_ms = 10;
+constexpr std::size_t kMostDescriptors = 8;  // libusb has three: node, wake-up, timer
+
+Error usb_error(const char* what, int code) {
+  Errc errc = Errc::System;
+  if (code == LIBUSB_ERROR_ACCESS) errc = Errc::Permission;
+  if (code == LIBUSB_ERROR_BUSY) errc = Errc::Busy;
+  if (code == LIBUSB_ERROR_NO_DEVICE || code == LIBUSB_ERROR_NOT_FOUND) errc = Errc::NotFound;
+  return {errc, std::string(what) + ": " + ::libusb_error_name(code)};
+}
+
+UsbOutcome outcome_of(libusb_transfer_status status) noexcept {
+  switch (status) {
+    case LIBUSB_TRANSFER_COMPLETED:
+      return UsbOutcome::Done;
+    case LIBUSB_TRANSFER_STALL:
+      return UsbOutcome::Stalled;
+    case LIBUSB_TRANSFER_OVERFLOW:
+      return UsbOutcome::Babbled;
+    case LIBUSB_TRANSFER_ERROR:
+    case LIBUSB_TRANSFER_TIMED_OUT:
+    case LIBUSB_TRANSFER_CANCELLED:
+    case LIBUSB_TRANSFER_NO_DEVICE:
+      return UsbOutcome::Failed;
+  }
+  return UsbOutcome::Failed;
+}
+
+}  // namespace
+
+class UsbTransfers::Transfer {
+ public:
+  // `pipe` is nullptr for endpoint 0.
+  Transfer(UsbTransfers& owner, Pipe* pipe, std::size_t bytes)
+      : owner_(&owner),
+        pipe_(pipe),
+        raw_(::libusb_alloc_transfer(0)),
+        buffer_(bytes),
+        spare_(bytes) {}
+  ~Transfer() { ::libusb_free_transfer(raw_); }
+  Transfer(const Transfer&) = delete;
+  Transfer& operator=(const Transfer&) = delete;
+
+  // Not before the device is open: it remembers its handle. False without memory.
+  [[nodiscard]] bool prepare(const bus::UsbEndpointInfo* info) noexcept {
+    if (raw_ == nullptr) return false;
+    raw_->dev_handle = owner_->handle_;
+    raw_->endpoint = info == nullptr ? 0 : info->address;
+    raw_->type = type_of(info == nullptr ? bus::UsbTransferKind::Control : info->kind);
+    raw_->timeout = 0;
+    raw_->callback = [](libusb_transfer* raw) {
+      auto* transfer = static_cast<Transfer*>(raw->user_data);
+      transfer->owner_->ended(*transfer);
+    };
+    raw_->user_data = this;
+    raw_->length = static_cast<int>(buffer_.size());
+    return true;
+  }
+  [[nodiscard]] libusb_transfer& raw() noexcept { return *raw_; }
+  [[nodiscard]] Pipe* pipe() noexcept { return pipe_; }
+  [[nodiscard]] std::vector<std::uint8_t>& buffer() noexcept { return buffer_; }
+  // The other buffer goes to the kernel next; returns the one that has just been filled.
+  std::span<const std::uint8_t> swap_buffers() noexcept {
+    buffer_.swap(spare_);
+    return {spare_.data(), static_cast<std::size_t>(std::max(raw_->actual_length, 0))};
+  }
+  bool is_under_way{false};
+
+ private:
+  // libusb's numbers are those of the descriptors.
+  static std::uint8_t type_of(bus::UsbTransferKind kind) noexcept {
+    return static_cast<std::uint8_t>(kind);
+  }
+
+  UsbTransfers* owner_;
+  Pipe* pipe_;
+  libusb_transfer* raw_;
+  std::vector<std::uint8_t> buffer_;
+  std::vector<std::uint8_t> spare_;
+};
+
+struct UsbTransfers::Pipe {
+  std::size_t index{0};  // in the mailboxes
+  bus::UsbEndpointInfo info;
+  std::vector<std::unique_ptr<Transfer>> transfers;
+  bool is_halted{false};
+  MonotonicTime not_before{Duration::min()};  // the next try after a failure
+
+  [[nodiscard]] bool is_idle() const noexcept {
+    return std::none_of(transfers.begin(), transfers.end(),
+                        [](const auto& transfer) { return transfer->is_under_way; });
+  }
+};
+
+Result<std::unique_ptr<UsbTransfers>> UsbTransfers::open(int node, std::uint8_t interface_number,
+                                                         bus::UsbMailboxes& mail,
+                                                         const Clock& clock) {
+  std::unique_ptr<UsbTransfers> transfers(new UsbTransfers(node, interface_number, mail, clock));
+  const Result<void> started = transfers->start();
+  if (!started.has_value()) return tl::unexpected(started.error());
+  return transfers;
+}
+
+UsbTransfers::UsbTransfers(int node, std::uint8_t interface_number, bus::UsbMailboxes& mail,
+                           const Clock& clock) noexcept
+    : node_(node), interface_number_(interface_number), mail_(&mail), clock_(&clock) {}
+
+Result<void> UsbTransfers::start() {
+  // Until 1.0.27 the option is one of the process, and said before the context is made.
+  ::libusb_set_option(nullptr, LIBUSB_OPTION_NO_DEVICE_DISCOVERY);
+  int code = ::libusb_init(&context_);
+  if (code != 0) {
+    context_ = nullptr;
+    return tl::unexpected(usb_error("libusb does not start", code));
+  }
+  code = ::libusb_wrap_sys_device(context_, node_, &handle_);
+  if (code != 0) {
+    handle_ = nullptr;
+    return tl::unexpected(usb_error("the device's node cannot be used", code));
+  }
+  // Refused where the kernel cannot do it, and then there is no driver to detach.
+  ::libusb_set_auto_detach_kernel_driver(handle_, 1);
+  code = ::libusb_claim_interface(handle_, interface_number_);
+  if (code != 0) {
+    return tl::unexpected(usb_error("the device's interface cannot be claimed", code));
+  }
+  is_claimed_ = true;
+  return allocate();
+}
+
+Result<void> UsbTransfers::allocate() {
+  control_ = std::make_unique<Transfer>(*this, nullptr,
+                                        LIBUSB_CONTROL_SETUP_SIZE + bus::kMaxUsbControlBytes);
+  bool has_memory = control_->prepare(nullptr);
+  for (std::size_t index = 0; index < mail_->pipe_count(); ++index) {
+    auto pipe = std::make_unique<Pipe>();
+    pipe->index = index;
+    pipe->info = mail_->info(index);
+    const std::size_t count = bus::is_usb_in(pipe->info.address) ? kPendingReads : 1;
+    for (std::size_t i = 0; i < count; ++i) {
+      pipe->transfers.push_back(
+          std::make_unique<Transfer>(*this, pipe.get(), pipe->info.max_packet_bytes));
+      has_memory = pipe->transfers.back()->prepare(&pipe->info) && has_memory;
+    }
+    pipes_.push_back(std::move(pipe));
+  }
+  const libusb_pollfd** descriptors = ::libusb_get_pollfds(context_);
+  for (std::size_t i = 0; descriptors != nullptr && descriptors[i] != nullptr; ++i) {
+    watched_.push_back({descriptors[i]->fd, descriptors[i]->events});
+  }
+  ::libusb_free_pollfds(descriptors);
+  if (!has_memory) return fail(Errc::System, "no memory for the device's transfers");
+  if (watched_.size() > kMostDescriptors) {
+    return fail(Errc::System, "libusb watches more files than one device has");
+  }
+  return {};
+}
+
+UsbTransfers::~UsbTransfers() {
+  is_closing_ = true;
+  if (under_way_ > 0) cancel_all();
+  for (int i = 0; i < kClosingPolls && under_way_ > 0; ++i) {
+    handle_events();
+    if (under_way_ > 0) ::poll(nullptr, 0, kClosingPoll_ms);
+  }
+  if (is_claimed_) ::libusb_release_interface(handle_, interface_number_);
+  if (handle_ != nullptr) ::libusb_close(handle_);
+  control_.reset();
+  pipes_.clear();
+  if (context_ != nullptr) ::libusb_exit(context_);
+  ::close(node_);
+}
+
+void UsbTransfers::serve() noexcept {
+  for (const std::unique_ptr<Pipe>& pipe : pipes_) {
+    if (mail_->is_disconnected()) return;
+    if (pipe->is_halted) serve_halt(*pipe);
+    if (pipe->is_halted || clock_->now() < pipe->not_before) continue;
+    if (bus::is_usb_in(pipe->info.address)) {
+      serve_in(*pipe);
+    } else {
+      serve_out(*pipe);
+    }
+  }
+  if (!mail_->is_disconnected()) serve_control();
+}
+
+void UsbTransfers::serve_halt(Pipe& pipe) noexcept {
+  if (!pipe.is_idle() || clock_->now() < pipe.not_before) return;
+  const int code = ::libusb_clear_halt(handle_, pipe.info.address);
+  if (code == LIBUSB_ERROR_NO_DEVICE) mail_->disconnect();
+  pipe.is_halted = code != 0;
+  if (pipe.is_halted) pipe.not_before = clock_->now() + kRetryAfter;
+}
+
+void UsbTransfers::serve_in(Pipe& pipe) noexcept {
+  for (const std::unique_ptr<Transfer>& transfer : pipe.transfers) {
+    if (transfer->is_under_way || submit(*transfer)) continue;
+    if (mail_->is_disconnected()) return;
+    mail_->finish_in(pipe.index, UsbOutcome::Failed, {}, clock_->now());
+    pipe.not_before = clock_->now() + kRetryAfter;
+    return;
+  }
+}
+
+void UsbTransfers::serve_out(Pipe& pipe) noexcept {
+  Transfer& transfer = *pipe.transfers.front();
+  if (transfer.is_under_way) return;
+  const std::span<const std::uint8_t> packet = mail_->take_out(pipe.index);
+  if (packet.empty()) return;
+  std::copy(packet.begin(), packet.end(), transfer.buffer().begin());
+  transfer.raw().length = static_cast<int>(packet.size());
+  if (!submit(transfer)) mail_->finish_out(pipe.index, UsbOutcome::Failed, 0);
+}
+
+void UsbTransfers::serve_control() noexcept {
+  if (control_->is_under_way) return;
+  const bus::UsbControlRequest* request = mail_->take_control();
+  if (request == nullptr) return;
+  std::vector<std::uint8_t>& buffer = control_->buffer();
+  ::libusb_fill_control_setup(buffer.data(), request->request_type, request->request,
+                              request->value, request->index, request->length);
+  std::copy_n(request->data.begin(), request->length, buffer.begin() + LIBUSB_CONTROL_SETUP_SIZE);
+  control_->raw().length = static_cast<int>(LIBUSB_CONTROL_SETUP_SIZE + request->length);
+  if (!submit(*control_)) mail_->finish_control({.outcome = UsbOutcome::Failed});
+}
+
+bool UsbTransfers::submit(Transfer& transfer) noexcept {
+  transfer.raw().buffer = transfer.buffer().data();
+  const int code = ::libusb_submit_transfer(&transfer.raw());
+  if (code == LIBUSB_ERROR_NO_DEVICE) mail_->disconnect();
+  if (code != 0) return false;
+  transfer.is_under_way = true;
+  ++under_way_;
+  return true;
+}
+
+void UsbTransfers::ended(Transfer& transfer) noexcept {
+  transfer.is_under_way = false;
+  --under_way_;
+  const libusb_transfer_status status = transfer.raw().status;
+  if (status == LIBUSB_TRANSFER_NO_DEVICE) mail_->disconnect();
+  if (is_closing_ || mail_->is_disconnected() || status == LIBUSB_TRANSFER_CANCELLED) return;
+  const UsbOutcome outcome = outcome_of(status);
+  if (transfer.pipe() == nullptr) return ended_control(transfer, outcome);
+  if (bus::is_usb_in(transfer.pipe()->info.address)) return ended_in(transfer, outcome);
+  ended_out(transfer, outcome);
+}
+
+void UsbTransfers::ended_in(Transfer& transfer, UsbOutcome outcome) noexcept {
+  Pipe& pipe = *transfer.pipe();
+  const MonotonicTime now = clock_->now();
+  const std::span<const std::uint8_t> packet = transfer.swap_buffers();
+  const bool goes_on = outcome == UsbOutcome::Done || outcome == UsbOutcome::Babbled;
+  if (outcome == UsbOutcome::Stalled && !pipe.is_halted) {
+    pipe.is_halted = true;
+    for (const std::unique_ptr<Transfer>& other : pipe.transfers) {
+      if (other->is_under_way) ::libusb_cancel_transfer(&other->raw());
+    }
+  }
+  if (outcome == UsbOutcome::Failed) pipe.not_before = now + kRetryAfter;
+  if (goes_on && !pipe.is_halted && !submit(transfer)) pipe.not_before = now + kRetryAfter;
+  mail_->finish_in(pipe.index, outcome, packet, now);
+}
+
+void UsbTransfers::ended_out(Transfer& transfer, UsbOutcome outcome) noexcept {
+  Pipe& pipe = *transfer.pipe();
+  if (outcome == UsbOutcome::Stalled) pipe.is_halted = true;
+  const int taken = std::max(transfer.raw().actual_length, 0);
+  mail_->finish_out(pipe.index, outcome, static_cast<std::size_t>(taken));
+}
+
+void UsbTransfers::ended_control(Transfer& transfer, UsbOutcome outcome) noexcept {
+  bus::UsbControlReply reply{.outcome = outcome};
+  if (outcome == UsbOutcome::Done) {
+    reply.size = std::min(static_cast<std::size_t>(std::max(transfer.raw().actual_length, 0)),
+                          reply.data.size());
+    if ((transfer.buffer()[0] & bus::kUsbInBit) != 0) {
+      std::copy_n(transfer.buffer().begin() + LIBUSB_CONTROL_SETUP_SIZE, reply.size,
+                  reply.data.begin());
+    }
+  }
+  mail_->finish_control(reply);
+}
+
+void UsbTransfers::cancel_all() noexcept {
+  if (control_->is_under_way) ::libusb_cancel_transfer(&control_->raw());
+  for (const std::unique_ptr<Pipe>& pipe : pipes_) {
+    for (const std::unique_ptr<Transfer>& transfer : pipe->transfers) {
+      if (transfer->is_under_way) ::libusb_cancel_transfer(&transfer->raw());
+    }
+  }
+}
+
+// Whether something rests that no event will wake.
+bool UsbTransfers::has_to_try_again() const noexcept {
+  return std::any_of(pipes_.begin(), pipes_.end(), [](const std::unique_ptr<Pipe>& pipe) {
+    if (pipe->is_halted) return pipe->is_idle();
+    return bus::is_usb_in(pipe->info.address) &&
+           std::any_of(pipe->transfers.begin(), pipe->transfers.end(),
+                       [](const auto& transfer) { return !transfer->is_under_way; });
+  });
+}
+
+void UsbTransfers::wait(int wake) noexcept {
+  std::array<pollfd, kMostDescriptors + 1> polled{};
+  std::size_t count = 0;
+  polled[count++] = {wake, POLLIN, 0};
+  // A node whose device is gone would be ready for ever.
+  if (!mail_->is_disconnected()) {
+    for (const Watched& watched : watched_) {
+      polled[count++] = {watched.descriptor, watched.events, 0};
+    }
+  }
+  const bool is_retry = !mail_->is_disconnected() && has_to_try_again();
+  if (::poll(polled.data(), count, is_retry ? kRetryPoll_ms : -1) <= 0) return;
+  for (std::size_t i = 1; i < count; ++i) {
+    // What usbfs says of a device that is gone, also when no transfer is there to tell.
+    if ((polled[i].revents & POLLERR) != 0) mail_->disconnect();
+  }
+}
+
+void UsbTransfers::handle_events() noexcept {
+  timeval no_time{};
+  ::libusb_handle_events_timeout_completed(context_, &no_time, nullptr);
+}
+
+}  // namespace thimble::linux

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "hal/base/result.hpp"
+#include "hal/base/time.hpp"
+#include "hal/bus/usb_mailboxes.hpp"
+
+struct libusb_context;
+struct libusb_device_handle;
+struct libusb_transfer;
+
+namespace thimble::linux {
+
+// Moves the packets of one opened USB device between its mailboxes and the kernel, by libusb's
+// asynchronous transfers: all of them, and their buffers, are allocated when it is opened. Two are
+// always pending on each IN pipe; a finished one is handed back to the kernel with its other buffer
+// before its packet is delivered. No transfer has a time-out.
+//
+// A context of its own per device, without discovery: nobody else's opening or closing can hold up
+// this one (libusb keeps a lock of the context while callbacks run).
+//
+// After a stall the other transfers of the pipe are taken back, the halt is cleared and they are
+// sent anew; after a failure on the wire the next try is 1 ms later. An unplugged device is told of
+// by its transfers, and by its node when there is none.
+//
+// Thread: everything from the bus's own thread, once opened. Not RT: libusb allocates and locks for
+// each submission, and clearing a halt may block in the kernel.
+// Ownership: owns the node's descriptor; the mailboxes and the clock must outlive it. Its
+// destructor cancels and awaits what is pending, at most 1 s. Errors: Result when opening; later
+// they end in the mailboxes.
+class UsbTransfers {
+ public:
+  // `node` is the opened /dev/bus/usb/BBB/DDD; it is closed in every case. Busy when a driver or
+  // another process has the interface; Permission, System.
+  [[nodiscard]] static Result<std::unique_ptr<UsbTransfers>> open(int node,
+                                                                  std::uint8_t interface_number,
+                                                                  bus::UsbMailboxes& mail,
+                                                                  const Clock& clock);
+  ~UsbTransfers();
+  UsbTransfers(const UsbTransfers&) = delete;
+  UsbTransfers& operator=(const UsbTransfers&) = delete;
+
+  // Hands to the kernel what waits in the mailboxes, and what has to be asked for again.
+  void serve() noexcept;
+  // Until a transfer ends, `wake` is readable, or it is time to try again.
+  void wait(int wake) noexcept;
+  // Brings home what has ended. Never waits.
+  void handle_events() noexcept;
+
+ private:
+  class Transfer;
+  struct Pipe;
+  struct Watched {  // by poll(2)
+    int descriptor{-1};
+    short events{0};
+  };
+
+  UsbTransfers(int node, std::uint8_t interface_number, bus::UsbMailboxes& mail,
+               const Clock& clock) noexcept;
+  [[nodiscard]] Result<void> start();
+  [[nodiscard]] Result<void> allocate();
+  void serve_halt(Pipe& pipe) noexcept;
+  void serve_in(Pipe& pipe) noexcept;
+  void serve_out(Pipe& pipe) noexcept;
+  void serve_control() noexcept;
+  bool submit(Transfer& transfer) noexcept;
+  void ended(Transfer& transfer) noexcept;
+  void ended_in(Transfer& transfer, bus::UsbOutcome outcome) noexcept;
+  void ended_out(Transfer& transfer, bus::UsbOutcome outcome) noexcept;
+  void ended_control(Transfer& transfer, bus::UsbOutcome outcome) noexcept;
+  void cancel_all() noexcept;
+  [[nodiscard]] bool has_to_try_again() const noexcept;
+
+  int node_;
+  std::uint8_t interface_number_;
+  bus::UsbMailboxes* mail_;
+  const Clock* clock_;
+  libusb_context* context_{nullptr};
+  libusb_device_handle* handle_{nullptr};
+  std::vector<std::unique_ptr<Pipe>> pipes_;
+  std::unique_ptr<Transfer> control_;
+  std::vector<Watched> watched_;  // libusb's, which stay the same after opening
+  std::size_t under_way_{0};
+  bool is_claimed_{false};
+  bool is_closing_{false};
+};
+
+}  // namespace thimble::linux

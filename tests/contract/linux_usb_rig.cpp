@@ -1,0 +1,239 @@
+// The real bus's transfers under the USB contract suite, and what libusb asks of who uses it. In
+// place of libusb and the kernel stands tests/support/fake_libusb.cpp, in place of the thread the
+// test, so that every run is the same. Over a real kernel it is for the VM tier to run.
+#include <memory>
+#include <utility>
+
+#include "hal/linux/usb_transfers.hpp"
+#include "sim/time/virtual_clock.hpp"
+#include "tests/contract/usb_device_contract.hpp"
+#include "tests/support/fake_libusb.hpp"
+#include "tests/support/scripted_usb_model.hpp"
+
+namespace thimble::test {
+namespace {
+
+using std::chrono::milliseconds;
+
+class LinuxUsbBench;
+
+// linux::UsbDevice without its thread.
+class ThreadlessDevice final : public bus::UsbMailboxes {
+ public:
+  ThreadlessDevice(LinuxUsbBench& bench, std::span<const bus::UsbOpenPipe> pipes)
+      : UsbMailboxes(pipes), bench_(&bench) {}
+  ~ThreadlessDevice() override;
+  [[nodiscard]] Result<void> open(int node, std::uint8_t interface_number, const Clock& clock) {
+    auto transfers = linux::UsbTransfers::open(node, interface_number, *this, clock);
+    if (!transfers.has_value()) return tl::unexpected(transfers.error());
+    transfers_ = std::move(transfers.value());
+    return {};
+  }
+  void turn() noexcept {
+    transfers_->serve();
+    transfers_->handle_events();
+  }
+
+ private:
+  LinuxUsbBench* bench_;
+  std::unique_ptr<linux::UsbTransfers> transfers_;
+};
+
+// One device at a node that the fake leads to the scripted model.
+class LinuxUsbBench final : public bus::BusEnumerator {
+ public:
+  const bus::DeviceAddress address{"usb:1-4"};
+  sim::VirtualClock clock;
+  std::shared_ptr<UsbModelScript> script = std::make_shared<UsbModelScript>();
+  FakeUsbWire wire{std::make_unique<ScriptedUsbModel>(script)};
+
+  std::vector<bus::BusDeviceInfo> list() override {
+    bus::BusDeviceInfo info = ScriptedUsbModel(script).describe();
+    info.address = address;
+    info.kind = bus::BusKind::Usb;
+    return {info};
+  }
+  std::optional<bus::BusEvent> poll_event() override { return std::nullopt; }
+  Result<std::unique_ptr<bus::HidDevice>> open_hid(const bus::DeviceAddress&) override {
+    return fail(Errc::InvalidArgument, "no HID here");
+  }
+  Result<std::unique_ptr<bus::UsbDevice>> open_usb(const bus::DeviceAddress& wanted,
+                                                   const bus::UsbClaim& claim) override {
+    if (wanted != address) return fail(Errc::NotFound, "no device at " + wanted.text);
+    const auto pipes = bus::resolve_claim(claim, list().front().endpoints);
+    if (!pipes.has_value()) return tl::unexpected(pipes.error());
+    auto device = std::make_unique<ThreadlessDevice>(*this, pipes.value());
+    const Result<void> opened = device->open(wire.open_node(), claim.interface_number, clock);
+    if (!opened.has_value()) return tl::unexpected(opened.error());
+    open_ = device.get();
+    return device;
+  }
+  void forget(const ThreadlessDevice& device) noexcept {
+    if (open_ == &device) open_ = nullptr;
+  }
+  void run_for(Duration duration) {
+    for (Duration run{}; run < duration; run += milliseconds(1)) {
+      run_frame_in_no_time();
+      clock.run_for(milliseconds(1));
+    }
+  }
+  // As often as a thread might that nothing holds up.
+  void run_frame_in_no_time() {
+    turn();
+    wire.run_frame();
+    for (int i = 0; i < 4; ++i) turn();
+  }
+
+ private:
+  void turn() {
+    if (open_ != nullptr) open_->turn();
+  }
+
+  ThreadlessDevice* open_{nullptr};
+};
+
+ThreadlessDevice::~ThreadlessDevice() { bench_->forget(*this); }
+
+class LinuxUsbRig final : public UsbRig {
+ public:
+  ~LinuxUsbRig() override { EXPECT_EQ(bench_.wire.breaches(), std::vector<std::string>{}); }
+  bus::BusEnumerator& buses() override { return bench_; }
+  bus::DeviceAddress address() const override { return bench_.address; }
+  void run_for(Duration duration) override { bench_.run_for(duration); }
+  void device_sends(std::uint8_t endpoint, const Packet& packet) override {
+    bench_.script->to_send[endpoint].push_back(packet);
+  }
+  void device_answers_control(const Packet& data) override { bench_.script->control_answer = data; }
+  void device_stalls_once(std::uint8_t endpoint) override {
+    bench_.script->stalls_to_come.insert(endpoint);
+  }
+  void set_deaf(std::uint8_t endpoint, bool is_deaf) override {
+    if (is_deaf) {
+      bench_.script->deaf.insert(endpoint);
+    } else {
+      bench_.script->deaf.erase(endpoint);
+    }
+  }
+  std::vector<Packet> received_by_device(std::uint8_t endpoint) override {
+    return bench_.script->received[endpoint];
+  }
+  std::vector<bus::UsbControlRequest> requests_of_device() override {
+    return bench_.script->requests;
+  }
+  void unplug() override { bench_.wire.unplug(); }
+
+ private:
+  LinuxUsbBench bench_;
+};
+
+std::unique_ptr<UsbRig> make() { return std::make_unique<LinuxUsbRig>(); }
+
+INSTANTIATE_TEST_SUITE_P(Linux, UsbDeviceContract,
+                         testing::Values(UsbRigFactory{"UsbTransfers", &make}), usb_rig_name);
+
+constexpr std::uint8_t kIn = UsbRig::kBulkIn;
+constexpr std::uint8_t kOut = UsbRig::kBulkOut;
+
+struct UsbTransfersTest : testing::Test {
+  LinuxUsbBench bench;
+  std::unique_ptr<bus::UsbDevice> sut;
+
+  UsbTransfersTest() {
+    bus::UsbClaim claim;
+    claim.pipes.push_back({kIn, bus::UsbDelivery::Every});
+    claim.pipes.push_back({kOut, bus::UsbDelivery::Newest});
+    sut = bench.open_usb(bench.address, claim).value();
+  }
+  ~UsbTransfersTest() override {
+    sut.reset();
+    EXPECT_EQ(bench.wire.breaches(), std::vector<std::string>{});
+    EXPECT_EQ(FakeUsbWire::alive(), 0) << "libusb's objects must all be given back";
+  }
+  void run_frames(int frames) { bench.run_for(milliseconds(frames)); }
+  int read_all() {
+    int packets = 0;
+    bus::UsbPacket packet;
+    while (sut->read(kIn, packet) == IoStatus::Ok) ++packets;
+    return packets;
+  }
+};
+
+TEST_F(UsbTransfersTest, TwoReadsArePendingAfterEveryTurn) {
+  for (int frame = 0; frame < 20; ++frame) {
+    bench.script->to_send[kIn].push_back(pattern(16, 1));
+    run_frames(1);
+    ASSERT_EQ(bench.wire.pending(), 2U) << frame;
+  }
+  EXPECT_EQ(read_all(), 20);
+}
+
+TEST_F(UsbTransfersTest, AHaltIsClearedOnceWithNothingPending) {
+  bench.script->stalls_to_come.insert(kIn);
+  run_frames(3);
+  EXPECT_EQ(bench.wire.halts_cleared(), 1);
+  EXPECT_EQ(bench.wire.pending(), 2U);
+}
+
+TEST_F(UsbTransfersTest, ASpoiltReadIsCountedAndTriedAgainNoMoreThanOnceAFrame) {
+  bench.wire.spoil_next_reads(6);
+  for (int i = 0; i < 5; ++i) bench.run_frame_in_no_time();
+  EXPECT_EQ(sut->counters(kIn).failures, 2U) << "each of the two reads";
+  run_frames(10);
+  bench.script->to_send[kIn].push_back(pattern(16, 1));
+  run_frames(2);
+  EXPECT_EQ(sut->counters(kIn).failures, 6U);
+  EXPECT_EQ(read_all(), 1);
+}
+
+TEST_F(UsbTransfersTest, ASubmissionThatIsRefusedIsCountedAndInputGoesOn) {
+  run_frames(2);
+  bench.wire.refuse_next_submissions(1);
+  sut->submit(kOut, pattern(16, 1));
+  run_frames(2);
+  EXPECT_EQ(sut->counters(kOut).failures, 1U);
+  EXPECT_EQ(sut->submit(kOut, pattern(16, 2)), IoStatus::Ok);
+  bench.script->to_send[kIn].push_back(pattern(16, 1));
+  run_frames(1);
+  bench.wire.refuse_next_submissions(3);
+  bench.script->to_send[kIn].push_back(pattern(16, 2));
+  run_frames(10);
+  EXPECT_EQ(bench.wire.pending(), 2U);
+  EXPECT_EQ(read_all(), 2);
+  EXPECT_EQ(bench.script->received[kOut].size(), 1U);
+}
+
+TEST_F(UsbTransfersTest, AnUnplugEndsEveryTransferAndNothingIsSubmittedAfterIt) {
+  bench.script->deaf = {kOut, 0};
+  sut->submit(kOut, pattern(16, 1));
+  sut->start_control({});
+  run_frames(2);
+  EXPECT_EQ(bench.wire.pending(), 4U);
+  bench.wire.unplug();
+  run_frames(5);
+  EXPECT_EQ(bench.wire.pending(), 0U);
+  EXPECT_EQ(sut->submit(kOut, pattern(16, 1)), IoStatus::Disconnected);
+}
+
+TEST_F(UsbTransfersTest, AnUnplugBetweenStallAndClearingIsNoticed) {
+  bench.script->stalls_to_come.insert(kOut);
+  sut->submit(kOut, pattern(16, 1));
+  run_frames(1);
+  bench.wire.unplug();
+  run_frames(2);
+  EXPECT_EQ(sut->submit(kOut, pattern(16, 1)), IoStatus::Disconnected);
+}
+
+TEST_F(UsbTransfersTest, ANodeThatLeadsNowhereAndAHeldInterfaceAreRefusedAndLeakNothing) {
+  const int alive = FakeUsbWire::alive();
+  bus::UsbMailboxes mail({});
+  const auto nowhere = linux::UsbTransfers::open(-1, 0, mail, bench.clock);
+  ASSERT_FALSE(nowhere.has_value());
+  EXPECT_EQ(nowhere.error().code, Errc::NotFound);
+  const auto held = linux::UsbTransfers::open(bench.wire.open_node(), 0, mail, bench.clock);
+  ASSERT_FALSE(held.has_value());
+  EXPECT_EQ(held.error().code, Errc::Busy);
+  EXPECT_EQ(FakeUsbWire::alive(), alive);
+}
+
+}  // namespace
+}  // namespace thimble::test

@@ -1,0 +1,106 @@
+// linux::UsbDevice with its thread, over the libusb of tests/support/fake_libusb.cpp.
+#include "hal/linux/usb_device.hpp"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "hal/linux/monotonic_clock.hpp"
+#include "tests/support/fake_libusb.hpp"
+#include "tests/support/scripted_usb_model.hpp"
+
+namespace thimble::linux {
+namespace {
+
+using test::FakeUsbWire;
+using test::ScriptedUsbModel;
+using test::UsbModelScript;
+using Packet = UsbModelScript::Packet;
+
+constexpr std::uint8_t kIn = ScriptedUsbModel::kBulkIn;
+constexpr std::uint8_t kOut = ScriptedUsbModel::kBulkOut;
+
+struct UsbDeviceTest : testing::Test {
+  MonotonicClock clock;
+  std::shared_ptr<UsbModelScript> script = std::make_shared<UsbModelScript>();
+  FakeUsbWire wire{std::make_unique<ScriptedUsbModel>(script)};
+
+  Result<std::unique_ptr<bus::UsbDevice>> open(std::uint8_t in_endpoint = kIn) {
+    bus::UsbClaim claim;
+    claim.pipes.push_back({in_endpoint, bus::UsbDelivery::Every});
+    claim.pipes.push_back({kOut, bus::UsbDelivery::Newest});
+    bus::BusDeviceInfo info = ScriptedUsbModel(script).describe();
+    info.address = {"usb:1-4"};
+    return UsbDevice::open(wire.open_node(), info, claim, clock, {.name = "usb:1-4"}, {});
+  }
+  // Frames until `is_done`, at most as many as a stalled machine may need.
+  template <class Condition>
+  bool run_until(const Condition& is_done) {
+    for (int frame = 0; frame < 200'000; ++frame) {
+      if (is_done()) return true;
+      wire.run_frame();
+      std::this_thread::sleep_for(std::chrono::microseconds(100));
+    }
+    return false;
+  }
+  ~UsbDeviceTest() override {
+    EXPECT_EQ(wire.breaches(), std::vector<std::string>{});
+    EXPECT_EQ(FakeUsbWire::alive(), 0);
+  }
+};
+
+TEST_F(UsbDeviceTest, ASubmitWakesTheThreadAndTheAnswerArrives) {
+  for (int i = 0; i < 5; ++i) script->to_send[kIn].push_back(Packet(16, 1));
+  const auto sut = open().value();
+  bus::UsbPacket packet;
+  int read = 0;
+  EXPECT_TRUE(run_until([&] { return (read += sut->read(kIn, packet) == IoStatus::Ok) == 5; }));
+  for (std::uint64_t i = 1; i <= 20; ++i) {
+    sut->submit(kOut, Packet(16, 2));
+    EXPECT_TRUE(run_until([&] { return sut->counters(kOut).packets_out == i; })) << i;
+  }
+  sut->start_control({});
+  bus::UsbControlReply reply;
+  EXPECT_TRUE(run_until([&] { return sut->read_control(reply) == IoStatus::Ok; }));
+}
+
+TEST_F(UsbDeviceTest, AStallIsClearedByTheThread) {
+  script->stalls_to_come.insert(kIn);
+  script->to_send[kIn].push_back(Packet(16, 1));
+  const auto sut = open().value();
+  bus::UsbPacket packet;
+  EXPECT_TRUE(run_until([&] { return sut->read(kIn, packet) == IoStatus::Ok; }));
+  EXPECT_EQ(wire.halts_cleared(), 1);
+}
+
+TEST_F(UsbDeviceTest, AnUnplugShowsInBandAndClosingJoins) {
+  const auto sut = open().value();
+  EXPECT_TRUE(run_until([&] { return wire.pending() == 2; }));
+  wire.unplug();
+  bus::UsbPacket packet;
+  EXPECT_TRUE(run_until([&] { return sut->read(kIn, packet) == IoStatus::Disconnected; }));
+}
+
+TEST_F(UsbDeviceTest, OpeningAndClosingInAHurryLeaksNothing) {
+  for (int i = 0; i < 200; ++i) {
+    const auto sut = open().value();
+    sut->submit(kOut, Packet(16, 1));
+    if (i % 2 == 0) wire.run_frame();
+  }
+}
+
+TEST_F(UsbDeviceTest, ARefusalNamesTheDevice) {
+  const auto sut = open().value();
+  const auto second = open();
+  ASSERT_FALSE(second.has_value());
+  EXPECT_EQ(second.error().code, Errc::Busy);
+  EXPECT_NE(second.error().message.find("usb:1-4"), std::string::npos);
+  const auto missing = open(0x87);
+  ASSERT_FALSE(missing.has_value());
+  EXPECT_EQ(missing.error().code, Errc::InvalidArgument);
+}
+
+}  // namespace
+}  // namespace thimble::linux
