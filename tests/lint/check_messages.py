@@ -1,9 +1,12 @@
 #!/usr/bin/env python3
 """docs/messages.md lists every sentence that the daemon may say, each with its cure, and none that it cannot.
 
-A sentence is a string literal of three or more words in hal, drivers, sim and daemon; adjacent literals, and those
-that + joins with values, count as one, with … for the values. Rows stand below a heading that names the
-folders or files that they are about; a row quotes the beginning of a sentence, and its own … stands for anything.
+A sentence is a string literal of three or more words in hal, drivers, sim and daemon, or of fewer when it stands in a
+call that says it (fail, malformed, spdlog::warn …) and is no bare name of a key or a system call; adjacent literals, and those that + joins with values, count as
+one, with … for the values. Rows stand below a heading that names the folders or files that they are about; a row
+quotes the beginning of a sentence, and its own … stands for anything; one that quotes a whole sentence lists that
+alone. No row may list more than a few sentences,
+or its cure would be taken for what nobody had in mind.
 """
 
 import re
@@ -19,6 +22,9 @@ EXEMPT = (
 )
 # Names of C types in file headers.
 _TYPE = re.compile(r"(?:(?:un)?signed|long|short|int|char)(?: (?:long|short|int|char))*")
+# What is called to say something: whatever stands within its parentheses.
+_SAYS = re.compile(r"\b(?:fail|fail_errno|malformed|unsupported|refuse|reject|note_error|spdlog::\w+)\s*\(")
+MAX_SENTENCES_OF_A_ROW = 3
 _LITERAL = re.compile(r'"((?:\\.|[^"\\\n])*)"')
 _RAW = re.compile(r'R"\(.*?\)"', re.DOTALL)
 _NO_MESSAGE = re.compile(r"(?:\bstatic_assert\s*\(|THIMBLE_CHECK\s*\(|#include|\[\[deprecated)[^;]*$")
@@ -42,6 +48,19 @@ def is_sentence(text):
     return len(_WORD.findall(text)) >= 3 and " " in text and not _TYPE.fullmatch(text)
 
 
+def is_said_at(statement):
+    """Whether what follows `statement` is within the parentheses of a call that says it."""
+    for match in _SAYS.finditer(statement):
+        depth = 1
+        for bracket in re.findall(r"[()]", _LITERAL.sub("", statement[match.end():])):
+            depth += 1 if bracket == "(" else -1
+            if depth == 0:
+                break
+        if depth > 0:
+            return True
+    return False
+
+
 def sentences(source):
     """(offset, text) of each literal, or run of adjacent ones, that is a sentence."""
     code = cpp_source.without_comments(source, keep_strings=True)
@@ -59,7 +78,8 @@ def sentences(source):
         before = code[max(0, offset - 400):offset]
         statement = before[max(before.rfind(";"), before.rfind("{"), before.rfind("}")) + 1:]
         text = normal(unescaped(text))
-        if is_sentence(text) and not _NO_MESSAGE.search(statement):
+        is_said = _WORD.search(text) and not re.fullmatch(r"\w+", text) and is_said_at(statement)
+        if (is_said or is_sentence(text)) and not _NO_MESSAGE.search(statement):
             yield offset, text
 
 
@@ -69,12 +89,16 @@ class Row:
         self.cure = cure.strip()
         self.where = where
         self.places = places
-        self.is_said = False
+        self.said = set()
+        self.is_whole = False  # a sentence of its places is word for word its message
         parts = [re.escape(part) for part in self.message.split("…")]
         self.pattern = re.compile(".*".join(parts))
 
-    def lists(self, path, text):
-        return path.startswith(tuple(self.places)) and self.pattern.match(text) is not None
+    def is_about(self, path):
+        return path.startswith(tuple(self.places))
+
+    def lists(self, text):
+        return text == self.message if self.is_whole else self.pattern.match(text) is not None
 
 
 def rows_of(page):
@@ -87,6 +111,15 @@ def rows_of(page):
                   places[max(above)] if above else [])
 
 
+def all_sentences(root):
+    """(path, line, text) of each sentence of the daemon."""
+    for path in cpp_source.cpp_files(root, FOLDERS):
+        source = cpp_source.read(root, path)
+        for offset, text in sentences(source):
+            if not f"{path}:{text}".startswith(EXEMPT):
+                yield path, cpp_source.line_of(source, offset), text
+
+
 def check(root):
     breaches = []
     rows = list(rows_of(cpp_source.read(root, PAGE)))
@@ -95,19 +128,21 @@ def check(root):
             breaches.append(f"{row.where}: `{row.message}` has no cure; say what a person does about it")
         if not _WORD.search(row.message):
             breaches.append(f"{row.where}: `{row.message}` would list everything; quote a word of it")
-    for path in cpp_source.cpp_files(root, FOLDERS):
-        source = cpp_source.read(root, path)
-        for offset, text in sentences(source):
-            if f"{path}:{text}".startswith(EXEMPT):
-                continue
-            fitting = [row for row in rows if row.lists(path, text)]
-            for row in fitting:
-                row.is_said = True
-            if not fitting:
-                breaches.append(f"{path}:{cpp_source.line_of(source, offset)}: {PAGE} does not list "
-                                f"`{text}`; add a row with its cure")
+    found = list(all_sentences(root))
+    for row in rows:
+        row.is_whole = any(text == row.message and row.is_about(path) for path, _, text in found)
+    for path, line, text in found:
+        fitting = [row for row in rows if row.is_about(path) and row.lists(text)]
+        for row in fitting:
+            row.said.add(text)
+        if not fitting:
+            breaches.append(f"{path}:{line}: {PAGE} does not list `{text}`; add a row with its cure")
     breaches += [f"{row.where}: nothing below {', '.join(row.places) or 'no heading'} says "
-                 f"`{row.message}`; remove or mend the row" for row in rows if not row.is_said]
+                 f"`{row.message}`; remove or mend the row" for row in rows if not row.said]
+    breaches += [f"{row.where}: `{row.message}` lists {len(row.said)} sentences, of at most "
+                 f"{MAX_SENTENCES_OF_A_ROW}; quote more of each, with a cure that is true of it: "
+                 + "; ".join(f"`{text}`" for text in sorted(row.said))
+                 for row in rows if len(row.said) > MAX_SENTENCES_OF_A_ROW]
     return breaches
 
 

@@ -62,6 +62,36 @@ class CheckMessages(PlantedTreeTest):
 
         self.assertEqual(self.breaches(), [])
 
+    def test_takes_two_words_that_a_call_says(self):
+        for statement in ('return fail(Errc::System, "cannot bind " + name);', 'return fail_errno("cannot bind");',
+                          'return malformed(field(x) + " cannot bind");', 'spdlog::warn("{}: cannot bind", (a));',
+                          'return unsupported(is_it(x) ? "the port is taken" : "cannot bind");'):
+            with self.subTest(statement):
+                self.plant("daemon/link/other.cpp", f"if (a) {statement}\n")
+                self.assert_one_breach(self.breaches(), "daemon/link/other.cpp:1", "cannot bind")
+
+    def test_leaves_keys_and_what_no_call_says(self):
+        self.plant("daemon/link/other.cpp", 'reject("socket_mode", x);\nreturn fail_errno("socket");\n'
+                                            'a = fail(b) || is("two words");\n')
+
+        self.assertEqual(self.breaches(), [])
+
+    def test_refuses_a_row_that_swallows_many(self):
+        self.plant_page("| `the port …` | choose another |")
+        for count in range(1, 6):
+            self.plant(SOURCE, "".join(f'f("the port is no {word}");\n' for word in "abcdefgh"[:count]))
+            with self.subTest(count):
+                if count <= check_messages.MAX_SENTENCES_OF_A_ROW:
+                    self.assertEqual(self.breaches(), [])
+                else:
+                    self.assert_one_breach(self.breaches(), PAGE + ":6", f"lists {count} sentences",
+                                           "`the port is no a`")
+
+    def test_takes_a_row_of_a_whole_sentence_for_that_alone(self):
+        self.plant(SOURCE, 'f("the port is taken");\ng("the port is taken by " + name);\n')
+
+        self.assert_one_breach(self.breaches(), SOURCE + ":2", "`the port is taken by`")
+
     def test_leaves_words_comments_and_other_folders_alone(self):
         self.plant(SOURCE, '// "not said to anybody"\nstatic_assert(a, "never said at all");\nb = "two words";\n'
                            'c = "unsigned long long int"; d = "the port is taken";\n')
