@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstring>
 #include <string>
+#include <string_view>
 
 namespace thimble::world {
 namespace {
@@ -21,6 +22,7 @@ namespace {
 }
 
 [[nodiscard]] const char* kind_of(mode_t mode) noexcept {
+  if (S_ISLNK(mode)) return "a symbolic link, which is not followed";
   if (S_ISDIR(mode)) return "a directory";
   if (S_ISFIFO(mode)) return "a FIFO";
   if (S_ISSOCK(mode)) return "a socket";
@@ -53,6 +55,60 @@ class FileSource final : public ByteSource {
   std::uint64_t size_;
 };
 
+using SourceResult = Result<std::unique_ptr<ByteSource>>;
+
+// `flags`: 0, or AT_SYMLINK_NOFOLLOW.
+[[nodiscard]] SourceResult open_at(int folder, const std::string& name, int flags) {
+  struct stat status {};
+  // Asked first, because opening a device may already do something; asked again of what was
+  // opened, because the name may mean something else by then.
+  if (::fstatat(folder, name.c_str(), &status, flags) != 0) return refused("open");
+  if (!S_ISREG(status.st_mode)) {
+    return fail(Errc::InvalidArgument,
+                std::string("is ") + kind_of(status.st_mode) + ", expected a regular file");
+  }
+  const int links = flags == 0 ? 0 : O_NOFOLLOW;
+  const int descriptor =
+      ::openat(folder, name.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY | links);
+  if (descriptor < 0) return refused("open");
+  if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
+    ::close(descriptor);
+    return fail(Errc::InvalidArgument, "is no longer a regular file");
+  }
+  return std::make_unique<FileSource>(descriptor, static_cast<std::uint64_t>(status.st_size));
+}
+
+class Descriptor {
+ public:
+  explicit Descriptor(int value) noexcept : value_(value) {}
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor() { reset(-1); }
+  void reset(int value) noexcept {
+    if (value_ >= 0) ::close(value_);
+    value_ = value;
+  }
+  [[nodiscard]] int get() const noexcept { return value_; }
+
+ private:
+  int value_;
+};
+
+// Goes on into the folder `part` of `folder`.
+[[nodiscard]] Result<void> enter(Descriptor& folder, const std::string& part) {
+  if (part == "..") return fail(Errc::InvalidArgument, "its folder .. is above its header's");
+  struct stat status {};
+  if (::fstatat(folder.get(), part.c_str(), &status, AT_SYMLINK_NOFOLLOW) != 0) {
+    return refused("open");
+  }
+  if (S_ISLNK(status.st_mode)) {
+    return fail(Errc::InvalidArgument, "its folder " + part + " is " + kind_of(status.st_mode));
+  }
+  folder.reset(::openat(folder.get(), part.c_str(), O_PATH | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
+  if (folder.get() < 0) return refused("open");
+  return {};
+}
+
 }  // namespace
 
 Result<std::size_t> MemorySource::read(std::span<std::byte> out) {
@@ -63,21 +119,20 @@ Result<std::size_t> MemorySource::read(std::span<std::byte> out) {
 }
 
 Result<std::unique_ptr<ByteSource>> open_file(const std::string& path) {
-  struct stat status {};
-  // Asked first, because opening a device may already do something; asked again of what was
-  // opened, because the name may mean something else by then.
-  if (::stat(path.c_str(), &status) != 0) return refused("open");
-  if (!S_ISREG(status.st_mode)) {
-    return fail(Errc::InvalidArgument,
-                std::string("is ") + kind_of(status.st_mode) + ", expected a regular file");
+  return open_at(AT_FDCWD, path, 0);
+}
+
+Result<std::unique_ptr<ByteSource>> open_file_below(const std::string& folder,
+                                                    const std::string& name) {
+  Descriptor at(::open(folder.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
+  if (at.get() < 0) return refused("open");
+  std::string_view rest = name;
+  for (auto end = rest.find('/'); end != std::string_view::npos; end = rest.find('/')) {
+    const std::string part(end == 0 ? "." : rest.substr(0, end));
+    if (auto entered = enter(at, part); !entered) return tl::unexpected(entered.error());
+    rest.remove_prefix(end + 1);
   }
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
-  if (descriptor < 0) return refused("open");
-  if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
-    ::close(descriptor);
-    return fail(Errc::InvalidArgument, "is no longer a regular file");
-  }
-  return std::make_unique<FileSource>(descriptor, static_cast<std::uint64_t>(status.st_size));
+  return open_at(at.get(), std::string(rest), AT_SYMLINK_NOFOLLOW);
 }
 
 }  // namespace thimble::world

@@ -43,5 +43,10 @@ class MemorySource final : public ByteSource {
 // A regular file. NotFound, Permission, or InvalidArgument for anything that is not one (directory,
 // FIFO, device: neither opened for data nor waited for). Messages do not repeat the path.
 [[nodiscard]] Result<std::unique_ptr<ByteSource>> open_file(const std::string& path);
+// The same of a file in `folder` or in a folder below it, as `name` says from there. No symbolic
+// link is followed below `folder` and no ".." taken, so that it is in the folder and nowhere else:
+// InvalidArgument.
+[[nodiscard]] Result<std::unique_ptr<ByteSource>> open_file_below(const std::string& folder,
+                                                                  const std::string& name);
 
 }  // namespace thimble::world

@@ -170,12 +170,12 @@ Result<void> NrrdFile::read_text(VolumeWriter& writer) {
                    " numbers that sizes ask for");
 }
 
-// The file of that name in the folder of `path`.
+// The file of that name in the folder of `path`, and no other.
 [[nodiscard]] DataOpener beside(const std::string& path) {
   const auto slash = path.rfind('/');
-  const std::string folder = slash == std::string::npos ? "" : path.substr(0, slash + 1);
+  const std::string folder = slash == std::string::npos ? "./" : path.substr(0, slash + 1);
   return [folder](const std::string& name) -> Result<std::unique_ptr<ByteSource>> {
-    auto source = open_file(folder + name);
+    auto source = open_file_below(folder, name);
     if (!source) return tl::unexpected(source.error().in("data file: " + folder + name));
     return source;
   };

@@ -263,6 +263,49 @@ TEST_F(NrrdFiles, ADetachedHeaderNamesTheFileBesideIt) {
   EXPECT_EQ(load_nrrd_file(path, {}).error().code, Errc::InvalidArgument);
 }
 
+TEST_F(NrrdFiles, ADetachedHeaderLeadsThroughNoLink) {
+  namespace fs = std::filesystem;
+  NrrdBytes bytes = one_cell();
+  fs::create_directory(folder + "/here");
+  fs::create_directory(folder + "/elsewhere");
+  const std::string data = write("elsewhere/a.raw", bytes.data);
+  fs::create_symlink(data, folder + "/here/link.raw");
+  fs::create_symlink("here.raw", folder + "/here/inside.raw");
+  fs::create_directory_symlink("../elsewhere", folder + "/here/sub");
+  static_cast<void>(write("here/here.raw", bytes.data));
+  bytes.data = "";
+  const auto said_of = [&](const std::string& name) {
+    bytes.more = "data file: " + name + "\n";
+    const std::string path = write("here/a.nhdr", bytes.file());
+    const auto sut = load_nrrd_file(path, {});
+    const auto checked = check_nrrd_file(path, {});
+    EXPECT_EQ(error_of(sut), checked ? "none" : checked.error().message);
+    const std::string start = path + ": data file: " + folder + "/here/" + name + ": ";
+    return error_of(sut).starts_with(start) ? error_of(sut).substr(start.size()) : error_of(sut);
+  };
+  EXPECT_EQ(said_of("here.raw"), "none");
+  EXPECT_EQ(said_of(".//./here.raw"), "none");
+  const std::string link = "is a symbolic link, which is not followed";
+  EXPECT_EQ(said_of("link.raw"), link + ", expected a regular file");
+  EXPECT_EQ(said_of("inside.raw"), link + ", expected a regular file");
+  EXPECT_EQ(said_of("sub/a.raw"), "its folder sub " + link);
+  EXPECT_EQ(said_of("here.raw/a.raw"), "open: Not a directory");
+  // The way to the header is the user's own, links or not.
+  fs::create_directory_symlink("here", folder + "/way");
+  bytes.more = "data file: here.raw\n";
+  static_cast<void>(write("here/a.nhdr", bytes.file()));
+  expect_one_cell(load_nrrd_file(folder + "/way/a.nhdr", {}));
+}
+
+TEST_F(NrrdFiles, AFileBelowAFolderIsNeverAboveIt) {
+  static_cast<void>(write("a.raw", "a"));
+  std::filesystem::create_directory(folder + "/sub");
+  for (const char* name : {"../a.raw", "..", "sub/../a.raw", "", "sub", "sub/"}) {
+    EXPECT_FALSE(open_file_below(folder, name)) << name;
+  }
+  EXPECT_TRUE(open_file_below(folder, "a.raw"));
+}
+
 TEST_F(NrrdFiles, CheckingSaysWhatLoadingWouldSay) {
   NrrdBytes bytes = one_cell();
   const std::string good = bytes.file();
