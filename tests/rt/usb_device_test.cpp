@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "hal/linux/monotonic_clock.hpp"
+#include "tests/support/allocation_count.hpp"
 #include "tests/support/fake_libusb.hpp"
 #include "tests/support/scripted_usb_model.hpp"
 
@@ -64,6 +65,27 @@ TEST_F(UsbDeviceTest, ASubmitWakesTheThreadAndTheAnswerArrives) {
   sut->start_control({});
   bus::UsbControlReply reply;
   EXPECT_TRUE(run_until([&] { return sut->read_control(reply) == IoStatus::Ok; }));
+}
+
+TEST_F(UsbDeviceTest, AnExchangeAllocatesNothingInTheThreadOfTheServo) {
+  const auto sut = open().value();
+  const Packet command(16, 2);
+  bus::UsbPacket packet;
+  bus::UsbControlReply reply;
+  std::uint64_t allocated = 0;
+  int read = 0;
+  for (int tick = 0; tick < 500; ++tick) {
+    script->to_send[kIn].push_back(Packet(16, 1));
+    wire.run_frame();
+    const std::uint64_t before = test::allocation_count();
+    sut->submit(kOut, command);
+    while (sut->read(kIn, packet) == IoStatus::Ok) ++read;
+    sut->start_control({});
+    sut->read_control(reply);
+    allocated += test::allocation_count() - before;
+  }
+  EXPECT_EQ(allocated, 0U);
+  EXPECT_TRUE(run_until([&] { return (read += sut->read(kIn, packet) == IoStatus::Ok) == 500; }));
 }
 
 TEST_F(UsbDeviceTest, AStallIsClearedByTheThread) {
