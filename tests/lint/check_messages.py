@@ -2,11 +2,12 @@
 """docs/messages.md lists every sentence that the daemon may say, each with its cure, and none that it cannot.
 
 A sentence is a string literal of three or more words in hal, drivers, sim and daemon, or of fewer when it stands in a
-call that says it (fail, malformed, spdlog::warn …) and is no bare name of a key or a system call; adjacent literals, and those that + joins with values, count as
-one, with … for the values. Rows stand below a heading that names the folders or files that they are about; a row
-quotes the beginning of a sentence, and its own … stands for anything; one that quotes a whole sentence lists that
-alone. No row may list more than a few sentences,
-or its cure would be taken for what nobody had in mind.
+call that says it (fail, malformed, spdlog::warn …) and is no bare name of a key or a system call; adjacent literals,
+and those that + joins with values, count as one, with … for the values.
+
+Rows stand below a heading that names the folders or files that they are about; a row quotes the beginning of a
+sentence, and its own … stands for anything; one that quotes a whole sentence lists that alone. No row may list more
+than a few sentences, or its cure would be taken for what nobody had in mind.
 """
 
 import re
