@@ -11,9 +11,13 @@ PRODUCT_FOLDERS = ("hal", "drivers", "sim", "daemon", "cli", "guard", "lab", "be
 
 
 def tree_files(root):
-    """Every file below root, as sorted relative POSIX paths; not build/ and hidden folders."""
+    """Every file below root, as sorted relative POSIX paths; not build/ and hidden folders. Raises OSError where a
+    folder cannot be read: os.walk() alone would leave it out without a word."""
+    def refuse(error):
+        raise error
+
     found = []
-    for folder, folders, names in os.walk(root):
+    for folder, folders, names in os.walk(root, onerror=refuse):
         relative = pathlib.PurePosixPath(os.path.relpath(folder, root).replace(os.sep, "/"))
         folders[:] = sorted(
             name for name in folders
@@ -63,11 +67,38 @@ def line_of(text, offset):
     return text.count("\n", 0, offset) + 1
 
 
+def state_of(root):
+    """{path: what changes when the file is written or replaced}."""
+    found = {}
+    for path in tree_files(root):
+        info = os.lstat(pathlib.Path(root, path))
+        found[path] = (info.st_mtime_ns, info.st_size, info.st_ino)
+    return found
+
+
+def checked(check, root):
+    """The breaches of a tree that stood still: git replaces a file by removing it first, and a lint that read the
+    tree meanwhile (or an editor's half of a file) would tell of what was never there."""
+    try:
+        before = state_of(root)
+        breaches = check(root)
+        after = state_of(root)
+    except FileNotFoundError as error:
+        return [f"{error.filename}: went away while this lint read the tree; run it again"]
+    if not before:
+        return [f"{root}: there is no file; name the tree with --root"]
+    changed = sorted(path for path in before.keys() | after.keys() if before.get(path) != after.get(path))
+    if changed:
+        return [f"{changed[0]}: changed while this lint read the tree, and so did {len(changed) - 1} other file(s); "
+                "run it again"]
+    return breaches
+
+
 def run(check, description):
     """The main() of every lint: prints its breaches; exit status 1 when there are any."""
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("--root", default=pathlib.Path(__file__).resolve().parents[2])
-    breaches = check(pathlib.Path(parser.parse_args().root))
+    breaches = checked(check, pathlib.Path(parser.parse_args().root))
     for breach in breaches:
         print(breach)
     if breaches:
