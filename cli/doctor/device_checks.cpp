@@ -8,7 +8,10 @@
 namespace thimble::doctor {
 namespace {
 
-constexpr unsigned kOthersWrite = 02;
+constexpr unsigned kOthers = 07;
+constexpr std::uint32_t kRoot = 0;
+constexpr const char* kWhyClosed =
+    "whoever may open it, be it only to read, can send it forces that pass no limit of ours";
 
 std::string name(const char* check, const Controller& controller) {
   return std::string(check) + " " + controller.node.path;
@@ -20,19 +23,57 @@ std::string hexadecimal(std::uint16_t id) {
   return text.data();
 }
 
-// The last rule wins, hence 99.
+// 72: behind the rules that add the tag uaccess, before those that act on it (73-seat-late.rules).
+// ":=" lets no later rule change it.
 std::string rule_command(const Controller& controller) {
   const std::string vendor = hexadecimal(controller.vendor_id);
   const std::string product = hexadecimal(controller.product_id);
   return R"(echo 'KERNEL=="hidraw*", ATTRS{idVendor}==")" + vendor + R"(", ATTRS{idProduct}==")" +
-         product + R"(", GROUP="thimble", MODE="0660"' | sudo tee /etc/udev/rules.d/99-thimble-)" +
-         vendor + "-" + product +
+         product +
+         R"(", OWNER:="root", GROUP:="thimble", MODE:="0660", TAG-="uaccess"' | sudo tee )" +
+         "/etc/udev/rules.d/72-thimble-" + vendor + "-" + product +
          ".rules && sudo udevadm control --reload && sudo udevadm trigger "
          "--subsystem-match=hidraw --action=add";
 }
 
 std::string sysfs_of(const Controller& controller) {
   return "/sys/bus/usb/devices/" + controller.usb_port;
+}
+
+std::string list_of(const char* what, const std::vector<std::uint32_t>& numbers) {
+  std::string list;
+  for (const std::uint32_t number : numbers) list += what + std::to_string(number);
+  return list;
+}
+
+// Who may open a node that is there, besides root and the group: nothing when all is well.
+std::string stranger(const Facts& facts, const Node& node) {
+  if ((node.mode & kOthers) != 0) return "every user may open " + node.path;
+  if (node.user != kRoot) {
+    return node.path + " belongs to user " + std::to_string(node.user) + " and not to root";
+  }
+  if (node.group != facts.thimble_group) {
+    return node.path + " belongs to group " + std::to_string(node.group) +
+           " and not to the group 'thimble'";
+  }
+  const AccessList& list = node.access_list;
+  if (list.is_unreadable) {
+    return "the access control list of " + node.path + " cannot be read";
+  }
+  if (list.users.empty() && list.groups.empty()) return "";
+  return "an access control list opens " + node.path + " to" + list_of(" user ", list.users) +
+         list_of(" group ", list.groups);
+}
+
+Verdict closed_verdict(const std::string& check, const std::string& finding,
+                       const Controller& controller) {
+  Verdict verdict{Level::Wrong, check, finding, kWhyClosed, rule_command(controller), ""};
+  if (controller.node.access_list != AccessList{}) {
+    verdict.command += " && sudo setfacl --remove-all " + controller.node.path;
+    verdict.advice =
+        "setfacl is in the package 'acl'; without it, unplug the arm and plug it in again";
+  }
+  return verdict;
 }
 
 // "bus-port.port…": each dot is a hub.
@@ -51,14 +92,8 @@ Verdict check_node(const Facts& facts, const Controller& controller) {
             "sudo udevadm trigger --subsystem-match=hidraw --action=add",
             "a container must be given the node: --device " + node.path};
   }
-  if ((node.mode & kOthersWrite) != 0) {
-    return {Level::Wrong,
-            check,
-            "every user may write " + node.path,
-            "whoever writes to it goes around the force limit",
-            rule_command(controller),
-            ""};
-  }
+  const std::string open_to = stranger(facts, node);
+  if (!open_to.empty()) return closed_verdict(check, open_to, controller);
   if (!may_read_and_write(facts.process, node)) {
     return {Level::Wrong,
             check,
@@ -67,7 +102,7 @@ Verdict check_node(const Facts& facts, const Controller& controller) {
             rule_command(controller),
             "the daemon must run in the group 'thimble'"};
   }
-  return all_well(check, node.path + " may be opened by the daemon, and not by everybody");
+  return all_well(check, node.path + " may be opened by the daemon, and by nobody else");
 }
 
 Verdict check_usb_speed(const Controller& controller) {

@@ -28,12 +28,21 @@ struct Process {
   bool operator==(const Process&) const = default;
 };
 
+// Whom an access control list lets in besides owner, group and everybody.
+struct AccessList {
+  std::vector<std::uint32_t> users;
+  std::vector<std::uint32_t> groups;
+  bool is_unreadable{false};  // there is a list, and it is not known whom it lets in
+  bool operator==(const AccessList&) const = default;
+};
+
 struct Node {
   std::string path;  // "/dev/hidraw0"
   bool is_there{false};
   std::uint32_t mode{0};  // the nine permission bits
   std::uint32_t user{0};
   std::uint32_t group{0};
+  AccessList access_list{};
   bool operator==(const Node&) const = default;
 };
 

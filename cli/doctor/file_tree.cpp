@@ -1,9 +1,16 @@
 #include "cli/doctor/file_tree.hpp"
 
 #include <sys/stat.h>
+#include <sys/xattr.h>
 
 #include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstddef>
 #include <fstream>
+#include <span>
+
+#include "cli/doctor/access_list.hpp"
 
 namespace thimble::doctor {
 namespace {
@@ -11,6 +18,19 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxTextBytes = std::size_t{1} << 16;
+constexpr std::size_t kMaxAccessListBytes = 4096;  // some 500 entries; those of seats are few
+
+// acl(5), xattr(7): no attribute, or no support for one, means the permission bits alone.
+AccessList read_access_list(const fs::path& path) {
+  std::array<std::byte, kMaxAccessListBytes> bytes{};
+  const ssize_t size =
+      ::getxattr(path.c_str(), "system.posix_acl_access", bytes.data(), bytes.size());
+  if (size < 0 && (errno == ENODATA || errno == ENOTSUP)) return {};
+  AccessList odd;
+  odd.is_unreadable = true;
+  if (size < 0) return odd;
+  return parse_access_list(std::span(bytes).first(static_cast<std::size_t>(size))).value_or(odd);
+}
 
 }  // namespace
 
@@ -43,6 +63,7 @@ Node FileTree::node(const std::string& path) const {
   node.mode = status.st_mode & 0777U;
   node.user = status.st_uid;
   node.group = status.st_gid;
+  node.access_list = read_access_list(below_root(path));
   return node;
 }
 

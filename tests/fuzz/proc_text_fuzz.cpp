@@ -1,7 +1,9 @@
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string_view>
 
+#include "cli/doctor/access_list.hpp"
 #include "cli/doctor/proc_text.hpp"
 #include "hal/base/check.hpp"
 
@@ -18,5 +20,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   Process process;
   parse_status(bytes, process);
   THIMBLE_CHECK(process.groups.size() <= size);
+  const auto list = parse_access_list(std::as_bytes(std::span(data, size)));
+  if (list) THIMBLE_CHECK((list->users.size() + list->groups.size()) * 8 <= size);
   return 0;
 }

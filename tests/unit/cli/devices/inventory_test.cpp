@@ -84,7 +84,7 @@ TEST(Inventory, SaysWhyWhatIsPluggedInCannotBeUsed) {
   ASSERT_THAT(entries, SizeIs(1));
   EXPECT_EQ(entries[0].address, "hid:A7");
   EXPECT_THAT(entries[0].obstacle,
-              testing::AllOf(HasSubstr("no hid bus"), HasSubstr("every user may write"),
+              testing::AllOf(HasSubstr("no hid bus"), HasSubstr("every user may open"),
                              HasSubstr("'steam' (process 300)"), HasSubstr("thimble doctor")));
 }
 

@@ -1,10 +1,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sys/xattr.h>
+
 #include <algorithm>
 
 #include "cli/doctor/checks.hpp"
 #include "cli/doctor/read_facts.hpp"
+#include "tests/unit/cli/doctor/access_list_bytes.hpp"
 #include "tests/unit/cli/doctor/planted_machine.hpp"
 
 // Each test breaks one thing of a healthy machine: that check and no other one has to say so.
@@ -18,15 +21,28 @@ using testing::SizeIs;
 
 class Doctor : public testing::Test {
  protected:
-  [[nodiscard]] std::vector<Verdict> complaints() const {
-    std::vector<Verdict> verdicts = examine(read_facts(machine_.root()));
+  // Whoever runs the test owns the planted files and stands for root.
+  [[nodiscard]] Facts facts() const {
+    Facts facts = read_facts(machine_.root());
+    for (Controller& controller : facts.controllers) {
+      if (controller.node.user == ::geteuid()) controller.node.user = 0;
+    }
+    return facts;
+  }
+  [[nodiscard]] std::vector<Verdict> complaints() const { return complaints(facts()); }
+  [[nodiscard]] static std::vector<Verdict> complaints(const Facts& facts) {
+    std::vector<Verdict> verdicts = examine(facts);
     std::erase_if(verdicts, [](const Verdict& verdict) { return verdict.level == Level::Ok; });
     return verdicts;
   }
   // The one complaint, which must be complete.
   void expect_complaint(Level level, const std::string& check, const std::string& finding,
                         const std::string& command) const {
-    const std::vector<Verdict> all = complaints();
+    expect_complaint(complaints(), level, check, finding, command);
+  }
+  static void expect_complaint(const std::vector<Verdict>& all, Level level,
+                               const std::string& check, const std::string& finding,
+                               const std::string& command) {
     ASSERT_THAT(all, SizeIs(1)) << check;
     EXPECT_EQ(all[0].level, level);
     EXPECT_EQ(all[0].check, check);
@@ -40,13 +56,13 @@ class Doctor : public testing::Test {
 
 TEST_F(Doctor, FindsNothingOnAHealthyMachine) {
   EXPECT_THAT(complaints(), SizeIs(0));
-  EXPECT_THAT(examine(read_facts(machine_.root())), SizeIs(13));
+  EXPECT_THAT(examine(facts()), SizeIs(13));
 }
 
 TEST_F(Doctor, MissesAnArmOnlyWhereThereIsNone) {
   machine_.remove("sys/class/hidraw/hidraw0");
   EXPECT_THAT(complaints(), SizeIs(0));
-  EXPECT_THAT(examine(read_facts(machine_.root())), SizeIs(8));
+  EXPECT_THAT(examine(facts()), SizeIs(8));
 }
 
 TEST_F(Doctor, NamesAKernelThatIsNotRealTime) {
@@ -91,16 +107,23 @@ TEST_F(Doctor, NamesEachCpuWhoseFrequencyFollowsTheLoad) {
 
 TEST_F(Doctor, NamesAMissingGroup) {
   machine_.plant("etc/group", "root:x:0:\n");
-  expect_complaint(Level::Wrong, "group", "there is no group 'thimble'",
+  std::vector<Verdict> all = complaints();
+  ASSERT_THAT(all, SizeIs(2)) << "the node belongs to some other group, too";
+  EXPECT_EQ(all[1].check, "node /dev/hidraw0");
+  all.pop_back();
+  expect_complaint(all, Level::Wrong, "group", "there is no group 'thimble'",
                    "sudo addgroup --system thimble");
   machine_.remove("sys/class/hidraw/hidraw0");
   expect_complaint(Level::Warn, "group", "there is no group 'thimble'", "sudo adduser $USER");
 }
 
 TEST_F(Doctor, NamesADaemonOutsideTheGroup) {
-  machine_.plant("etc/group", "thimble:x:63999:\n");
-  expect_complaint(Level::Wrong, "group", "thimbled (process 77) is not in the group",
-                   "sudo adduser $USER thimble");
+  Facts facts = this->facts();
+  facts.process.groups = {63998};
+  facts.controllers.clear();
+  facts.dma_latency.mode = 0666;
+  expect_complaint(complaints(facts), Level::Warn, "group",
+                   "thimbled (process 77) is not in the group", "sudo adduser $USER thimble");
 }
 
 TEST_F(Doctor, NamesAMissingRightToRealTimePriority) {
@@ -147,14 +170,63 @@ TEST_F(Doctor, NamesADeviceNodeThatMayNotBeOpened) {
   for (const unsigned mode : {0600U, 0640U, 0620U}) {
     machine_.chmod("dev/hidraw0", mode);
     expect_complaint(Level::Wrong, "node /dev/hidraw0", "may not be read and written",
-                     "ATTRS{idVendor}==\"1234\", ATTRS{idProduct}==\"0006\", GROUP=\"thimble\", "
-                     "MODE=\"0660\"' | sudo tee /etc/udev/rules.d/99-thimble-1234-0006.rules");
+                     "ATTRS{idVendor}==\"1234\", ATTRS{idProduct}==\"0006\", OWNER:=\"root\", "
+                     "GROUP:=\"thimble\", MODE:=\"0660\", TAG-=\"uaccess\"' | sudo tee "
+                     "/etc/udev/rules.d/72-thimble-1234-0006.rules");
   }
 }
 
-TEST_F(Doctor, NamesADeviceNodeThatEverybodyMayWrite) {
-  machine_.chmod("dev/hidraw0", 0666);
-  expect_complaint(Level::Wrong, "node /dev/hidraw0", "every user may write", "MODE=\"0660\"");
+TEST_F(Doctor, NamesADeviceNodeThatEverybodyMayOpen) {
+  for (const unsigned mode : {0666U, 0664U, 0662U}) {
+    machine_.chmod("dev/hidraw0", mode);
+    expect_complaint(Level::Wrong, "node /dev/hidraw0", "every user may open", "MODE:=\"0660\"");
+  }
+}
+
+TEST_F(Doctor, NamesADeviceNodeOfAnotherGroup) {
+  constexpr std::uint32_t kPlugdev = 46;
+  Facts facts = this->facts();
+  facts.controllers[0].node.group = kPlugdev;
+  facts.process.groups.push_back(kPlugdev);  // so that the daemon could open it
+  expect_complaint(complaints(facts), Level::Wrong, "node /dev/hidraw0",
+                   "belongs to group 46 and not to the group 'thimble'", "GROUP:=\"thimble\"");
+  facts.process.capabilities = ~std::uint64_t{0};
+  EXPECT_THAT(complaints(facts), SizeIs(1)) << "nor is it well for a daemon that may open all";
+}
+
+TEST_F(Doctor, NamesADeviceNodeOfAPerson) {
+  Facts facts = this->facts();
+  facts.controllers[0].node.user = facts.process.user;
+  facts.controllers[0].node.mode = 0600;
+  expect_complaint(complaints(facts), Level::Wrong, "node /dev/hidraw0",
+                   "belongs to user 64000 and not to root", "OWNER:=\"root\"");
+}
+
+TEST_F(Doctor, NamesADeviceNodeThatAnAccessControlListOpens) {
+  Facts facts = this->facts();
+  AccessList& list = facts.controllers[0].node.access_list;
+  list.users = {1000};
+  expect_complaint(complaints(facts), Level::Wrong, "node /dev/hidraw0",
+                   "opens /dev/hidraw0 to user 1000",
+                   ".rules && sudo udevadm control --reload && sudo udevadm trigger "
+                   "--subsystem-match=hidraw --action=add && sudo setfacl --remove-all "
+                   "/dev/hidraw0");
+  list = {{}, {46}};
+  expect_complaint(complaints(facts), Level::Wrong, "node /dev/hidraw0", "to group 46",
+                   "TAG-=\"uaccess\"");
+  list = {{}, {}, true};
+  expect_complaint(complaints(facts), Level::Wrong, "node /dev/hidraw0", "cannot be read",
+                   "setfacl");
+}
+
+TEST_F(Doctor, ReadsTheAccessControlListOfANode) {
+  const std::vector<std::byte> bytes = access_list_bytes(kListOfASeat);
+  if (::setxattr((machine_.root() / "dev/hidraw0").c_str(), "system.posix_acl_access", bytes.data(),
+                 bytes.size(), 0) != 0) {
+    GTEST_SKIP() << "the folder of temporary files holds no access control lists";
+  }
+  expect_complaint(Level::Wrong, "node /dev/hidraw0", "opens /dev/hidraw0 to user 1000",
+                   "TAG-=\"uaccess\"");
 }
 
 TEST_F(Doctor, NamesALowSpeedDevice) {
