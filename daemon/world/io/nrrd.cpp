@@ -77,7 +77,8 @@ Result<void> NrrdFile::skip_lines() {
     const auto ahead = data_->peek();
     if (!ahead) return tl::unexpected(ahead.error());
     if (ahead->empty()) {
-      return malformed("line skip: the data file has not so many lines");
+      return malformed("line skip: the data file has " + std::to_string(header_.line_skip - left) +
+                       " lines to skip, expected " + std::to_string(header_.line_skip));
     }
     const auto end = std::find(ahead->begin(), ahead->end(), std::byte{'\n'});
     const bool is_line = end != ahead->end();
@@ -144,7 +145,10 @@ Result<void> NrrdFile::read_gzip(VolumeWriter& writer) {
     const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(left, dropped.size()));
     const auto got = stream.read(std::span(dropped).first(count));
     if (!got) return tl::unexpected(got.error());
-    if (*got != count) return malformed("byte skip: the data has not so many bytes");
+    if (*got != count) {
+      return malformed("byte skip: the data has " + std::to_string(byte_skip() - left + *got) +
+                       " bytes to skip, expected " + std::to_string(byte_skip()));
+    }
     left -= count;
   }
   if (auto read = read_items(stream, header_.type, writer); !read) return read;

@@ -57,7 +57,7 @@ constexpr std::string_view kBlanks = " \t";
 
 [[nodiscard]] Result<double> length_of_vector(std::string_view text, const std::string& field) {
   std::size_t count = 0;
-  double squared = 0;
+  double length = 0;
   while (!text.empty()) {
     const auto end = std::min(text.find(','), text.size());
     const auto words = words_of(text.substr(0, end));
@@ -65,12 +65,12 @@ constexpr std::string_view kBlanks = " \t";
     if (words.size() != 1 || !parse_number(words[0], value)) {
       return malformed(field + ": expected (number,number,number), found " + quoted(text));
     }
-    squared += value * value;
+    length = std::hypot(length, value);
     ++count;
     text.remove_prefix(std::min(end + 1, text.size()));
   }
-  const double length = std::sqrt(squared);
-  if (count == 0 || !std::isfinite(length) || !(length > 0)) {
+  if (std::isinf(length)) return malformed(field + ": is longer than a number can say");
+  if (count == 0 || !(length > 0)) {
     return malformed(field + ": has no length greater than 0");
   }
   return length;

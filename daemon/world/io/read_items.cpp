@@ -2,13 +2,15 @@
 
 #include <algorithm>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace thimble::world {
 
 Result<void> read_items(ByteStream& bytes, ItemType type, VolumeWriter& writer) {
   constexpr std::uint64_t kItems = 8192;
-  const auto most = static_cast<std::size_t>(std::min(writer.items_left(), kItems));
+  const std::uint64_t total = writer.items_left();
+  const auto most = static_cast<std::size_t>(std::min(total, kItems));
   std::vector<std::byte> raw(most * type.bytes);
   std::vector<double> values(most);
   while (writer.items_left() > 0) {
@@ -16,7 +18,12 @@ Result<void> read_items(ByteStream& bytes, ItemType type, VolumeWriter& writer) 
     const auto wanted = std::span(raw).first(count * type.bytes);
     const auto got = bytes.read(wanted);
     if (!got) return tl::unexpected(got.error());
-    if (*got != wanted.size()) return fail(Errc::Malformed, "data: the file ends before it does");
+    if (*got != wanted.size()) {
+      const std::uint64_t before = (total - writer.items_left()) * type.bytes;
+      return fail(Errc::Malformed, "data: ends after " + std::to_string(before + *got) +
+                                       " bytes, its numbers take " +
+                                       std::to_string(total * type.bytes));
+    }
     decode_items(wanted, type, std::span(values).first(count));
     if (auto put = writer.put(std::span(values).first(count)); !put) return put;
   }

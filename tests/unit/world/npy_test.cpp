@@ -170,7 +170,7 @@ class ShrinkingSource final : public ByteSource {
 TEST(Npy, AFileThatShrinksMeanwhileIsAnError) {
   const std::string file = NpyBytes{}.file();
   ShrinkingSource source(file);
-  EXPECT_EQ(load_npy(source, {}).error().message, "data: the file ends before it does");
+  EXPECT_EQ(load_npy(source, {}).error().message, "data: ends after 23 bytes, its numbers take 24");
 }
 
 // A length that is a lie never costs memory: refused before any cell is kept.

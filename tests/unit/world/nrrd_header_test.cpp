@@ -123,7 +123,7 @@ TEST(NrrdHeader, RefusesSpacingThatIsNone) {
         "spacings: 1 1 nan", "spacings: 1 x 1", "space directions: (1,0,0) (0,1,0)",
         "space directions: (1,0,0) (0,1,0) (0,0,0)", "space directions: (1,0,0) (0,1,0) none",
         "space directions: (1,0,0) (0,1,0) (0,0,1) (1,1,1)", "space directions: (1,,0) (1) (1)",
-        "space directions: () (1) (1)", "space directions: (1e200,1e200,1) (1) (1)",
+        "space directions: () (1) (1)", "space directions: (1.7e308,1.7e308,1) (1) (1)",
         "spacings: 1 1 1\nspace directions: (1) (1) (1)"}) {
     EXPECT_FALSE(with(std::string(bad) + "\n")) << bad;
   }

@@ -109,7 +109,8 @@ TEST(Nrrd, SkipsLinesThenBytes) {
   bytes.data = one_cell().data;
   expect_one_cell(load(bytes.file()));
   bytes.more = "line skip: 9\n";
-  EXPECT_EQ(error_of(load(bytes.file())), "line skip: the data file has not so many lines");
+  EXPECT_EQ(error_of(load(bytes.file())),
+            "line skip: the data file has 0 lines to skip, expected 9");
 }
 
 TEST(Nrrd, SkipsLinesBeforeAndBytesAfterUnpacking) {
@@ -122,7 +123,7 @@ TEST(Nrrd, SkipsLinesBeforeAndBytesAfterUnpacking) {
   bytes.data = gzipped("short") + std::string(8, 'x');
   EXPECT_FALSE(load(bytes.file()));
   bytes.data = gzipped("short");
-  EXPECT_EQ(error_of(load(bytes.file())), "byte skip: the data has not so many bytes");
+  EXPECT_EQ(error_of(load(bytes.file())), "byte skip: the data has 5 bytes to skip, expected 1000");
 }
 
 TEST(Nrrd, TakesSpacingFromTheFileUnlessTold) {
@@ -183,6 +184,36 @@ TEST(Nrrd, AHugeClaimIsRefusedByLength) {
     ASSERT_FALSE(sut);
     EXPECT_NE(error_of(sut).find("data: the file has 24 bytes for it"), std::string::npos);
   }
+}
+
+TEST(Nrrd, SaysWhatPackedDataLack) {
+  NrrdBytes bytes;
+  bytes.encoding = "gzip";
+  bytes.type = "short";
+  bytes.more = "endian: little\n";
+  bytes.data = gzipped(std::string(47, '\0'));
+  EXPECT_EQ(error_of(load(bytes.file())), "data: ends after 47 bytes, its numbers take 48");
+  bytes.sizes = "100 100 4";
+  bytes.data = gzipped(std::string(50000, '\0'));
+  EXPECT_EQ(error_of(load(bytes.file())), "data: ends after 50000 bytes, its numbers take 80000");
+}
+
+TEST(Nrrd, ALengthIsNoneOnlyWhereItIsNone) {
+  NrrdBytes bytes;
+  const auto said_of = [&](const std::string& vector) {
+    bytes.more = "space directions: " + vector + " (0,1,0) (0,0,1)\n";
+    return error_of(load(bytes.file()));
+  };
+  const std::string field = "space directions[0]: ";
+  EXPECT_EQ(said_of("(0,0,0)"), field + "has no length greater than 0");
+  EXPECT_EQ(said_of("(1.7e308,1.7e308,0)"), field + "is longer than a number can say");
+  // Its square is none that a number can say, but it has a length, which is far from the others.
+  for (const char* vector : {"(1e308,1e308,0)", "(1e-200,0,0)"}) {
+    EXPECT_EQ(said_of(vector).find("length"), std::string::npos) << said_of(vector);
+    EXPECT_NE(said_of(vector), "none");
+  }
+  bytes.more = "space directions: (1e-200,0,0) (0,1e-200,0) (0,0,1e-200)\n";
+  EXPECT_EQ(error_of(load(bytes.file())), "none");
 }
 
 TEST(Nrrd, ABombIsUnpackedNoFurtherThanItsSizes) {
