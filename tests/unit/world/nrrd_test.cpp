@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <random>
+#include <regex>
 #include <string>
 
 #include "tests/unit/world/grids.hpp"
@@ -26,6 +27,14 @@ Result<VoxelGrid> load(const std::string& file, const VolumeOptions& options = {
   return load_nrrd(source, no_data_file, options);
 }
 std::string error_of(const Result<VoxelGrid>& sut) { return sut ? "none" : sut.error().message; }
+// A sentence that says where in the file, and then what.
+bool names_a_field(const std::string& error) {
+  static const std::regex kSentence(
+      "(magic|header|type|dimension|sizes|encoding|endian|spacings|space directions|kinds|line "
+      "skip|"
+      "byte skip|data|data file)(\\[[012]\\])?: .+");
+  return std::regex_match(error, kSentence);
+}
 
 // A volume whose number [x, y, z] is 1 where (x, y, z) = (1, 2, 3).
 NrrdBytes one_cell() {
@@ -121,7 +130,7 @@ TEST(Nrrd, SkipsLinesBeforeAndBytesAfterUnpacking) {
   expect_one_cell(load(bytes.file()));
   bytes.more = "byte skip: 1000\n";
   bytes.data = gzipped("short") + std::string(8, 'x');
-  EXPECT_FALSE(load(bytes.file()));
+  EXPECT_EQ(error_of(load(bytes.file())), "data: gzip: incorrect header check");
   bytes.data = gzipped("short");
   EXPECT_EQ(error_of(load(bytes.file())), "byte skip: the data has 5 bytes to skip, expected 1000");
 }
@@ -149,9 +158,13 @@ TEST(Nrrd, RefusesEveryOtherLength) {
     const std::string file = bytes.file();
     ASSERT_TRUE(load(file)) << error_of(load(file));
     for (std::size_t length = 0; length < file.size(); ++length) {
-      ASSERT_FALSE(load(file.substr(0, length))) << encoding << " " << length;
+      const std::string error = error_of(load(file.substr(0, length)));
+      ASSERT_TRUE(names_a_field(error)) << encoding << " " << length << ": " << error;
+      // The header whole, it is the data that lack.
+      ASSERT_TRUE(length < bytes.header().size() || error.starts_with("data: ")) << error;
     }
-    EXPECT_FALSE(load(file + (bytes.encoding == "text" ? " 0" : "0"))) << encoding;
+    const std::string longer = error_of(load(file + (bytes.encoding == "text" ? " 0" : "0")));
+    EXPECT_TRUE(longer.starts_with("data: ")) << encoding << ": " << longer;
   }
 }
 
@@ -171,19 +184,6 @@ TEST(Nrrd, SaysWhatTheDataLacks) {
   bytes.data = std::string(50, ' ') + std::string(200000, '1');
   EXPECT_EQ(error_of(load(bytes.file())),
             "data: number 1: '111111111111111111111111...' is none of its type");
-}
-
-TEST(Nrrd, AHugeClaimIsRefusedByLength) {
-  for (const char* encoding : {"raw", "gzip", "text"}) {
-    NrrdBytes bytes;
-    bytes.type = "double";
-    bytes.sizes = "1024 1024 1024";
-    bytes.encoding = encoding;
-    bytes.more = "endian: little\n";
-    const auto sut = load(bytes.file());
-    ASSERT_FALSE(sut);
-    EXPECT_NE(error_of(sut).find("data: the file has 24 bytes for it"), std::string::npos);
-  }
 }
 
 TEST(Nrrd, SaysWhatPackedDataLack) {
@@ -216,6 +216,19 @@ TEST(Nrrd, ALengthIsNoneOnlyWhereItIsNone) {
   EXPECT_EQ(error_of(load(bytes.file())), "none");
 }
 
+TEST(Nrrd, AHugeClaimIsRefusedByLength) {
+  for (const char* encoding : {"raw", "gzip", "text"}) {
+    NrrdBytes bytes;
+    bytes.type = "double";
+    bytes.sizes = "1024 1024 1024";
+    bytes.encoding = encoding;
+    bytes.more = "endian: little\n";
+    const auto sut = load(bytes.file());
+    ASSERT_FALSE(sut);
+    EXPECT_NE(error_of(sut).find("data: the file has 24 bytes for it"), std::string::npos);
+  }
+}
+
 TEST(Nrrd, ABombIsUnpackedNoFurtherThanItsSizes) {
   NrrdBytes bytes;
   bytes.encoding = "gzip";
@@ -239,12 +252,19 @@ TEST(Nrrd, DamagedGzipIsAnError) {
     out.data = gzipped(out.data);
     return out.file();
   }();
+  int refused = 0;
   for (int i = 0; i < 2000; ++i) {
     std::string file = good;
     file[random() % file.size()] = static_cast<char>(random());
     const auto sut = load(file);
-    EXPECT_FALSE(error_of(sut).empty());
+    if (sut) {
+      expect_one_cell(sut);
+    } else {
+      EXPECT_TRUE(names_a_field(error_of(sut))) << error_of(sut);
+      ++refused;
+    }
   }
+  EXPECT_GT(refused, 1000);
 }
 
 TEST(Nrrd, ReadsAVolumeOfManyChunks) {
