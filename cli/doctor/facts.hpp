@@ -21,6 +21,8 @@ struct Limit {
 struct Process {
   int pid{0};  // 0: no daemon runs, it is this program's
   std::uint32_t user{0};
+  std::string user_name;              // in /etc/passwd
+  std::string unit;                   // of systemd that runs it: "thimbled.service"
   std::vector<std::uint32_t> groups;  // the primary one, too
   std::uint64_t capabilities{0};      // effective, bit n is capability n of capabilities(7)
   std::optional<Limit> rtprio;        // soft: what sched_setscheduler() asks

@@ -1,5 +1,6 @@
 #include "cli/doctor/proc_text.hpp"
 
+#include <algorithm>
 #include <charconv>
 
 namespace thimble::doctor {
@@ -44,6 +45,22 @@ std::optional<Limit> parse_limit_word(std::string_view word) {
   const auto value = number<std::uint64_t>(word);
   if (!value) return std::nullopt;
   return Limit{false, *value};
+}
+
+// Of the path below the root of the control groups. Only its last unit counts.
+std::string service_of(std::string_view path) {
+  std::string manager;
+  std::string service;
+  while (!path.empty()) {
+    const std::size_t size = std::min(path.find('/'), path.size());
+    const std::string name(path.substr(0, size));
+    path.remove_prefix(std::min(size + 1, path.size()));
+    if (name.ends_with(".scope")) service.clear();
+    if (!name.ends_with(".service") || name == ".service") continue;
+    service = name;
+    if (name.starts_with("user@")) manager = name;
+  }
+  return service.empty() || manager.empty() ? service : manager;
 }
 
 }  // namespace
@@ -92,6 +109,33 @@ std::optional<std::uint32_t> parse_group(std::string_view file, std::string_view
   if (begin == std::string_view::npos) return std::nullopt;
   const std::string_view tail = rest.substr(begin + 1);
   return number<std::uint32_t>(tail.substr(0, tail.find(':')));
+}
+
+std::string parse_user(std::string_view file, std::uint32_t number_wanted) {
+  while (!file.empty()) {
+    const std::string_view line = next_line(file);  // name:password:number:…
+    const std::size_t first = line.find(':');
+    if (first == 0 || first == std::string_view::npos) continue;
+    const std::size_t second = line.find(':', first + 1);
+    if (second == std::string_view::npos) continue;
+    const std::string_view tail = line.substr(second + 1);
+    if (number<std::uint32_t>(tail.substr(0, tail.find(':'))) == number_wanted) {
+      return std::string(line.substr(0, first));
+    }
+  }
+  return "";
+}
+
+std::string parse_service(std::string_view cgroup) {
+  while (!cgroup.empty()) {
+    std::string_view path = next_line(cgroup);  // number:controllers:path
+    path.remove_prefix(std::min(path.find(':'), path.size()));
+    if (!path.starts_with("::/") && !path.starts_with(":name=systemd:/")) continue;
+    path.remove_prefix(path.find('/') + 1);
+    const std::string service = service_of(path);
+    if (!service.empty()) return service;
+  }
+  return "";
 }
 
 std::optional<HidIds> parse_hid_ids(std::string_view uevent) {

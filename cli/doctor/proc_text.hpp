@@ -32,6 +32,14 @@ void parse_status(std::string_view status, Process& process);
 [[nodiscard]] std::optional<std::uint32_t> parse_group(std::string_view file,
                                                        std::string_view name);
 
+// The name of a user in /etc/passwd.
+[[nodiscard]] std::string parse_user(std::string_view file, std::uint32_t number);
+
+// The service of systemd in whose group a process is, by its /proc/PID/cgroup; a process of a
+// login session is in none, though that session's user@UID.service is above it. In a service of
+// a user's own manager it is that user@UID.service, from which the rights come.
+[[nodiscard]] std::string parse_service(std::string_view cgroup);
+
 struct HidIds {
   std::uint16_t vendor{0};
   std::uint16_t product{0};

@@ -51,6 +51,8 @@ Process read_process(const FileTree& tree, const std::vector<int>& pids) {
     folder = folder_of(*daemon);
   }
   parse_status(tree.text(folder / "status"), process);
+  process.user_name = parse_user(tree.text("/etc/passwd"), process.user);
+  process.unit = parse_service(tree.text(folder / "cgroup"));
   const std::string limits = tree.text(folder / "limits");
   if (const auto row = parse_limit(limits, "Max realtime priority")) process.rtprio = row->soft;
   if (const auto row = parse_limit(limits, "Max locked memory")) process.memlock = row->hard;

@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <string>
+#include <string_view>
 
 #include "cli/doctor/checks.hpp"
 #include "cli/doctor/rights.hpp"
@@ -12,14 +14,52 @@ std::string subject(const Process& process) {
                           : "thimbled (process " + std::to_string(process.pid) + ")";
 }
 
-std::string again(const Process& process) {
-  return process.pid == 0 ? "then log in again"
-                          : "then log in again and start thimbled anew; of a systemd unit, set it "
-                            "in the unit";
+// One word of a shell, whatever it holds: names of units and users come from outside.
+std::string shell_word(const std::string& text) {
+  constexpr std::string_view kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789@:._-";
+  if (!text.empty() && text.find_first_not_of(kPlain) == std::string::npos) return text;
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
 }
 
-std::string limit_command(const std::string& row) {
-  return "echo '" + row + "' | sudo tee -a /etc/security/limits.d/thimble.conf";
+// The account whose rights are too small. One that is not in /etc/passwd may be known elsewhere.
+std::string account(const Process& process) {
+  if (process.pid == 0) return "$USER";
+  if (process.user_name.empty()) return "\"$(id -nu " + std::to_string(process.user) + ")\"";
+  return shell_word(process.user_name);
+}
+
+// systemd.unit(5): a file below NAME.service.d adds to the unit; one for each check, so that none
+// takes another's place.
+std::string unit_command(const Process& process, const std::string& check,
+                         const std::string& setting) {
+  const std::string unit = shell_word(process.unit);
+  const std::string folder = "/etc/systemd/system/" + unit + ".d";
+  return "sudo mkdir -p " + folder + " && printf '[Service]\\n" + setting + "\\n' | sudo tee " +
+         folder + "/thimble-" + check +
+         ".conf && sudo systemctl daemon-reload && sudo systemctl restart " + unit;
+}
+
+// limits.conf(5) is read at a login (pam_limits), which no service of the system goes through.
+std::string limit_command(const Process& process, const std::string& check, const std::string& row,
+                          const std::string& setting) {
+  if (!process.unit.empty()) return unit_command(process, check, setting);
+  return "echo '@thimble - " + row + "' | sudo tee -a /etc/security/limits.d/thimble.conf";
+}
+
+std::string membership_command(const Process& process) {
+  if (!process.unit.empty()) return unit_command(process, "group", "SupplementaryGroups=thimble");
+  return "sudo adduser " + account(process) + " thimble";
+}
+
+std::string again(const Process& process, const std::string& setting) {
+  if (!process.unit.empty()) {
+    return process.unit + " then starts anew: what runs in it ends, its arms lose their force";
+  }
+  if (process.pid != 0) return "then log in again as that user and start thimbled anew";
+  return "then log in again; a unit of systemd needs " + setting + " instead";
 }
 
 }  // namespace
@@ -34,8 +74,8 @@ Verdict check_group(const Facts& facts) {
             "group",
             "there is no group 'thimble'",
             reason,
-            "sudo addgroup --system thimble && sudo adduser $USER thimble",
-            again(facts.process)};
+            "sudo addgroup --system thimble && " + membership_command(facts.process),
+            again(facts.process, "SupplementaryGroups=thimble")};
   }
   if (is_in_group(facts.process, *facts.thimble_group)) {
     return all_well("group", subject(facts.process) + " is in the group 'thimble'");
@@ -47,8 +87,8 @@ Verdict check_group(const Facts& facts) {
           "group",
           subject(facts.process) + " is not in the group 'thimble'",
           reason,
-          "sudo adduser $USER thimble",
-          again(facts.process)};
+          membership_command(facts.process),
+          again(facts.process, "SupplementaryGroups=thimble")};
 }
 
 Verdict check_rtprio(const Facts& facts) {
@@ -64,14 +104,15 @@ Verdict check_rtprio(const Facts& facts) {
   }
   const std::string now =
       process.rtprio ? std::to_string(process.rtprio->value) : std::string("not known");
+  const std::string setting = "LimitRTPRIO=" + std::to_string(wanted);
   return {Level::Wrong,
           "rtprio",
           subject(process) + " may not take real-time priority " + std::to_string(wanted) +
               " (limit: " + now + ")",
           "every other program then delays the servo; with realtime = \"required\" it does not "
           "start at all",
-          limit_command("@thimble - rtprio " + std::to_string(wanted)),
-          again(process) + " (LimitRTPRIO=" + std::to_string(wanted) + ")"};
+          limit_command(process, "rtprio", "rtprio " + std::to_string(wanted), setting),
+          again(process, setting)};
 }
 
 Verdict check_memlock(const Facts& facts) {
@@ -85,8 +126,8 @@ Verdict check_memlock(const Facts& facts) {
           "memlock",
           subject(process) + " may not lock all its memory (limit: " + now + ")",
           "memory that is paged out stops the servo until the disk has answered",
-          limit_command("@thimble - memlock unlimited"),
-          again(process) + " (LimitMEMLOCK=infinity)"};
+          limit_command(process, "memlock", "memlock unlimited", "LimitMEMLOCK=infinity"),
+          again(process, "LimitMEMLOCK=infinity")};
 }
 
 Verdict check_dma_latency(const Facts& facts) {

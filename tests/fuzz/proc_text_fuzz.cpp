@@ -15,6 +15,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static_cast<void>(parse_integer(bytes));
   static_cast<void>(parse_limit(bytes, "Max locked memory"));
   static_cast<void>(parse_group(bytes, "thimble"));
+  THIMBLE_CHECK(parse_user(bytes, 0).size() <= size);
+  THIMBLE_CHECK(parse_service(bytes).find('/') == std::string::npos);
   const auto ids = parse_hid_ids(bytes);
   if (ids) THIMBLE_CHECK(ids->serial_number.size() <= size);
   Process process;

@@ -112,9 +112,14 @@ TEST_F(Doctor, NamesAMissingGroup) {
   EXPECT_EQ(all[1].check, "node /dev/hidraw0");
   all.pop_back();
   expect_complaint(all, Level::Wrong, "group", "there is no group 'thimble'",
-                   "sudo addgroup --system thimble");
+                   "sudo addgroup --system thimble && sudo adduser haptics thimble");
   machine_.remove("sys/class/hidraw/hidraw0");
-  expect_complaint(Level::Warn, "group", "there is no group 'thimble'", "sudo adduser $USER");
+  expect_complaint(Level::Warn, "group", "there is no group 'thimble'",
+                   "sudo addgroup --system thimble && sudo adduser haptics thimble");
+  machine_.plant_service("thimbled.service");
+  expect_complaint(Level::Warn, "group", "there is no group 'thimble'",
+                   "sudo addgroup --system thimble && sudo mkdir -p "
+                   "/etc/systemd/system/thimbled.service.d && ");
 }
 
 TEST_F(Doctor, NamesADaemonOutsideTheGroup) {
@@ -123,7 +128,27 @@ TEST_F(Doctor, NamesADaemonOutsideTheGroup) {
   facts.controllers.clear();
   facts.dma_latency.mode = 0666;
   expect_complaint(complaints(facts), Level::Warn, "group",
-                   "thimbled (process 77) is not in the group", "sudo adduser $USER thimble");
+                   "thimbled (process 77) is not in the group", "sudo adduser haptics thimble");
+  facts.process.user_name = "o'hara";
+  expect_complaint(complaints(facts), Level::Warn, "group", "is not in the group",
+                   "sudo adduser 'o'\\''hara' thimble");
+  facts.process.user_name.clear();
+  expect_complaint(complaints(facts), Level::Warn, "group", "is not in the group",
+                   "sudo adduser \"$(id -nu 64000)\" thimble");
+  facts.process.unit = "thimbled@a\\x2db.service";
+  expect_complaint(complaints(facts), Level::Warn, "group", "is not in the group",
+                   "printf '[Service]\\nSupplementaryGroups=thimble\\n' | sudo tee "
+                   "/etc/systemd/system/'thimbled@a\\x2db.service'.d/thimble-group.conf");
+}
+
+TEST_F(Doctor, NamesWhoAsksWhereNoDaemonRunsOutsideTheGroup) {
+  Facts facts = this->facts();
+  facts.process.pid = 0;
+  facts.process.groups.clear();
+  facts.controllers.clear();
+  facts.dma_latency.mode = 0666;
+  expect_complaint(complaints(facts), Level::Warn, "group", "a thimbled started here",
+                   "sudo adduser $USER thimble");
 }
 
 TEST_F(Doctor, NamesAMissingRightToRealTimePriority) {
@@ -136,10 +161,25 @@ TEST_F(Doctor, NamesAMissingRightToRealTimePriority) {
   EXPECT_THAT(complaints(), SizeIs(0));
 }
 
+TEST_F(Doctor, MendsTheLimitsOfAServiceInItsUnit) {
+  machine_.plant_limits("0", "unlimited");
+  machine_.plant_service("haptics.service");
+  expect_complaint(Level::Wrong, "rtprio", "(limit: 0)",
+                   "sudo mkdir -p /etc/systemd/system/haptics.service.d && "
+                   "printf '[Service]\\nLimitRTPRIO=80\\n' | sudo tee "
+                   "/etc/systemd/system/haptics.service.d/thimble-rtprio.conf && "
+                   "sudo systemctl daemon-reload && sudo systemctl restart haptics.service");
+  EXPECT_THAT(complaints()[0].advice, HasSubstr("its arms lose their force"));
+}
+
 TEST_F(Doctor, NamesALimitOfLockedMemory) {
   machine_.plant_limits("98", "8388608");
   expect_complaint(Level::Wrong, "memlock", "(limit: 8192 KiB)",
                    "echo '@thimble - memlock unlimited' | sudo tee -a /etc/security/limits.d/");
+  machine_.plant_service("thimbled.service");
+  expect_complaint(Level::Wrong, "memlock", "(limit: 8192 KiB)",
+                   "printf '[Service]\\nLimitMEMLOCK=infinity\\n' | sudo tee "
+                   "/etc/systemd/system/thimbled.service.d/thimble-memlock.conf && ");
 }
 
 TEST_F(Doctor, LooksAtItselfWhereNoDaemonRuns) {

@@ -44,6 +44,10 @@ class PlantedMachine {
           "Gid:\t64001\t64001\t64001\t64001\nGroups:\t" +
               groups + " \nCapEff:\t0000000000000000\n");
   }
+  // As a service of systemd; else the daemon runs in a login session.
+  void plant_service(const std::string& unit) const {
+    plant("proc/77/cgroup", "0::/system.slice/" + unit + "\n");
+  }
   void plant_limits(const std::string& rtprio, const std::string& memlock) const {
     plant("proc/77/limits",
           "Limit                     Soft Limit           Hard Limit           Units     \n"
@@ -74,8 +78,10 @@ class PlantedMachine {
   void plant_daemon() const {
     // Files of the planted tree belong to this user and its group: that is group thimble here.
     plant("etc/group", "root:x:0:\nthimbles:x:5:\nthimble:x:" + group() + ":someone\n");
+    plant("etc/passwd", "root:x:0:0::/root:/bin/sh\nhaptics:x:64000:64001::/:/bin/false\n");
     plant_process(77, "thimbled", "/dev/hidraw0");
     plant_status(group());
+    plant("proc/77/cgroup", "0::/user.slice/user-1000.slice/session-3.scope\n");
     plant_limits("98", "unlimited");
     plant("dev/cpu_dma_latency", "");
     chmod("dev/cpu_dma_latency", 0660);

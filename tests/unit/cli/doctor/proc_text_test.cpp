@@ -37,6 +37,28 @@ TEST(ProcText, FindsAGroupByItsWholeName) {
   EXPECT_FALSE(parse_group("thimble:x:ten:", "thimble"));
 }
 
+TEST(ProcText, FindsAUserByItsNumber) {
+  const std::string file = "root:x:0:0::/:\nodd\n:x:7:7::/:\nan:x:7\nother:x:77:7::/:\n";
+  EXPECT_EQ(parse_user(file, 0), "root");
+  EXPECT_EQ(parse_user(file, 7), "an");
+  EXPECT_EQ(parse_user(file, 77), "other");
+  EXPECT_EQ(parse_user(file, 1), "");
+}
+
+TEST(ProcText, FindsTheServiceThatAProcessRunsIn) {
+  EXPECT_EQ(parse_service("0::/system.slice/thimbled.service\n"), "thimbled.service");
+  EXPECT_EQ(parse_service("0::/system.slice/system-a.slice/a@b.service/worker\n"), "a@b.service");
+  EXPECT_EQ(parse_service("4:memory:/x.service\n1:name=systemd:/system.slice/y.service\n0::/\n"),
+            "y.service");
+  const std::string user = "0::/user.slice/user-5.slice/user@5.service/app.slice/";
+  EXPECT_EQ(parse_service(user + "thimbled.service\n"), "user@5.service");
+  EXPECT_EQ(parse_service(user + "app-terminal.scope\n"), "");
+  for (const char* none : {"", "0::/", "0::/.service", "0::/user.slice/session-3.scope",
+                           "0::/a.service/b.scope", "::", "a.service", "7:cpu:/a.service"}) {
+    EXPECT_EQ(parse_service(none), "") << none;
+  }
+}
+
 TEST(ProcText, TakesHidIdsThatAreIds) {
   const auto ids = parse_hid_ids("HID_ID=0003:000016C0:00000486\nHID_UNIQ=12 34\n");
   ASSERT_TRUE(ids);
