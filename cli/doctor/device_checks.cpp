@@ -112,17 +112,19 @@ Verdict check_usb_speed(const Controller& controller) {
             check,
             "it runs at low speed (1.5 Mbit/s)",
             "low-speed devices are asked at most 100 times a second, the servo needs 1000",
-            "lsusb -t",
+            "",
             "the controller's firmware or its cable is not the right one; an arm shows 12M or more "
-            "there"};
+            "there",
+            "lsusb -t"};
   }
   if (controller.speed_mbit_per_s.empty()) {
     return {Level::Warn,
             check,
             "its USB speed is not known",
             "below full speed (12 Mbit/s) it cannot keep up with the servo",
-            "lsusb -t",
-            "it is no USB device, or /sys is not mounted"};
+            "",
+            "it is no USB device, or /sys is not mounted",
+            "lsusb -t"};
   }
   return all_well(check, "it runs at " + controller.speed_mbit_per_s + " Mbit/s");
 }
@@ -138,8 +140,9 @@ Verdict check_usb_port(const Controller& controller) {
           check,
           "it is behind a hub (port " + controller.usb_port + ")",
           "a hub adds up to a millisecond, and the other devices behind it take their share",
-          "lsusb -t",
-          "plug it into a port of the machine itself: directly below a root_hub there"};
+          "",
+          "plug it into a port of the machine itself: directly below a root_hub there",
+          "lsusb -t"};
 }
 
 Verdict check_usb_power(const Controller& controller) {
@@ -182,8 +185,9 @@ Verdict check_holders(const Facts& facts, const Controller& controller) {
             "no holder was found, but " + std::to_string(facts.hidden_processes) +
                 " processes of other users could not be looked at",
             "a program that holds the device takes its replies",
-            "sudo thimble doctor",
-            ""};
+            "",
+            "root may look at them all",
+            "sudo thimble doctor"};
   }
   return all_well(check, daemons == 0 ? "nobody holds it" : "thimbled holds it, and nobody else");
 }

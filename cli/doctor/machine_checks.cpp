@@ -32,8 +32,9 @@ Verdict check_kernel(const Facts& facts) {
             "kernel",
             "the kernel does not tell its version",
             "how late the servo may wake depends on the kernel",
-            "uname -a",
-            "/proc must be mounted: look there yourself for PREEMPT_RT"};
+            "",
+            "/proc must be mounted: look there yourself for PREEMPT_RT",
+            "uname -a"};
   }
   if (facts.is_realtime_kernel || facts.kernel_version.find("PREEMPT_RT") != std::string::npos) {
     return all_well("kernel", kernel + ", PREEMPT_RT");
@@ -75,8 +76,9 @@ Verdict check_clock_source(const Facts& facts) {
             "clock",
             "the clock source is not known",
             "a slow clock costs every tick, a coarse one makes every tick late",
-            "cat /sys/devices/system/clocksource/clocksource0/current_clocksource",
-            "/sys must be mounted"};
+            "",
+            "/sys must be mounted",
+            "cat /sys/devices/system/clocksource/clocksource0/current_clocksource"};
   }
   const bool is_coarse = is_any_of(source, {"jiffies", "refined-jiffies", "pit"});
   if (!is_coarse && !is_any_of(source, {"hpet", "acpi_pm"})) {
@@ -95,7 +97,7 @@ Verdict check_clock_source(const Facts& facts) {
     verdict.command =
         "echo tsc | sudo tee /sys/devices/system/clocksource/clocksource0/current_clocksource";
   } else {
-    verdict.command = "sudo dmesg | grep -i -e tsc -e clocksource";
+    verdict.look_with = "sudo dmesg | grep -i -e tsc -e clocksource";
     verdict.advice =
         "the kernel says there why it took no better one; firmware settings or an "
         "update of the firmware often mend it";

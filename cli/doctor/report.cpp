@@ -22,6 +22,12 @@ std::string paragraph(std::string_view head, const std::string& text) {
   return out.replace(0, std::min(kIndent, out.size()), cli::fit(head, kIndent));
 }
 
+// Never cut, so that it can be copied.
+std::string command_line(const char* head, const std::string& command) {
+  if (command.empty()) return "";
+  return std::string(kIndent, ' ') + head + cli::plain(command) + "\n";
+}
+
 std::size_t count(const std::vector<Verdict>& verdicts, Level level) {
   return static_cast<std::size_t>(
       std::count_if(verdicts.begin(), verdicts.end(),
@@ -35,9 +41,7 @@ std::string render(const std::vector<Verdict>& verdicts) {
   for (const Verdict& verdict : verdicts) {
     out += paragraph(label(verdict.level), verdict.check + ": " + verdict.finding);
     if (!verdict.reason.empty()) out += paragraph("", "why: " + verdict.reason);
-    if (!verdict.command.empty()) {
-      out += std::string(kIndent, ' ') + "mend: " + cli::plain(verdict.command) + "\n";
-    }
+    out += command_line("mend: ", verdict.command) + command_line("look: ", verdict.look_with);
     if (!verdict.advice.empty()) out += paragraph("", "(" + verdict.advice + ")");
   }
   return out + std::to_string(count(verdicts, Level::Ok)) + " ok, " +
@@ -53,7 +57,8 @@ std::string to_json(const std::vector<Verdict>& verdicts) {
                                          {"finding", cli::plain(verdict.finding)},
                                          {"reason", verdict.reason},
                                          {"command", cli::plain(verdict.command)},
-                                         {"advice", verdict.advice}});
+                                         {"advice", verdict.advice},
+                                         {"look_with", cli::plain(verdict.look_with)}});
   }
   return api::to_text(
       boost::json::object{{"checks", std::move(checks)}, {"wrong", is_something_wrong(verdicts)}});

@@ -20,9 +20,10 @@ struct Verdict {
   std::string check;    // short name, stable: "rtprio"
   std::string finding;  // what is so
   // Empty when all is well:
-  std::string reason;   // why it matters
-  std::string command;  // mends it, when typed into a shell
-  std::string advice;   // what else to do, or instead of a command
+  std::string reason;       // why it matters
+  std::string command;      // mends it, when typed into a shell; empty: no command can
+  std::string advice;       // what else to do, or instead of a command
+  std::string look_with{};  // a command that shows more and changes nothing; may be empty
   bool operator==(const Verdict&) const = default;
 };
 

@@ -13,7 +13,7 @@ using testing::HasSubstr;
 std::vector<Verdict> sample() {
   return {
       all_well("kernel", "Linux 6.1, PREEMPT_RT"),
-      {Level::Warn, "clock", "slow", "costs time", "cat /sys/clock", "look there"},
+      {Level::Warn, "clock", "slow", "costs time", "", "look there", "cat /sys/clock"},
       {Level::Wrong, "rtprio", "may not", std::string(100, 'x') + " end",
        "echo 'a line that is longer than a terminal is wide' | sudo tee -a /etc/security/a", ""}};
 }
@@ -23,9 +23,10 @@ TEST(DoctorReport, SaysWhatWhyAndWhatMends) {
 
   EXPECT_THAT(text, HasSubstr("ok     kernel: Linux 6.1, PREEMPT_RT\n"));
   EXPECT_THAT(text, HasSubstr("warn   clock: slow\n       why: costs time\n"
-                              "       mend: cat /sys/clock\n       (look there)\n"));
+                              "       look: cat /sys/clock\n       (look there)\n"));
   EXPECT_THAT(text, HasSubstr("WRONG  rtprio: may not\n"));
   EXPECT_THAT(text, HasSubstr("is wide' | sudo tee -a /etc/security/a\n")) << "never cut";
+  EXPECT_THAT(text, HasSubstr("mend: echo 'a line"));
   EXPECT_THAT(text, testing::EndsWith("1 ok, 1 to improve, 1 wrong\n"));
 }
 
@@ -42,7 +43,8 @@ TEST(DoctorReport, IsAlsoAJsonDocument) {
   const auto& checks = document.at("checks").as_array();
   ASSERT_EQ(checks.size(), 3U);
   EXPECT_EQ(checks[0].at("level").as_string(), "ok");
-  EXPECT_EQ(checks[1].at("command").as_string(), "cat /sys/clock");
+  EXPECT_EQ(checks[1].at("command").as_string(), "");
+  EXPECT_EQ(checks[1].at("look_with").as_string(), "cat /sys/clock");
   EXPECT_EQ(checks[2].at("check").as_string(), "rtprio");
 }
 
