@@ -86,7 +86,7 @@ Result<const thimble_plugin*> load_plugin(const std::string& path) {
   if (!file) return tl::unexpected(file.error().in(path));
   const auto whole = check_object_is_whole(*file);
   if (!whole) return tl::unexpected(whole.error().in(path));
-  void* handle = dlopen(file->c_str(), RTLD_NOW | RTLD_LOCAL);
+  void* handle = dlopen(file->c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   if (handle == nullptr) {
     return fail(Errc::Malformed, path + ": cannot be loaded: " + reason_of(dlerror(), *file));
   }

@@ -1,5 +1,6 @@
 #include "hal/plugin/plugin_loader.hpp"
 
+#include <dlfcn.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -141,6 +142,30 @@ TEST_F(PluginLoader, RefusesALibraryOfItThatOthersMayWriteAsOftenAsItIsAsked) {
   EXPECT_EQ(refusal(path), said) << "it is mapped by now";
   ASSERT_EQ(::chmod(library.c_str(), 0600), 0);
   EXPECT_EQ(refusal(path), "");
+}
+
+// Whether it stays mapped whoever gives it back, and however often.
+bool stays_loaded(const std::string& path) {
+  for (int i = 0; i < 3; ++i) {
+    void* handle = dlopen(path.c_str(), RTLD_LAZY | RTLD_NOLOAD);
+    if (handle == nullptr) return false;
+    dlclose(handle);
+    dlclose(handle);  // another's, if there is one
+  }
+  return true;
+}
+
+TEST_F(PluginLoader, NothingIsEverUnloaded) {
+  const std::string good = planted("good");
+  ASSERT_EQ(dlopen(good.c_str(), RTLD_LAZY | RTLD_NOLOAD), nullptr);
+  {
+    session::Plugins owner;
+    EXPECT_THAT(owner.load({good}), testing::IsEmpty());
+  }
+  EXPECT_TRUE(stays_loaded(good)) << "its owner is gone";
+  const std::string refused = planted("wrong_magic");
+  EXPECT_NE(refusal(refused), "");
+  EXPECT_TRUE(stays_loaded(refused)) << "it was refused";
 }
 
 TEST_F(PluginLoader, ANameThatIsTakenIsRefusedAndNothingIsAdded) {
