@@ -26,6 +26,8 @@ struct ConstraintPlane {
   bool operator==(const ConstraintPlane&) const = default;
 };
 
+// Ours: the datagrams of 1999 carry at most three, a world of ours no more than
+// world::kMaxContactPlanes; what tells the planes of a world checks that they fit.
 inline constexpr std::size_t kMaxPlanes = 8;
 using PlaneList = rt::StaticVector<ConstraintPlane, kMaxPlanes>;
 
@@ -35,6 +37,8 @@ struct HandSample {
   std::uint64_t sequence{0};   // from 1, +1 a step of the arm half: numbers may have gaps
   MonotonicTime sampled_at{};  // arm side's clock
   Position3 hand{};            // q
+  // Of the tip, p' and not q': axes as above, what the shift of the frame adds is left out. Through
+  // the servo's low-pass (servo/velocity_filter.hpp). The datagrams of 1999 do not carry it.
   Velocity3 velocity{};
   std::uint32_t buttons{0};
   std::uint64_t applied_reply{0};  // sequence of the newest ConstraintSet already in force

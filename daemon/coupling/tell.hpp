@@ -14,6 +14,7 @@ inline void tell(const world::ProbeMotion& motion, const HandSample& sample,
   set.answers = sample.sequence;
   set.sampled_at = sample.sampled_at;
   set.planes.clear();
+  static_assert(world::kMaxContactPlanes <= kMaxPlanes, "every push_back() below finds room");
   for (const world::ContactPlane& plane : motion.planes) {
     set.planes.push_back(
         {.normal = plane.normal,

@@ -15,8 +15,6 @@ namespace thimble::world {
 // Thread: one, the world's. Not RT; move_probe() neither allocates nor blocks.
 class SphereWorld final : public World {
  public:
-  static constexpr std::size_t kMaxProbes = 8;
-
   // InvalidArgument unless all is finite, the radius above zero, and the top of the ball above the
   // floor. `surface`: how both feel.
   [[nodiscard]] static Result<SphereWorld> create(const SphereScene& scene,

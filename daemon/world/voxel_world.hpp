@@ -18,8 +18,6 @@ namespace thimble::world {
 // Ownership: owns its grid.
 class VoxelWorld final : public World {
  public:
-  static constexpr std::size_t kMaxProbes = 8;
-
   // Cells of the grid that are occupied feel as `materials` says.
   VoxelWorld(VoxelGrid grid, std::string source, MaterialMap materials = MaterialMap());
 

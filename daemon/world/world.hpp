@@ -33,12 +33,23 @@ struct ContactPlane {
   bool operator==(const ContactPlane&) const = default;
 };
 
+// Ours: cells hold a ghost by one face along each axis, the sphere by the ball and its floor; the
+// rest is room for a world whose faces meet at any angle.
+inline constexpr std::size_t kMaxContactPlanes = 8;
+
+// Ours: one probe is one arm of the daemon or one client of a datagram link.
+inline constexpr std::size_t kMaxProbes = 8;
+
+// World frame.
 struct ProbeMotion {
-  Position3 ghost{};                           // where the ghost point is after the move
-  rt::StaticVector<ContactPlane, 8> planes{};  // what holds it back from the hand; may be empty
-  bool is_embedded{false};                     // it sits in matter: pushed out or released
+  Position3 ghost{};  // where the ghost point is after the move
+  // What holds it back from the hand; may be empty.
+  rt::StaticVector<ContactPlane, kMaxContactPlanes> planes{};
+  bool is_embedded{false};  // it sits in matter: pushed out or released
 };
 
+// World frame. From the configuration and the volume file, if there is one; cells may change, these
+// figures do not.
 struct WorldInfo {
   std::string source;                    // e.g. "box:3"
   std::array<std::uint32_t, 3> cells{};  // 0 where the world has no cells
@@ -47,7 +58,8 @@ struct WorldInfo {
   std::optional<SphereScene> sphere{};  // of a world that is one
 };
 
-// A world that ghost points move through.
+// A world that ghost points move through. Every position is in the world frame: of a hand, the one
+// that its HandSample says, coordinate offset included.
 //
 // Thread: one, the world's. Not RT; move_probe() neither allocates nor blocks.
 class World {

@@ -253,7 +253,7 @@ TEST(SphereWorld, HasNoCellsRoomForEightProbesAndOneSurface) {
   EXPECT_EQ(sut.info().cell_m, 0);
   EXPECT_EQ(sut.info().sphere->radius_m, kResting.radius_m);
   std::vector<ProbeId> probes;
-  for (std::size_t i = 0; i < SphereWorld::kMaxProbes; ++i) {
+  for (std::size_t i = 0; i < kMaxProbes; ++i) {
     probes.push_back(sut.add_probe({0, 0.01, 0}).value());
   }
   EXPECT_EQ(sut.add_probe({}).error().code, Errc::Busy);

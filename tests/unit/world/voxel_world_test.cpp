@@ -80,7 +80,7 @@ TEST(VoxelWorld, AFullWorldRefusesAtOnceHoweverLargeAndTakesProbesAgain) {
 TEST(VoxelWorld, HasRoomForEightProbesAndReusesIt) {
   VoxelWorld sut = box();
   std::vector<ProbeId> probes;
-  for (std::size_t i = 0; i < VoxelWorld::kMaxProbes; ++i) {
+  for (std::size_t i = 0; i < kMaxProbes; ++i) {
     probes.push_back(sut.add_probe({}).value());
   }
   EXPECT_EQ(sut.add_probe({}).error().code, Errc::Busy);
