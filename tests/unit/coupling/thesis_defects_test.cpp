@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -131,18 +132,39 @@ TEST(ThesisDefect, AnOffsetLeftByOneWallNeverDrawsIntoTheOpposite) {
   EXPECT_GT(out.printed.force.x, 0.3) << "into the wall";
 }
 
+// How a frame that was displaced along two axes comes back.
+struct WayBack {
+  Displacement3 end{};
+  double longest_step_m{0};
+  double widest_m{0};  // from the straight line between its start and the origin
+};
+
+WayBack way_back(Scheme scheme) {
+  Bench bench(scheme);
+  bench.told({0.035, 0.020, 0}, {wall({1, 0, 0}, kWall_m), wall({0, 1, 0}, kWall_m)});
+  bench.restart_world();  // voids the walls, else the frame would stop short of them
+  const Displacement3 start = bench.told({}, {}).offset;
+  WayBack out{.end = start};
+  for (int i = 0; i < 1500; ++i) {
+    const Displacement3 next = bench.told({}, {}).offset;
+    out.longest_step_m = std::max(out.longest_step_m, norm(next - out.end));
+    const double area = std::abs(next.x * start.y - next.y * start.x);
+    out.widest_m = std::max(out.widest_m, area / norm(start));
+    out.end = next;
+  }
+  return out;
+}
+
 TEST(ThesisDefect, TheFrameReturnsAllTheWayInAStraightLine) {
-  const auto steps = [](Bench& bench) {
-    bench.told({0.035, 0.020, 0}, {wall({1, 0, 0}, kWall_m), wall({0, 1, 0}, kWall_m)});
-    bench.restart_world();  // voids the walls, else the frame would stop short of them
-    ArmOutput out{};
-    for (int i = 0; i < 1500; ++i) out = bench.told({}, {});
-    return out;
-  };
-  const Both out = with_both(steps);
-  EXPECT_EQ(out.ours.offset, Displacement3{});
-  EXPECT_NEAR(std::abs(out.printed.offset.x), 0.002, 0.0003);
-  EXPECT_NEAR(std::abs(out.printed.offset.y), 0.002, 0.0003);
+  const WayBack ours = way_back(Scheme::GhostPoint);
+  EXPECT_EQ(ours.end, Displacement3{});
+  EXPECT_NEAR(ours.longest_step_m, 0.025e-3, 1e-12) << "25 mm/s in a tick of 1 ms";
+  EXPECT_LT(ours.widest_m, 1e-12);
+  const WayBack printed = way_back(Scheme::ThesisLiteral);
+  EXPECT_NEAR(std::abs(printed.end.x), 0.002, 0.0003);
+  EXPECT_NEAR(std::abs(printed.end.y), 0.002, 0.0003);
+  EXPECT_GT(printed.longest_step_m, 0.249e-3);
+  EXPECT_GT(printed.widest_m, 0.001);
 }
 
 TEST(ThesisDefect, AConstraintOfTheFirstTickIsNotErased) {

@@ -217,6 +217,45 @@ TEST_F(UdpTest, APeerWhereNobodyListensIsCountedAndFoundWhenItStarts) {
   }));
 }
 
+class SteppedClock final : public Clock {
+ public:
+  [[nodiscard]] MonotonicTime now() const noexcept override { return now_; }
+  Duration sleep_until(MonotonicTime deadline) noexcept override {
+    now_ = deadline;
+    return {};
+  }
+
+ private:
+  MonotonicTime now_{std::chrono::seconds(1)};
+};
+
+TEST_F(UdpTest, AnOutageIsTriedAgainAfterPausesThatGrow) {
+  std::uint16_t port = 0;
+  {
+    const PlainSocket reserved;
+    port = reserved.port();
+  }
+  SteppedClock stepped;
+  const auto arm = UdpArmLink::open(io, stepped, {.peer = loopback(port)}, nullptr);
+  ASSERT_TRUE(arm);
+  const auto errors = [&] {
+    const LinkCounters counters = (*arm)->status().counters;
+    return counters.send_errors + counters.receive_errors;
+  };
+  constexpr std::uint64_t kErrors = 40;
+  int ms = 0;
+  for (; ms < 1000000 && errors() < kErrors; ++ms) {
+    tick(**arm);
+    io.poll();
+    io.restart();
+    stepped.sleep_until(stepped.now() + std::chrono::milliseconds(1));
+  }
+  ASSERT_GE(errors(), kErrors) << "it is tried again for ever";
+  // An attempt is told at most twice, by what is sent and by what is received. After 10, 20, 40 and
+  // 80 ms the pauses are 100 ms.
+  EXPECT_GE(ms, (kErrors / 2 - 5) * 100);
+}
+
 TEST_F(UdpTest, AnArmRefusesDatagramsOfOthers) {
   const auto server = open_server();
   const auto arm = open_arm(server->local().port);
