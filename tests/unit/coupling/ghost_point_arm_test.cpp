@@ -158,6 +158,15 @@ TEST(GhostPointArm, RestartedWorldGivesNoJump) {
   EXPECT_NEAR(after.force.x, before.force.x, 1e-9);
 }
 
+TEST(GhostPointArm, AConstraintHoldsUntilTheNextReplyAndNoLonger) {
+  ArmBench bench;
+  bench.told({kWall_m, 0, 0}, {wall(kPlusX, kWall_m)});
+  const Position3 hand{kWall_m + 0.0004, 0, 0};
+  for (int i = 0; i < 10; ++i) EXPECT_LT(bench.alone(hand).force.x, -0.3);
+  EXPECT_EQ(bench.told(hand, {wall(kPlusY, kWall_m)}).force, Force3{});
+  EXPECT_EQ(bench.alone(hand).force, Force3{});
+}
+
 TEST(GhostPointArm, RestartedWorldVoidsThePlanesItDoesNotRepeat) {
   ArmBench bench;
   bench.told({0.010, 0, 0}, {wall(kPlusX, kWall_m)});

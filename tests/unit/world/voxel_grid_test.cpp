@@ -100,6 +100,14 @@ TEST(MakeBox, OfThreeIsTheThesisBox) {
   EXPECT_DOUBLE_EQ(sut.face_m(0, 2), 0.015);
 }
 
+TEST(MakeBox, OfSixtyFourHas262144Cells) {
+  const VoxelGrid sut = make_box(64).value();
+  int cells = 0;
+  for_each_cell(sut, [&](Cell) { ++cells; });
+  EXPECT_EQ(cells, 262144);
+  EXPECT_EQ(sut.memory_bytes(), 262144U / 8);
+}
+
 TEST(MakeBox, FreesTheCellsWhoseCentreIsInTheMiddleThird) {
   for (const std::uint32_t count : {3U, 4U, 5U, 6U, 7U, 8U, 9U, 16U, 17U, 30U, 32U, 64U}) {
     const VoxelGrid sut = make_box(count).value();

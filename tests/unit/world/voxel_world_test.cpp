@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "tests/unit/world/grids.hpp"
 
@@ -41,6 +43,27 @@ TEST(VoxelWorld, StartsTheGhostAtTheNearestFreePlaceOfAHandInMatterOrOutside) {
     EXPECT_FALSE(motion.is_embedded);
     sut.remove_probe(probe);
   }
+}
+
+// The thesis's text has a spring to the ghost, its program one to each plane.
+TEST(VoxelWorld, InABoxThePlanesLieWhereASpringToTheGhostWouldPull) {
+  VoxelWorld sut = box();
+  const ProbeId probe = sut.add_probe({}).value();
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> anywhere(-0.04, 0.04);
+  std::size_t most = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Position3 hand{anywhere(random), anywhere(random), anywhere(random)};
+    const ProbeMotion motion = sut.move_probe(probe, hand, kTick);
+    Displacement3 out;
+    for (const ContactPlane& plane : motion.planes) {
+      const double depth_m = dot(plane.normal, hand) - plane.offset_m;
+      for (std::size_t axis = 0; axis < 3; ++axis) out[axis] -= depth_m * plane.normal[axis];
+    }
+    EXPECT_LT(norm(out - (motion.ghost - hand)), 1e-15);
+    most = std::max(most, motion.planes.size());
+  }
+  EXPECT_EQ(most, 3U);
 }
 
 TEST(VoxelWorld, FindsTheOneFreeCellHoweverFar) {
