@@ -184,6 +184,20 @@ TEST_F(Commands, AClearedFaultIsAnsweredWhenTheServoHasLeftIt) {
   EXPECT_NE(state(), OperatingState::Fault);
 }
 
+// docs/decisions/0236.
+TEST_F(Commands, AClearedFaultSetsALeasedArmMovingAgainWhoeverClearsIt) {
+  calibrate();
+  ASSERT_TRUE(activate(kHim));
+  loop_.run_until_driven();
+  stop();
+  loop_.controls().is_estop_healthy = true;
+  poll_for(1);
+  EXPECT_EQ(state(), OperatingState::Fault);
+  ASSERT_TRUE(clear()) << "hers is no lease";
+  ASSERT_TRUE(loop_.run_until(2, [&] { return state() == OperatingState::Active; }));
+  EXPECT_LT(loop_.frame().gain, 0.01) << "its force begins at zero";
+}
+
 TEST_F(Commands, APressedStopKeepsTheFaultAndIsNamed) {
   calibrate();
   stop();
