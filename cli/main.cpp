@@ -91,34 +91,36 @@ void add_status_commands(CLI::App& app, Arguments& arguments, int& code) {
   report->callback([&] { code = run_report(arguments.file); });
 }
 
-CLI::App* add_machine_command(CLI::App& app, const char* name, const char* what,
-                              Arguments& arguments, const std::function<void()>& run) {
+void add_machine_command(CLI::App& app, const char* name, const char* what, Arguments& arguments,
+                         const std::function<void()>& run) {
   CLI::App* command = app.add_subcommand(name, what);
   command->add_flag("--json", arguments.is_json, "As a JSON document");
   command
       ->add_option("--root", arguments.root, "Look below this folder for /proc, /sys, /dev, /etc")
       ->check(CLI::ExistingDirectory)
       ->capture_default_str();
-  command->callback(run);
-  return command;
-}
-
-void add_machine_commands(CLI::App& app, Arguments& arguments, int& code) {
-  add_machine_command(app, "doctor",
-                      "Say what on this machine is in the way of an arm, and what mends it",
-                      arguments, [&] { code = run_doctor(arguments.root, arguments.is_json); });
-  add_machine_command(app, "devices",
-                      "List what arm.device could name, and why anything cannot be used", arguments,
-                      [&] {
-                        code = run_devices({arguments.socket_path, arguments.root,
-                                            arguments.plugins, arguments.is_json});
-                      })
+  command
       ->add_option(
           "--plugin", arguments.plugins,
           "Also what this shared object brings (daemon.plugins); may be given several times")
       ->type_name("FILE")
       ->type_size(1)
       ->allow_extra_args(false);
+  command->callback(run);
+}
+
+void add_machine_commands(CLI::App& app, Arguments& arguments, int& code) {
+  add_machine_command(app, "doctor",
+                      "Say what on this machine is in the way of an arm, and what mends it",
+                      arguments, [&] {
+                        code = run_doctor({arguments.root, arguments.plugins, arguments.is_json});
+                      });
+  add_machine_command(app, "devices",
+                      "List what arm.device could name, and why anything cannot be used", arguments,
+                      [&] {
+                        code = run_devices({arguments.socket_path, arguments.root,
+                                            arguments.plugins, arguments.is_json});
+                      });
 }
 
 void add_flight_commands(CLI::App& app, Arguments& arguments, int& code) {

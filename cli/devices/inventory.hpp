@@ -23,7 +23,7 @@ struct Entry {
 // The simulated ones, each tried with the drivers as a daemon would.
 [[nodiscard]] std::vector<Entry> simulated(const plugin::SimModelRegistry& models,
                                            const plugin::DriverRegistry& drivers);
-// What is plugged into this machine and has the ids of an arm.
+// What is plugged into this machine and known to a driver as an arm.
 [[nodiscard]] std::vector<Entry> plugged_in(const doctor::Facts& facts);
 // Writes down who uses what; a device in use that is not listed yet is added.
 void mark_users(std::vector<Entry>& entries, const api::Status& status);

@@ -1,11 +1,19 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace thimble::doctor {
 
-// `thimble doctor`: examines the machine below `root` and prints what it found. Returns the exit
-// code: kExitRefused (cli/commands.hpp) when something is wrong; a warning is kExitOk.
-int run_doctor(const std::string& root, bool is_json);
+struct DoctorOptions {
+  std::string root{"/"};             // the machine
+  std::vector<std::string> plugins;  // whose arms are looked at, too
+  bool is_json{false};
+};
+
+// `thimble doctor`: examines a machine and prints what it found. Returns the exit code:
+// kExitRefused (cli/commands.hpp) when something is wrong, or, with nothing printed, when a plugin
+// cannot be had; a warning is kExitOk.
+int run_doctor(const DoctorOptions& options);
 
 }  // namespace thimble::doctor

@@ -55,7 +55,7 @@ struct Holder {
   bool operator==(const Holder&) const = default;
 };
 
-// A HID device with the ids of a force-feedback arm.
+// A HID device that a driver knows, by its ids and the lengths of its reports, as an arm.
 struct Controller {
   Node node;
   std::uint16_t vendor_id{0};

@@ -4,7 +4,7 @@
 
 #include "cli/doctor/file_tree.hpp"
 #include "cli/doctor/proc_text.hpp"
-#include "drivers/phantom/phantom_wire.hpp"
+#include "cli/doctor/report_descriptor.hpp"
 
 // Paths: proc(5); Documentation/ABI/{stable,testing}/sysfs-bus-usb, sysfs-devices-system-cpu and
 // sysfs-devices-system-clocksource of the kernel.
@@ -18,11 +18,13 @@ constexpr const char* kCpus = "/sys/devices/system/cpu";
 constexpr const char* kHidraw = "/sys/class/hidraw";
 constexpr std::string_view kDaemon = "thimbled";
 
-// Ids of every driver's arms.
-bool is_of_an_arm(const HidIds& ids) {
-  using namespace phantom::wire;
-  return (ids.vendor == kMbedVendorId && ids.product == kMbedProductId) ||
-         (ids.vendor == kTeensyVendorId && ids.product == kTeensyProductId);
+// Whether a driver calls it its own. What it lacks in a configuration, such as the full scale of
+// its amplifier, makes it no less an arm.
+bool is_an_arm(const plugin::DriverRegistry& drivers, const bus::BusDeviceInfo& info) {
+  plugin::DriverSettings settings;
+  settings.is_named_by_person = true;
+  const auto matched = drivers.match(info, settings);
+  return matched || matched.error().code != Errc::NotFound;
 }
 
 std::vector<int> processes(const FileTree& tree) {
@@ -60,29 +62,44 @@ Process read_process(const FileTree& tree, const std::vector<int>& pids) {
 }
 
 // Goes up from the HID device to the USB device, the first folder with a speed.
-void read_usb(const FileTree& tree, fs::path folder, Controller& controller) {
+void read_usb(const FileTree& tree, fs::path folder, Controller& controller,
+              bus::BusDeviceInfo& info) {
   for (; folder.has_relative_path(); folder = folder.parent_path()) {
     const std::string speed = trimmed(tree.text(folder / "speed"));
     if (speed.empty()) continue;
     controller.usb_port = folder.filename().string();
     controller.speed_mbit_per_s = speed;
     controller.power_control = trimmed(tree.text(folder / "power/control"));
+    info.manufacturer = trimmed(tree.text(folder / "manufacturer"));
+    info.product = trimmed(tree.text(folder / "product"));
     return;
   }
 }
 
-std::vector<Controller> read_controllers(const FileTree& tree) {
+std::vector<Controller> read_controllers(const FileTree& tree,
+                                         const plugin::DriverRegistry& drivers) {
   std::vector<Controller> found;
   for (const std::string& name : tree.names(kHidraw).value_or(std::vector<std::string>{})) {
-    const auto ids = parse_hid_ids(tree.text(fs::path(kHidraw) / name / "device/uevent"));
-    if (!ids || !is_of_an_arm(*ids)) continue;
+    const fs::path device = fs::path(kHidraw) / name / "device";
+    const auto ids = parse_hid_ids(tree.text(device / "uevent"));
+    const auto reports = parse_report_descriptor(tree.text(device / "report_descriptor"));
+    if (!ids || !reports) continue;
     Controller controller;
     controller.node = tree.node("/dev/" + name);
     controller.vendor_id = ids->vendor;
     controller.product_id = ids->product;
     controller.serial_number = ids->serial_number;
-    read_usb(tree, tree.resolved(fs::path(kHidraw) / name), controller);
-    found.push_back(std::move(controller));
+    bus::BusDeviceInfo info;
+    read_usb(tree, tree.resolved(fs::path(kHidraw) / name), controller, info);
+    info.kind = bus::BusKind::Hid;
+    info.vendor_id = ids->vendor;
+    info.product_id = ids->product;
+    info.serial_number = ids->serial_number;
+    info.address = {"hid:" +
+                    (ids->serial_number.empty() ? controller.usb_port : ids->serial_number)};
+    info.input_report_bytes = reports->input;
+    info.output_report_bytes = reports->output;
+    if (is_an_arm(drivers, info)) found.push_back(std::move(controller));
   }
   return found;
 }
@@ -119,7 +136,7 @@ std::vector<Cpu> read_cpus(const FileTree& tree) {
 
 }  // namespace
 
-Facts read_facts(const fs::path& root) {
+Facts read_facts(const fs::path& root, const plugin::DriverRegistry& drivers) {
   const FileTree tree(root);
   const std::vector<int> pids = processes(tree);
   Facts facts;
@@ -133,7 +150,7 @@ Facts read_facts(const fs::path& root) {
   facts.clock_source = trimmed(tree.text(fs::path(kClock) / "current_clocksource"));
   facts.clock_sources = words_of(tree.text(fs::path(kClock) / "available_clocksource"));
   facts.cpus = read_cpus(tree);
-  facts.controllers = read_controllers(tree);
+  facts.controllers = read_controllers(tree, drivers);
   if (!facts.controllers.empty()) read_holders(tree, pids, facts);
   return facts;
 }

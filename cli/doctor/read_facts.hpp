@@ -3,12 +3,15 @@
 #include <filesystem>
 
 #include "cli/doctor/facts.hpp"
+#include "hal/plugin/driver_registry.hpp"
 
 namespace thimble::doctor {
 
 // Reads the machine whose /proc, /sys, /dev and /etc are below `root`; "/" is this one. Opens no
-// device and changes nothing. What cannot be read stays empty.
+// device and changes nothing. What cannot be read stays empty. What an arm is, the drivers' passive
+// probes say, as they would to the daemon.
 // Thread: any. Not RT.
-[[nodiscard]] Facts read_facts(const std::filesystem::path& root);
+[[nodiscard]] Facts read_facts(const std::filesystem::path& root,
+                               const plugin::DriverRegistry& drivers);
 
 }  // namespace thimble::doctor

@@ -25,7 +25,7 @@ _thimble() {
     "") options="--help --version --socket $commands" ;;
     status) options+=" --json" ;;
     watch) options+=" --interval --for" ;;
-    doctor) options+=" --json --root" ;;
+    doctor) options+=" --json --root --plugin" ;;
     devices) options+=" --json --root --plugin" ;;
     flight)
       if [[ $word == -* ]]; then

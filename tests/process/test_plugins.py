@@ -80,6 +80,21 @@ class Plugins(ProcessTest):
         result = self.thimbled("--config", file, "--check")
         self.assertIn("expected absolute paths", result.stderr)
 
+    def test_its_real_arm_is_looked_at(self):
+        device = self.folder / "machine/sys/class/hidraw/hidraw0/device"
+        device.mkdir(parents=True)
+        (device / "uevent").write_text("HID_ID=0003:0000FFF0:00006A17\nHID_UNIQ=G1\n")
+        # 13 bytes in, 8 bytes out (HID 1.11, section 6.2.2)
+        (device / "report_descriptor").write_bytes(bytes.fromhex("7508950d8102 95089102"))
+        machine = ("--root", self.folder / "machine", "--socket", self.folder / "none")
+        for command, found in (("devices", "hid:G1"), ("doctor", "node /dev/hidraw0: ")):
+            self.assertNotIn(found, self.run_program("thimble", command, *machine).stdout)
+            told = self.run_program("thimble", command, *machine, "--plugin", self.plugin)
+            self.assertIn(found, told.stdout)
+        refused = self.run_program("thimble", "doctor", "--plugin", self.folder / "none.so")
+        self.assertEqual((refused.returncode, refused.stdout), (1, ""))
+        self.assert_one_sentence(refused.stderr, "none.so", "no such file")
+
     def test_devices_lists_what_it_brings(self):
         listed = self.run_program("thimble", "devices", "--plugin", self.plugin, "--json",
                                   "--socket", self.folder / "none")

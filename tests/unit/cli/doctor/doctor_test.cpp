@@ -7,6 +7,7 @@
 
 #include "cli/doctor/checks.hpp"
 #include "cli/doctor/read_facts.hpp"
+#include "daemon/session/plugins.hpp"
 #include "tests/unit/cli/doctor/access_list_bytes.hpp"
 #include "tests/unit/cli/doctor/planted_machine.hpp"
 
@@ -23,7 +24,7 @@ class Doctor : public testing::Test {
  protected:
   // Whoever runs the test owns the planted files and stands for root.
   [[nodiscard]] Facts facts() const {
-    Facts facts = read_facts(machine_.root());
+    Facts facts = read_facts(machine_.root(), plugins_.drivers);
     for (Controller& controller : facts.controllers) {
       if (controller.node.user == ::geteuid()) controller.node.user = 0;
     }
@@ -67,6 +68,7 @@ class Doctor : public testing::Test {
   }
 
   PlantedMachine machine_;
+  session::Plugins plugins_;
 };
 
 TEST_F(Doctor, FindsNothingOnAHealthyMachine) {
@@ -336,11 +338,50 @@ TEST_F(Doctor, KnowsNothingOfAnEmptyFolderAndStaysCalm) {
                                                  Field(&Verdict::look_with, testing::Not(""))))));
 }
 
-TEST_F(Doctor, LooksOnlyAtDevicesWithTheIdsOfAnArm) {
-  machine_.plant(PlantedMachine::kUsb + "1-4:1.0/0003:1234:0006.0001/uevent",
-                 "HID_ID=0003:0000046D:0000C077\n");
+// Knows one more arm, by its descriptor alone.
+class PlantedDriver : public plugin::Driver {
+ public:
+  [[nodiscard]] std::string_view name() const noexcept override { return "planted"; }
+  [[nodiscard]] Result<void> probe(const bus::BusDeviceInfo& info,
+                                   const plugin::DriverSettings& settings) const override {
+    if (info.kind != bus::BusKind::Hid || info.vendor_id != 0xfff0 || info.product_id != 0x6a17 ||
+        info.input_report_bytes != 13 || info.output_report_bytes != 8) {
+      return fail(Errc::NotMine, "");
+    }
+    EXPECT_EQ(info.address.text, "hid:A7");
+    EXPECT_EQ(info.product, "gantry");
+    EXPECT_TRUE(settings.is_named_by_person);
+    return {};
+  }
+  [[nodiscard]] Result<std::unique_ptr<HapticDevice>> open(
+      bus::BusEnumerator&, const bus::BusDeviceInfo&,
+      const plugin::DriverSettings&) const override {
+    ADD_FAILURE() << "doctor opens nothing";
+    return fail(Errc::Unsupported, "");
+  }
+};
+
+TEST_F(Doctor, LooksOnlyAtDevicesThatADriverKnows) {
   machine_.chmod("dev/hidraw0", 0666);
+  EXPECT_THAT(complaints(), SizeIs(1));
+  machine_.plant_ids("0000046D", "0000C077");
   EXPECT_THAT(complaints(), SizeIs(0));
+  machine_.plant_ids("00001234", "00000006");
+  machine_.plant_reports(8, 1);
+  EXPECT_THAT(complaints(), SizeIs(0)) << "the ids are shared by the world";
+  machine_.plant(PlantedMachine::kHid + "report_descriptor", "");
+  EXPECT_THAT(complaints(), SizeIs(0));
+}
+
+TEST_F(Doctor, LooksAtAnArmThatAPluginKnows) {
+  machine_.chmod("dev/hidraw0", 0666);
+  machine_.plant_ids("0000FFF0", "00006A17");
+  machine_.plant_reports(13, 8);
+  machine_.plant(PlantedMachine::kUsb + "product", "gantry\n");
+  EXPECT_THAT(complaints(), SizeIs(0));
+  plugins_.drivers.add(std::make_unique<PlantedDriver>());
+  expect_complaint(Level::Wrong, "node /dev/hidraw0", "every user may open",
+                   "72-thimble-fff0-6a17.rules");
 }
 
 }  // namespace

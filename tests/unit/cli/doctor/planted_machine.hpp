@@ -55,6 +55,17 @@ class PlantedMachine {
               memlock + "            bytes     \nMax realtime priority     " + rtprio +
               "                   " + rtprio + "                   \n");
   }
+  // What the arm says its reports are: that many bytes each way.
+  void plant_reports(char input_bytes, char output_bytes) const {
+    using std::string_literals::operator""s;
+    plant(kHid + "report_descriptor", "\x06\x00\xff\x09\x01\xa1\x01\x75\x08\x95"s + input_bytes +
+                                          "\x81\x02\x95" + output_bytes + "\x91\x02\xc0");
+  }
+  void plant_ids(const std::string& vendor, const std::string& product) const {
+    plant(kHid + "uevent",
+          "DRIVER=hid-generic\nHID_ID=0003:" + vendor + ":" + product +
+              "\nHID_NAME=mbed\nHID_PHYS=usb-0000:00:14.0-4/input0\nHID_UNIQ=A7\n");
+  }
   void plant_process(int pid, const std::string& name, const std::string& open_file) const {
     const std::filesystem::path folder = root_ / "proc" / std::to_string(pid);
     plant("proc/" + std::to_string(pid) + "/comm", name + "\n");
@@ -65,6 +76,7 @@ class PlantedMachine {
   [[nodiscard]] static std::string group() { return std::to_string(::getegid()); }
 
   static inline const std::string kUsb = "sys/devices/pci0000:00/0000:00:14.0/usb1/1-4/";
+  static inline const std::string kHid = kUsb + "1-4:1.0/0003:1234:0006.0001/";
   static inline const std::string kClock = "sys/devices/system/clocksource/clocksource0/";
 
   // Moves the arm to another port: "1-4" is where it is at first.
@@ -90,12 +102,10 @@ class PlantedMachine {
     plant(kUsb + "speed", "12\n");
     plant(kUsb + "power/control", "on\n");
     plant("sys/devices/pci0000:00/0000:00:14.0/usb1/speed", "480\n");
-    const std::string hid = kUsb + "1-4:1.0/0003:1234:0006.0001/";
-    plant(hid + "uevent",
-          "DRIVER=hid-generic\nHID_ID=0003:00001234:00000006\nHID_NAME=mbed\n"
-          "HID_PHYS=usb-0000:00:14.0-4/input0\nHID_UNIQ=A7\n");
-    plant(hid + "hidraw/hidraw0/dev", "243:0\n");
-    std::filesystem::create_symlink("../..", root_ / hid / "hidraw/hidraw0/device");
+    plant_ids("00001234", "00000006");
+    plant_reports(64, 64);
+    plant(kHid + "hidraw/hidraw0/dev", "243:0\n");
+    std::filesystem::create_symlink("../..", root_ / kHid / "hidraw/hidraw0/device");
     plant("dev/hidraw0", "");
     chmod("dev/hidraw0", 0660);
     link_hidraw("1-4");

@@ -1,0 +1,20 @@
+#include "cli/doctor/load_plugins.hpp"
+
+#include <filesystem>
+#include <iostream>
+
+#include "cli/text.hpp"
+
+namespace thimble::doctor {
+
+bool load_plugins(session::Plugins& plugins, const std::vector<std::string>& paths) {
+  std::vector<std::string> absolute;
+  for (const std::string& path : paths) {
+    absolute.push_back(std::filesystem::absolute(path).string());
+  }
+  const std::vector<Error> refused = plugins.load(absolute);
+  for (const Error& error : refused) std::cerr << "thimble: " << cli::plain(error.message) << '\n';
+  return refused.empty();
+}
+
+}  // namespace thimble::doctor

@@ -1,0 +1,111 @@
+#include "cli/doctor/report_descriptor.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace thimble::doctor {
+namespace {
+
+// Prefix of an item without its two bits of size: HID 1.11, sections 6.2.2.4 and 6.2.2.7.
+constexpr std::uint8_t kInput = 0x80;
+constexpr std::uint8_t kOutput = 0x90;
+constexpr std::uint8_t kReportSize = 0x74;
+constexpr std::uint8_t kReportId = 0x84;
+constexpr std::uint8_t kReportCount = 0x94;
+constexpr std::uint8_t kPush = 0xA4;
+constexpr std::uint8_t kPop = 0xB4;
+constexpr std::uint8_t kLongItem = 0xFE;
+constexpr std::size_t kLongHeaderBytes = 3;  // prefix, size, tag
+constexpr std::size_t kIds = 256;
+constexpr std::size_t kMaxDepth = 16;
+constexpr std::uint64_t kMaxBits = std::uint64_t{1} << 16;
+
+struct Globals {
+  std::uint64_t size_bits{0};
+  std::uint64_t count{0};
+  std::size_t id{0};
+};
+
+struct Reader {
+  Globals now;
+  std::vector<Globals> pushed;
+  std::array<std::uint64_t, kIds> input_bits{};
+  std::array<std::uint64_t, kIds> output_bits{};
+};
+
+std::uint8_t byte_at(std::string_view bytes, std::size_t i) {
+  return static_cast<std::uint8_t>(bytes[i]);
+}
+
+std::uint64_t value_of(std::string_view data) {
+  std::uint64_t value = 0;
+  for (std::size_t i = data.size(); i > 0; --i) value = value << 8U | byte_at(data, i - 1);
+  return value;
+}
+
+bool add(std::array<std::uint64_t, kIds>& bits, const Globals& now) {
+  if (now.size_bits > kMaxBits || now.count > kMaxBits) return false;
+  bits[now.id] += now.size_bits * now.count;
+  return bits[now.id] <= kMaxBits;
+}
+
+bool pop(Reader& reader) {
+  if (reader.pushed.empty()) return false;
+  reader.now = reader.pushed.back();
+  reader.pushed.pop_back();
+  return true;
+}
+
+// False when no device may say so.
+bool take(Reader& reader, std::uint8_t item, std::uint64_t value) {
+  switch (item) {
+    case kInput:
+      return add(reader.input_bits, reader.now);
+    case kOutput:
+      return add(reader.output_bits, reader.now);
+    case kReportSize:
+      reader.now.size_bits = value;
+      return true;
+    case kReportCount:
+      reader.now.count = value;
+      return true;
+    case kReportId:
+      reader.now.id = static_cast<std::size_t>(value % kIds);
+      return value > 0 && value < kIds;
+    case kPush:
+      reader.pushed.push_back(reader.now);
+      return reader.pushed.size() <= kMaxDepth;
+    case kPop:
+      return pop(reader);
+    default:
+      return true;  // what a field means, not how long it is
+  }
+}
+
+std::size_t longest(const std::array<std::uint64_t, kIds>& bits) {
+  return static_cast<std::size_t>((*std::max_element(bits.begin(), bits.end()) + 7) / 8);
+}
+
+}  // namespace
+
+std::optional<ReportBytes> parse_report_descriptor(std::string_view bytes) {
+  Reader reader;
+  while (!bytes.empty()) {
+    const std::uint8_t prefix = byte_at(bytes, 0);
+    const bool is_long = prefix == kLongItem;
+    if (is_long && bytes.size() < kLongHeaderBytes) return std::nullopt;
+    const std::size_t header = is_long ? kLongHeaderBytes : 1;
+    const std::size_t short_size = (prefix & 3U) == 3 ? 4 : prefix & 3U;
+    const std::size_t size = is_long ? byte_at(bytes, 1) : short_size;
+    if (bytes.size() < header + size) return std::nullopt;
+    const std::uint64_t value = is_long ? 0 : value_of(bytes.substr(header, size));
+    const auto item = static_cast<std::uint8_t>(prefix & 0xFCU);
+    if (!is_long && !take(reader, item, value)) return std::nullopt;
+    bytes.remove_prefix(header + size);
+  }
+  return ReportBytes{longest(reader.input_bits), longest(reader.output_bits)};
+}
+
+}  // namespace thimble::doctor
