@@ -41,6 +41,7 @@ struct Arguments {
   std::string root{"/"};
   double before_s{thimble::flight::kDefaultBefore_s};
   std::vector<std::string> plugins;
+  std::string config;
   bool is_json{false};
   WatchOptions watch;
   std::string world;
@@ -91,8 +92,8 @@ void add_status_commands(CLI::App& app, Arguments& arguments, int& code) {
   report->callback([&] { code = run_report(arguments.file); });
 }
 
-void add_machine_command(CLI::App& app, const char* name, const char* what, Arguments& arguments,
-                         const std::function<void()>& run) {
+CLI::App* add_machine_command(CLI::App& app, const char* name, const char* what,
+                              Arguments& arguments, const std::function<void()>& run) {
   CLI::App* command = app.add_subcommand(name, what);
   command->add_flag("--json", arguments.is_json, "As a JSON document");
   command
@@ -107,14 +108,19 @@ void add_machine_command(CLI::App& app, const char* name, const char* what, Argu
       ->type_size(1)
       ->allow_extra_args(false);
   command->callback(run);
+  return command;
 }
 
 void add_machine_commands(CLI::App& app, Arguments& arguments, int& code) {
-  add_machine_command(app, "doctor",
-                      "Say what on this machine is in the way of an arm, and what mends it",
-                      arguments, [&] {
-                        code = run_doctor({arguments.root, arguments.plugins, arguments.is_json});
-                      });
+  add_machine_command(
+      app, "doctor", "Say what on this machine is in the way of an arm, and what mends it",
+      arguments,
+      [&] {
+        code = run_doctor({arguments.root, arguments.plugins, arguments.is_json, arguments.config});
+      })
+      ->add_option("--config", arguments.config,
+                   "The daemon's configuration: look for what this one asks for")
+      ->type_name("FILE");
   add_machine_command(app, "devices",
                       "List what arm.device could name, and why anything cannot be used", arguments,
                       [&] {

@@ -1,19 +1,43 @@
 #include "cli/doctor/doctor.hpp"
 
 #include <iostream>
+#include <optional>
+#include <utility>
 
 #include "cli/commands.hpp"
 #include "cli/doctor/checks.hpp"
 #include "cli/doctor/load_plugins.hpp"
 #include "cli/doctor/read_facts.hpp"
 #include "cli/doctor/report.hpp"
+#include "cli/text.hpp"
+#include "daemon/config/load.hpp"
 
 namespace thimble::doctor {
+namespace {
+
+// The defaults where no file is named; nothing, once every mistake of the file has been told.
+std::optional<config::Config> configuration(const std::string& file) {
+  if (file.empty()) return config::Config{};
+  config::ConfigResult loaded = config::load(file);
+  if (loaded) return *std::move(loaded);
+  for (const config::ConfigError& error : loaded.error()) {
+    std::cerr << "thimble: " << cli::plain(config::to_string(error)) << '\n';
+  }
+  return std::nullopt;
+}
+
+}  // namespace
 
 int run_doctor(const DoctorOptions& options) {
+  const std::optional<config::Config> config = configuration(options.config);
+  if (!config) return cli::kExitRefused;
+  std::vector<std::string> paths = options.plugins;
+  paths.insert(paths.end(), config->daemon.plugins.begin(), config->daemon.plugins.end());
   session::Plugins plugins;
-  if (!load_plugins(plugins, options.plugins)) return cli::kExitRefused;
-  const std::vector<Verdict> verdicts = examine(read_facts(options.root, plugins.drivers));
+  if (!load_plugins(plugins, paths)) return cli::kExitRefused;
+  Facts facts = read_facts(options.root, plugins.drivers);
+  facts.servo = config->servo;
+  const std::vector<Verdict> verdicts = examine(facts);
   std::cout << (options.is_json ? to_json(verdicts) : render(verdicts));
   return is_something_wrong(verdicts) ? cli::kExitRefused : cli::kExitOk;
 }

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "daemon/config/config.hpp"
+
 namespace thimble::doctor {
 
 // What can be learnt of a machine without changing it, as the checks need it. Plain values;
@@ -80,6 +82,7 @@ struct Facts {
   bool is_realtime_kernel{false};
   std::optional<std::int64_t> rt_runtime_us;  // of every second, for real-time threads; -1: all
   Process process;
+  config::ServoConfig servo;                   // what the daemon is to ask for
   std::optional<std::uint32_t> thimble_group;  // its number in /etc/group
   Node dma_latency;
   std::string clock_source;

@@ -4,7 +4,6 @@
 
 #include "cli/doctor/checks.hpp"
 #include "cli/doctor/rights.hpp"
-#include "daemon/config/config.hpp"
 
 namespace thimble::doctor {
 namespace {
@@ -93,7 +92,7 @@ Verdict check_group(const Facts& facts) {
 
 Verdict check_rtprio(const Facts& facts) {
   const Process& process = facts.process;
-  const int wanted = config::ServoConfig{}.priority;
+  const int wanted = facts.servo.priority;
   const bool is_allowed =
       has_capability(process, kCapSysNice) ||
       (process.rtprio && (process.rtprio->is_unlimited ||

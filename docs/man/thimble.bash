@@ -17,7 +17,7 @@ _thimble() {
   done
   COMPREPLY=()
   case $before in
-    --socket | --plugin) mapfile -t COMPREPLY < <(compgen -f -- "$word"); return ;;
+    --socket | --plugin | --config) mapfile -t COMPREPLY < <(compgen -f -- "$word"); return ;;
     --root) mapfile -t COMPREPLY < <(compgen -d -- "$word"); return ;;
     --interval | --for | --before | --min | --max | --center | --radius | --cell | --fault) return ;;
   esac
@@ -25,7 +25,7 @@ _thimble() {
     "") options="--help --version --socket $commands" ;;
     status) options+=" --json" ;;
     watch) options+=" --interval --for" ;;
-    doctor) options+=" --json --root --plugin" ;;
+    doctor) options+=" --json --root --plugin --config" ;;
     devices) options+=" --json --root --plugin" ;;
     flight)
       if [[ $word == -* ]]; then

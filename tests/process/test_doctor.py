@@ -2,7 +2,7 @@
 
 import json
 
-from rig import ProcessTest
+from rig import HELLO, ProcessTest
 
 
 class Doctor(ProcessTest):
@@ -30,6 +30,21 @@ class Doctor(ProcessTest):
         self.assertTrue(document["wrong"])
         self.assertEqual([check["check"] for check in document["checks"] if check["level"] == "wrong"],
                          ["rt-share"])
+
+    def test_a_configuration_says_what_is_asked_for(self):
+        self.plant("proc/self/status", "Uid:\t0\t0\t0\t0\nGid:\t0\t0\t0\t0\nCapEff:\t4002\n")
+        self.plant("proc/self/limits", "Max realtime priority  80  80\n")
+        file = self.write("thimble.toml", HELLO + "[servo]\npriority = 81\n")
+        for words, wrong in (((), False), (("--config", file), True)):
+            result = self.run_program("thimble", "doctor", "--json", "--root", self.root, *words)
+            self.assertEqual((result.returncode, result.stderr), (int(wrong), ""))
+            found = [check["finding"] for check in json.loads(result.stdout)["checks"]
+                     if check["check"] == "rtprio"]
+            self.assertIn(f"priority {81 if wrong else 80}", found[0])
+        file = self.write("thimble.toml", "[servo]\npriority = 'high'\n")
+        result = self.run_program("thimble", "doctor", "--config", file)
+        self.assertEqual((result.returncode, result.stdout), (1, ""))
+        self.assertIn("servo.priority", result.stderr)
 
     def test_examines_this_machine_without_a_daemon(self):
         result = self.run_program("thimble", "doctor")

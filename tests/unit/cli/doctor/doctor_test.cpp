@@ -178,6 +178,17 @@ TEST_F(Doctor, NamesAMissingRightToRealTimePriority) {
   EXPECT_THAT(complaints(), SizeIs(0));
 }
 
+TEST_F(Doctor, HoldsTheLimitToTheConfiguredPriority) {
+  machine_.plant_limits("85", "unlimited");
+  Facts facts = this->facts();
+  EXPECT_THAT(complaints(facts), SizeIs(0));
+  facts.servo.priority = 85;
+  EXPECT_THAT(complaints(facts), SizeIs(0));
+  facts.servo.priority = 86;
+  expect_complaint(complaints(facts), Level::Wrong, "rtprio", "real-time priority 86 (limit: 85)",
+                   "echo '@thimble - rtprio 86'");
+}
+
 TEST_F(Doctor, MendsTheLimitsOfAServiceInItsUnit) {
   machine_.plant_limits("0", "unlimited");
   machine_.plant_service("haptics.service");
