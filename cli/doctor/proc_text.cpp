@@ -132,7 +132,7 @@ std::string parse_service(std::string_view cgroup) {
     path.remove_prefix(std::min(path.find(':'), path.size()));
     if (!path.starts_with("::/") && !path.starts_with(":name=systemd:/")) continue;
     path.remove_prefix(path.find('/') + 1);
-    const std::string service = service_of(path);
+    std::string service = service_of(path);
     if (!service.empty()) return service;
   }
   return "";
