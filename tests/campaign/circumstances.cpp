@@ -163,6 +163,8 @@ void Circumstances::describe(Observation& observation) {
                                     has_been_on(EventKind::Disconnect);
   if (is_opening_disturbed) opening_ok_since_ = now;
   observation.is_estop_healthy = !is_on(EventKind::Estop);
+  observation.is_deadman_held = !is_on(EventKind::DeadmanOpen);
+  observation.is_wanted = !is_on(EventKind::Withdraw);
   observation.clear_asked = clear_asked_;
   observation.is_clear_for_other = is_clear_for_other_;
   observation.cable_ok_since = cable_ok_since_;

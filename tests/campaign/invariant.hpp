@@ -20,6 +20,8 @@ struct Observation {
   plugin::ArmTruth truth{};
   WireSeen wire{};
   bool is_estop_healthy{true};
+  bool is_deadman_held{true};
+  bool is_wanted{true};  // somebody holds the lease
   std::uint32_t clear_asked{0};    // ClearRequest::id of the newest request
   bool is_clear_for_other{false};  // and it names another fault than the one latched then
   std::uint64_t spoilt_in{0};      // reports with wrong bytes so far, towards the servo
@@ -99,6 +101,7 @@ class Invariant {
 [[nodiscard]] std::unique_ptr<Invariant> make_sent_force(const Bounds& bounds);
 [[nodiscard]] std::unique_ptr<Invariant> make_arm_force(const Bounds& bounds);
 [[nodiscard]] std::unique_ptr<Invariant> make_zero_after_stop(const Bounds& bounds);
+[[nodiscard]] std::unique_ptr<Invariant> make_let_go(const Bounds& bounds);
 [[nodiscard]] std::unique_ptr<Invariant> make_latch(const Bounds& bounds);
 [[nodiscard]] std::unique_ptr<Invariant> make_recovery(const Bounds& bounds);
 [[nodiscard]] std::unique_ptr<Invariant> make_energy(const Bounds& bounds);

@@ -1,10 +1,14 @@
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <exception>
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "cli/numbers.hpp"
 #include "hal/linux/monotonic_clock.hpp"
@@ -126,9 +130,21 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_flag("--quiet", arguments.is_quiet, "Say nothing before the end");
 }
 
+// The C library picks its sines by processor, and their last bits differ: an episode would be
+// another one elsewhere. It looks at this variable once, when a program starts.
+void hold_sines_to_one_choice(char** argv) {
+  constexpr const char* kName = "GLIBC_TUNABLES";
+  constexpr const char* kChoice = "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX512F";
+  const char* const now = std::getenv(kName);
+  if (now != nullptr && std::string_view(now) == kChoice) return;
+  if (setenv(kName, kChoice, 1) == 0) execv("/proc/self/exe", argv);
+  say("the trace may differ from that of another processor: this one's sines are used\n");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  hold_sines_to_one_choice(argv);
   Arguments arguments;
   CLI::App app{
       "Plays episodes of random faults in virtual time while a simulated hand explores, and "
