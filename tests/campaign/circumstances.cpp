@@ -164,6 +164,7 @@ void Circumstances::describe(Observation& observation) {
   if (is_opening_disturbed) opening_ok_since_ = now;
   observation.is_estop_healthy = !is_on(EventKind::Estop);
   observation.is_deadman_held = !is_on(EventKind::DeadmanOpen);
+  observation.is_network_up = !is_on(EventKind::NetworkDown);
   observation.is_wanted = !is_on(EventKind::Withdraw);
   observation.clear_asked = clear_asked_;
   observation.is_clear_for_other = is_clear_for_other_;

@@ -12,7 +12,7 @@ using std::chrono::milliseconds;
 // What the milliseconds that a force takes to the motors make in one touch, at most: measured with
 // a healthy cable 0.17 mJ in 4 million ticks (tests/scenario/delay_test.cpp has 0.06 mJ for the
 // plainest arm).
-constexpr double kOnTheWay_j = 0.5e-3;
+constexpr double kOnTheWay_j = 0.25e-3;
 // How long a disturbance of the cable, of the network or of the ticks shows.
 constexpr Duration kAftermath = milliseconds(150);
 // A ghost in matter that an edit brought is pushed out, with force: four cells at 0.1 m/s at most.

@@ -53,7 +53,7 @@ TEST(Energy, TellsHowManyTouchesItJudged) {
 TEST(Energy, HoldsForASpringAndSeesOneThatGivesMoreThanItTook) {
   Observation quirk;
   EXPECT_EQ(push_and_return(1, quirk), "");
-  EXPECT_EQ(push_and_return(1.2, quirk), "") << "0.3 mJ are on the way";
+  EXPECT_EQ(push_and_return(1.2, quirk), "") << "0.3 mJ: one contact, and the way";
   EXPECT_THAT(push_and_return(1.5, quirk), HasSubstr("energy"));
   quirk.servo.frame.is_limited = true;
   EXPECT_EQ(push_and_return(1.5, quirk), "") << "a touch that met the limiter is not judged";
@@ -106,7 +106,7 @@ TEST(Energy, CountsTheContactThatBeginsATouchThoughItsForceIsStillOnTheWay) {
       now.servo.frame.contacts = contacts;
     };
     course.run(2, found);
-    // 1 mm by 1 N: 1 mJ, where a touch of one contact is granted 0.6.
+    // 1 mm by 1 N: 1 mJ, where a touch of one contact is granted 0.35.
     for (int i = 9; i >= 0; --i) {
       course.run(1, [&](Observation& now) {
         found(now);

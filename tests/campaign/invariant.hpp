@@ -22,6 +22,7 @@ struct Observation {
   bool is_estop_healthy{true};
   bool is_deadman_held{true};
   bool is_wanted{true};  // somebody holds the lease
+  bool is_network_up{true};
   std::uint32_t clear_asked{0};    // ClearRequest::id of the newest request
   bool is_clear_for_other{false};  // and it names another fault than the one latched then
   std::uint64_t spoilt_in{0};      // reports with wrong bytes so far, towards the servo

@@ -45,7 +45,8 @@ class LetGo final : public Invariant {
     const servo::ServoFrame& frame = now.servo.frame;
     if (now.is_deadman_held && now.is_wanted) asked_for_ = frame.now;
     if (frame.read_status == IoStatus::Ok) heard_ = frame.now;
-    if (now.network_ok_since < frame.now) network_up_ = frame.now;
+    // What answers of itself while the network is down is no network's silence.
+    if (now.is_network_up || !bounds_.is_world_honest) network_up_ = frame.now;
   }
 
   Bounds bounds_;

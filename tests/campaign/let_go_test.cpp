@@ -51,7 +51,7 @@ TEST(LetGo, SeesAnArmThatIsDrivenThoughItRunsAway) {
 TEST(LetGo, SeesWallsThatOutliveTheirWorld) {
   GoodCourse course(&make_let_go);
   const auto silent = [](Observation& now) {
-    now.network_ok_since = now.servo.frame.now;
+    now.is_network_up = false;
     now.servo.frame.wish = {1, 0, 0};
   };
   course.run(352, silent);
