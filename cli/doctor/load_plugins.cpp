@@ -9,6 +9,7 @@ namespace thimble::doctor {
 
 bool load_plugins(session::Plugins& plugins, const std::vector<std::string>& paths) {
   std::vector<std::string> absolute;
+  absolute.reserve(paths.size());
   for (const std::string& path : paths) {
     absolute.push_back(std::filesystem::absolute(path).string());
   }
