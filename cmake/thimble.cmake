@@ -18,6 +18,8 @@ if(THIMBLE_SANITIZE)
   target_compile_options(thimble_options INTERFACE
     -fsanitize=${THIMBLE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   target_link_options(thimble_options INTERFACE -fsanitize=${THIMBLE_SANITIZE})
+  # The compilers tell of themselves in different ways.
+  target_compile_definitions(thimble_options INTERFACE THIMBLE_UNDER_SANITIZER)
   # GCC cannot see through the sanitizers' instrumentation and reports what is not there.
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     target_compile_options(thimble_options INTERFACE -Wno-maybe-uninitialized -Wno-tsan)

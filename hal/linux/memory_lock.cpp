@@ -18,7 +18,7 @@ namespace {
 
 // A sanitizer's thread-local storage alone may be larger than a small stack, and it ignores
 // mlockall(): there the usual stacks stay.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef THIMBLE_UNDER_SANITIZER
 constexpr bool kNeedsUsualStacks = true;
 #else
 constexpr bool kNeedsUsualStacks = false;

@@ -24,7 +24,7 @@ namespace {
 using test::in_child_process;
 using test::Rights;
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef THIMBLE_UNDER_SANITIZER
 constexpr bool kIsSanitized = true;  // sanitizers ignore mlockall() and enlarge stacks
 #else
 constexpr bool kIsSanitized = false;

@@ -7,14 +7,9 @@
 #include <cstddef>
 #include <cstdlib>
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef THIMBLE_UNDER_SANITIZER
 #define THIMBLE_TEST_COUNTS 0
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define THIMBLE_TEST_COUNTS 0
-#endif
-#endif
-#ifndef THIMBLE_TEST_COUNTS
+#else
 #define THIMBLE_TEST_COUNTS 1
 #endif
 

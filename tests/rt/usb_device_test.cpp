@@ -85,7 +85,12 @@ TEST_F(UsbDeviceTest, AnExchangeAllocatesNothingInTheThreadOfTheServo) {
     allocated += test::allocation_count() - before;
   }
   EXPECT_EQ(allocated, 0U);
-  EXPECT_TRUE(run_until([&] { return (read += sut->read(kIn, packet) == IoStatus::Ok) == 500; }));
+  // A reader whom the machine kept from running for 64 frames loses some, which are counted.
+  EXPECT_TRUE(run_until([&] {
+    read += sut->read(kIn, packet) == IoStatus::Ok;
+    return static_cast<std::uint64_t>(read) + sut->counters(kIn).packets_skipped == 500;
+  }));
+  EXPECT_GT(read, 0);
 }
 
 TEST_F(UsbDeviceTest, AStallIsClearedByTheThread) {

@@ -18,7 +18,7 @@
 namespace thimble::world {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || !defined(NDEBUG)
+#if defined(THIMBLE_UNDER_SANITIZER) || !defined(NDEBUG)
 constexpr int kWorlds = 10;  // 1/40 where everything is slow
 #else
 constexpr int kWorlds = 400;
