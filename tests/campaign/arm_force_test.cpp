@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "tests/campaign/good_course.hpp"
 
 // The invariant is seen to hold on a good course and to break on a planted breach.
@@ -18,6 +20,16 @@ TEST(ArmForce, SeesCurrentsAtTheWireAndInTheMotors) {
   GoodCourse motor(&make_arm_force);
   motor.run(1, [](Observation& now) { now.truth.motor_current_a[1] = -3.01; });
   EXPECT_THAT(motor.broken(), HasSubstr("motor"));
+}
+
+TEST(ArmForce, SeesWhatIsNotFiniteAtTheArm) {
+  constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
+  for (const auto spoil : {+[](Observation& now) { now.truth.motor_force.y = kNotANumber; },
+                           +[](Observation& now) { now.truth.tip.z = kNotANumber; }}) {
+    GoodCourse course(&make_arm_force);
+    course.run(1, spoil);
+    EXPECT_THAT(course.broken(), HasSubstr("at the arm is finite"));
+  }
 }
 
 TEST(ArmForce, SeesANormThatOnlyTheArmShows) {

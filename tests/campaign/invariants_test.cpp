@@ -172,6 +172,9 @@ TEST(Latch, EndsByAGrantedRequestOnly) {
     now.servo.frame.state = OperatingState::Configured;
   });
   EXPECT_THAT(by_itself.broken(), HasSubstr("stays latched"));
+  GoodCourse groundless(&make_latch);
+  groundless.run(1, clear);
+  EXPECT_THAT(groundless.broken(), HasSubstr("only a latched fault"));
 }
 
 TEST(Latch, SeesAClearThatNobodyMayGet) {
