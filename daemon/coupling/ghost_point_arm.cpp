@@ -353,6 +353,8 @@ void GhostPointArm::advance_ramp(Contact& contact, Duration dt, double depth) no
   const double granted_joule =
       settings_.coordinate_spring.newton_per_m * touch_offset_m2_ / 2 - spring_spent_joule_;
   double rise_m = wanted_m - contact.shown_m;
+  // What waited for the budget comes as slowly as what did not.
+  if (ramp_s > 0) rise_m = std::min(rise_m, target_m * std::max(0.0, seconds(dt)) / ramp_s);
   if (rise_m * price_newton > granted_joule) rise_m = std::max(0.0, granted_joule) / price_newton;
   spring_spent_joule_ += std::max(0.0, rise_m) * price_newton;
   contact.shown_m += rise_m;

@@ -262,6 +262,26 @@ TEST(GhostPointArm, CoordinateSpringThatIsFeltIsNotLostWhenAPressedWallJumps) {
   EXPECT_NEAR(bench.told(tip, {wall(kPlusX, kWall_m - 0.010)}).force.x, before, 0.02);
 }
 
+// 8 mm deep at an offset of 5 mm it may not show all of it; then another face shifts the frame by
+// 10 mm more, and it may (decision 0057).
+TEST(GhostPointArm, CoordinateSpringThatWaitedForItsBudgetGrowsNoFasterThanAnyOther) {
+  ArmBench bench;
+  const ConstraintPlane first = wall(kPlusX, kWall_m);
+  bench.told({kWall_m + 0.0055, 0, 0}, {first});
+  const Position3 tip{kWall_m + 0.013, 0, 0};
+  ArmOutput out{};
+  for (int i = 0; i < 300; ++i) out = bench.told(tip, {first});
+  const double wall_newton = 800 * 0.008;
+  EXPECT_LT(-out.force.x - wall_newton, 0.9 * 50 * 0.005);
+  double last_newton = out.force.x;
+  for (int i = 0; i < 300; ++i) {
+    out = bench.told(tip, {first, wall(kPlusY, -0.0105)});
+    EXPECT_LE(last_newton - out.force.x, 0.011 * 50 * 0.005) << i;
+    last_newton = out.force.x;
+  }
+  EXPECT_NEAR(-out.force.x - wall_newton, 50 * 0.005, 1e-6);
+}
+
 // A ball turns its normal under the sliding finger at every reply.
 TEST(GhostPointArm, CurvedWallKeepsItsForceWhileTheFingerSlides) {
   ArmBench bench(without_spring());
