@@ -9,6 +9,7 @@ namespace thimble::doctor {
 namespace {
 
 constexpr unsigned kOthers = 07;
+constexpr unsigned kGroup = 070;
 constexpr std::uint32_t kRoot = 0;
 constexpr const char* kWhyClosed =
     "whoever may open it, be it only to read, can send it forces that pass no limit of ours";
@@ -52,7 +53,7 @@ std::string stranger(const Facts& facts, const Node& node) {
   if (node.user != kRoot) {
     return node.path + " belongs to user " + std::to_string(node.user) + " and not to root";
   }
-  if (node.group != facts.thimble_group) {
+  if ((node.mode & kGroup) != 0 && node.group != facts.thimble_group) {
     return node.path + " belongs to group " + std::to_string(node.group) +
            " and not to the group 'thimble'";
   }
@@ -69,7 +70,8 @@ Verdict closed_verdict(const std::string& check, const std::string& finding,
                        const Controller& controller) {
   Verdict verdict{Level::Wrong, check, finding, kWhyClosed, rule_command(controller), ""};
   if (controller.node.access_list != AccessList{}) {
-    verdict.command += " && sudo setfacl --remove-all " + controller.node.path;
+    // First: taken away later, it would leave what the kernel made of the group's right meanwhile.
+    verdict.command = "sudo setfacl --remove-all " + controller.node.path + "; " + verdict.command;
     verdict.advice =
         "setfacl is in the package 'acl'; without it, unplug the arm and plug it in again";
   }
