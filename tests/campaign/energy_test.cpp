@@ -106,7 +106,7 @@ TEST(Energy, CountsTheContactThatBeginsATouchThoughItsForceIsStillOnTheWay) {
       now.servo.frame.contacts = contacts;
     };
     course.run(2, found);
-    // 1 mm by 1 N: 1 mJ, where a touch of one contact is granted 0.35.
+    // 1 mm by 1 N: 1 mJ, where a touch of one contact is granted 0.6.
     for (int i = 9; i >= 0; --i) {
       course.run(1, [&](Observation& now) {
         found(now);
