@@ -262,19 +262,13 @@ TEST_F(Doctor, NamesADeviceNodeOfAnotherGroup) {
   EXPECT_THAT(complaints(facts), SizeIs(1)) << "nor is it well for a daemon that may open all";
 }
 
-TEST_F(Doctor, NamesADeviceNodeOfAPerson) {
+TEST_F(Doctor, NamesADeviceNodeOfAPersonOrOfRootAlone) {
   Facts facts = this->facts();
   facts.controllers[0].node.user = facts.process.user;
   facts.controllers[0].node.mode = 0600;
   expect_complaint(complaints(facts), Level::Wrong, "node /dev/hidraw0",
                    "belongs to user 64000 and not to root", "OWNER:=\"root\"");
-}
-
-// As the kernel makes it where no rule is: nobody's danger, and nobody's arm.
-TEST_F(Doctor, NamesADeviceNodeThatOnlyRootMayOpen) {
-  Facts facts = this->facts();
-  facts.controllers[0].node.group = 0;
-  facts.controllers[0].node.mode = 0600;
+  facts.controllers[0].node.user = facts.controllers[0].node.group = 0;
   expect_complaint(complaints(facts), Level::Wrong, "node /dev/hidraw0",
                    "may not be read and written by the daemon", "GROUP:=\"thimble\"");
 }
