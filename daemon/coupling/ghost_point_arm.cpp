@@ -205,9 +205,7 @@ void GhostPointArm::remember(const std::array<bool, kMaxContacts>& is_taken, con
     contact.shown_m = 0;
     // A hand well past a face that the world does not name disproves the face.
     if (depth_m(contact.plane, input.tip + offset_) > hysteresis_m_) contact.is_barrier = false;
-    const bool is_recent =
-        contact.has_pressed && input.now - contact.last_pressed <= settings_.redetection_guard;
-    if (contact.is_barrier || is_recent) next.push_back(contact);
+    if (contact.is_barrier || was_pressed_lately(contact, input.now)) next.push_back(contact);
   }
 }
 
@@ -287,9 +285,7 @@ void GhostPointArm::press(const ArmInput& input, ArmOutput& output) noexcept {
 }
 
 void GhostPointArm::begin(Contact& contact, const ArmInput& input, ArmOutput& output) noexcept {
-  const bool is_chatter =
-      contact.has_pressed && input.now - contact.last_pressed <= settings_.redetection_guard;
-  if (is_chatter) {
+  if (was_pressed_lately(contact, input.now)) {
     ++counters_.redetections;
   } else {
     ++output.new_contacts;
@@ -326,13 +322,15 @@ Force3 GhostPointArm::rub(Contact& contact, const ArmInput& input,
   return Force3{-share * wanted.x, -share * wanted.y, -share * wanted.z};
 }
 
+bool GhostPointArm::was_pressed_lately(const Contact& contact, MonotonicTime now) const noexcept {
+  return contact.has_pressed && now - contact.last_pressed <= settings_.redetection_guard;
+}
+
 // What teleop.md 2(e) grants the coordinate spring in one touch, and no more (decision 0057). A
 // face that is found again within the guard has its old touch to thank for what the spring gave.
 void GhostPointArm::update_spring_budget(MonotonicTime now) noexcept {
   const auto is_pressing = [](const Contact& contact) { return contact.is_pressing; };
-  const auto is_recent = [&](const Contact& contact) {
-    return contact.has_pressed && now - contact.last_pressed <= settings_.redetection_guard;
-  };
+  const auto is_recent = [&](const Contact& contact) { return was_pressed_lately(contact, now); };
   const double offset_m2 = dot(offset_, offset_);
   const bool is_touching = std::any_of(contacts_.begin(), contacts_.end(), is_pressing);
   touch_offset_m2_ = is_touching ? std::max(touch_offset_m2_, offset_m2) : offset_m2;

@@ -99,6 +99,8 @@ class GhostPointArm final : public ArmCoupling {
   void begin(Contact& contact, const ArmInput& input, ArmOutput& output) noexcept;
   [[nodiscard]] Force3 rub(Contact& contact, const ArmInput& input,
                            double wall_newton) const noexcept;
+  // Within the redetection guard: it is the same touch (decision 0051).
+  [[nodiscard]] bool was_pressed_lately(const Contact& contact, MonotonicTime now) const noexcept;
   void update_spring_budget(MonotonicTime now) noexcept;
   void advance_ramp(Contact& contact, Duration dt, double depth_m) noexcept;
   [[nodiscard]] Stiffness stiffness_of(const ConstraintPlane& plane) const noexcept;
