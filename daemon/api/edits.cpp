@@ -124,10 +124,6 @@ class EditReader {
   std::string mistake_;
 };
 
-tl::unexpected<RequestError> malformed(std::string message) {
-  return tl::unexpected(RequestError{400, "malformed", std::move(message), ""});
-}
-
 }  // namespace
 
 tl::expected<std::vector<CellEdit>, RequestError> parse_edits(const json::value& document) {

@@ -51,10 +51,6 @@ std::optional<Action> parse_target(std::string_view target) {
   return Action{verb->kind, std::string(target.substr(0, slash))};
 }
 
-tl::unexpected<RequestError> malformed(std::string message) {
-  return tl::unexpected(RequestError{400, "malformed", std::move(message), ""});
-}
-
 // Which fault is meant; nothing where the body leaves it open.
 tl::expected<std::optional<std::uint32_t>, RequestError> read_fault(
     const boost::json::value& document) {
@@ -121,6 +117,10 @@ unsigned http_status_of(Errc code) {
 }
 
 }  // namespace
+
+tl::unexpected<RequestError> malformed(std::string message) {
+  return tl::unexpected(RequestError{400, "malformed", std::move(message), ""});
+}
 
 tl::expected<Action, RequestError> parse_request(std::string_view method, std::string_view target,
                                                  std::string_view body) {

@@ -31,6 +31,9 @@ struct RequestError {
   bool operator==(const RequestError&) const = default;
 };
 
+// What is refused as it stands: a 400 with the sentence that says why.
+[[nodiscard]] tl::unexpected<RequestError> malformed(std::string message);
+
 // Pure and total: any bytes give an action or an error.
 [[nodiscard]] tl::expected<Action, RequestError> parse_request(std::string_view method,
                                                                std::string_view target,

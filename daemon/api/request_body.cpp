@@ -76,10 +76,6 @@ class KeyCheck {
   bool is_repeated_{false};
 };
 
-tl::unexpected<RequestError> malformed(std::string message) {
-  return tl::unexpected(RequestError{400, "malformed", std::move(message), ""});
-}
-
 }  // namespace
 
 tl::expected<json::value, RequestError> parse_body(std::string_view body) {
