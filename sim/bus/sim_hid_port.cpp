@@ -6,20 +6,9 @@
 
 namespace thimble::sim {
 
-namespace {
-
-bus::BusDeviceInfo description(bus::DeviceAddress address, const plugin::SimHidModel& model) {
-  bus::BusDeviceInfo info = model.describe();
-  info.address = std::move(address);
-  info.kind = bus::BusKind::Hid;
-  return info;
-}
-
-}  // namespace
-
 SimHidPort::SimHidPort(VirtualClock& clock, bus::DeviceAddress address,
                        std::unique_ptr<plugin::SimHidModel> model)
-    : SimPort(description(std::move(address), *model)),
+    : SimPort(model->describe(), std::move(address), bus::BusKind::Hid),
       clock_(&clock),
       model_(std::move(model)),
       frame_period_(model_->frame_period()) {

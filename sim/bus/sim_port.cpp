@@ -1,6 +1,14 @@
 #include "sim/bus/sim_port.hpp"
 
+#include <utility>
+
 namespace thimble::sim {
+
+SimPort::SimPort(bus::BusDeviceInfo model, bus::DeviceAddress address, bus::BusKind kind) noexcept
+    : info_(std::move(model)) {
+  info_.address = std::move(address);
+  info_.kind = kind;
+}
 
 bool SimPort::unplug() noexcept {
   if (!is_plugged()) return false;

@@ -17,7 +17,8 @@ namespace thimble::sim {
 // Thread: generation() from any; the rest from one control thread.
 class SimPort {
  public:
-  explicit SimPort(bus::BusDeviceInfo info) noexcept : info_(std::move(info)) {}
+  // `model`: what the device says of itself; where it hangs is the bus's to say.
+  SimPort(bus::BusDeviceInfo model, bus::DeviceAddress address, bus::BusKind kind) noexcept;
   SimPort(const SimPort&) = delete;
   SimPort& operator=(const SimPort&) = delete;
   virtual ~SimPort() = default;

@@ -10,18 +10,13 @@ using bus::UsbOutcome;
 using bus::UsbTransferKind;
 using plugin::UsbHandshake;
 
-bus::BusDeviceInfo description(bus::DeviceAddress address, const plugin::SimUsbModel& model) {
-  bus::BusDeviceInfo info = model.describe();
-  info.address = std::move(address);
-  info.kind = bus::BusKind::Usb;
-  return info;
-}
-
 }  // namespace
 
 SimUsbPort::SimUsbPort(VirtualClock& clock, bus::DeviceAddress address,
                        std::unique_ptr<plugin::SimUsbModel> model)
-    : SimPort(description(std::move(address), *model)), clock_(&clock), model_(std::move(model)) {
+    : SimPort(model->describe(), std::move(address), bus::BusKind::Usb),
+      clock_(&clock),
+      model_(std::move(model)) {
   clock.events().schedule_at(*this, clock.now() + kUsbRound);
 }
 
