@@ -116,6 +116,7 @@ TEST_F(UsbDeviceTest, OpeningAndClosingInAHurryLeaksNothing) {
     sut->submit(kOut, Packet(16, 1));
     if (i % 2 == 0) wire.run_frame();
   }
+  EXPECT_EQ(FakeUsbWire::alive(), 0);
 }
 
 TEST_F(UsbDeviceTest, ARefusalNamesTheDevice) {

@@ -93,6 +93,7 @@ TEST(RecordingWriter, AStuckDiskKeepsNobodyFromEnding) {
     sut.write(recording_of("right"));
     sut.write(recording_of("left"));  // is not begun: the disk would take the second promise ill
     disk.wait_until_begun();
+    EXPECT_FALSE(sut.flush(kNoPatience)) << "it is stuck when its end comes";
   }
   disk.release();  // whoever is left behind touches nothing that is gone
 }
