@@ -12,12 +12,12 @@ constexpr double kSomeCurrent_a = 1;
 
 Entry simulated_entry(const plugin::SimModelEntry& model, const plugin::DriverRegistry& drivers) {
   Entry entry{"sim:" + model.name, model.description, "", "", {}};
-  const auto made = model.create_hid({});
+  const auto made = model.create({});
   if (!made) {
     entry.obstacle = made.error().message;
     return entry;
   }
-  bus::BusDeviceInfo info = (*made)->describe();
+  bus::BusDeviceInfo info = plugin::describe(*made);
   info.address = {entry.address};
   plugin::DriverSettings settings;
   const auto bare = drivers.match(info, settings);

@@ -57,9 +57,9 @@ class ArmInspection {
 
   [[nodiscard]] Result<void> match(const plugin::SimModelEntry& entry,
                                    const config::ArmConfig& arm) const {
-    const auto model = entry.create_hid({});
+    const auto model = entry.create({});
     if (!model) return tl::unexpected(model.error());
-    bus::BusDeviceInfo info = (*model)->describe();
+    bus::BusDeviceInfo info = plugin::describe(*model);
     info.address = {arm.device};
     const auto driver = parts_.drivers.match(info, driver_settings(arm));
     if (!driver) return tl::unexpected(driver.error());

@@ -57,16 +57,16 @@ Result<std::unique_ptr<SimArm>> SimArm::create(const plugin::SimModelRegistry& m
   plugin::SimModelSettings settings;
   settings.amplifier_max_a = arm.amplifier_max_a.value_or(0);
   settings.seed = arm.hand ? arm.hand->seed : 0;
-  Result<std::unique_ptr<plugin::SimHidModel>> model = entry->create_hid(settings);
+  Result<plugin::SimModel> model = entry->create(settings);
   if (!model) return tl::unexpected(model.error().in(arm.device));
 
   // The constructor is private, so make_unique cannot reach it.
   std::unique_ptr<SimArm> sim_arm(new SimArm());
-  sim_arm->backend_ = (*model)->arm_backend();
+  sim_arm->backend_ = plugin::arm_backend(*model);
   if (sim_arm->backend_ == nullptr) {
     return fail(Errc::InvalidArgument, arm.device + " is no arm");
   }
-  const Result<void> plugged = sim_arm->buses_.plug({arm.device}, *std::move(model));
+  const Result<void> plugged = sim_arm->buses_.plug_any({arm.device}, *std::move(model));
   if (!plugged) return tl::unexpected(plugged.error());
   if (arm.hand) {
     const Result<void> sound = sim::check(hand_settings(*arm.hand));

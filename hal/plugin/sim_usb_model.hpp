@@ -6,7 +6,7 @@
 
 #include "hal/base/time.hpp"
 #include "hal/bus/bus_enumerator.hpp"
-#include "hal/plugin/sim_model.hpp"
+#include "hal/plugin/arm_backend.hpp"
 
 namespace thimble::plugin {
 

@@ -1,6 +1,7 @@
 #include "sim/bus/sim_enumerator.hpp"
 
 #include <utility>
+#include <variant>
 
 #include "sim/bus/sim_hid_port.hpp"
 #include "sim/bus/sim_usb_port.hpp"
@@ -55,6 +56,10 @@ Result<void> SimEnumerator::plug(const DeviceAddress& address,
   }
   add(std::make_unique<SimUsbPort>(*clock_, address, std::move(model)));
   return {};
+}
+
+Result<void> SimEnumerator::plug_any(const DeviceAddress& address, plugin::SimModel model) {
+  return std::visit([&](auto& device) { return plug(address, std::move(device)); }, model);
 }
 
 Result<void> SimEnumerator::unplug(const DeviceAddress& address) {

@@ -30,6 +30,8 @@ class SimEnumerator final : public bus::BusEnumerator {
   // speed allows.
   Result<void> plug(const bus::DeviceAddress& address, std::unique_ptr<plugin::SimHidModel> model);
   Result<void> plug(const bus::DeviceAddress& address, std::unique_ptr<plugin::SimUsbModel> model);
+  // On whichever bus the model is.
+  Result<void> plug_any(const bus::DeviceAddress& address, plugin::SimModel model);
   // The cable is pulled, or put back: NotFound for an unknown address or when it was already.
   Result<void> unplug(const bus::DeviceAddress& address);
   Result<void> replug(const bus::DeviceAddress& address);

@@ -1,0 +1,40 @@
+#include "hal/plugin/sim_model.hpp"
+
+namespace thimble::plugin {
+namespace {
+
+// Asks one of the two creators, where there is that one.
+template <class Model>
+Result<SimModel> ask(
+    const std::function<Result<std::unique_ptr<Model>>(const SimModelSettings&)>& create,
+    const SimModelSettings& settings) {
+  Result<std::unique_ptr<Model>> made = create ? create(settings) : nullptr;
+  if (!made) return tl::unexpected(made.error());
+  if (*made == nullptr) return fail(Errc::InvalidArgument, "the model makes no device");
+  return SimModel(*std::move(made));
+}
+
+}  // namespace
+
+Result<SimModel> SimModelEntry::create(const SimModelSettings& settings) const {
+  return create_usb ? ask(create_usb, settings) : ask(create_hid, settings);
+}
+
+bus::BusDeviceInfo describe(const SimModel& model) {
+  bus::BusDeviceInfo info =
+      std::visit([](const auto& device) { return device->describe(); }, model);
+  const bool is_hid = std::holds_alternative<std::unique_ptr<SimHidModel>>(model);
+  info.kind = is_hid ? bus::BusKind::Hid : bus::BusKind::Usb;
+  return info;
+}
+
+ArmBackend* arm_backend(const SimModel& model) noexcept {
+  // Not std::visit: that may throw.
+  if (const auto* hid = std::get_if<std::unique_ptr<SimHidModel>>(&model)) {
+    return (*hid)->arm_backend();
+  }
+  const auto* usb = std::get_if<std::unique_ptr<SimUsbModel>>(&model);
+  return usb == nullptr ? nullptr : (*usb)->arm_backend();
+}
+
+}  // namespace thimble::plugin
