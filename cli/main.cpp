@@ -202,8 +202,7 @@ int run(int argc, char** argv) {
   int code = kExitOk;
   CLI::App app("Talks to thimbled, the haptics daemon");
   app.set_version_flag("--version", std::string("thimble ") + THIMBLE_VERSION);
-  arguments.socket_path =
-      thimble::config::default_socket_path(thimble::config::process_environment());
+  arguments.socket_path = thimble::config::client_socket_path();
   app.add_option("--socket", arguments.socket_path, "Socket of the daemon")->capture_default_str();
   app.require_subcommand(1);
   app.fallthrough();  // options of the program may follow the subcommand

@@ -10,6 +10,10 @@
 namespace thimble::config {
 namespace {
 
+constexpr std::string_view kSocketName = "/thimble.sock";
+// RuntimeDirectory= of systemd/thimbled.service.
+constexpr const char* kServiceFolder = "/run/thimble";
+
 constexpr std::array kVariables = {"THIMBLE_SOCKET",  "RUNTIME_DIRECTORY", "XDG_RUNTIME_DIR",
                                    "STATE_DIRECTORY", "XDG_STATE_HOME",    "HOME"};
 
@@ -36,14 +40,26 @@ Environment process_environment() {
 }
 
 std::string default_socket_path(const Environment& environment) {
-  constexpr std::string_view kName = "/thimble.sock";
   if (auto path = value_of(environment, "THIMBLE_SOCKET")) return *path;
   if (auto path = value_of(environment, "RUNTIME_DIRECTORY")) {
-    return first_of(*path).append(kName);
+    return first_of(*path).append(kSocketName);
   }
-  if (auto path = value_of(environment, "XDG_RUNTIME_DIR")) return path->append(kName);
-  if (environment.user_id == 0) return "/run/thimble/thimble.sock";
-  return ("/tmp/thimble-" + std::to_string(environment.user_id)).append(kName);
+  if (auto path = value_of(environment, "XDG_RUNTIME_DIR")) return path->append(kSocketName);
+  if (environment.user_id == 0) return std::string(kServiceFolder).append(kSocketName);
+  return ("/tmp/thimble-" + std::to_string(environment.user_id)).append(kSocketName);
+}
+
+std::string client_socket_path(const Environment& environment,
+                               const std::function<bool(const std::string&)>& is_there) {
+  std::string own = default_socket_path(environment);
+  if (value_of(environment, "THIMBLE_SOCKET") || is_there(own)) return own;
+  return is_there(kServiceFolder) ? std::string(kServiceFolder).append(kSocketName) : own;
+}
+
+std::string client_socket_path() {
+  return client_socket_path(process_environment(), [](const std::string& path) {
+    return ::access(path.c_str(), F_OK) == 0;
+  });
 }
 
 std::string default_flight_directory(const Environment& environment) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <string>
 
@@ -19,6 +20,15 @@ struct Environment {
 // thimble.sock in $RUNTIME_DIRECTORY, else in $XDG_RUNTIME_DIR, else /run/thimble/ for root,
 // else /tmp/thimble-UID/. Empty variables count as unset.
 [[nodiscard]] std::string default_socket_path(const Environment& environment);
+
+// Where the command line looks for a daemon when nobody says: $THIMBLE_SOCKET, else the default
+// above where a socket is, else that of the system's service where its folder is, else the default.
+// `is_there` says whether a path exists: not for what lies in a folder that may not be entered,
+// and so the folder is asked for, which the service manager removes with the service.
+[[nodiscard]] std::string client_socket_path(
+    const Environment& environment, const std::function<bool(const std::string&)>& is_there);
+// For the calling process. Thread: as process_environment().
+[[nodiscard]] std::string client_socket_path();
 
 // Where flight recordings go: $STATE_DIRECTORY, else thimble in $XDG_STATE_HOME, else
 // ~/.local/state/thimble, else /var/lib/thimble.

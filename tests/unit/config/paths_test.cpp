@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+#include <string>
+
 #include "daemon/config/endpoint.hpp"
 
 namespace thimble::config {
@@ -21,6 +24,38 @@ TEST(DefaultSocketPath, TakesTheFirstOfItsSources) {
   EXPECT_EQ(default_socket_path(sut), "/tmp/thimble-7/thimble.sock");
   sut.user_id = 0;
   EXPECT_EQ(default_socket_path(sut), "/run/thimble/thimble.sock");
+}
+
+class ClientSocketPath : public ::testing::Test {
+ protected:
+  std::string path() {
+    return client_socket_path(sut_,
+                              [this](const std::string& path) { return there_.contains(path); });
+  }
+
+  Environment sut_{{{"XDG_RUNTIME_DIR", "/run/user/7"}}, 7};
+  std::set<std::string> there_;
+};
+
+TEST_F(ClientSocketPath, IsTheDaemonsOwnWhereOneIs) {
+  there_ = {"/run/user/7/thimble.sock", "/run/thimble"};
+  EXPECT_EQ(path(), "/run/user/7/thimble.sock");
+}
+
+// The folder may be closed to this user: that there is a socket in it cannot be seen.
+TEST_F(ClientSocketPath, IsTheServicesWhereNobodysDaemonRuns) {
+  there_ = {"/run/thimble"};
+  EXPECT_EQ(path(), "/run/thimble/thimble.sock");
+}
+
+TEST_F(ClientSocketPath, IsTheOwnWhereNothingRuns) {
+  EXPECT_EQ(path(), "/run/user/7/thimble.sock");
+}
+
+TEST_F(ClientSocketPath, IsWhatThePersonSaysWhateverIsThere) {
+  sut_.variables["THIMBLE_SOCKET"] = "/a.sock";
+  there_ = {"/run/user/7/thimble.sock", "/run/thimble"};
+  EXPECT_EQ(path(), "/a.sock");
 }
 
 TEST(DefaultFlightDirectory, TakesTheFirstOfItsSources) {
