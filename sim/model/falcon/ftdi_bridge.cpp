@@ -86,7 +86,7 @@ bool FtdiBridge::set(MonotonicTime t, const bus::UsbControlRequest& request) noe
       set_modem_lines(request.value);
       return true;
     case kBaudDivisor:
-      sender_.set_baud(ftdi_baud(request.value | (request.index & 1U) << 16U));
+      sender_.set_speed(ftdi_baud(request.value | (request.index & 1U) << 16U));
       return true;
     case kDataFormat:
       // Data bits in the low byte; parity, stop bits and break above: 8N1 is all zeros there.
@@ -143,7 +143,7 @@ SerialByte FtdiBridge::take_arrived() noexcept {
 }
 
 void FtdiBridge::receive(SerialByte byte) noexcept {
-  ReceivedByte received = receive_at(byte, baud());
+  ReceivedByte received = receive_at(byte, speed_baud());
   if (!is_8n1_) received = {static_cast<std::uint8_t>(~received.value), false};
   if (!received.has_stop_bit) {
     ++counters_.framing_errors;

@@ -65,7 +65,7 @@ class FtdiBridge {
   [[nodiscard]] bool is_dtr_high() const noexcept { return is_dtr_high_; }
   [[nodiscard]] bool is_rts_high() const noexcept { return is_rts_high_; }
 
-  [[nodiscard]] double baud() const noexcept { return sender_.baud(); }
+  [[nodiscard]] double speed_baud() const noexcept { return sender_.speed_baud(); }
   [[nodiscard]] Duration latency() const noexcept { return latency_; }
   [[nodiscard]] const FtdiCounters& counters() const noexcept { return counters_; }
 

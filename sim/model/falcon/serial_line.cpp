@@ -13,9 +13,9 @@ bool level_at(std::uint8_t value, double bits) noexcept {
 
 }  // namespace
 
-ReceivedByte receive_at(SerialByte sent, double baud) noexcept {
-  if (!(sent.baud > 0) || !(baud > 0)) return {0, false};
-  const double bits_per_bit = sent.baud / baud;
+ReceivedByte receive_at(SerialByte sent, double speed_baud) noexcept {
+  if (!(sent.speed_baud > 0) || !(speed_baud > 0)) return {0, false};
+  const double bits_per_bit = sent.speed_baud / speed_baud;
   unsigned value = 0;
   for (unsigned bit = 0; bit < 8; ++bit) {
     if (level_at(sent.value, (1.5 + bit) * bits_per_bit)) value |= 1U << bit;
@@ -23,6 +23,8 @@ ReceivedByte receive_at(SerialByte sent, double baud) noexcept {
   return {static_cast<std::uint8_t>(value), level_at(sent.value, 9.5 * bits_per_bit)};
 }
 
-Duration serial_byte_time(double baud) noexcept { return from_seconds(kSerialBitsPerByte / baud); }
+Duration serial_byte_time(double speed_baud) noexcept {
+  return from_seconds(kSerialBitsPerByte / speed_baud);
+}
 
 }  // namespace thimble::sim

@@ -15,7 +15,7 @@ inline constexpr int kSerialBitsPerByte = 10;
 
 struct SerialByte {
   std::uint8_t value{0};
-  double baud{9600};  // of the sender, > 0
+  double speed_baud{9600};  // of the sender, > 0
 };
 
 struct ReceivedByte {
@@ -28,10 +28,10 @@ struct ReceivedByte {
 // beyond, it is garbage of the kind a real one sees. One byte in, one byte out: that a much faster
 // receiver would see several is left out.
 // Thread: any. RT. Errors: none; a speed that is not positive gives a framing error.
-THIMBLE_RT [[nodiscard]] ReceivedByte receive_at(SerialByte sent, double baud) noexcept;
+THIMBLE_RT [[nodiscard]] ReceivedByte receive_at(SerialByte sent, double speed_baud) noexcept;
 
 // How long a byte takes.
-THIMBLE_RT [[nodiscard]] Duration serial_byte_time(double baud) noexcept;
+THIMBLE_RT [[nodiscard]] Duration serial_byte_time(double speed_baud) noexcept;
 
 // A point in time that never comes.
 inline constexpr MonotonicTime kNeverInTime{Duration::max()};
@@ -52,9 +52,9 @@ class SerialSender {
     if (!is_shifting_) shift_next(t);
     return true;
   }
-  // From the next byte on. `baud` > 0.
-  void set_baud(double baud) noexcept { baud_ = baud; }
-  [[nodiscard]] double baud() const noexcept { return baud_; }
+  // From the next byte on. `speed_baud` > 0.
+  void set_speed(double speed_baud) noexcept { speed_baud_ = speed_baud; }
+  [[nodiscard]] double speed_baud() const noexcept { return speed_baud_; }
   // When the byte in the shift register has arrived; kNeverInTime when there is none.
   [[nodiscard]] MonotonicTime next_arrival() const noexcept {
     return is_shifting_ ? arrives_at_ : kNeverInTime;
@@ -75,14 +75,14 @@ class SerialSender {
 
  private:
   void shift_next(MonotonicTime t) noexcept {
-    shifting_ = {waiting_[first_], baud_};
+    shifting_ = {waiting_[first_], speed_baud_};
     first_ = (first_ + 1) % capacity;
     --count_;
     is_shifting_ = true;
-    arrives_at_ = t + serial_byte_time(baud_);
+    arrives_at_ = t + serial_byte_time(speed_baud_);
   }
 
-  double baud_{9600};
+  double speed_baud_{9600};
   std::array<std::uint8_t, capacity> waiting_{};
   std::size_t first_{0};
   std::size_t count_{0};

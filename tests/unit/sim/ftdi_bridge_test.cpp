@@ -33,7 +33,7 @@ TEST(SerialLine, AByteOfOneSpeedArrivesAsItWasSentAndNotAtAnother) {
 
 TEST(SerialLine, BytesFollowEachOtherTenBitsApart) {
   SerialSender<3> sut;
-  sut.set_baud(1e6);
+  sut.set_speed(1e6);
   EXPECT_EQ(sut.next_arrival(), kNeverInTime);
   const MonotonicTime start{microseconds(7)};
   for (std::uint8_t value = 1; value <= 4; ++value) EXPECT_TRUE(sut.push(start, value));
@@ -69,7 +69,7 @@ class FtdiBridgeTest : public testing::Test {
   }
   void at_ms(double ms) { now = {from_seconds(ms * 1e-3)}; }
   void receive(const Bytes& bytes) {
-    for (const std::uint8_t byte : bytes) sut.receive({byte, sut.baud()});
+    for (const std::uint8_t byte : bytes) sut.receive({byte, sut.speed_baud()});
   }
   // Without the status; nothing: the bridge said NAK.
   std::optional<Bytes> fetch() {
@@ -171,7 +171,7 @@ TEST_F(FtdiBridgeTest, MovesTheModemLinesThatAreMeantAndDropsThemOnReset) {
   set(3, 2);
   set(0, 0);
   EXPECT_FALSE(sut.is_rts_high());
-  EXPECT_DOUBLE_EQ(sut.baud(), 1.5e6) << "a reset leaves the speed";
+  EXPECT_DOUBLE_EQ(sut.speed_baud(), 1.5e6) << "a reset leaves the speed";
 }
 
 TEST_F(FtdiBridgeTest, BytesOfAnotherSpeedAreGarbageAndSaid) {
