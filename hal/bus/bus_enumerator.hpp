@@ -28,6 +28,7 @@ struct BusDeviceInfo {
   std::string serial_number;  // empty when the device has none
   std::size_t input_report_bytes{0};
   std::size_t output_report_bytes{0};
+  bool has_report_ids{false};              // of a HID device: see HidReport
   std::vector<UsbEndpointInfo> endpoints;  // of a USB device, in the order of its descriptors
   bool operator==(const BusDeviceInfo&) const = default;
 };

@@ -13,7 +13,8 @@ namespace thimble::bus {
 
 inline constexpr std::size_t kMaxHidReportBytes = 64;  // full-speed interrupt packet, USB 2.0
 
-// One input report without its report id (devices here use none).
+// One input report. The arms here number no reports; of a device that does (HID 1.11, 5.6), the
+// first byte is the report's number, both ways, and counts as one of its bytes.
 struct HidReport {
   std::array<std::uint8_t, kMaxHidReportBytes> bytes{};
   std::size_t size{0};
@@ -30,6 +31,7 @@ struct HidCounters {
   std::uint64_t reports_skipped{0};  // arrived but superseded before they were read
   std::uint64_t reports_out{0};
   std::uint64_t writes_superseded{0};  // replaced by a newer one before the bus took them
+  std::uint64_t writes_failed{0};      // the bus took them, but not the device, or not all of it
 };
 
 // An opened HID device: input reports one way, output reports the other.
@@ -44,8 +46,8 @@ class HidDevice {
   virtual ~HidDevice() = default;
   // The newest report that arrived since the last call. Ok, NoData or Disconnected.
   THIMBLE_RT_IO virtual IoStatus read_newest(HidReport& out) noexcept = 0;
-  // Hands an output report (no report id, at most kMaxHidReportBytes) to the bus; the latest
-  // value wins. Ok, Backlogged or Disconnected. ProtocolError when the size cannot be sent.
+  // Hands an output report (at most kMaxHidReportBytes) to the bus; the latest value wins.
+  // Ok, Backlogged or Disconnected. ProtocolError when the size cannot be sent.
   THIMBLE_RT_IO virtual IoStatus submit(std::span<const std::uint8_t> report) noexcept = 0;
   [[nodiscard]] virtual HidCounters counters() const noexcept = 0;
 };
