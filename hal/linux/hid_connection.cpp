@@ -1,0 +1,129 @@
+#include "hal/linux/hid_connection.hpp"
+
+#include <poll.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace thimble::linux {
+namespace {
+
+// How long closing waits for a device that says nothing; one that speaks ends the wait.
+constexpr int kReadWait_ms = 10;
+
+// Until somebody signals, at most until `patience_ms` have passed; below 0: for ever.
+void wait_for(EventFd& event, int patience_ms) noexcept {
+  pollfd watched{event.fd(), POLLIN, 0};
+  ::poll(&watched, 1, patience_ms);
+  event.drain();
+}
+
+}  // namespace
+
+Result<std::unique_ptr<HidConnection>> HidConnection::start(std::string node,
+                                                            const bus::BusDeviceInfo& info,
+                                                            const HidBusSettings& settings,
+                                                            std::mutex& opening) {
+  // The constructor is private, so make_unique cannot reach it.
+  std::unique_ptr<HidConnection> connection(
+      new HidConnection(std::move(node), info, settings, opening));
+  const Result<void> started = connection->start();
+  if (!started.has_value()) return tl::unexpected(started.error());
+  return connection;
+}
+
+HidConnection::HidConnection(std::string node, const bus::BusDeviceInfo& info,
+                             const HidBusSettings& settings, std::mutex& opening)
+    : node_(std::move(node)),
+      address_(info.address),
+      has_report_ids_(info.has_report_ids),
+      settings_(&settings),
+      opening_(&opening),
+      mail_(info.output_report_bytes) {}
+
+HidConnection::~HidConnection() {
+  if (thread_ != nullptr) end();
+  thread_.reset();
+}
+
+Result<void> HidConnection::start() {
+  for (std::unique_ptr<EventFd>* event : {&wake_, &changed_}) {
+    Result<std::unique_ptr<EventFd>> created = EventFd::create();
+    if (!created.has_value()) return tl::unexpected(created.error());
+    *event = std::move(created.value());
+  }
+  auto thread = RealtimeThread::start(settings_->thread, settings_->process, [this] { run(); });
+  if (!thread.has_value()) return tl::unexpected(thread.error());
+  thread_ = std::move(thread.value());
+  return {};
+}
+
+Result<void> HidConnection::opened(Duration patience) {
+  if (!has_reached(State::Open, patience)) {
+    return tl::unexpected(Error{Errc::Timeout, {}});
+  }
+  if (state_.load() == State::Refused) return tl::unexpected(refusal_);
+  return {};
+}
+
+void HidConnection::end() noexcept {
+  is_over_.store(true);
+  wake_->signal();
+}
+
+bool HidConnection::has_ended(Duration patience) { return has_reached(State::Refused, patience); }
+
+bool HidConnection::has_reached(State state, Duration patience) {
+  const MonotonicTime deadline = settings_->clock.now() + patience;
+  for (;;) {
+    if (state_.load() >= state) return true;
+    const Duration rest = deadline - settings_->clock.now();
+    if (rest <= Duration(0)) return false;
+    wait_for(*changed_,
+             static_cast<int>(std::chrono::ceil<std::chrono::milliseconds>(rest).count()));
+  }
+}
+
+void HidConnection::reach(State state) noexcept {
+  state_.store(state);
+  changed_->signal();
+}
+
+void HidConnection::run() noexcept {
+  const Result<void> opened = open();
+  if (!opened.has_value()) {
+    transfers_.reset();
+    refusal_ = opened.error();
+    return reach(State::Refused);
+  }
+  reach(State::Open);
+  while (!is_over_.load()) {
+    transfers_->send();
+    wait_for(*wake_, -1);
+  }
+  // The last is the newest that the servo wanted, zero after a fault: an older one that the kernel
+  // was slow to deliver must not be what the arm is left with.
+  transfers_->send();
+  reader_.reset();
+  transfers_.reset();
+  reach(State::Closed);
+}
+
+Result<void> HidConnection::open() {
+  {
+    const std::lock_guard guard(*opening_);
+    auto transfers = HidTransfers::open(node_, has_report_ids_, mail_, settings_->clock);
+    if (!transfers.has_value()) return tl::unexpected(transfers.error());
+    transfers_ = std::move(transfers.value());
+  }
+  auto reader = RealtimeThread::start(settings_->thread, settings_->process, [this] { read(); });
+  if (!reader.has_value()) return tl::unexpected(reader.error());
+  reader_ = std::move(reader.value());
+  return {};
+}
+
+void HidConnection::read() noexcept {
+  while (!is_over_.load() && !mail_.is_disconnected()) transfers_->receive(kReadWait_ms);
+}
+
+}  // namespace thimble::linux

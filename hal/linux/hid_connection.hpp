@@ -1,0 +1,85 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "hal/base/result.hpp"
+#include "hal/base/time.hpp"
+#include "hal/bus/bus_enumerator.hpp"
+#include "hal/bus/hid_mailboxes.hpp"
+#include "hal/linux/event_fd.hpp"
+#include "hal/linux/hid_transfers.hpp"
+#include "hal/linux/realtime_thread.hpp"
+
+namespace thimble::linux {
+
+// How the threads of HID devices run, and the clock that stamps what arrives.
+struct HidBusSettings {
+  const Clock& clock;
+  RealtimeThreadSettings thread;
+  RealtimeReport process;
+};
+
+// The threads of one opened HID device, and their mailboxes. One opens it, writes what is
+// submitted and closes it: all three last as long as the kernel lets any HID device's write last.
+// The other one reads meanwhile.
+//
+// Thread: the control plane; mail() as there, wake() from any.
+// Ownership: settings and `opening` must outlive it; the destructor waits for the kernel.
+class HidConnection {
+ public:
+  // Begins to open `node`, of the device that `info` describes. `opening` is held while hidapi
+  // opens, which does not take two at a time. Errors: of EventFd and RealtimeThread::start().
+  [[nodiscard]] static Result<std::unique_ptr<HidConnection>> start(std::string node,
+                                                                    const bus::BusDeviceInfo& info,
+                                                                    const HidBusSettings& settings,
+                                                                    std::mutex& opening);
+  ~HidConnection();
+  HidConnection(const HidConnection&) = delete;
+  HidConnection& operator=(const HidConnection&) = delete;
+
+  // How the opening went; Timeout while it goes on after `patience`.
+  [[nodiscard]] Result<void> opened(Duration patience);
+  [[nodiscard]] bus::HidMailboxes& mail() noexcept { return mail_; }
+  // Something was submitted.
+  THIMBLE_RT_IO void wake() noexcept { wake_->signal(); }
+  // What was submitted and waits is still written, once, and then it closes.
+  void end() noexcept;
+  // Whether it has closed, after `patience` at the latest.
+  [[nodiscard]] bool has_ended(Duration patience);
+  [[nodiscard]] const bus::DeviceAddress& address() const noexcept { return address_; }
+
+ private:
+  enum class State : std::uint8_t { Opening, Open, Refused, Closed };
+
+  HidConnection(std::string node, const bus::BusDeviceInfo& info, const HidBusSettings& settings,
+                std::mutex& opening);
+  [[nodiscard]] Result<void> start();
+  void run() noexcept;
+  [[nodiscard]] Result<void> open();
+  void read() noexcept;
+  void reach(State state) noexcept;
+  [[nodiscard]] bool has_reached(State state, Duration patience);
+
+  std::string node_;
+  bus::DeviceAddress address_;
+  bool has_report_ids_;
+  const HidBusSettings* settings_;
+  std::mutex* opening_;
+  bus::HidMailboxes mail_;
+  std::unique_ptr<EventFd> wake_;
+  std::unique_ptr<EventFd> changed_;
+  std::atomic<State> state_{State::Opening};
+  std::atomic<bool> is_over_{false};
+  Error refusal_;  // once Refused
+  // Of the thread that writes.
+  std::unique_ptr<HidTransfers> transfers_;
+  std::unique_ptr<RealtimeThread> reader_;
+
+  std::unique_ptr<RealtimeThread> thread_;  // last: it uses all of the above
+};
+
+}  // namespace thimble::linux

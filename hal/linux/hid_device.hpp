@@ -1,0 +1,49 @@
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "hal/base/result.hpp"
+#include "hal/bus/bus_enumerator.hpp"
+#include "hal/linux/hid_connection.hpp"
+
+namespace thimble::linux {
+
+// Opens the HID devices of this machine, and looks after those whose closing takes long.
+//
+// A device that it opened is bus::HidDevice: read_newest() is served from a mailbox, without a
+// system call, since hidapi would need two for every report that waits (poll and read); submit()
+// writes to one eventfd. A write that the kernel does not end shows as Backlogged and in the age
+// of the samples, never as a wait. Reports longer than kMaxHidReportBytes are lost. Of what was
+// submitted when it is closed the newest is still written, then nothing.
+//
+// Thread: control plane, one thread; the devices as bus::HidDevice. Not RT.
+// Ownership: must outlive the devices. The destructor waits for the kernel, up to 5 s for a device
+// that takes nothing.
+class HidHost {
+ public:
+  explicit HidHost(HidBusSettings settings) : settings_(std::move(settings)) {}
+
+  // `node` is "/dev/hidrawN" of the device that `info` describes. Waits kPatience twice at most.
+  // NotFound, Permission, System; Busy when a daemon holds it, when it is not closed yet, or while
+  // the kernel still writes to some HID device: try again. Unsupported for reports that are too
+  // long.
+  [[nodiscard]] Result<std::unique_ptr<bus::HidDevice>> open(const std::string& node,
+                                                             const bus::BusDeviceInfo& info);
+  // Of a device that is closed: takes what the kernel still holds up.
+  void look_after(std::unique_ptr<HidConnection> connection);
+  // Devices that are closed for their users, but not yet for the kernel.
+  [[nodiscard]] std::size_t lingering();
+
+  // Ours: no write to a device that answers takes a tenth of it.
+  static constexpr Duration kPatience = std::chrono::milliseconds(250);
+
+ private:
+  HidBusSettings settings_;
+  std::mutex opening_;
+  std::vector<std::unique_ptr<HidConnection>> closing_;
+};
+
+}  // namespace thimble::linux

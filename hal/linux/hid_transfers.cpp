@@ -1,0 +1,78 @@
+#include "hal/linux/hid_transfers.hpp"
+
+#include <fcntl.h>
+#include <hidapi.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+
+namespace thimble::linux {
+namespace {
+
+Error open_error(const std::string& node, int code) {
+  Errc errc = Errc::System;
+  if (code == EACCES || code == EPERM) errc = Errc::Permission;
+  if (code == ENOENT || code == ENODEV || code == ENXIO) errc = Errc::NotFound;
+  if (code == EBUSY || code == EWOULDBLOCK) errc = Errc::Busy;
+  return {errc, node + " cannot be opened: " + std::strerror(code)};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<HidTransfers>> HidTransfers::open(const std::string& node,
+                                                         bool has_report_ids,
+                                                         bus::HidMailboxes& mail,
+                                                         const Clock& clock) {
+  const int lock = ::open(node.c_str(), O_RDWR | O_CLOEXEC | O_NONBLOCK);
+  if (lock < 0) return tl::unexpected(open_error(node, errno));
+  std::unique_ptr<HidTransfers> transfers(new HidTransfers(lock, has_report_ids, mail, clock));
+  if (::flock(lock, LOCK_EX | LOCK_NB) != 0) {
+    if (errno != EWOULDBLOCK) return tl::unexpected(open_error(node, errno));
+    return fail(Errc::Busy, node + " is held by another daemon");
+  }
+  transfers->reading_ = ::hid_open_path(node.c_str());
+  if (transfers->reading_ != nullptr) transfers->writing_ = ::hid_open_path(node.c_str());
+  if (transfers->writing_ == nullptr) {
+    return fail(Errc::System, node + " cannot be opened by hidapi: is it still plugged in?");
+  }
+  return transfers;
+}
+
+HidTransfers::~HidTransfers() {
+  if (writing_ != nullptr) ::hid_close(writing_);
+  if (reading_ != nullptr) ::hid_close(reading_);
+  ::close(lock_);
+}
+
+bool HidTransfers::receive(int wait_ms) noexcept {
+  // One byte more than we keep, so that a longer report is seen to be one.
+  std::array<std::uint8_t, bus::kMaxHidReportBytes + 1> buffer;
+  const int bytes = ::hid_read_timeout(reading_, buffer.data(), buffer.size(), wait_ms);
+  // The kernel has no other reason to refuse a read: hidraw.c says EIO, or hangs up a poll.
+  if (bytes < 0) mail_->disconnect();
+  if (bytes <= 0) return false;
+  mail_->deliver(std::span(buffer).first(static_cast<std::size_t>(bytes)), clock_->now());
+  return true;
+}
+
+void HidTransfers::send() noexcept {
+  if (mail_->is_disconnected()) return;
+  const std::span<const std::uint8_t> report = mail_->take_out();
+  if (report.empty()) return;
+  // The first byte is the report's number for the kernel, 0 where reports have none.
+  std::array<std::uint8_t, bus::kMaxHidReportBytes + 1> buffer{};
+  const std::size_t prefix_bytes = has_report_ids_ ? 0 : 1;
+  const std::size_t bytes = prefix_bytes + report.size();
+  std::copy(report.begin(), report.end(),
+            buffer.begin() + static_cast<std::ptrdiff_t>(prefix_bytes));
+  // Why it fails cannot be told apart through hidapi; that the device is gone, reading says.
+  const int written = ::hid_write(writing_, buffer.data(), bytes);
+  mail_->finish_out(written == static_cast<int>(bytes));
+}
+
+}  // namespace thimble::linux

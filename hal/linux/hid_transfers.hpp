@@ -1,0 +1,56 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "hal/base/result.hpp"
+#include "hal/base/time.hpp"
+#include "hal/bus/hid_mailboxes.hpp"
+
+struct hid_device_;
+
+namespace thimble::linux {
+
+// What the bus does with an opened HID device: hidapi's calls, on a node of the kernel's hidraw.
+// Two handles of one node, one to read and one to write: a write may last, and hidapi's memory of
+// its last error is one of the handle and takes no second thread.
+//
+// The node is locked (flock) against another daemon. hidapi's words for errors are not used.
+//
+// Thread: open() and the destructor from one; receive() from one, send() from one: three threads
+// or fewer, and hidapi's own memory of errors wants one open() at a time in the process. Not RT:
+// the kernel (6.1, hidraw.c) holds one lock over all HID devices during a write, which may last
+// 5 s on one whose device takes nothing, and wants the same lock to open and to close any of them.
+// Ownership: the mailboxes and the clock must outlive it.
+// Errors: Result when opening; a device that is gone shows in the mailboxes.
+class HidTransfers {
+ public:
+  // `node` must be a hidraw node: libhidapi before 0.14 reads freed memory on others. A device
+  // with numbered reports gets and gives their numbers as first byte: `has_report_ids`.
+  // NotFound, Permission, Busy (another process has locked it) or System.
+  [[nodiscard]] static Result<std::unique_ptr<HidTransfers>> open(const std::string& node,
+                                                                  bool has_report_ids,
+                                                                  bus::HidMailboxes& mail,
+                                                                  const Clock& clock);
+  ~HidTransfers();
+  HidTransfers(const HidTransfers&) = delete;
+  HidTransfers& operator=(const HidTransfers&) = delete;
+
+  // Brings one report to the mailbox. Waits for it, `wait_ms` at most; false: none came.
+  bool receive(int wait_ms) noexcept;
+  // Writes what waits in the mailbox, if anything, and returns when the kernel does.
+  void send() noexcept;
+
+ private:
+  HidTransfers(int lock, bool has_report_ids, bus::HidMailboxes& mail, const Clock& clock) noexcept
+      : lock_(lock), has_report_ids_(has_report_ids), mail_(&mail), clock_(&clock) {}
+
+  int lock_;
+  bool has_report_ids_;
+  bus::HidMailboxes* mail_;
+  const Clock* clock_;
+  hid_device_* reading_{nullptr};
+  hid_device_* writing_{nullptr};
+};
+
+}  // namespace thimble::linux

@@ -1,0 +1,171 @@
+// linux::HidHost and its devices with their threads, over the hidapi of tests/support.
+#include "hal/linux/hid_device.hpp"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "hal/linux/monotonic_clock.hpp"
+#include "tests/support/allocation_count.hpp"
+#include "tests/support/fake_hidapi.hpp"
+
+namespace thimble::linux {
+namespace {
+
+using test::FakeHidWire;
+using Report = FakeHidWire::Report;
+
+constexpr std::size_t kBytes = 14;
+
+struct HidDeviceTest : testing::Test {
+  MonotonicClock clock;
+  FakeHidWire wire;
+  std::unique_ptr<HidHost> host =
+      std::make_unique<HidHost>(HidBusSettings{clock, {.name = "hid-test"}, {}});
+  bus::BusDeviceInfo info;
+
+  HidDeviceTest() {
+    info.address = {"hid:1"};
+    info.kind = bus::BusKind::Hid;
+    info.input_report_bytes = kBytes;
+    info.output_report_bytes = kBytes;
+  }
+  ~HidDeviceTest() override {
+    wire.release_writes();
+    host.reset();
+    EXPECT_EQ(wire.breaches(), std::vector<std::string>{});
+    EXPECT_EQ(FakeHidWire::alive(), 0);
+  }
+  Result<std::unique_ptr<bus::HidDevice>> open() { return host->open(wire.node(), info); }
+  // As long as a stalled machine may need.
+  template <class Condition>
+  static bool wait_until(const Condition& is_done) {
+    for (int i = 0; i < 200'000; ++i) {
+      if (is_done()) return true;
+      std::this_thread::sleep_for(std::chrono::microseconds(100));
+    }
+    return false;
+  }
+  static Report report(std::uint8_t seed) { return Report(kBytes, seed); }
+};
+
+TEST_F(HidDeviceTest, ReportsGoBothWays) {
+  const auto sut = open().value();
+  bus::HidReport read;
+  for (std::uint8_t i = 1; i <= 20; ++i) {
+    wire.device_sends(report(i));
+    EXPECT_TRUE(wait_until([&] { return sut->read_newest(read) == IoStatus::Ok; })) << +i;
+    EXPECT_EQ(read.bytes[0], i);
+    sut->submit(report(i));
+    EXPECT_TRUE(wait_until([&] { return wire.received_by_device().size() == i; })) << +i;
+  }
+  EXPECT_EQ(wire.received_by_device().back(), report(20));
+}
+
+TEST_F(HidDeviceTest, AWriteThatNeverEndsHoldsUpNeitherReadingNorSubmitting) {
+  const auto sut = open().value();
+  wire.block_writes();
+  EXPECT_EQ(sut->submit(report(1)), IoStatus::Ok);
+  ASSERT_TRUE(wait_until([&] { return wire.is_write_blocked(); }));
+  bus::HidReport read;
+  for (std::uint8_t i = 2; i < 100; ++i) {
+    EXPECT_EQ(sut->submit(report(i)), IoStatus::Backlogged);
+    wire.device_sends(report(i));
+    ASSERT_TRUE(wait_until([&] { return sut->read_newest(read) == IoStatus::Ok; })) << +i;
+  }
+  wire.release_writes();
+  ASSERT_TRUE(wait_until([&] { return sut->counters().reports_out == 2; }));
+  EXPECT_EQ(wire.received_by_device(), (std::vector<Report>{report(1), report(99)}));
+  EXPECT_EQ(sut->counters().writes_superseded, 97U);
+  EXPECT_TRUE(wait_until([&] { return sut->submit(report(1)) == IoStatus::Ok; }));
+}
+
+TEST_F(HidDeviceTest, ClosingUnderABlockedWriteIsBoundedAndTheNewestIsWrittenLast) {
+  auto sut = open().value();
+  wire.block_writes();
+  sut->submit(report(1));
+  ASSERT_TRUE(wait_until([&] { return wire.is_write_blocked(); }));
+  sut->submit(report(2));
+  sut->submit(report(0));
+  sut.reset();
+  EXPECT_EQ(host->lingering(), 1U) << "the kernel has it still";
+  const auto again = open();
+  ASSERT_FALSE(again.has_value());
+  EXPECT_EQ(again.error().code, Errc::Busy);
+  EXPECT_NE(again.error().message.find("hid:1"), std::string::npos);
+  wire.release_writes();
+  EXPECT_TRUE(wait_until([&] { return host->lingering() == 0; }));
+  EXPECT_EQ(wire.received_by_device(), (std::vector<Report>{report(1), report(0)}));
+  EXPECT_TRUE(open().has_value());
+}
+
+TEST_F(HidDeviceTest, WhatWasSubmittedLastIsWrittenBeforeItCloses) {
+  for (int i = 0; i < 50; ++i) {
+    const std::size_t before = wire.received_by_device().size();
+    auto sut = open().value();
+    sut->submit(report(9));
+    sut->submit(report(0));
+    sut.reset();
+    ASSERT_TRUE(wait_until([&] { return host->lingering() == 0; }));
+    ASSERT_GT(wire.received_by_device().size(), before);
+    EXPECT_EQ(wire.received_by_device().back(), report(0));
+  }
+}
+
+TEST_F(HidDeviceTest, AnUnplugShowsInBandEvenDuringAWrite) {
+  const auto sut = open().value();
+  wire.block_writes();
+  sut->submit(report(1));
+  ASSERT_TRUE(wait_until([&] { return wire.is_write_blocked(); }));
+  sut->submit(report(2));
+  wire.unplug();
+  bus::HidReport read;
+  EXPECT_TRUE(wait_until([&] { return sut->read_newest(read) == IoStatus::Disconnected; }));
+  EXPECT_EQ(sut->submit(report(3)), IoStatus::Disconnected);
+  EXPECT_TRUE(wire.received_by_device().empty());
+}
+
+TEST_F(HidDeviceTest, AnExchangeAllocatesNothingInTheThreadOfTheServo) {
+  const auto sut = open().value();
+  const Report command = report(2);
+  const Report answer = report(1);
+  bus::HidReport read;
+  std::uint64_t allocated = 0;
+  for (int tick = 0; tick < 500; ++tick) {
+    wire.device_sends(answer);
+    const std::uint64_t before = test::allocation_count();
+    sut->submit(command);
+    sut->read_newest(read);
+    allocated += test::allocation_count() - before;
+  }
+  EXPECT_EQ(allocated, 0U);
+}
+
+TEST_F(HidDeviceTest, OpeningAndClosingInAHurryLeaksNothing) {
+  for (int i = 0; i < 100; ++i) {
+    auto sut = open();
+    if (!sut.has_value()) continue;  // not closed in time by a stalled machine
+    (*sut)->submit(report(1));
+    wire.device_sends(report(1));
+  }
+  EXPECT_TRUE(wait_until([&] { return host->lingering() == 0; }));
+  EXPECT_EQ(FakeHidWire::alive(), 0);
+}
+
+TEST_F(HidDeviceTest, ARefusalNamesTheDeviceAndWhy) {
+  const auto sut = open().value();
+  const auto second = open();
+  ASSERT_FALSE(second.has_value());
+  EXPECT_EQ(second.error().code, Errc::Busy);
+  EXPECT_NE(second.error().message.find("hid:1"), std::string::npos);
+  const auto nowhere = host->open(wire.node() + "0", info);
+  ASSERT_FALSE(nowhere.has_value());
+  EXPECT_EQ(nowhere.error().code, Errc::NotFound);
+  info.input_report_bytes = bus::kMaxHidReportBytes + 1;
+  EXPECT_EQ(open().error().code, Errc::Unsupported);
+}
+
+}  // namespace
+}  // namespace thimble::linux
