@@ -30,7 +30,8 @@ class LetGo final : public Invariant {
     if (frame.now - asked_for_ > bounds_.servo.release_ramp + tick) {
       findings.at_most("force sent to an arm that was let go, N", norm(frame.force), 0);
     }
-    if (frame.now - network_up_ > silence_ + 2 * tick) {
+    // Without a sample no force is worked out, and the last one is held and then fades: 20 ms.
+    if (heard_ - network_up_ > silence_ + 2 * tick) {
       findings.at_most("force of walls of which nothing is heard, N", norm(frame.wish), 1e-9);
     }
     if (frame.state != OperatingState::Active) return;

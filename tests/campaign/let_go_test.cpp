@@ -60,5 +60,22 @@ TEST(LetGo, SeesWallsThatOutliveTheirWorld) {
   EXPECT_THAT(course.broken(), HasSubstr("nothing is heard"));
 }
 
+// What is held while the arm is silent has a bound of its own.
+TEST(LetGo, JudgesWallsThatOutliveTheirWorldBySamplesOnly) {
+  GoodCourse course(&make_let_go);
+  const auto silent = [](Observation& now) {
+    now.is_network_up = false;
+    now.servo.frame.wish = {1, 0, 0};
+  };
+  course.run(345, silent);
+  course.run(20, [&](Observation& now) {
+    silent(now);
+    now.servo.frame.read_status = IoStatus::NoData;
+  });
+  EXPECT_EQ(course.broken(), "");
+  course.run(1, silent);
+  EXPECT_THAT(course.broken(), HasSubstr("nothing is heard"));
+}
+
 }  // namespace
 }  // namespace thimble::campaign
