@@ -176,6 +176,11 @@ Setup some_setup(Dice& dice) {
   return setup;
 }
 
+// So slow that a force which jumps to an arm's peak is more than what is granted in 30 ms.
+void draw_slow_rise(Dice dice, Setup& setup) {
+  if (dice.chance(0.15)) setup.rise_newton_per_s = dice.uniform(20, 120);
+}
+
 std::string line_of(const Event& event) {
   std::array<char, 160> line{};
   int size = std::snprintf(line.data(), line.size(), "  %9.4f s  %-13s", seconds(event.at),
@@ -244,6 +249,7 @@ Programme draw(std::uint64_t seed, std::uint64_t episode) {
   programme.seed = derive(seed, episode);
   Dice dice(programme.seed);
   programme.setup = some_setup(dice);
+  draw_slow_rise(Dice(derive(programme.seed, 2)), programme.setup);
   // Calibration takes 1.2 s of any; what a faster servo adds are ticks, not events.
   const auto rate_hz = static_cast<std::uint64_t>(programme.setup.rate_hz);
   programme.ticks = rate_hz * (rate_hz <= 1000 ? 10 + dice.below(31) : 5 + dice.below(6));
