@@ -19,6 +19,7 @@ std::vector<std::unique_ptr<Invariant>> make_invariants(const Bounds& bounds) {
   all.push_back(make_arm_force(bounds));
   all.push_back(make_zero_after_stop(bounds));
   all.push_back(make_let_go(bounds));
+  all.push_back(make_arm_truth(bounds));
   all.push_back(make_latch(bounds));
   all.push_back(make_recovery(bounds));
   all.push_back(make_energy(bounds));

@@ -103,6 +103,7 @@ class Invariant {
 [[nodiscard]] std::unique_ptr<Invariant> make_arm_force(const Bounds& bounds);
 [[nodiscard]] std::unique_ptr<Invariant> make_zero_after_stop(const Bounds& bounds);
 [[nodiscard]] std::unique_ptr<Invariant> make_let_go(const Bounds& bounds);
+[[nodiscard]] std::unique_ptr<Invariant> make_arm_truth(const Bounds& bounds);
 [[nodiscard]] std::unique_ptr<Invariant> make_latch(const Bounds& bounds);
 [[nodiscard]] std::unique_ptr<Invariant> make_recovery(const Bounds& bounds);
 [[nodiscard]] std::unique_ptr<Invariant> make_energy(const Bounds& bounds);
