@@ -54,8 +54,10 @@ std::string stranger(const Facts& facts, const Node& node) {
     return node.path + " belongs to user " + std::to_string(node.user) + " and not to root";
   }
   if ((node.mode & kGroup) != 0 && node.group != facts.thimble_group) {
+    const bool is_known = facts.thimble_group || facts.unknown_accounts.empty();
     return node.path + " belongs to group " + std::to_string(node.group) +
-           " and not to the group 'thimble'";
+           (is_known ? " and not to the group 'thimble'"
+                     : "; whether that is 'thimble' is not known");
   }
   const AccessList& list = node.access_list;
   if (list.is_unreadable) {

@@ -23,12 +23,13 @@ struct Limit {
 struct Process {
   int pid{0};  // 0: no daemon runs, it is this program's
   std::uint32_t user{0};
-  std::string user_name;              // in /etc/passwd
-  std::string unit;                   // of systemd that runs it: "thimbled.service"
-  std::vector<std::uint32_t> groups;  // the primary one, too
-  std::uint64_t capabilities{0};      // effective, bit n is capability n of capabilities(7)
-  std::optional<Limit> rtprio;        // soft: what sched_setscheduler() asks
-  std::optional<Limit> memlock;       // hard: the daemon raises the soft one itself
+  std::string user_name;                    // empty: the number has none
+  std::string unit;                         // of systemd that runs it: "thimbled.service"
+  std::vector<std::uint32_t> groups;        // the primary one, too
+  std::vector<std::uint32_t> login_groups;  // that its user would have after a login now
+  std::uint64_t capabilities{0};            // effective, bit n is capability n of capabilities(7)
+  std::optional<Limit> rtprio;              // soft: what sched_setscheduler() asks
+  std::optional<Limit> memlock;             // hard: the daemon raises the soft one itself
   bool operator==(const Process&) const = default;
 };
 
@@ -83,7 +84,8 @@ struct Facts {
   std::optional<std::int64_t> rt_runtime_us;  // of every second, for real-time threads; -1: all
   Process process;
   config::ServoConfig servo;                   // what the daemon is to ask for
-  std::optional<std::uint32_t> thimble_group;  // its number in /etc/group
+  std::optional<std::uint32_t> thimble_group;  // the number of the group 'thimble'
+  std::string unknown_accounts;                // why users and groups could not be looked up
   Node dma_latency;
   std::string clock_source;
   std::vector<std::string> clock_sources;  // to choose from

@@ -7,17 +7,16 @@
 #include <array>
 #include <cerrno>
 #include <cstddef>
-#include <fstream>
 #include <span>
 
 #include "cli/doctor/access_list.hpp"
+#include "cli/file_text.hpp"
 
 namespace thimble::doctor {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMaxTextBytes = std::size_t{1} << 16;
 constexpr std::size_t kMaxAccessListBytes = 4096;  // some 500 entries; those of seats are few
 
 // acl(5), xattr(7): no attribute, or no support for one, means the permission bits alone.
@@ -35,11 +34,7 @@ AccessList read_access_list(const fs::path& path) {
 }  // namespace
 
 std::string FileTree::text(const fs::path& path) const {
-  std::ifstream file(below_root(path), std::ios::binary);
-  std::string text(kMaxTextBytes, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
-  return text;
+  return cli::read_at_most(below_root(path).string(), kMaxTextBytes).value_or("");
 }
 
 std::optional<std::vector<std::string>> FileTree::names(const fs::path& path) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -9,6 +10,10 @@
 
 namespace thimble::doctor {
 
+// What a text of the kernel may have: the longest, /proc/PID/status, names up to NGROUPS_MAX
+// (65536) groups of at most eleven columns each.
+inline constexpr std::size_t kMaxTextBytes = std::size_t{1} << 20;
+
 // A folder that holds /proc, /sys, /dev and /etc of a machine. Never throws for what is missing,
 // forbidden or gone in the middle of it, as processes go.
 // Thread: any. Not RT.
@@ -16,7 +21,7 @@ class FileTree {
  public:
   explicit FileTree(std::filesystem::path root) : root_(std::move(root)) {}
 
-  // `path` is absolute, as on the machine. At most 64 KiB; empty when it cannot be read.
+  // `path` is absolute, as on the machine. Its first kMaxTextBytes; empty when it cannot be read.
   [[nodiscard]] std::string text(const std::filesystem::path& path) const;
   // Names in a folder, sorted; nothing when it may not be read.
   [[nodiscard]] std::optional<std::vector<std::string>> names(

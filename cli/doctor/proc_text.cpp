@@ -1,6 +1,7 @@
 #include "cli/doctor/proc_text.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 
 namespace thimble::doctor {
@@ -38,6 +39,32 @@ std::string_view value_of(std::string_view text, std::string_view key) {
     if (line.starts_with(key)) return trim(line.substr(key.size()));
   }
   return {};
+}
+
+// The first `Count` fields of a line, the last with whatever follows it; nothing when there are
+// fewer.
+template <std::size_t Count>
+std::optional<std::array<std::string_view, Count>> fields(std::string_view line, char separator) {
+  std::array<std::string_view, Count> out;
+  for (std::size_t i = 0; i + 1 < Count; ++i) {
+    const std::size_t end = line.find(separator);
+    if (end == std::string_view::npos) return std::nullopt;
+    out[i] = line.substr(0, end);
+    line.remove_prefix(end + 1);
+  }
+  out[Count - 1] = line;
+  return out;
+}
+
+// Of names with commas between them.
+bool is_in_list(std::string_view list, std::string_view name) {
+  list = trim(list);
+  while (!list.empty()) {
+    const std::size_t end = std::min(list.find(','), list.size());
+    if (list.substr(0, end) == name) return true;
+    list.remove_prefix(std::min(end + 1, list.size()));
+  }
+  return false;
 }
 
 std::optional<Limit> parse_limit_word(std::string_view word) {
@@ -104,26 +131,39 @@ void parse_status(std::string_view status, Process& process) {
 }
 
 std::optional<std::uint32_t> parse_group(std::string_view file, std::string_view name) {
-  const std::string_view rest = value_of(file, std::string(name) + ":");  // password:number:members
-  const std::size_t begin = rest.find(':');
-  if (begin == std::string_view::npos) return std::nullopt;
-  const std::string_view tail = rest.substr(begin + 1);
-  return number<std::uint32_t>(tail.substr(0, tail.find(':')));
+  while (!file.empty()) {
+    const auto field = fields<4>(next_line(file), ':');  // name:password:number:members
+    if (!field || (*field)[0] != name) continue;
+    return number<std::uint32_t>((*field)[2]);
+  }
+  return std::nullopt;
+}
+
+std::vector<std::uint32_t> parse_memberships(std::string_view file, std::string_view user) {
+  std::vector<std::uint32_t> groups;
+  while (!file.empty()) {
+    const auto field = fields<4>(next_line(file), ':');
+    if (!field || !is_in_list((*field)[3], user)) continue;
+    if (const auto group = number<std::uint32_t>((*field)[2])) groups.push_back(*group);
+  }
+  return groups;
 }
 
 std::string parse_user(std::string_view file, std::uint32_t number_wanted) {
   while (!file.empty()) {
-    const std::string_view line = next_line(file);  // name:password:number:…
-    const std::size_t first = line.find(':');
-    if (first == 0 || first == std::string_view::npos) continue;
-    const std::size_t second = line.find(':', first + 1);
-    if (second == std::string_view::npos) continue;
-    const std::string_view tail = line.substr(second + 1);
-    if (number<std::uint32_t>(tail.substr(0, tail.find(':'))) == number_wanted) {
-      return std::string(line.substr(0, first));
-    }
+    const auto field = fields<4>(next_line(file), ':');  // name:password:number:group:…
+    if (!field || (*field)[0].empty()) continue;
+    if (number<std::uint32_t>((*field)[2]) == number_wanted) return std::string((*field)[0]);
   }
   return "";
+}
+
+std::optional<std::uint32_t> parse_primary_group(std::string_view file, std::string_view user) {
+  while (!file.empty()) {
+    const auto field = fields<5>(next_line(file), ':');
+    if (field && (*field)[0] == user) return number<std::uint32_t>((*field)[3]);
+  }
+  return std::nullopt;
 }
 
 std::string parse_service(std::string_view cgroup) {

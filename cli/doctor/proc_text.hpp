@@ -32,8 +32,14 @@ void parse_status(std::string_view status, Process& process);
 [[nodiscard]] std::optional<std::uint32_t> parse_group(std::string_view file,
                                                        std::string_view name);
 
-// The name of a user in /etc/passwd.
+// The numbers of the groups in /etc/group that list a user as their member.
+[[nodiscard]] std::vector<std::uint32_t> parse_memberships(std::string_view file,
+                                                           std::string_view user);
+
+// The name of a user in /etc/passwd, and the group that a login has at once.
 [[nodiscard]] std::string parse_user(std::string_view file, std::uint32_t number);
+[[nodiscard]] std::optional<std::uint32_t> parse_primary_group(std::string_view file,
+                                                               std::string_view user);
 
 // The service of systemd in whose group a process is, by its /proc/PID/cgroup; a process of a
 // login session is in none, though that session's user@UID.service is above it. In a service of

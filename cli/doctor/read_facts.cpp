@@ -1,7 +1,9 @@
 #include "cli/doctor/read_facts.hpp"
 
 #include <algorithm>
+#include <utility>
 
+#include "cli/doctor/accounts.hpp"
 #include "cli/doctor/file_tree.hpp"
 #include "cli/doctor/proc_text.hpp"
 #include "cli/doctor/report_descriptor.hpp"
@@ -53,12 +55,28 @@ Process read_process(const FileTree& tree, const std::vector<int>& pids) {
     folder = folder_of(*daemon);
   }
   parse_status(tree.text(folder / "status"), process);
-  process.user_name = parse_user(tree.text("/etc/passwd"), process.user);
   process.unit = parse_service(tree.text(folder / "cgroup"));
   const std::string limits = tree.text(folder / "limits");
   if (const auto row = parse_limit(limits, "Max realtime priority")) process.rtprio = row->soft;
   if (const auto row = parse_limit(limits, "Max locked memory")) process.memlock = row->hard;
   return process;
+}
+
+// The value, or what stands for none, with why it is not known.
+template <class Value>
+Value value_or_why(Result<Value> found, std::string& why) {
+  if (found) return *std::move(found);
+  why = found.error().message;
+  return Value{};
+}
+
+void read_accounts(const Accounts& accounts, Facts& facts) {
+  std::string& why = facts.unknown_accounts;
+  Process& process = facts.process;
+  facts.thimble_group = value_or_why(accounts.group("thimble"), why);
+  process.user_name = value_or_why(accounts.user_name(process.user), why);
+  if (process.user_name.empty()) return;
+  process.login_groups = value_or_why(accounts.groups_of(process.user_name), why);
 }
 
 // Goes up from the HID device to the USB device, the first folder with a speed.
@@ -145,7 +163,7 @@ Facts read_facts(const fs::path& root, const plugin::DriverRegistry& drivers) {
   facts.is_realtime_kernel = trimmed(tree.text("/sys/kernel/realtime")) == "1";
   facts.rt_runtime_us = parse_integer(tree.text("/proc/sys/kernel/sched_rt_runtime_us"));
   facts.process = read_process(tree, pids);
-  facts.thimble_group = parse_group(tree.text("/etc/group"), "thimble");
+  read_accounts(*accounts_below(root), facts);
   facts.dma_latency = tree.node("/dev/cpu_dma_latency");
   facts.clock_source = trimmed(tree.text(fs::path(kClock) / "current_clocksource"));
   facts.clock_sources = words_of(tree.text(fs::path(kClock) / "available_clocksource"));

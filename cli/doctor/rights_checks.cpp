@@ -25,9 +25,17 @@ std::string shell_word(const std::string& text) {
 
 // The account whose rights are too small. One that is not in /etc/passwd may be known elsewhere.
 std::string account(const Process& process) {
-  if (process.pid == 0) return "$USER";
+  if (process.pid == 0) return "\"$USER\"";
   if (process.user_name.empty()) return "\"$(id -nu " + std::to_string(process.user) + ")\"";
   return shell_word(process.user_name);
+}
+
+// A user's own manager is not started anew: all that its user runs would end.
+bool is_users_manager(const Process& process) { return process.unit.starts_with("user@"); }
+
+std::string restart_command(const Process& process) {
+  if (process.unit.empty() || is_users_manager(process)) return "";
+  return "sudo systemctl restart " + shell_word(process.unit);
 }
 
 // systemd.unit(5): a file below NAME.service.d adds to the unit; one for each check, so that none
@@ -36,16 +44,19 @@ std::string unit_command(const Process& process, const std::string& check,
                          const std::string& setting) {
   const std::string unit = shell_word(process.unit);
   const std::string folder = "/etc/systemd/system/" + unit + ".d";
+  const std::string restart = restart_command(process);
   return "sudo mkdir -p " + folder + " && printf '[Service]\\n" + setting + "\\n' | sudo tee " +
-         folder + "/thimble-" + check +
-         ".conf && sudo systemctl daemon-reload && sudo systemctl restart " + unit;
+         folder + "/thimble-" + check + ".conf && sudo systemctl daemon-reload" +
+         (restart.empty() ? "" : " && " + restart);
 }
 
-// limits.conf(5) is read at a login (pam_limits), which no service of the system goes through.
+// limits.conf(5) is read at a login (pam_limits), which no service of the system goes through. One
+// file for each check: typed twice, the command says the same once.
 std::string limit_command(const Process& process, const std::string& check, const std::string& row,
                           const std::string& setting) {
   if (!process.unit.empty()) return unit_command(process, check, setting);
-  return "echo '@thimble - " + row + "' | sudo tee -a /etc/security/limits.d/thimble.conf";
+  return "echo '@thimble - " + row + "' | sudo tee /etc/security/limits.d/thimble-" + check +
+         ".conf";
 }
 
 std::string membership_command(const Process& process) {
@@ -54,6 +65,10 @@ std::string membership_command(const Process& process) {
 }
 
 std::string again(const Process& process, const std::string& setting) {
+  if (is_users_manager(process)) {
+    return "counts once " + process.unit +
+           " starts anew: when its user has logged out everywhere, at the latest with the machine";
+  }
   if (!process.unit.empty()) {
     return process.unit + " then starts anew: what runs in it ends, its arms lose their force";
   }
@@ -61,33 +76,47 @@ std::string again(const Process& process, const std::string& setting) {
   return "then log in again; a unit of systemd needs " + setting + " instead";
 }
 
+Verdict unknown_group(const Facts& facts, Verdict verdict) {
+  verdict.level = Level::Warn;
+  verdict.finding = "the group 'thimble' could not be looked up: " + facts.unknown_accounts;
+  verdict.advice = "mend the source of accounts that nsswitch.conf names, then ask again";
+  verdict.look_with = "getent group thimble";
+  return verdict;
+}
+
 }  // namespace
 
 Verdict check_group(const Facts& facts) {
-  const Level level = facts.controllers.empty() ? Level::Warn : Level::Wrong;
-  const char* const reason =
-      "device nodes of arms belong to that group, so that nobody else can go around the force "
-      "limit; the limits below name it, too";
+  const Process& process = facts.process;
+  Verdict verdict{facts.controllers.empty() ? Level::Warn : Level::Wrong,
+                  "group",
+                  "",
+                  "device nodes of arms belong to that group: who is in it can go around the force "
+                  "limit, and nobody else may; the limits below name it, too",
+                  "",
+                  again(process, "SupplementaryGroups=thimble")};
   if (!facts.thimble_group) {
-    return {level,
-            "group",
-            "there is no group 'thimble'",
-            reason,
-            "sudo addgroup --system thimble && " + membership_command(facts.process),
-            again(facts.process, "SupplementaryGroups=thimble")};
+    if (!facts.unknown_accounts.empty()) return unknown_group(facts, verdict);
+    verdict.finding = "there is no group 'thimble'";
+    verdict.command = "sudo addgroup --system thimble && " + membership_command(process);
+    return verdict;
   }
-  if (is_in_group(facts.process, *facts.thimble_group)) {
-    return all_well("group", subject(facts.process) + " is in the group 'thimble'");
+  if (is_in_group(process, *facts.thimble_group)) {
+    return all_well("group", subject(process) + " is in the group 'thimble'");
   }
-  if (has_capability(facts.process, kCapDacOverride)) {
-    return all_well("group", subject(facts.process) + " may open every device");
+  if (has_capability(process, kCapDacOverride)) {
+    return all_well("group", subject(process) + " may open every device");
   }
-  return {level,
-          "group",
-          subject(facts.process) + " is not in the group 'thimble'",
-          reason,
-          membership_command(facts.process),
-          again(facts.process, "SupplementaryGroups=thimble")};
+  verdict.finding = subject(process) + " is not in the group 'thimble'";
+  const auto& login = process.login_groups;
+  if (std::find(login.begin(), login.end(), *facts.thimble_group) == login.end()) {
+    verdict.command = membership_command(process);
+    return verdict;
+  }
+  verdict.finding += ", though its user is by now";
+  verdict.command = restart_command(process);
+  if (verdict.command.empty()) verdict.look_with = "id " + account(process);
+  return verdict;
 }
 
 Verdict check_rtprio(const Facts& facts) {

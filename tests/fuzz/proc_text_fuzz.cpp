@@ -17,6 +17,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static_cast<void>(parse_limit(bytes, "Max locked memory"));
   static_cast<void>(parse_group(bytes, "thimble"));
   THIMBLE_CHECK(parse_user(bytes, 0).size() <= size);
+  THIMBLE_CHECK(parse_memberships(bytes, "an").size() <= size);
+  static_cast<void>(parse_primary_group(bytes, "an"));
   THIMBLE_CHECK(parse_service(bytes).find('/') == std::string::npos);
   const auto ids = parse_hid_ids(bytes);
   if (ids) THIMBLE_CHECK(ids->serial_number.size() <= size);

@@ -1,75 +1,9 @@
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
+#include "cli/doctor/accounts.hpp"
+#include "tests/unit/cli/doctor/doctor_fixture.hpp"
 
-#include <sys/xattr.h>
-
-#include <algorithm>
-
-#include "cli/doctor/checks.hpp"
-#include "cli/doctor/read_facts.hpp"
-#include "daemon/session/plugins.hpp"
-#include "tests/unit/cli/doctor/access_list_bytes.hpp"
-#include "tests/unit/cli/doctor/planted_machine.hpp"
-
-// Each test breaks one thing of a healthy machine: that check and no other one has to say so.
+// The machine, and the rights of the daemon.
 namespace thimble::doctor {
 namespace {
-
-using testing::AllOf;
-using testing::Field;
-using testing::HasSubstr;
-using testing::SizeIs;
-
-class Doctor : public testing::Test {
- protected:
-  // Whoever runs the test owns the planted files and stands for root.
-  [[nodiscard]] Facts facts() const {
-    Facts facts = read_facts(machine_.root(), plugins_.drivers);
-    for (Controller& controller : facts.controllers) {
-      if (controller.node.user == ::geteuid()) controller.node.user = 0;
-    }
-    return facts;
-  }
-  [[nodiscard]] std::vector<Verdict> complaints() const { return complaints(facts()); }
-  [[nodiscard]] static std::vector<Verdict> complaints(const Facts& facts) {
-    std::vector<Verdict> verdicts = examine(facts);
-    std::erase_if(verdicts, [](const Verdict& verdict) { return verdict.level == Level::Ok; });
-    return verdicts;
-  }
-  // The one complaint, which must be complete.
-  void expect_complaint(Level level, const std::string& check, const std::string& finding,
-                        const std::string& command) const {
-    expect_complaint(complaints(), level, check, finding, command);
-  }
-  static void expect_complaint(const std::vector<Verdict>& all, Level level,
-                               const std::string& check, const std::string& finding,
-                               const std::string& command) {
-    expect_one(all, level, check, finding);
-    if (all.size() != 1) return;
-    EXPECT_THAT(all[0].command, HasSubstr(command));
-  }
-  // One that no command mends: there is only something to look at.
-  void expect_look(Level level, const std::string& check, const std::string& finding,
-                   const std::string& look_with) const {
-    const std::vector<Verdict> all = complaints();
-    expect_one(all, level, check, finding);
-    if (all.size() != 1) return;
-    EXPECT_EQ(all[0].command, "");
-    EXPECT_THAT(all[0].look_with, HasSubstr(look_with));
-    EXPECT_NE(all[0].advice, "");
-  }
-  static void expect_one(const std::vector<Verdict>& all, Level level, const std::string& check,
-                         const std::string& finding) {
-    ASSERT_THAT(all, SizeIs(1)) << check;
-    EXPECT_EQ(all[0].level, level);
-    EXPECT_EQ(all[0].check, check);
-    EXPECT_THAT(all[0].finding, HasSubstr(finding));
-    EXPECT_FALSE(all[0].reason.empty());
-  }
-
-  PlantedMachine machine_;
-  session::Plugins plugins_;
-};
 
 TEST_F(Doctor, FindsNothingOnAHealthyMachine) {
   EXPECT_THAT(complaints(), SizeIs(0));
@@ -165,14 +99,55 @@ TEST_F(Doctor, NamesWhoAsksWhereNoDaemonRunsOutsideTheGroup) {
   facts.controllers.clear();
   facts.dma_latency.mode = 0666;
   expect_complaint(complaints(facts), Level::Warn, "group", "a thimbled started here",
-                   "sudo adduser $USER thimble");
+                   "sudo adduser \"$USER\" thimble");
+}
+
+TEST_F(Doctor, NamesAUserWhoBecameAMemberAfterTheLogin) {
+  Facts facts = this->facts();
+  facts.process.login_groups = {*facts.thimble_group};
+  facts.process.groups = {63998};
+  facts.controllers.clear();
+  facts.dma_latency.mode = 0666;
+  const auto expect = [&](const std::string& command, const std::string& look_with,
+                          const std::string& advice) {
+    const std::vector<Verdict> all = complaints(facts);
+    expect_complaint(all, Level::Warn, "group", "though its user is by now", command);
+    EXPECT_EQ(all.at(0).command, command) << "nobody is added twice";
+    EXPECT_EQ(all.at(0).look_with, look_with);
+    EXPECT_THAT(all.at(0).advice, HasSubstr(advice));
+  };
+  expect("", "id haptics", "log in again as that user");
+  facts.process.unit = "user@64000.service";
+  expect("", "id haptics", "when its user has logged out everywhere");
+  facts.process.unit = "thimbled.service";
+  expect("sudo systemctl restart thimbled.service", "", "its arms lose their force");
+}
+
+TEST_F(Doctor, NeverStartsTheManagerOfAUserAnew) {
+  machine_.plant_limits("0", "unlimited");
+  machine_.plant_service("user@64000.service");
+  expect_complaint(Level::Wrong, "rtprio", "(limit: 0)",
+                   "/etc/systemd/system/user@64000.service.d/thimble-rtprio.conf && "
+                   "sudo systemctl daemon-reload");
+  EXPECT_THAT(complaints()[0].command, Not(HasSubstr("restart")));
+}
+
+TEST_F(Doctor, NamesAccountsThatCannotBeLookedUp) {
+  std::filesystem::resize_file(machine_.root() / "etc/group", kMaxAccountBytes + 1);
+  const std::vector<Verdict> all = complaints();
+  ASSERT_THAT(all, SizeIs(2));
+  expect_one({all[0]}, Level::Warn, "group", "could not be looked up: /etc/group has more than");
+  EXPECT_EQ(all[0].command, "") << "nobody knows that it is missing";
+  EXPECT_EQ(all[0].look_with, "getent group thimble");
+  EXPECT_EQ(all[1].check, "node /dev/hidraw0");
+  EXPECT_THAT(all[1].finding, HasSubstr("whether that is 'thimble' is not known"));
 }
 
 TEST_F(Doctor, NamesAMissingRightToRealTimePriority) {
   for (const std::string limit : {"0", "79"}) {
     machine_.plant_limits(limit, "unlimited");
     expect_complaint(Level::Wrong, "rtprio", "(limit: " + limit + ")",
-                     "echo '@thimble - rtprio 80' | sudo tee -a /etc/security/limits.d/");
+                     "echo '@thimble - rtprio 80' | sudo tee /etc/security/limits.d/");
   }
   machine_.plant_limits("unlimited", "unlimited");
   EXPECT_THAT(complaints(), SizeIs(0));
@@ -203,7 +178,7 @@ TEST_F(Doctor, MendsTheLimitsOfAServiceInItsUnit) {
 TEST_F(Doctor, NamesALimitOfLockedMemory) {
   machine_.plant_limits("98", "8388608");
   expect_complaint(Level::Wrong, "memlock", "(limit: 8192 KiB)",
-                   "echo '@thimble - memlock unlimited' | sudo tee -a /etc/security/limits.d/");
+                   "echo '@thimble - memlock unlimited' | sudo tee /etc/security/limits.d/");
   machine_.plant_service("thimbled.service");
   expect_complaint(Level::Wrong, "memlock", "(limit: 8192 KiB)",
                    "printf '[Service]\\nLimitMEMLOCK=infinity\\n' | sudo tee "
@@ -229,116 +204,6 @@ TEST_F(Doctor, NamesALatencyNodeThatIsOutOfReach) {
   expect_complaint(Level::Warn, "idle-states", "there is no /dev/cpu_dma_latency", "max_cstate");
 }
 
-TEST_F(Doctor, NamesAMissingDeviceNode) {
-  machine_.remove("dev/hidraw0");
-  expect_complaint(Level::Wrong, "node /dev/hidraw0", "is missing", "sudo udevadm trigger");
-}
-
-TEST_F(Doctor, NamesADeviceNodeThatMayNotBeOpened) {
-  for (const unsigned mode : {0600U, 0640U, 0620U}) {
-    machine_.chmod("dev/hidraw0", mode);
-    expect_complaint(Level::Wrong, "node /dev/hidraw0", "may not be read and written",
-                     "ATTRS{idVendor}==\"1234\", ATTRS{idProduct}==\"0006\", OWNER:=\"root\", "
-                     "GROUP:=\"thimble\", MODE:=\"0660\", TAG-=\"uaccess\"' | sudo tee "
-                     "/etc/udev/rules.d/72-thimble-1234-0006.rules");
-  }
-}
-
-TEST_F(Doctor, NamesADeviceNodeThatEverybodyMayOpen) {
-  for (const unsigned mode : {0666U, 0664U, 0662U}) {
-    machine_.chmod("dev/hidraw0", mode);
-    expect_complaint(Level::Wrong, "node /dev/hidraw0", "every user may open", "MODE:=\"0660\"");
-  }
-}
-
-TEST_F(Doctor, NamesADeviceNodeOfAnotherGroup) {
-  constexpr std::uint32_t kPlugdev = 46;
-  Facts facts = this->facts();
-  facts.controllers[0].node.group = kPlugdev;
-  facts.process.groups.push_back(kPlugdev);  // so that the daemon could open it
-  expect_complaint(complaints(facts), Level::Wrong, "node /dev/hidraw0",
-                   "belongs to group 46 and not to the group 'thimble'", "GROUP:=\"thimble\"");
-  facts.process.capabilities = ~std::uint64_t{0};
-  EXPECT_THAT(complaints(facts), SizeIs(1)) << "nor is it well for a daemon that may open all";
-}
-
-TEST_F(Doctor, NamesADeviceNodeOfAPersonOrOfRootAlone) {
-  Facts facts = this->facts();
-  facts.controllers[0].node.user = facts.process.user;
-  facts.controllers[0].node.mode = 0600;
-  expect_complaint(complaints(facts), Level::Wrong, "node /dev/hidraw0",
-                   "belongs to user 64000 and not to root", "OWNER:=\"root\"");
-  facts.controllers[0].node.user = facts.controllers[0].node.group = 0;
-  expect_complaint(complaints(facts), Level::Wrong, "node /dev/hidraw0",
-                   "may not be read and written by the daemon", "GROUP:=\"thimble\"");
-}
-
-TEST_F(Doctor, NamesADeviceNodeThatAnAccessControlListOpens) {
-  Facts facts = this->facts();
-  AccessList& list = facts.controllers[0].node.access_list;
-  list.users = {1000};
-  expect_complaint(complaints(facts), Level::Wrong, "node /dev/hidraw0",
-                   "opens /dev/hidraw0 to user 1000",
-                   "sudo setfacl --remove-all /dev/hidraw0; echo 'KERNEL==");
-  list = {{}, {46}};
-  expect_complaint(complaints(facts), Level::Wrong, "node /dev/hidraw0", "to group 46",
-                   "TAG-=\"uaccess\"");
-  list = {{}, {}, true};
-  expect_complaint(complaints(facts), Level::Wrong, "node /dev/hidraw0", "cannot be read",
-                   "setfacl");
-}
-
-TEST_F(Doctor, ReadsTheAccessControlListOfANode) {
-  const std::vector<std::byte> bytes = access_list_bytes(kListOfASeat);
-  if (::setxattr((machine_.root() / "dev/hidraw0").c_str(), "system.posix_acl_access", bytes.data(),
-                 bytes.size(), 0) != 0) {
-    GTEST_SKIP() << "the folder of temporary files holds no access control lists";
-  }
-  expect_complaint(Level::Wrong, "node /dev/hidraw0", "opens /dev/hidraw0 to user 1000",
-                   "TAG-=\"uaccess\"");
-}
-
-TEST_F(Doctor, NamesALowSpeedDevice) {
-  machine_.plant(PlantedMachine::kUsb + "speed", "1.5\n");
-  expect_look(Level::Wrong, "usb-speed /dev/hidraw0", "low speed", "lsusb -t");
-}
-
-TEST_F(Doctor, NamesADeviceWithoutASpeed) {
-  machine_.remove(PlantedMachine::kUsb + "speed");
-  machine_.remove("sys/devices/pci0000:00/0000:00:14.0/usb1/speed");
-  expect_look(Level::Warn, "usb-speed /dev/hidraw0", "not known", "lsusb -t");
-}
-
-TEST_F(Doctor, NamesADeviceBehindAHub) {
-  machine_.replug("1-4.2");
-  expect_look(Level::Warn, "usb-port /dev/hidraw0", "behind a hub (port 1-4.2)", "lsusb -t");
-}
-
-TEST_F(Doctor, NamesADeviceThatIsPutToSleep) {
-  machine_.plant(PlantedMachine::kUsb + "power/control", "auto\n");
-  expect_complaint(Level::Warn, "usb-power /dev/hidraw0", "put it to sleep",
-                   "echo on | sudo tee /sys/bus/usb/devices/1-4/power/control");
-}
-
-TEST_F(Doctor, NamesAnotherProgramThatHoldsTheDevice) {
-  machine_.plant_process(300, "steam", "/dev/hidraw0");
-  machine_.plant_process(301, "steam", "/dev/hidraw01");
-  machine_.plant_process(302, "thimble-guard", "/dev/hidraw0");
-  expect_complaint(Level::Wrong, "holder /dev/hidraw0", "held by 'steam' (process 300)",
-                   "sudo kill 300");
-}
-
-TEST_F(Doctor, NamesASecondDaemonThatHoldsTheDevice) {
-  machine_.plant_process(300, "thimbled", "/dev/hidraw0");
-  expect_complaint(Level::Wrong, "holder /dev/hidraw0", "'thimbled' (process 300)",
-                   "sudo kill 300");
-}
-
-TEST_F(Doctor, SaysThatItMayHaveOverlookedAHolder) {
-  machine_.plant("proc/1/comm", "systemd\n");  // and no fd that could be read
-  expect_look(Level::Warn, "holder /dev/hidraw0", "but 1 processes", "sudo thimble doctor");
-}
-
 TEST_F(Doctor, KnowsNothingOfAnEmptyFolderAndStaysCalm) {
   machine_.remove("proc");
   machine_.remove("sys");
@@ -348,52 +213,6 @@ TEST_F(Doctor, KnowsNothingOfAnEmptyFolderAndStaysCalm) {
               testing::Each(AllOf(Field(&Verdict::reason, testing::Not("")),
                                   testing::AnyOf(Field(&Verdict::command, testing::Not("")),
                                                  Field(&Verdict::look_with, testing::Not(""))))));
-}
-
-// Knows one more arm, by its descriptor alone.
-class PlantedDriver : public plugin::Driver {
- public:
-  [[nodiscard]] std::string_view name() const noexcept override { return "planted"; }
-  [[nodiscard]] Result<void> probe(const bus::BusDeviceInfo& info,
-                                   const plugin::DriverSettings& settings) const override {
-    if (info.kind != bus::BusKind::Hid || info.vendor_id != 0xfff0 || info.product_id != 0x6a17 ||
-        info.input_report_bytes != 13 || info.output_report_bytes != 8) {
-      return fail(Errc::NotMine, "");
-    }
-    EXPECT_EQ(info.address.text, "hid:A7");
-    EXPECT_EQ(info.product, "gantry");
-    EXPECT_TRUE(settings.is_named_by_person);
-    return {};
-  }
-  [[nodiscard]] Result<std::unique_ptr<HapticDevice>> open(
-      bus::BusEnumerator&, const bus::BusDeviceInfo&,
-      const plugin::DriverSettings&) const override {
-    ADD_FAILURE() << "doctor opens nothing";
-    return fail(Errc::Unsupported, "");
-  }
-};
-
-TEST_F(Doctor, LooksOnlyAtDevicesThatADriverKnows) {
-  machine_.chmod("dev/hidraw0", 0666);
-  EXPECT_THAT(complaints(), SizeIs(1));
-  machine_.plant_ids("0000046D", "0000C077");
-  EXPECT_THAT(complaints(), SizeIs(0));
-  machine_.plant_ids("00001234", "00000006");
-  machine_.plant_reports(8, 1);
-  EXPECT_THAT(complaints(), SizeIs(0)) << "the ids are shared by the world";
-  machine_.plant(PlantedMachine::kHid + "report_descriptor", "");
-  EXPECT_THAT(complaints(), SizeIs(0));
-}
-
-TEST_F(Doctor, LooksAtAnArmThatAPluginKnows) {
-  machine_.chmod("dev/hidraw0", 0666);
-  machine_.plant_ids("0000FFF0", "00006A17");
-  machine_.plant_reports(13, 8);
-  machine_.plant(PlantedMachine::kUsb + "product", "gantry\n");
-  EXPECT_THAT(complaints(), SizeIs(0));
-  plugins_.drivers.add(std::make_unique<PlantedDriver>());
-  expect_complaint(Level::Wrong, "node /dev/hidraw0", "every user may open",
-                   "72-thimble-fff0-6a17.rules");
 }
 
 }  // namespace

@@ -33,16 +33,27 @@ TEST(ProcText, FindsAGroupByItsWholeName) {
   EXPECT_EQ(parse_group(file, "thimble"), 42U);
   EXPECT_EQ(parse_group(file, "thimble2"), 3U);
   EXPECT_FALSE(parse_group(file, "odd"));
+  EXPECT_FALSE(parse_group(file, "thimble:x"));
   EXPECT_FALSE(parse_group("thimble:x", "thimble"));
   EXPECT_FALSE(parse_group("thimble:x:ten:", "thimble"));
 }
 
-TEST(ProcText, FindsAUserByItsNumber) {
-  const std::string file = "root:x:0:0::/:\nodd\n:x:7:7::/:\nan:x:7\nother:x:77:7::/:\n";
+TEST(ProcText, FindsTheGroupsThatListAUser) {
+  const std::string file = "a:x:1:an\nb:x:2:ann,an\nc:x:3:ann\nd:x:x:an\nan:x:4:\ne:x:5:,an,\n";
+  EXPECT_EQ(parse_memberships(file, "an"), (std::vector<std::uint32_t>{1, 2, 5}));
+  EXPECT_EQ(parse_memberships(file, "nobody"), std::vector<std::uint32_t>{});
+}
+
+TEST(ProcText, FindsAUserByNumberAndItsGroupByName) {
+  const std::string file =
+      "root:x:0:8::/:\nodd\n:x:7:7::/:\nan:x:7:9::/:\nother:x:77:7::/:\nno:x:1\n";
   EXPECT_EQ(parse_user(file, 0), "root");
   EXPECT_EQ(parse_user(file, 7), "an");
   EXPECT_EQ(parse_user(file, 77), "other");
   EXPECT_EQ(parse_user(file, 1), "");
+  EXPECT_EQ(parse_primary_group(file, "an"), 9U);
+  EXPECT_EQ(parse_primary_group(file, "no"), std::nullopt);
+  EXPECT_EQ(parse_primary_group(file, "odd"), std::nullopt);
 }
 
 TEST(ProcText, FindsTheServiceThatAProcessRunsIn) {
