@@ -53,17 +53,22 @@ std::optional<AccessList> parse_access_list(std::span<const std::byte> bytes) {
   }
   if (little_endian(bytes.first(kHeaderBytes)) != kVersion) return std::nullopt;
   std::uint32_t mask = kAllRights;
+  std::optional<std::uint32_t> group;
   std::vector<Entry> named;
   for (auto rest = bytes.subspan(kHeaderBytes); !rest.empty(); rest = rest.subspan(kEntryBytes)) {
     const Entry entry = entry_of(rest.first(kEntryBytes));
     if (!is_known(entry)) return std::nullopt;
     if (entry.tag == kMask) mask = entry.rights;
+    if (entry.tag == kGroup) group = entry.rights;
     if (entry.tag == kNamedUser || entry.tag == kNamedGroup) named.push_back(entry);
   }
   AccessList list;
+  // acl_permission_check() of the kernel looks at no list whose mask is empty, so that a user whom
+  // it names is everybody else again.
+  if (mask == 0) named.clear();
+  if (group) list.group_rights = *group & mask;
   for (const Entry& entry : named) {
-    if ((entry.rights & mask) == 0) continue;
-    (entry.tag == kNamedUser ? list.users : list.groups).push_back(entry.id);
+    (entry.tag == kNamedUser ? list.users : list.groups).push_back({entry.id, entry.rights & mask});
   }
   return list;
 }

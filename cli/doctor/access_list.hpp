@@ -8,9 +8,9 @@
 
 namespace thimble::doctor {
 
-// Whom the bytes of the extended attribute "system.posix_acl_access" let in besides owner, group
-// and everybody: the form is that of linux/posix_acl_xattr.h, numbers in little endian. Total:
-// whatever is no such list of known entries is nothing. Thread: any. Not RT. Pure.
+// What the bytes of the extended attribute "system.posix_acl_access" say, its mask applied: the
+// form is that of linux/posix_acl_xattr.h, numbers in little endian. Total: whatever is no such
+// list of known entries is nothing. Thread: any. Not RT. Pure.
 [[nodiscard]] std::optional<AccessList> parse_access_list(std::span<const std::byte> bytes);
 
 }  // namespace thimble::doctor

@@ -1,5 +1,6 @@
 #include <array>
 #include <cstdio>
+#include <optional>
 #include <string>
 
 #include "cli/doctor/checks.hpp"
@@ -8,8 +9,7 @@
 namespace thimble::doctor {
 namespace {
 
-constexpr unsigned kOthers = 07;
-constexpr unsigned kGroup = 070;
+constexpr std::uint32_t kOpens = kRead | kWrite;
 constexpr std::uint32_t kRoot = 0;
 constexpr const char* kWhyClosed =
     "whoever may open it, be it only to read, can send it forces that pass no limit of ours";
@@ -41,19 +41,24 @@ std::string sysfs_of(const Controller& controller) {
   return "/sys/bus/usb/devices/" + controller.usb_port;
 }
 
-std::string list_of(const char* what, const std::vector<std::uint32_t>& numbers) {
+// Those whom an access control list gives a right, but for the one who has it anyhow.
+std::string list_of(const char* what, const std::vector<AccessEntry>& entries,
+                    std::optional<std::uint32_t> welcome) {
   std::string list;
-  for (const std::uint32_t number : numbers) list += what + std::to_string(number);
+  for (const AccessEntry& entry : entries) {
+    if ((entry.rights & kOpens) != 0 && entry.id != welcome)
+      list += what + std::to_string(entry.id);
+  }
   return list;
 }
 
 // Who may open a node that is there, besides root and the group: nothing when all is well.
 std::string stranger(const Facts& facts, const Node& node) {
-  if ((node.mode & kOthers) != 0) return "every user may open " + node.path;
+  if ((node.mode & kOpens) != 0) return "every user may open " + node.path;
   if (node.user != kRoot) {
     return node.path + " belongs to user " + std::to_string(node.user) + " and not to root";
   }
-  if ((node.mode & kGroup) != 0 && node.group != facts.thimble_group) {
+  if ((node.mode >> 3U & kOpens) != 0 && node.group != facts.thimble_group) {
     const bool is_known = facts.thimble_group || facts.unknown_accounts.empty();
     return node.path + " belongs to group " + std::to_string(node.group) +
            (is_known ? " and not to the group 'thimble'"
@@ -63,9 +68,10 @@ std::string stranger(const Facts& facts, const Node& node) {
   if (list.is_unreadable) {
     return "the access control list of " + node.path + " cannot be read";
   }
-  if (list.users.empty() && list.groups.empty()) return "";
-  return "an access control list opens " + node.path + " to" + list_of(" user ", list.users) +
-         list_of(" group ", list.groups);
+  const std::string named =
+      list_of(" user ", list.users, kRoot) + list_of(" group ", list.groups, facts.thimble_group);
+  if (named.empty()) return "";
+  return "an access control list opens " + node.path + " to" + named;
 }
 
 Verdict closed_verdict(const std::string& check, const std::string& finding,
@@ -98,13 +104,13 @@ Verdict check_node(const Facts& facts, const Controller& controller) {
   }
   const std::string open_to = stranger(facts, node);
   if (!open_to.empty()) return closed_verdict(check, open_to, controller);
-  if (!may_read_and_write(facts.process, node)) {
-    return {Level::Wrong,
-            check,
-            node.path + " may not be read and written by the daemon",
-            "the arm cannot be opened",
-            rule_command(controller),
-            "the daemon must run in the group 'thimble'"};
+  if (!may(facts.process, node, kRead | kWrite)) {
+    Verdict verdict =
+        closed_verdict(check, node.path + " may not be read and written by the daemon", controller);
+    verdict.reason = "the arm cannot be opened";
+    verdict.advice += (verdict.advice.empty() ? "" : "; ");
+    verdict.advice += "the daemon must run in the group 'thimble'";
+    return verdict;
   }
   return all_well(check, node.path + " may be opened by the daemon, and by nobody else");
 }

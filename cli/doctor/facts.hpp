@@ -33,10 +33,19 @@ struct Process {
   bool operator==(const Process&) const = default;
 };
 
-// Whom an access control list lets in besides owner, group and everybody.
+// What an access control list says of one user or group: the read (04), write (02) and execute (01)
+// that its mask leaves, which may be nothing.
+struct AccessEntry {
+  std::uint32_t id{0};
+  std::uint32_t rights{0};
+  bool operator==(const AccessEntry&) const = default;
+};
+
+// Whom an access control list speaks of besides owner and everybody.
 struct AccessList {
-  std::vector<std::uint32_t> users;
-  std::vector<std::uint32_t> groups;
+  std::vector<AccessEntry> users;
+  std::vector<AccessEntry> groups;
+  std::optional<std::uint32_t> group_rights;  // of the owning group; none: there is no list
   bool is_unreadable{false};  // there is a list, and it is not known whom it lets in
   bool operator==(const AccessList&) const = default;
 };
@@ -44,7 +53,9 @@ struct AccessList {
 struct Node {
   std::string path;  // "/dev/hidraw0"
   bool is_there{false};
-  std::uint32_t mode{0};  // the nine permission bits
+  // The nine permission bits. Where there is an access control list, stat(2) gives its mask for the
+  // group's: here they are the group's own all the same.
+  std::uint32_t mode{0};
   std::uint32_t user{0};
   std::uint32_t group{0};
   AccessList access_list{};

@@ -59,6 +59,9 @@ Node FileTree::node(const std::string& path) const {
   node.user = status.st_uid;
   node.group = status.st_gid;
   node.access_list = read_access_list(below_root(path));
+  if (node.access_list.group_rights) {
+    node.mode = (node.mode & ~070U) | *node.access_list.group_rights << 3U;
+  }
   return node;
 }
 

@@ -16,7 +16,9 @@ inline constexpr unsigned kCapSysNice = 23;
   return (process.capabilities >> capability & 1U) != 0;
 }
 [[nodiscard]] bool is_in_group(const Process& process, std::uint32_t group) noexcept;
-// By the permission bits; an access control list may grant more.
-[[nodiscard]] bool may_read_and_write(const Process& process, const Node& node) noexcept;
+// Of a node: as the kernel weighs permission bits and access control lists, acl(5).
+inline constexpr std::uint32_t kRead = 04;
+inline constexpr std::uint32_t kWrite = 02;
+[[nodiscard]] bool may(const Process& process, const Node& node, std::uint32_t rights) noexcept;
 
 }  // namespace thimble::doctor

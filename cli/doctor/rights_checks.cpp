@@ -160,7 +160,7 @@ Verdict check_memlock(const Facts& facts) {
 
 Verdict check_dma_latency(const Facts& facts) {
   const Node& node = facts.dma_latency;
-  if (node.is_there && may_read_and_write(facts.process, node)) {
+  if (node.is_there && may(facts.process, node, kWrite)) {
     return all_well("idle-states", subject(facts.process) + " may keep the CPUs out of deep sleep");
   }
   Verdict verdict{Level::Warn,

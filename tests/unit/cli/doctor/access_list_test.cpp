@@ -14,18 +14,21 @@ std::optional<AccessList> parsed(const std::vector<PlantedEntry>& entries) {
 }
 
 TEST(AccessListBytes, NameTheUserOfTheSeat) {
-  EXPECT_EQ(parsed(kListOfASeat), (AccessList{{1000}, {}}));
+  EXPECT_EQ(parsed(kListOfASeat), (AccessList{{{1000, 06}}, {}, 06}));
 }
 
 TEST(AccessListBytes, NameNobodyWhereOnlyThePermissionBitsAreSaidAgain) {
-  EXPECT_EQ(parsed({{0x01, 06}, {0x04, 06}, {0x20, 0}}), AccessList{});
+  EXPECT_EQ(parsed({{0x01, 06}, {0x04, 06}, {0x20, 0}}), (AccessList{{}, {}, 06}));
   EXPECT_EQ(parsed({}), AccessList{});
 }
 
-TEST(AccessListBytes, NameNobodyWhomTheMaskKeepsOut) {
-  EXPECT_EQ(parsed({{0x02, 06, 7}, {0x02, 04, 8}, {0x08, 02, 9}, {0x10, 02}}),
-            (AccessList{{7}, {9}}));
-  EXPECT_EQ(parsed({{0x02, 06, 7}, {0x10, 0}}), AccessList{});
+TEST(AccessListBytes, LeaveWhatTheMaskLeaves) {
+  EXPECT_EQ(parsed({{0x02, 06, 7}, {0x02, 04, 8}, {0x04, 07}, {0x08, 02, 9}, {0x10, 02}}),
+            (AccessList{{{7, 02}, {8, 0}}, {{9, 02}}, 02}));
+  EXPECT_EQ(parsed({{0x04, 04}, {0x02, 06, 7}, {0x10, 0}}), (AccessList{{}, {}, 0}))
+      << "under an empty mask the kernel looks at no list";
+  EXPECT_EQ(parsed({{0x04, 0}, {0x10, 07}}), (AccessList{{}, {}, 0}))
+      << "the group's right is its own and not the mask";
 }
 
 TEST(AccessListBytes, AreNoListWhenOneOfThemIsOdd) {

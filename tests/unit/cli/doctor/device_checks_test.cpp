@@ -54,16 +54,34 @@ TEST_F(Doctor, NamesADeviceNodeOfAPersonOrOfRootAlone) {
 TEST_F(Doctor, NamesADeviceNodeThatAnAccessControlListOpens) {
   Facts facts = this->facts();
   AccessList& list = facts.controllers[0].node.access_list;
-  list.users = {1000};
+  list.users = {{1000, 06}};
   expect_complaint(complaints(facts), Level::Wrong, "node /dev/hidraw0",
                    "opens /dev/hidraw0 to user 1000",
                    "sudo setfacl --remove-all /dev/hidraw0; echo 'KERNEL==");
-  list = {{}, {46}};
-  expect_complaint(complaints(facts), Level::Wrong, "node /dev/hidraw0", "to group 46",
-                   "TAG-=\"uaccess\"");
-  list = {{}, {}, true};
+  list = {{{1000, 0}}, {{46, 04}}, 06};
+  expect_complaint(complaints(facts), Level::Wrong, "node /dev/hidraw0",
+                   "opens /dev/hidraw0 to group 46", "TAG-=\"uaccess\"");
+  list = {{}, {}, {}, true};
   expect_complaint(complaints(facts), Level::Wrong, "node /dev/hidraw0", "cannot be read",
                    "setfacl");
+}
+
+TEST_F(Doctor, TakesTheMaskOfAListForNobodysRight) {
+  // stat(2) shows rw for the group of both; only the second has it.
+  for (const std::uint32_t group_rights : {0U, 06U}) {
+    const auto bytes = access_list_bytes(
+        {{0x01, 06}, {0x02, 0, 1000}, {0x04, group_rights}, {0x10, 06}, {0x20, 0}});
+    if (::setxattr((machine_.root() / "dev/hidraw0").c_str(), "system.posix_acl_access",
+                   bytes.data(), bytes.size(), 0) != 0) {
+      GTEST_SKIP() << "the folder of temporary files holds no access control lists";
+    }
+    if (group_rights != 0) {
+      EXPECT_THAT(complaints(), SizeIs(0));
+    } else {
+      expect_complaint(Level::Wrong, "node /dev/hidraw0", "may not be read and written",
+                       "sudo setfacl --remove-all /dev/hidraw0; ");
+    }
+  }
 }
 
 TEST_F(Doctor, ReadsTheAccessControlListOfANode) {
