@@ -22,6 +22,9 @@ namespace thimble::doctor {
 
 // Of one arm that is plugged in.
 [[nodiscard]] Verdict check_node(const Facts& facts, const Controller& controller);
+// Of one of its raw_nodes: who may command the arm around the daemon.
+[[nodiscard]] Verdict check_raw_node(const Facts& facts, const Controller& controller,
+                                     const Node& node);
 [[nodiscard]] Verdict check_usb_speed(const Controller& controller);
 [[nodiscard]] Verdict check_usb_port(const Controller& controller);
 [[nodiscard]] Verdict check_usb_power(const Controller& controller);

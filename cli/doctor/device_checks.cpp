@@ -1,64 +1,53 @@
-#include <array>
-#include <cstdio>
 #include <optional>
 #include <string>
 
 #include "cli/doctor/checks.hpp"
 #include "cli/doctor/rights.hpp"
+#include "cli/doctor/udev_rules.hpp"
 
 namespace thimble::doctor {
 namespace {
 
-constexpr std::uint32_t kOpens = kRead | kWrite;
 constexpr std::uint32_t kRoot = 0;
 constexpr const char* kWhyClosed =
-    "whoever may open it, be it only to read, can send it forces that pass no limit of ours";
+    "whoever may open it, be it only to read, can send the arm forces that pass no limit of ours";
+constexpr const char* kWhyNotWritten =
+    "whoever may write it can take the arm from its driver and send it forces that pass no limit "
+    "of ours";
 
 std::string name(const char* check, const Controller& controller) {
   return std::string(check) + " " + controller.node.path;
-}
-
-std::string hexadecimal(std::uint16_t id) {
-  std::array<char, 8> text{};
-  std::snprintf(text.data(), text.size(), "%04x", static_cast<unsigned>(id));
-  return text.data();
-}
-
-// 72: behind the rules that add the tag uaccess, before those that act on it (73-seat-late.rules).
-// ":=" lets no later rule change it.
-std::string rule_command(const Controller& controller) {
-  const std::string vendor = hexadecimal(controller.vendor_id);
-  const std::string product = hexadecimal(controller.product_id);
-  return R"(echo 'KERNEL=="hidraw*", ATTRS{idVendor}==")" + vendor + R"(", ATTRS{idProduct}==")" +
-         product +
-         R"(", OWNER:="root", GROUP:="thimble", MODE:="0660", TAG-="uaccess"' | sudo tee )" +
-         "/etc/udev/rules.d/72-thimble-" + vendor + "-" + product +
-         ".rules && sudo udevadm control --reload && sudo udevadm trigger "
-         "--subsystem-match=hidraw --action=add";
 }
 
 std::string sysfs_of(const Controller& controller) {
   return "/sys/bus/usb/devices/" + controller.usb_port;
 }
 
-// Those whom an access control list gives a right, but for the one who has it anyhow.
-std::string list_of(const char* what, const std::vector<AccessEntry>& entries,
+// Those whom an access control list gives one of the rights, but for the one who has it anyhow.
+std::string list_of(const char* what, const std::vector<AccessEntry>& entries, std::uint32_t rights,
                     std::optional<std::uint32_t> welcome) {
   std::string list;
   for (const AccessEntry& entry : entries) {
-    if ((entry.rights & kOpens) != 0 && entry.id != welcome)
+    if ((entry.rights & rights) != 0 && entry.id != welcome)
       list += what + std::to_string(entry.id);
   }
   return list;
 }
 
-// Who may open a node that is there, besides root and the group: nothing when all is well.
+const char* verb_of(const Node& node) {
+  return node.commanding_rights == kWrite ? "write" : "open";
+}
+
+// Who may command the arm by a node that is there, besides root and the group: nothing when all is
+// well. Group 0 is root's own: the kernel makes its nodes root:root.
 std::string stranger(const Facts& facts, const Node& node) {
-  if ((node.mode & kOpens) != 0) return "every user may open " + node.path;
+  const std::uint32_t rights = node.commanding_rights;
+  if ((node.mode & rights) != 0)
+    return std::string("every user may ") + verb_of(node) + " " + node.path;
   if (node.user != kRoot) {
     return node.path + " belongs to user " + std::to_string(node.user) + " and not to root";
   }
-  if ((node.mode >> 3U & kOpens) != 0 && node.group != facts.thimble_group) {
+  if ((node.mode >> 3U & rights) != 0 && node.group != kRoot && node.group != facts.thimble_group) {
     const bool is_known = facts.thimble_group || facts.unknown_accounts.empty();
     return node.path + " belongs to group " + std::to_string(node.group) +
            (is_known ? " and not to the group 'thimble'"
@@ -68,20 +57,32 @@ std::string stranger(const Facts& facts, const Node& node) {
   if (list.is_unreadable) {
     return "the access control list of " + node.path + " cannot be read";
   }
-  const std::string named =
-      list_of(" user ", list.users, kRoot) + list_of(" group ", list.groups, facts.thimble_group);
+  const std::string named = list_of(" user ", list.users, rights, kRoot) +
+                            list_of(" group ", list.groups, rights, facts.thimble_group);
   if (named.empty()) return "";
-  return "an access control list opens " + node.path + " to" + named;
+  return std::string("an access control list lets others ") + verb_of(node) + " " + node.path +
+         ":" + named;
 }
 
-Verdict closed_verdict(const std::string& check, const std::string& finding,
-                       const Controller& controller) {
-  Verdict verdict{Level::Wrong, check, finding, kWhyClosed, rule_command(controller), ""};
-  if (controller.node.access_list != AccessList{}) {
+Verdict closed_verdict(const Facts& facts, const Controller& controller, const Node& node,
+                       const std::string& check, const std::string& finding) {
+  Verdict verdict{Level::Wrong,
+                  check,
+                  finding,
+                  verb_of(node) == std::string_view("write") ? kWhyNotWritten : kWhyClosed,
+                  closing_command(controller),
+                  ""};
+  verdict.look_with = rules_that_speak_of(controller);
+  verdict.advice = "it closes all nodes of every device with these ids";
+  // A rule that names a group which is not there gives the node to the group root.
+  if (!facts.thimble_group && facts.unknown_accounts.empty()) {
+    verdict.command = "sudo addgroup --system thimble && " + verdict.command;
+  }
+  if (node.access_list != AccessList{}) {
     // First: taken away later, it would leave what the kernel made of the group's right meanwhile.
-    verdict.command = "sudo setfacl --remove-all " + controller.node.path + "; " + verdict.command;
-    verdict.advice =
-        "setfacl is in the package 'acl'; without it, unplug the arm and plug it in again";
+    verdict.command = "sudo setfacl --remove-all " + node.path + "; " + verdict.command;
+    verdict.advice +=
+        "; setfacl is in the package 'acl': without it, then unplug the arm and plug it in again";
   }
   return verdict;
 }
@@ -89,30 +90,52 @@ Verdict closed_verdict(const std::string& check, const std::string& finding,
 // "bus-port.port…": each dot is a hub.
 bool is_behind_hub(const std::string& port) { return port.find('.') != std::string::npos; }
 
+Verdict missing_node(const Controller& controller) {
+  const std::string& path = controller.node.path;
+  Verdict verdict{
+      Level::Wrong,
+      name("node", controller),
+      "the kernel knows the device, but " + path + " is missing",
+      "without its node nothing can talk to the arm",
+      "",
+      "unplug the arm and plug it in again: the kernel makes the node anew; a container "
+      "must be given it: --device " +
+          path};
+  if (controller.usb_port.empty()) {
+    verdict.look_with = "ls -l /dev/hidraw*";
+    return verdict;
+  }
+  // As if it were unplugged and plugged in; udev alone makes no nodes, the kernel's devtmpfs does.
+  const std::string file = sysfs_of(controller) + "/authorized";
+  verdict.command = "echo 0 | sudo tee " + file + " && echo 1 | sudo tee " + file;
+  return verdict;
+}
+
 }  // namespace
 
 Verdict check_node(const Facts& facts, const Controller& controller) {
   const Node& node = controller.node;
   const std::string check = name("node", controller);
-  if (!node.is_there) {
-    return {Level::Wrong,
-            check,
-            "the kernel knows the device, but " + node.path + " is missing",
-            "without its node nothing can talk to the arm",
-            "sudo udevadm trigger --subsystem-match=hidraw --action=add",
-            "a container must be given the node: --device " + node.path};
-  }
+  if (!node.is_there) return missing_node(controller);
   const std::string open_to = stranger(facts, node);
-  if (!open_to.empty()) return closed_verdict(check, open_to, controller);
-  if (!may(facts.process, node, kRead | kWrite)) {
-    Verdict verdict =
-        closed_verdict(check, node.path + " may not be read and written by the daemon", controller);
-    verdict.reason = "the arm cannot be opened";
-    verdict.advice += (verdict.advice.empty() ? "" : "; ");
-    verdict.advice += "the daemon must run in the group 'thimble'";
-    return verdict;
+  if (!open_to.empty()) return closed_verdict(facts, controller, node, check, open_to);
+  if (may(facts.process, node, kRead | kWrite)) {
+    return all_well(check, node.path + " may be opened by the daemon, and by nobody else");
   }
-  return all_well(check, node.path + " may be opened by the daemon, and by nobody else");
+  Verdict verdict = closed_verdict(facts, controller, node, check,
+                                   node.path + " may not be read and written by the daemon");
+  verdict.reason = "the arm cannot be opened";
+  verdict.advice += "; the daemon must run in the group 'thimble'";
+  return verdict;
+}
+
+Verdict check_raw_node(const Facts& facts, const Controller& controller, const Node& node) {
+  const std::string check = "raw-node " + node.path;
+  if (!node.is_there) return all_well(check, node.path + " is not here");
+  const std::string open_to = stranger(facts, node);
+  if (!open_to.empty()) return closed_verdict(facts, controller, node, check, open_to);
+  return all_well(check, std::string("only root and the group 'thimble' may ") + verb_of(node) +
+                             " " + node.path);
 }
 
 Verdict check_usb_speed(const Controller& controller) {
@@ -209,6 +232,9 @@ std::vector<Verdict> examine(const Facts& facts) {
                                 check_memlock(facts),      check_dma_latency(facts)};
   for (const Controller& controller : facts.controllers) {
     verdicts.push_back(check_node(facts, controller));
+    for (const Node& node : controller.raw_nodes) {
+      verdicts.push_back(check_raw_node(facts, controller, node));
+    }
     verdicts.push_back(check_usb_speed(controller));
     verdicts.push_back(check_usb_port(controller));
     verdicts.push_back(check_usb_power(controller));

@@ -53,6 +53,10 @@ struct AccessList {
 struct Node {
   std::string path;  // "/dev/hidraw0"
   bool is_there{false};
+  // Those of which each lets a process command the device behind it: hidraw_ioctl() and
+  // hiddev_ioctl() of the kernel send for whoever has opened the node, be it only for reading;
+  // usbdev_do_ioctl() asks whether it was opened for writing.
+  std::uint32_t commanding_rights{06};
   // The nine permission bits. Where there is an access control list, stat(2) gives its mask for the
   // group's: here they are the group's own all the same.
   std::uint32_t mode{0};
@@ -72,6 +76,7 @@ struct Holder {
 // A HID device that a driver knows, by its ids and the lengths of its reports, as an arm.
 struct Controller {
   Node node;
+  std::vector<Node> raw_nodes;  // other ways to it: /dev/bus/usb/001/004, /dev/usb/hiddev0
   std::uint16_t vendor_id{0};
   std::uint16_t product_id{0};
   std::string serial_number;

@@ -1,12 +1,16 @@
 #include "cli/doctor/read_facts.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstdio>
+#include <optional>
 #include <utility>
 
 #include "cli/doctor/accounts.hpp"
 #include "cli/doctor/file_tree.hpp"
 #include "cli/doctor/proc_text.hpp"
 #include "cli/doctor/report_descriptor.hpp"
+#include "cli/doctor/rights.hpp"
 
 // Paths: proc(5); Documentation/ABI/{stable,testing}/sysfs-bus-usb, sysfs-devices-system-cpu and
 // sysfs-devices-system-clocksource of the kernel.
@@ -20,6 +24,10 @@ constexpr const char* kCpus = "/sys/devices/system/cpu";
 constexpr const char* kHidraw = "/sys/class/hidraw";
 constexpr std::string_view kDaemon = "thimbled";
 
+std::vector<std::string> names_in(const FileTree& tree, const fs::path& folder) {
+  return tree.names(folder).value_or(std::vector<std::string>{});
+}
+
 // Whether a driver calls it its own. What it lacks in a configuration, such as the full scale of
 // its amplifier, makes it no less an arm.
 bool is_an_arm(const plugin::DriverRegistry& drivers, const bus::BusDeviceInfo& info) {
@@ -31,7 +39,7 @@ bool is_an_arm(const plugin::DriverRegistry& drivers, const bus::BusDeviceInfo& 
 
 std::vector<int> processes(const FileTree& tree) {
   std::vector<int> pids;
-  for (const std::string& name : tree.names("/proc").value_or(std::vector<std::string>{})) {
+  for (const std::string& name : names_in(tree, "/proc")) {
     const auto pid = parse_integer(name);
     if (pid && *pid > 0 && *pid <= 0x7FFFFFFF) pids.push_back(static_cast<int>(*pid));
   }
@@ -79,14 +87,31 @@ void read_accounts(const Accounts& accounts, Facts& facts) {
   process.login_groups = value_or_why(accounts.groups_of(process.user_name), why);
 }
 
-// Goes up from the HID device to the USB device, the first folder with a speed.
+// Of the USB device in a folder; nothing when it is none.
+std::optional<Node> raw_usb_node(const FileTree& tree, const fs::path& folder) {
+  const auto bus = parse_integer(tree.text(folder / "busnum"));
+  const auto device = parse_integer(tree.text(folder / "devnum"));
+  if (!bus || !device) return std::nullopt;
+  std::array<char, 64> path{};
+  std::snprintf(path.data(), path.size(), "/dev/bus/usb/%03lld/%03lld",
+                static_cast<long long>(*bus), static_cast<long long>(*device));
+  Node node = tree.node(path.data());
+  node.commanding_rights = kWrite;
+  return node;
+}
+
+// Goes up from the HID device over its interface to the USB device.
 void read_usb(const FileTree& tree, fs::path folder, Controller& controller,
               bus::BusDeviceInfo& info) {
   for (; folder.has_relative_path(); folder = folder.parent_path()) {
-    const std::string speed = trimmed(tree.text(folder / "speed"));
-    if (speed.empty()) continue;
+    for (const std::string& name : names_in(tree, folder / "usbmisc")) {
+      controller.raw_nodes.push_back(tree.node("/dev/usb/" + name));
+    }
+    auto raw = raw_usb_node(tree, folder);
+    if (!raw) continue;
+    controller.raw_nodes.push_back(*std::move(raw));
     controller.usb_port = folder.filename().string();
-    controller.speed_mbit_per_s = speed;
+    controller.speed_mbit_per_s = trimmed(tree.text(folder / "speed"));
     controller.power_control = trimmed(tree.text(folder / "power/control"));
     info.manufacturer = trimmed(tree.text(folder / "manufacturer"));
     info.product = trimmed(tree.text(folder / "product"));
@@ -97,7 +122,7 @@ void read_usb(const FileTree& tree, fs::path folder, Controller& controller,
 std::vector<Controller> read_controllers(const FileTree& tree,
                                          const plugin::DriverRegistry& drivers) {
   std::vector<Controller> found;
-  for (const std::string& name : tree.names(kHidraw).value_or(std::vector<std::string>{})) {
+  for (const std::string& name : names_in(tree, kHidraw)) {
     const fs::path device = fs::path(kHidraw) / name / "device";
     const auto ids = parse_hid_ids(tree.text(device / "uevent"));
     const auto reports = parse_report_descriptor(tree.text(device / "report_descriptor"));
@@ -140,7 +165,7 @@ void read_holders(const FileTree& tree, const std::vector<int>& pids, Facts& fac
 
 std::vector<Cpu> read_cpus(const FileTree& tree) {
   std::vector<Cpu> cpus;
-  for (const std::string& name : tree.names(kCpus).value_or(std::vector<std::string>{})) {
+  for (const std::string& name : names_in(tree, kCpus)) {
     if (!name.starts_with("cpu")) continue;
     const auto number = parse_integer(std::string_view(name).substr(3));
     if (!number || *number < 0 || *number > 0xFFFF) continue;

@@ -9,16 +9,21 @@ namespace {
 
 TEST_F(Doctor, NamesAMissingDeviceNode) {
   machine_.remove("dev/hidraw0");
-  expect_complaint(Level::Wrong, "node /dev/hidraw0", "is missing", "sudo udevadm trigger");
+  expect_complaint(Level::Wrong, "node /dev/hidraw0", "is missing",
+                   "echo 0 | sudo tee /sys/bus/usb/devices/1-4/authorized && echo 1 | sudo tee "
+                   "/sys/bus/usb/devices/1-4/authorized");
+  Facts facts = this->facts();
+  facts.controllers[0].usb_port.clear();
+  expect_complaint(complaints(facts), Level::Wrong, "node /dev/hidraw0", "is missing", "");
+  EXPECT_EQ(complaints(facts)[0].look_with, "ls -l /dev/hidraw*");
 }
 
 TEST_F(Doctor, NamesADeviceNodeThatMayNotBeOpened) {
   for (const unsigned mode : {0600U, 0640U, 0620U}) {
     machine_.chmod("dev/hidraw0", mode);
     expect_complaint(Level::Wrong, "node /dev/hidraw0", "may not be read and written",
-                     "ATTRS{idVendor}==\"1234\", ATTRS{idProduct}==\"0006\", OWNER:=\"root\", "
-                     "GROUP:=\"thimble\", MODE:=\"0660\", TAG-=\"uaccess\"' | sudo tee "
-                     "/etc/udev/rules.d/72-thimble-1234-0006.rules");
+                     "GROUP:=\"thimble\", MODE:=\"0660\"' | sudo tee "
+                     "/etc/udev/rules.d/0-thimble-1234-0006.rules && ");
   }
 }
 
@@ -56,11 +61,11 @@ TEST_F(Doctor, NamesADeviceNodeThatAnAccessControlListOpens) {
   AccessList& list = facts.controllers[0].node.access_list;
   list.users = {{1000, 06}};
   expect_complaint(complaints(facts), Level::Wrong, "node /dev/hidraw0",
-                   "opens /dev/hidraw0 to user 1000",
-                   "sudo setfacl --remove-all /dev/hidraw0; echo 'KERNEL==");
+                   "lets others open /dev/hidraw0: user 1000",
+                   "sudo setfacl --remove-all /dev/hidraw0; echo 'SUBSYSTEMS==");
   list = {{{1000, 0}}, {{46, 04}}, 06};
   expect_complaint(complaints(facts), Level::Wrong, "node /dev/hidraw0",
-                   "opens /dev/hidraw0 to group 46", "TAG-=\"uaccess\"");
+                   "lets others open /dev/hidraw0: group 46", "TAG=\"systemd\"");
   list = {{}, {}, {}, true};
   expect_complaint(complaints(facts), Level::Wrong, "node /dev/hidraw0", "cannot be read",
                    "setfacl");
@@ -90,8 +95,50 @@ TEST_F(Doctor, ReadsTheAccessControlListOfANode) {
                  bytes.size(), 0) != 0) {
     GTEST_SKIP() << "the folder of temporary files holds no access control lists";
   }
-  expect_complaint(Level::Wrong, "node /dev/hidraw0", "opens /dev/hidraw0 to user 1000",
-                   "TAG-=\"uaccess\"");
+  expect_complaint(Level::Wrong, "node /dev/hidraw0", "lets others open /dev/hidraw0: user 1000",
+                   "TAG=\"systemd\"");
+}
+
+TEST_F(Doctor, NamesARawNodeThatEverybodyMayWrite) {
+  machine_.chmod("dev/bus/usb/001/004", 0666);
+  expect_complaint(Level::Wrong, "raw-node /dev/bus/usb/001/004",
+                   "every user may write /dev/bus/usb/001/004",
+                   "sudo udevadm trigger --settle --parent-match=/sys/bus/usb/devices/1-4");
+  EXPECT_THAT(complaints()[0].reason, HasSubstr("take the arm from its driver"));
+  machine_.chmod("dev/bus/usb/001/004", 0644);
+  EXPECT_THAT(complaints(), SizeIs(0)) << "who may only read it can send nothing";
+  machine_.chmod("dev/usb/hiddev0", 0604);
+  expect_complaint(Level::Wrong, "raw-node /dev/usb/hiddev0",
+                   "every user may open /dev/usb/hiddev0",
+                   "/etc/udev/rules.d/0-thimble-1234-0006.rules");
+  machine_.remove("dev/usb");
+  machine_.remove("dev/bus");
+  EXPECT_THAT(complaints(), SizeIs(0)) << "a container has not all of them";
+}
+
+TEST_F(Doctor, NamesARawNodeOfAnotherGroupOrPerson) {
+  const Facts healthy = facts();
+  Facts facts = healthy;
+  Node& raw = facts.controllers[0].raw_nodes[1];
+  ASSERT_EQ(raw.path, "/dev/bus/usb/001/004");
+  const auto expect = [&](const std::string& finding) {
+    expect_complaint(complaints(facts), Level::Wrong, "raw-node /dev/bus/usb/001/004", finding,
+                     "GROUP:=\"thimble\", MODE:=\"0660\"");
+    facts = healthy;
+  };
+  raw.group = 46;
+  expect("belongs to group 46 and not to the group 'thimble'");
+  raw.user = 1000;
+  expect("belongs to user 1000 and not to root");
+  raw.access_list.users = {{1000, 06}, {1001, 04}};
+  expect("lets others write /dev/bus/usb/001/004: user 1000");
+  raw.access_list.is_unreadable = true;
+  expect("cannot be read");
+  raw.group = 0;
+  EXPECT_THAT(complaints(facts), SizeIs(0)) << "as the kernel makes it";
+  raw.group = 46;
+  raw.mode = 0644;
+  EXPECT_THAT(complaints(facts), SizeIs(0));
 }
 
 TEST_F(Doctor, NamesALowSpeedDevice) {
@@ -101,7 +148,6 @@ TEST_F(Doctor, NamesALowSpeedDevice) {
 
 TEST_F(Doctor, NamesADeviceWithoutASpeed) {
   machine_.remove(PlantedMachine::kUsb + "speed");
-  machine_.remove("sys/devices/pci0000:00/0000:00:14.0/usb1/speed");
   expect_look(Level::Warn, "usb-speed /dev/hidraw0", "not known", "lsusb -t");
 }
 
@@ -178,7 +224,7 @@ TEST_F(Doctor, LooksAtAnArmThatAPluginKnows) {
   EXPECT_THAT(complaints(), SizeIs(0));
   plugins_.drivers.add(std::make_unique<PlantedDriver>());
   expect_complaint(Level::Wrong, "node /dev/hidraw0", "every user may open",
-                   "72-thimble-fff0-6a17.rules");
+                   "0-thimble-fff0-6a17.rules");
 }
 
 }  // namespace

@@ -1,10 +1,11 @@
 #pragma once
 
 #include <sys/stat.h>
-#include <unistd.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
+#include <utility>
 
 #include "tests/support/temporary_folder.hpp"
 
@@ -73,7 +74,9 @@ class PlantedMachine {
     std::filesystem::remove(folder / "fd/3");
     std::filesystem::create_symlink(open_file, folder / "fd/3");
   }
-  [[nodiscard]] static std::string group() { return std::to_string(::getegid()); }
+  // The group 'thimble'. The files are this program's own: the tests give them away.
+  static constexpr std::uint32_t kThimble = 4242;
+  [[nodiscard]] static std::string group() { return std::to_string(kThimble); }
 
   static inline const std::string kUsb = "sys/devices/pci0000:00/0000:00:14.0/usb1/1-4/";
   static inline const std::string kHid = kUsb + "1-4:1.0/0003:1234:0006.0001/";
@@ -88,26 +91,35 @@ class PlantedMachine {
 
  private:
   void plant_daemon() const {
-    // Files of the planted tree belong to this user and its group: that is group thimble here.
     plant("etc/group", "root:x:0:\nthimbles:x:5:\nthimble:x:" + group() + ":someone\n");
     plant("etc/passwd", "root:x:0:0::/root:/bin/sh\nhaptics:x:64000:64001::/:/bin/false\n");
     plant_process(77, "thimbled", "/dev/hidraw0");
     plant_status(group());
     plant("proc/77/cgroup", "0::/user.slice/user-1000.slice/session-3.scope\n");
     plant_limits("98", "unlimited");
-    plant("dev/cpu_dma_latency", "");
-    chmod("dev/cpu_dma_latency", 0660);
+    plant_node("dev/cpu_dma_latency", 0660);
+  }
+  void plant_node(const std::string& path, unsigned mode) const {
+    plant(path, "");
+    chmod(path, mode);
   }
   void plant_arm() const {
     plant(kUsb + "speed", "12\n");
+    plant(kUsb + "busnum", "1\n");
+    plant(kUsb + "devnum", "4\n");
     plant(kUsb + "power/control", "on\n");
-    plant("sys/devices/pci0000:00/0000:00:14.0/usb1/speed", "480\n");
+    for (const auto& [file, text] :
+         {std::pair{"speed", "480\n"}, {"busnum", "1\n"}, {"devnum", "1\n"}}) {
+      plant(std::string("sys/devices/pci0000:00/0000:00:14.0/usb1/") + file, text);
+    }
     plant_ids("00001234", "00000006");
     plant_reports(64, 64);
     plant(kHid + "hidraw/hidraw0/dev", "243:0\n");
     std::filesystem::create_symlink("../..", root_ / kHid / "hidraw/hidraw0/device");
-    plant("dev/hidraw0", "");
-    chmod("dev/hidraw0", 0660);
+    plant_node("dev/hidraw0", 0660);
+    plant_node("dev/bus/usb/001/004", 0664);
+    plant(kUsb + "1-4:1.0/usbmisc/hiddev0/dev", "180:0\n");
+    plant_node("dev/usb/hiddev0", 0600);
     link_hidraw("1-4");
   }
   void link_hidraw(const std::string& port) const {

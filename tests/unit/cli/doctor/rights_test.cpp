@@ -31,7 +31,9 @@ Process member(std::vector<std::uint32_t> groups) {
 }
 
 Node node(std::uint32_t mode, AccessList list = {}) {
-  Node node{"/dev/hidraw0", true, mode, 0, kGroup, {}};
+  Node node;
+  node.mode = mode;
+  node.group = kGroup;
   node.access_list = std::move(list);
   return node;
 }
