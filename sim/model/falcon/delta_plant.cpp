@@ -1,0 +1,170 @@
+#include "sim/model/falcon/delta_plant.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace thimble::sim {
+namespace {
+
+// Ours: far beyond what a hand or these motors reach; more is a defect, and the arm stands.
+constexpr double kFastest_rad_per_s = 300;
+
+double square(double value) noexcept { return value * value; }
+
+// Push of a stop, `in` deep (<= 0: not touched), growing `rate` deeper.
+double stop_push(double in, double rate, double stiffness, double damping_s) noexcept {
+  return in > 0 ? std::max(stiffness * in * (1 + damping_s * rate), 0.0) : 0;
+}
+
+double stop_energy_j(double in, double stiffness) noexcept {
+  return in > 0 ? stiffness * square(in) / 2 : 0;
+}
+
+Matrix3 jacobian_of(const DeltaLinkage::Constraint& c) noexcept {
+  // Its columns: how the grip moves when one crank turns.
+  const Triple x = solved(c.a, {-c.b.x, 0, 0});
+  const Triple y = solved(c.a, {0, -c.b.y, 0});
+  const Triple z = solved(c.a, {0, 0, -c.b.z});
+  return {{{{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}}}};
+}
+
+}  // namespace
+
+DeltaPlant::DeltaPlant(const FalconParameters& parameters) : p_(parameters), linkage_(parameters) {
+  const double knee_kg = p_.rods_kg / 2;
+  crank_kg_m2_ =
+      (p_.crank_kg / 3 + knee_kg) * square(p_.crank_m) + p_.rotor_kg_m2 * square(p_.drive_ratio);
+  crank_moment_kg_m_ = (p_.crank_kg / 2 + knee_kg) * p_.crank_m;
+  grip_kg_ = p_.grip_kg + 3 * p_.rods_kg / 2;
+  for (std::size_t i = 0; i < 3; ++i) {
+    lean_[i] = std::sin(p_.azimuth_rad[i]);
+  }
+}
+
+bool DeltaPlant::rest_at(const Triple& x) noexcept {
+  const std::optional<Triple> q = linkage_.inverse(x);
+  if (!q.has_value() || std::hypot(x.x, x.y) > p_.rim_m) return false;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!((*q)[i] >= p_.crank_min_rad && (*q)[i] <= p_.crank_max_rad)) return false;
+  }
+  x_ = x;
+  q_ = *q;
+  rate_ = {};
+  return true;
+}
+
+Triple DeltaPlant::crank_torques(const Triple& q, const Triple& sine,
+                                 const Triple& rate) const noexcept {
+  Triple torque;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double weight = crank_moment_kg_m_ * p_.gravity_m_per_s2 * sine[i] * lean_[i];
+    const double rub =
+        p_.coulomb_newton_m * rate[i] / std::hypot(rate[i], p_.friction_knee_rad_per_s) +
+        p_.viscous_newton_m_s_per_rad * rate[i];
+    torque[i] = weight - rub +
+                stop_push(p_.crank_min_rad - q[i], -rate[i], p_.crank_stop_newton_m_per_rad,
+                          p_.stop_damping_s) -
+                stop_push(q[i] - p_.crank_max_rad, rate[i], p_.crank_stop_newton_m_per_rad,
+                          p_.stop_damping_s);
+  }
+  return torque;
+}
+
+Triple DeltaPlant::grip_forces(const Triple& x, const Triple& velocity) const noexcept {
+  Triple force{0, -grip_kg_ * p_.gravity_m_per_s2, 0};
+  const double off_axis_m = std::hypot(x.x, x.y);
+  if (off_axis_m <= p_.rim_m) return force;
+  const Triple outward{x.x / off_axis_m, x.y / off_axis_m, 0};
+  force -= stop_push(off_axis_m - p_.rim_m, dot(outward, velocity), p_.rim_newton_per_m,
+                     p_.stop_damping_s) *
+           outward;
+  return force;
+}
+
+Matrix3 DeltaPlant::mass_matrix(const Matrix3& jacobian) const noexcept {
+  Matrix3 mass = square_of(jacobian);
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (double& term : mass.row[i]) term *= grip_kg_;
+    mass.row[i][i] += crank_kg_m2_;
+  }
+  return mass;
+}
+
+std::optional<DeltaPlant::Stage> DeltaPlant::evaluate(const Triple& q, const Triple& rate,
+                                                      const Triple& near,
+                                                      const Inputs& in) const noexcept {
+  const DeltaLinkage::Cranks cranks = DeltaLinkage::cranks(q);
+  const std::optional<Triple> x = linkage_.forward(cranks, near);
+  if (!x.has_value()) return std::nullopt;
+  const DeltaLinkage::Constraint c = linkage_.constrain(cranks, *x);
+  const Matrix3 jacobian = jacobian_of(c);
+  Stage stage{*x, times(jacobian, rate), {}};
+  const Triple drift = -solved(c.a, linkage_.bias(cranks, rate, *x, stage.velocity));
+  const Triple force = in.grip_force + grip_forces(*x, stage.velocity) - grip_kg_ * drift;
+  const Triple torque =
+      in.motor_torque + crank_torques(q, cranks.sine, rate) + transposed_times(jacobian, force);
+  stage.acceleration = solved(mass_matrix(jacobian), torque);
+  return stage;
+}
+
+std::optional<DeltaPlant::Stage> DeltaPlant::advance(double dt_s, const Inputs& in, Triple& q,
+                                                     Triple& rate) const noexcept {
+  const auto k1 = evaluate(q_, rate_, x_, in);
+  if (!k1) return std::nullopt;
+  const Triple rate2 = rate_ + dt_s / 2 * k1->acceleration;
+  const auto k2 = evaluate(q_ + dt_s / 2 * rate_, rate2, x_ + dt_s / 2 * k1->velocity, in);
+  if (!k2) return std::nullopt;
+  const Triple rate3 = rate_ + dt_s / 2.0 * k2->acceleration;
+  const auto k3 = evaluate(q_ + dt_s / 2 * rate2, rate3, k2->x, in);
+  if (!k3) return std::nullopt;
+  const Triple rate4 = rate_ + dt_s * k3->acceleration;
+  const auto k4 = evaluate(q_ + dt_s * rate3, rate4, x_ + dt_s * k3->velocity, in);
+  if (!k4) return std::nullopt;
+  q = q_ + dt_s / 6 * (rate_ + 2.0 * rate2 + 2.0 * rate3 + rate4);
+  rate = rate_ + dt_s / 6 *
+                     (k1->acceleration + 2.0 * k2->acceleration + 2.0 * k3->acceleration +
+                      k4->acceleration);
+  return k4;
+}
+
+void DeltaPlant::step(double dt_s, const Triple& motor_torque, const Triple& grip_force) noexcept {
+  Triple q;
+  Triple rate;
+  const auto end = advance(dt_s, {motor_torque, grip_force}, q, rate);
+  const auto x = end ? linkage_.forward(DeltaLinkage::cranks(q), end->x) : std::nullopt;
+  if (!x.has_value() || !(norm(rate) <= kFastest_rad_per_s)) {
+    rate_ = {};
+    ++standstills_;
+    return;
+  }
+  q_ = q;
+  rate_ = rate;
+  x_ = *x;
+}
+
+Matrix3 DeltaPlant::jacobian() const noexcept {
+  return jacobian_of(linkage_.constrain(DeltaLinkage::cranks(q_), x_));
+}
+
+Triple DeltaPlant::grip_velocity() const noexcept { return times(jacobian(), rate_); }
+
+Triple DeltaPlant::force_of(const Triple& torque) const noexcept {
+  // F = J^-T torque, and J^-T = -A^T diag(1/b).
+  const DeltaLinkage::Constraint c = linkage_.constrain(DeltaLinkage::cranks(q_), x_);
+  const Triple force = -transposed_times(c.a, each_over(torque, c.b));
+  return is_finite(force) ? force : Triple{};
+}
+
+double DeltaPlant::mechanical_energy_j() const noexcept {
+  double energy_j =
+      dot(rate_, times(mass_matrix(jacobian()), rate_)) / 2 + grip_kg_ * p_.gravity_m_per_s2 * x_.y;
+  for (std::size_t i = 0; i < 3; ++i) {
+    energy_j += crank_moment_kg_m_ * p_.gravity_m_per_s2 * std::cos(q_[i]) * lean_[i] +
+                stop_energy_j(p_.crank_min_rad - q_[i], p_.crank_stop_newton_m_per_rad) +
+                stop_energy_j(q_[i] - p_.crank_max_rad, p_.crank_stop_newton_m_per_rad);
+  }
+  return energy_j + stop_energy_j(std::hypot(x_.x, x_.y) - p_.rim_m, p_.rim_newton_per_m);
+}
+
+}  // namespace thimble::sim
