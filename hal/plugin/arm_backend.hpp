@@ -51,6 +51,9 @@ class ArmBackend {
   virtual void turn_stylus(const std::array<double, 3>& angle_rad) noexcept = 0;
   // The pose in which the arm must be held while the calibration button is pressed.
   [[nodiscard]] virtual Position3 home_position() const noexcept = 0;
+  // Where it must be brought first, when it learns its reference on the way from there to the home
+  // pose.
+  [[nodiscard]] virtual Position3 calibration_start() const noexcept { return home_position(); }
   [[nodiscard]] virtual ArmTruth truth() const noexcept = 0;
 };
 

@@ -15,7 +15,8 @@ constexpr double kRun_baud = 1.5e6;
 
 void FalconProcessor::power_up() noexcept {
   state_ = State::Deaf;
-  // Whatever the lines are, only an edge counts.
+  is_dtr_high_ = false;
+  is_rts_high_ = false;
   sender_.forget_all();
 }
 

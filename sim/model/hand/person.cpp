@@ -16,14 +16,20 @@ void Person::begin_calibration() noexcept {
   arm_.press_calibration_button(false);
   elapsed_ = {};
   is_told_to_move_ = false;
-  phase_ = Phase::GoingHome;
-  hand_.hold_at(arm_.home_position(), kHomeAt);
+  const Position3 start = arm_.calibration_start();
+  const bool starts_at_home = start == arm_.home_position();
+  phase_ = starts_at_home ? Phase::GoingHome : Phase::GoingToStart;
+  hand_.hold_at(start, starts_at_home ? kHomeAt : kStartAt);
 }
 
 Force3 Person::force_on_tip(MonotonicTime t, Duration dt, Position3 tip,
                             Velocity3 velocity) noexcept {
   const bool is_asked = is_asked_.exchange(false, std::memory_order_relaxed);
   if (is_asked && phase_ == Phase::Moving) begin_calibration();
+  if (phase_ == Phase::GoingToStart && elapsed_ >= kStartAt) {
+    hand_.hold_at(arm_.home_position(), kHomeAt - kStartAt);
+    phase_ = Phase::GoingHome;
+  }
   if (phase_ == Phase::GoingHome && elapsed_ >= kPressAt) {
     arm_.press_calibration_button(true);
     phase_ = Phase::Pressing;

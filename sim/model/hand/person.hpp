@@ -13,7 +13,8 @@ namespace thimble::sim {
 // home pose, presses the button, waits, then lets the hand play its motion.
 //
 // Times since the first plant step, or since begin_calibration():
-//   0.00 s  takes hold of the tip and moves it home
+//   0.00 s  takes hold of the tip and moves it home; where the arm has another place to start from,
+//           to that first, and home from 0.20 s on
 //   0.40 s  is there and lets it settle
 //   0.55 s  presses the calibration button
 //   0.70 s  releases it
@@ -25,6 +26,7 @@ namespace thimble::sim {
 // arm must outlive it.
 class Person final : public plugin::TipLoad {
  public:
+  static constexpr Duration kStartAt{200'000'000};
   static constexpr Duration kHomeAt{400'000'000};
   static constexpr Duration kPressAt{550'000'000};
   static constexpr Duration kReleaseAt{700'000'000};
@@ -48,7 +50,7 @@ class Person final : public plugin::TipLoad {
     return hand_.is_button_pressed(t);
   }
 
-  enum class Phase : std::uint8_t { GoingHome, Pressing, Waiting, Moving };
+  enum class Phase : std::uint8_t { GoingToStart, GoingHome, Pressing, Waiting, Moving };
   [[nodiscard]] Phase phase() const noexcept { return phase_; }
   [[nodiscard]] const Hand& hand() const noexcept { return hand_; }
 
