@@ -41,6 +41,7 @@ struct FalconModel {
   // Of the tip along z at the origin, when all three motors are told one count more. It is not
   // known: see the table.
   double newton_per_count{};
+  double least_newton_per_count{};  // no measured value is below it
   double peak_force_newton{};
   double continuous_force_newton{};
   double continuous_share{};            // of the largest command, which a motor bears for ever

@@ -35,6 +35,7 @@ struct HapticCapabilities {
   double continuous_force_newton{0};
   double max_stiffness_newton_per_m{0};  // at 1 kHz
   double workspace_radius_m{0};
+  // An arm whose amperes nobody knows says shares of its largest command here and in the state.
   std::array<double, 3> peak_current_a{};        // per motor: the clamp of the limiter
   std::array<double, 3> continuous_current_a{};  // per motor: its thermal limit
   Duration sample_period{};                      // of the device's own reports

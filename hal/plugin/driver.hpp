@@ -17,6 +17,9 @@ struct DriverSettings {
   std::string model;                      // "" = the driver's choice for the ids, if it has one
   std::optional<double> amplifier_max_a;  // full scale of the amplifier; hardware does not tell
   bool is_named_by_person{false};  // the configuration names this very device (serial or port)
+  std::string firmware;            // file for an arm that forgets its own; "" = none
+  std::string firmware_sha256;     // of that file, hexadecimal; "" = whatever the driver knows
+  std::optional<double> newton_per_count;  // measured force of an arm that is told counts
 };
 
 // Finds and opens devices of one family.

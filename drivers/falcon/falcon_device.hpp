@@ -1,0 +1,99 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "drivers/falcon/arm_reference.hpp"
+#include "drivers/falcon/boot_sequence.hpp"
+#include "drivers/falcon/exchange_pacer.hpp"
+#include "drivers/falcon/falcon_codec.hpp"
+#include "drivers/falcon/falcon_kinematics.hpp"
+#include "hal/bus/usb_device.hpp"
+#include "hal/device/haptic_device.hpp"
+
+namespace thimble::falcon {
+
+// A Novint Falcon.
+//
+// write() sends everything: while the arm boots the next step of that, and no force; then a request
+// whenever the last one is answered, with zero until the arm is homed. A request that takes the
+// force away does not wait for the answer to the last. read() takes what came; before the firmware
+// runs that is NoData, so that the arm stays Configured. Nobody answers for half a second: from the
+// boot on again.
+//
+// Until homed the state carries the middle of the workspace: a made-up place had better be a known
+// one. The reference is forgotten as ArmReference says, when a crank is beyond its stops, when no
+// pose fits the encoders, and when the bus is lost.
+//
+// What an ampere of this arm is nobody knows: "currents" are shares of the largest command, so that
+// the limits are 1 and FalconModel::continuous_share.
+//
+// Thread, RT, Ownership: as HapticDevice; no allocation after the constructor.
+class FalconDevice final : public HapticDevice {
+ public:
+  struct Settings {
+    double newton_per_count{};
+    std::vector<std::uint8_t> image;  // of the firmware; empty: none
+  };
+
+  // `model` must outlive the device; those of the table do.
+  FalconDevice(std::unique_ptr<bus::UsbDevice> bus, const FalconModel& model, Settings settings);
+  ~FalconDevice() override;
+  FalconDevice(const FalconDevice&) = delete;
+  FalconDevice& operator=(const FalconDevice&) = delete;
+
+  [[nodiscard]] const HapticCapabilities& capabilities() const noexcept override;
+  [[nodiscard]] std::string_view calibration_instruction() const noexcept override;
+  [[nodiscard]] DeviceCounters counters() const noexcept override;
+  THIMBLE_RT void forget_calibration() noexcept override;
+  THIMBLE_RT_IO IoStatus read(HapticState& out) noexcept override;
+  THIMBLE_RT_IO IoStatus write(const LimitedWrench& wrench) noexcept override;
+
+  // Ours: the stops in the table are, too.
+  static constexpr double kStopSlack_rad = 0.3;
+
+ private:
+  using MotorCounts = std::array<std::int16_t, 3>;
+
+  IoStatus take_packets() noexcept;
+  void take_run_bytes(std::span<const std::uint8_t> serial) noexcept;
+  void lose_reference() noexcept;
+  [[nodiscard]] bool take_pose(const RunReport& report) noexcept;
+  void fill(HapticState& out, const RunReport& report) noexcept;
+  void start_over() noexcept;
+  void publish() noexcept;
+  IoStatus carry_out(const BootOrder& order) noexcept;
+  [[nodiscard]] MotorCounts motors_for(Force3 force) const noexcept;
+
+  std::unique_ptr<bus::UsbDevice> bus_;
+  std::vector<std::uint8_t> image_;
+  HapticCapabilities capabilities_;
+  FalconKinematics kinematics_;
+  BootSequence boot_;
+  ArmReference reference_;
+  ExchangePacer pacer_;
+  RunParser parser_;
+  ArmPose middle_;
+  ArmPose pose_;
+  bus::UsbPacket packet_{};
+  std::optional<RunReport> fresh_;
+  bool is_loss_untold_{false};  // the reference was lost, and no state has said so
+  MonotonicTime now_{};         // of the newest packet
+  MonotonicTime reported_at_{};
+  std::uint64_t lost_bytes_seen_{0};
+  MotorCounts sent_counts_{};
+  // Read from any thread.
+  std::atomic<bool> has_heard_{false};
+  std::atomic<BootStage> stage_{BootStage::Detecting};
+  std::atomic<BootTrouble> trouble_{BootTrouble::None};
+  std::atomic<CalibrationState> calibration_{CalibrationState::Unknown};
+  std::atomic<std::uint64_t> reports_{0};
+  std::atomic<std::uint64_t> skipped_{0};
+  std::atomic<std::uint64_t> malformed_{0};
+};
+
+}  // namespace thimble::falcon

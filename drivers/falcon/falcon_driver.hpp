@@ -1,0 +1,19 @@
+#pragma once
+
+#include <memory>
+
+#include "hal/plugin/driver.hpp"
+
+namespace thimble::falcon {
+
+// Finds Novint Falcons on USB and opens them as FalconDevice.
+//
+// probe(): NotMine for other ids, buses and pipes; InvalidArgument for another model's name and for
+// a scale that cannot be. The ids are the Falcon's alone, so a person need not name it.
+// open(): reads the firmware's file, if the settings name one, with the errors of load_image();
+// what it opens has sent nothing yet, and boots between the ticks (boot_sequence.hpp).
+//
+// Thread: control plane. Not RT.
+[[nodiscard]] std::unique_ptr<plugin::Driver> make_falcon_driver();
+
+}  // namespace thimble::falcon
