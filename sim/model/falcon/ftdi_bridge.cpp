@@ -9,17 +9,17 @@ using plugin::UsbAnswer;
 using plugin::UsbHandshake;
 
 // Requests by number, ftdi_sio.h. Not the driver's facts: whether those are right is to show.
-enum Request : std::uint8_t {
-  kReset = 0,
-  kModemLines = 1,
-  kFlowControl = 2,
-  kBaudDivisor = 3,
-  kDataFormat = 4,
-  kGetModemStatus = 5,
-  kEventCharacter = 6,
-  kErrorCharacter = 7,
-  kSetLatency = 9,
-  kGetLatency = 10,
+enum class Request : std::uint8_t {
+  Reset = 0,
+  ModemLines = 1,
+  FlowControl = 2,
+  BaudDivisor = 3,
+  DataFormat = 4,
+  GetModemStatus = 5,
+  EventCharacter = 6,
+  ErrorCharacter = 7,
+  SetLatency = 9,
+  GetLatency = 10,
 };
 constexpr std::uint8_t kVendorOut = 0x40;
 constexpr std::uint8_t kVendorIn = 0xc0;
@@ -63,11 +63,12 @@ void FtdiBridge::power_up(MonotonicTime t) noexcept {
 UsbAnswer FtdiBridge::control(MonotonicTime t, const bus::UsbControlRequest& request,
                               std::span<std::uint8_t> in) noexcept {
   if (request.request_type == kVendorOut && set(t, request)) return {UsbHandshake::Ack, 0};
-  if (request.request_type == kVendorIn && request.request == kGetLatency && !in.empty()) {
+  const auto number = static_cast<Request>(request.request);
+  if (request.request_type == kVendorIn && number == Request::GetLatency && !in.empty()) {
     in[0] = static_cast<std::uint8_t>(latency_ / std::chrono::milliseconds(1));
     return {UsbHandshake::Ack, 1};
   }
-  if (request.request_type == kVendorIn && request.request == kGetModemStatus) {
+  if (request.request_type == kVendorIn && number == Request::GetModemStatus) {
     const auto now = status();
     const std::size_t size = std::min(in.size(), now.size());
     std::copy_n(now.begin(), size, in.begin());
@@ -78,30 +79,30 @@ UsbAnswer FtdiBridge::control(MonotonicTime t, const bus::UsbControlRequest& req
 }
 
 bool FtdiBridge::set(MonotonicTime t, const bus::UsbControlRequest& request) noexcept {
-  switch (request.request) {
-    case kReset:
+  switch (static_cast<Request>(request.request)) {
+    case Request::Reset:
       reset(request.value);
       return true;
-    case kModemLines:
+    case Request::ModemLines:
       set_modem_lines(request.value);
       return true;
-    case kBaudDivisor:
+    case Request::BaudDivisor:
       sender_.set_speed(ftdi_baud(request.value | (request.index & 1U) << 16U));
       return true;
-    case kDataFormat:
+    case Request::DataFormat:
       // Data bits in the low byte; parity, stop bits and break above: 8N1 is all zeros there.
       is_8n1_ = request.value == 8;
       return true;
-    case kSetLatency:
+    case Request::SetLatency:
       // A byte of milliseconds; what the chip makes of 0 nobody says, so it is the least: ours.
       latency_ = std::chrono::milliseconds(std::max(request.value & 0xff, 1));
       packet_due_at_ = t + latency_;
       return true;
-    case kFlowControl:
+    case Request::FlowControl:
       if ((request.index >> 8U) != 0) ++counters_.unmodelled_requests;
       return true;
-    case kEventCharacter:
-    case kErrorCharacter:
+    case Request::EventCharacter:
+    case Request::ErrorCharacter:
       ++counters_.unmodelled_requests;
       return true;
     default:

@@ -39,15 +39,15 @@ inline constexpr MonotonicTime kNeverInTime{Duration::max()};
 // The sending half of a UART: a FIFO before a shift register. A byte leaves the FIFO when the one
 // before it is through, and has arrived when its last bit has.
 // Thread: one. RT: all. Errors: none; what does not fit into the FIFO is refused.
-template <std::size_t capacity>
+template <std::size_t Capacity>
 class SerialSender {
  public:
-  [[nodiscard]] std::size_t room() const noexcept { return capacity - count_; }
+  [[nodiscard]] std::size_t room() const noexcept { return Capacity - count_; }
   [[nodiscard]] bool is_idle() const noexcept { return count_ == 0 && !is_shifting_; }
   // `t` is not before any earlier one. False: no room, nothing taken.
   THIMBLE_RT bool push(MonotonicTime t, std::uint8_t value) noexcept {
-    if (count_ == capacity) return false;
-    waiting_[(first_ + count_) % capacity] = value;
+    if (count_ == Capacity) return false;
+    waiting_[(first_ + count_) % Capacity] = value;
     ++count_;
     if (!is_shifting_) shift_next(t);
     return true;
@@ -76,14 +76,14 @@ class SerialSender {
  private:
   void shift_next(MonotonicTime t) noexcept {
     shifting_ = {waiting_[first_], speed_baud_};
-    first_ = (first_ + 1) % capacity;
+    first_ = (first_ + 1) % Capacity;
     --count_;
     is_shifting_ = true;
     arrives_at_ = t + serial_byte_time(speed_baud_);
   }
 
   double speed_baud_{9600};
-  std::array<std::uint8_t, capacity> waiting_{};
+  std::array<std::uint8_t, Capacity> waiting_{};
   std::size_t first_{0};
   std::size_t count_{0};
   bool is_shifting_{false};
