@@ -115,8 +115,10 @@ void add_machine_commands(CLI::App& app, Arguments& arguments, int& code) {
   add_machine_command(
       app, "doctor", "Say what on this machine is in the way of an arm, and what mends it",
       arguments,
-      [&] {
-        code = run_doctor({arguments.root, arguments.plugins, arguments.is_json, arguments.config});
+      [&app, &arguments, &code] {
+        const bool is_named = app.count("--socket") > 0;
+        code = run_doctor({arguments.root, arguments.plugins, arguments.is_json, arguments.config,
+                           is_named ? arguments.socket_path : ""});
       })
       ->add_option("--config", arguments.config,
                    "The daemon's configuration: look for what this one asks for")

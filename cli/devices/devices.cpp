@@ -14,7 +14,8 @@ int run_devices(const DevicesOptions& options) {
   session::Plugins plugins;
   if (!doctor::load_plugins(plugins, options.plugins)) return cli::kExitRefused;
   std::vector<Entry> entries = simulated(plugins.models, plugins.drivers);
-  const std::vector<Entry> real = plugged_in(doctor::read_facts(options.root, plugins.drivers));
+  const std::vector<Entry> real = plugged_in(doctor::read_facts(
+      options.root, plugins.drivers, doctor::who_listens(options.root, options.socket_path)));
   entries.insert(entries.end(), real.begin(), real.end());
   const Result<api::Status> status = cli::daemon_status(options.socket_path);
   if (status) mark_users(entries, *status);

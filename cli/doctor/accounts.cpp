@@ -9,6 +9,7 @@
 #include <cstring>
 #include <utility>
 
+#include "cli/doctor/file_tree.hpp"
 #include "cli/doctor/proc_text.hpp"
 #include "cli/file_text.hpp"
 
@@ -141,8 +142,7 @@ class SystemAccounts final : public Accounts {
 }  // namespace
 
 std::unique_ptr<Accounts> accounts_below(const fs::path& root) {
-  std::error_code error;
-  if (fs::weakly_canonical(root, error) == "/") return std::make_unique<SystemAccounts>();
+  if (is_this_machine(root)) return std::make_unique<SystemAccounts>();
   return std::make_unique<FileAccounts>(root);
 }
 

@@ -15,11 +15,14 @@ namespace thimble::doctor {
 [[nodiscard]] Verdict check_governor(const Facts& facts);
 
 // Of the daemon that runs, or of who asks.
+[[nodiscard]] Verdict check_daemon(const Facts& facts);
 [[nodiscard]] Verdict check_group(const Facts& facts);
 [[nodiscard]] Verdict check_rtprio(const Facts& facts);
 [[nodiscard]] Verdict check_memlock(const Facts& facts);
 [[nodiscard]] Verdict check_dma_latency(const Facts& facts);
 
+// Where none is plugged in.
+[[nodiscard]] Verdict check_arms(const Facts& facts);
 // Of one arm that is plugged in.
 [[nodiscard]] Verdict check_node(const Facts& facts, const Controller& controller);
 // Of one of its raw_nodes: who may command the arm around the daemon.

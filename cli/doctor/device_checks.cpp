@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <optional>
 #include <string>
 
@@ -87,6 +88,12 @@ Verdict closed_verdict(const Facts& facts, const Controller& controller, const N
   return verdict;
 }
 
+// To whom a signal means something else, for the whole machine.
+bool is_held_by_init(const Controller& controller) {
+  return std::any_of(controller.holders.begin(), controller.holders.end(),
+                     [](const NamedProcess& holder) { return holder.pid == 1; });
+}
+
 // "bus-port.port…": each dot is a hub.
 bool is_behind_hub(const std::string& port) { return port.find('.') != std::string::npos; }
 
@@ -112,6 +119,17 @@ Verdict missing_node(const Controller& controller) {
 }
 
 }  // namespace
+
+Verdict check_arms(const Facts& facts) {
+  if (facts.has_hidraw) return all_well("arms", "no arm that a driver knows is plugged in");
+  return {Level::Warn,
+          "arms",
+          "the kernel shows no HID devices",
+          "an arm on HID is seen and driven by its hidraw device",
+          "sudo modprobe hid",
+          "/sys must be mounted; a container sees those of its host",
+          "ls /sys/class/hidraw"};
+}
 
 Verdict check_node(const Facts& facts, const Controller& controller) {
   const Node& node = controller.node;
@@ -156,7 +174,7 @@ Verdict check_usb_speed(const Controller& controller) {
             "its USB speed is not known",
             "below full speed (12 Mbit/s) it cannot keep up with the servo",
             "",
-            "it is no USB device, or /sys is not mounted",
+            "it is no USB device, or the kernel does not tell",
             "lsusb -t"};
   }
   return all_well(check, "it runs at " + controller.speed_mbit_per_s + " Mbit/s");
@@ -185,7 +203,7 @@ Verdict check_usb_power(const Controller& controller) {
   }
   return {Level::Warn,
           check,
-          "the kernel may put it to sleep after two seconds without traffic",
+          "the kernel may put it to sleep while there is no traffic",
           "waking it takes longer than the servo waits: the arm faults on activation",
           "echo on | sudo tee " + sysfs_of(controller) + "/power/control",
           "lasts until it is unplugged"};
@@ -195,12 +213,9 @@ Verdict check_holders(const Facts& facts, const Controller& controller) {
   const std::string check = name("holder", controller);
   std::string others;
   std::string pids;
-  int daemons = 0;
-  for (const Holder& holder : controller.holders) {
-    if (holder.name == "thimbled" && ++daemons == 1) continue;
-    if (holder.name == "thimble-guard") continue;
-    others += (others.empty() ? "" : ", ") + ("'" + holder.name + "'") + " (process " +
-              std::to_string(holder.pid) + ")";
+  for (const NamedProcess& holder : controller.holders) {
+    others += (others.empty() ? "'" : ", '") + holder.name + "' (" +
+              process_of_user(holder.pid, holder.user, holder.user_name) + ")";
     pids += " " + std::to_string(holder.pid);
   }
   if (!others.empty()) {
@@ -209,27 +224,31 @@ Verdict check_holders(const Facts& facts, const Controller& controller) {
             "it is also held by " + others,
             "two programs take each other's replies, and the other one's forces pass no limit of "
             "ours",
-            "sudo kill" + pids,
-            "a service comes back: stop and disable it with systemctl"};
+            is_held_by_init(controller) ? "" : "sudo kill" + pids,
+            "look first what it belongs to: a service comes back, so stop and disable it with "
+            "systemctl; a daemon of yours is known by its socket (--socket)",
+            "systemctl status" + pids};
   }
   if (facts.hidden_processes > 0) {
     return {Level::Warn,
             check,
             "no holder was found, but " + std::to_string(facts.hidden_processes) +
-                " processes of other users could not be looked at",
+                " processes could not be looked at",
             "a program that holds the device takes its replies",
             "",
             "root may look at them all",
             "sudo thimble doctor"};
   }
-  return all_well(check, daemons == 0 ? "nobody holds it" : "thimbled holds it, and nobody else");
+  return all_well(check, controller.is_held_by_the_daemon ? "thimbled holds it, and nobody else"
+                                                          : "nobody holds it");
 }
 
 std::vector<Verdict> examine(const Facts& facts) {
-  std::vector<Verdict> verdicts{check_kernel(facts),       check_realtime_share(facts),
-                                check_clock_source(facts), check_governor(facts),
-                                check_group(facts),        check_rtprio(facts),
-                                check_memlock(facts),      check_dma_latency(facts)};
+  std::vector<Verdict> verdicts{
+      check_kernel(facts),   check_realtime_share(facts), check_clock_source(facts),
+      check_governor(facts), check_daemon(facts),         check_group(facts),
+      check_rtprio(facts),   check_memlock(facts),        check_dma_latency(facts)};
+  if (facts.controllers.empty()) verdicts.push_back(check_arms(facts));
   for (const Controller& controller : facts.controllers) {
     verdicts.push_back(check_node(facts, controller));
     for (const Node& node : controller.raw_nodes) {

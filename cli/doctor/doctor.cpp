@@ -11,6 +11,7 @@
 #include "cli/doctor/report.hpp"
 #include "cli/text.hpp"
 #include "daemon/config/load.hpp"
+#include "daemon/config/paths.hpp"
 
 namespace thimble::doctor {
 namespace {
@@ -26,6 +27,11 @@ std::optional<config::Config> configuration(const std::string& file) {
   return std::nullopt;
 }
 
+std::string socket_of(const DoctorOptions& options, const config::Config& config) {
+  if (!options.socket_path.empty()) return options.socket_path;
+  return config.daemon.socket.value_or(config::default_socket_path(config::process_environment()));
+}
+
 }  // namespace
 
 int run_doctor(const DoctorOptions& options) {
@@ -35,7 +41,8 @@ int run_doctor(const DoctorOptions& options) {
   paths.insert(paths.end(), config->daemon.plugins.begin(), config->daemon.plugins.end());
   session::Plugins plugins;
   if (!load_plugins(plugins, paths)) return cli::kExitRefused;
-  Facts facts = read_facts(options.root, plugins.drivers);
+  Facts facts = read_facts(options.root, plugins.drivers,
+                           who_listens(options.root, socket_of(options, *config)));
   facts.servo = config->servo;
   const std::vector<Verdict> verdicts = examine(facts);
   std::cout << (options.is_json ? to_json(verdicts) : render(verdicts));

@@ -9,7 +9,8 @@ struct DoctorOptions {
   std::string root{"/"};             // the machine
   std::vector<std::string> plugins;  // whose arms are looked at, too
   bool is_json{false};
-  std::string config;  // a configuration file, whose plugins and servo count; may be empty
+  std::string config;  // a configuration file, whose plugins, servo and socket count; may be empty
+  std::string socket_path{};  // of the daemon; empty: that of the configuration, else the usual one
 };
 
 // `thimble doctor`: examines a machine and prints what it found. Returns the exit code:

@@ -19,9 +19,17 @@ struct Limit {
   bool operator==(const Limit&) const = default;
 };
 
+// By what a process is known to be the daemon: never by what it calls itself.
+enum class KnownBy : std::uint8_t {
+  Nothing,
+  Socket,   // it listens at the socket of the API
+  Program,  // it runs the program that is installed
+};
+
 // Whose rights are looked at: the daemon that runs, else this very program.
 struct Process {
-  int pid{0};  // 0: no daemon runs, it is this program's
+  int pid{0};  // 0: no daemon is known to run, it is this program's
+  KnownBy known_by{KnownBy::Nothing};
   std::uint32_t user{0};
   std::string user_name;                    // empty: the number has none
   std::string unit;                         // of systemd that runs it: "thimbled.service"
@@ -66,11 +74,13 @@ struct Node {
   bool operator==(const Node&) const = default;
 };
 
-// A process that has a device open.
-struct Holder {
+// Some other process, as a finding names it.
+struct NamedProcess {
   int pid{0};
-  std::string name;
-  bool operator==(const Holder&) const = default;
+  std::string name;  // what it calls itself
+  std::uint32_t user{0};
+  std::string user_name;  // empty: the number has none
+  bool operator==(const NamedProcess&) const = default;
 };
 
 // A HID device that a driver knows, by its ids and the lengths of its reports, as an arm.
@@ -80,10 +90,11 @@ struct Controller {
   std::uint16_t vendor_id{0};
   std::uint16_t product_id{0};
   std::string serial_number;
-  std::string usb_port;          // "1-4.2": bus 1, port 4, then port 2 of the hub there
-  std::string speed_mbit_per_s;  // as the kernel writes it: "1.5", "12", "480", "5000"
-  std::string power_control;     // "on" or "auto"
-  std::vector<Holder> holders;
+  std::string usb_port;               // "1-4.2": bus 1, port 4, then port 2 of the hub there
+  std::string speed_mbit_per_s;       // as the kernel writes it: "1.5", "12", "480", "5000"
+  std::string power_control;          // "on" or "auto"
+  std::vector<NamedProcess> holders;  // of one of its nodes, but for the daemon and its guard
+  bool is_held_by_the_daemon{false};
   bool operator==(const Controller&) const = default;
 };
 
@@ -97,15 +108,21 @@ struct Facts {
   std::string kernel_release;  // "6.1.0-50-rt-amd64"
   std::string kernel_version;  // "#1 SMP PREEMPT_RT Debian …"
   bool is_realtime_kernel{false};
-  std::optional<std::int64_t> rt_runtime_us;  // of every second, for real-time threads; -1: all
+  std::optional<std::int64_t> rt_runtime_us;  // for real-time threads of each period; -1: all
+  std::optional<std::int64_t> rt_period_us;
   Process process;
-  config::ServoConfig servo;                   // what the daemon is to ask for
+  std::string daemon_trouble;           // why a daemon that seems to be there is not looked at
+  std::vector<NamedProcess> namesakes;  // called "thimbled", and not known to be it
+  config::ServoConfig servo;            // what the daemon is to ask for
   std::optional<std::uint32_t> thimble_group;  // the number of the group 'thimble'
   std::string unknown_accounts;                // why users and groups could not be looked up
   Node dma_latency;
+  std::string
+      idle_driver;  // that puts CPUs to sleep: "intel_idle"; empty or "none": no driver does
   std::string clock_source;
   std::vector<std::string> clock_sources;  // to choose from
   std::vector<Cpu> cpus;
+  bool has_hidraw{false};  // the kernel shows HID devices, though there may be none
   std::vector<Controller> controllers;
   std::size_t hidden_processes{0};  // whose open files this user may not see
   bool operator==(const Facts&) const = default;

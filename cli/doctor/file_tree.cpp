@@ -33,6 +33,11 @@ AccessList read_access_list(const fs::path& path) {
 
 }  // namespace
 
+bool is_this_machine(const fs::path& root) {
+  std::error_code error;
+  return fs::weakly_canonical(root, error) == "/";
+}
+
 std::string FileTree::text(const fs::path& path) const {
   return cli::read_at_most(below_root(path).string(), kMaxTextBytes).value_or("");
 }
@@ -69,6 +74,11 @@ std::string FileTree::link(const fs::path& path) const {
   std::error_code error;
   const fs::path target = fs::read_symlink(below_root(path), error);
   return error ? std::string() : target.string();
+}
+
+bool FileTree::is_same_file(const fs::path& a, const fs::path& b) const {
+  std::error_code error;
+  return fs::equivalent(below_root(a), below_root(b), error) && !error;
 }
 
 fs::path FileTree::resolved(const fs::path& path) const {

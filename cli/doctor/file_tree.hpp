@@ -14,6 +14,9 @@ namespace thimble::doctor {
 // (65536) groups of at most eleven columns each.
 inline constexpr std::size_t kMaxTextBytes = std::size_t{1} << 20;
 
+// Whether a folder is "/", by whatever name.
+[[nodiscard]] bool is_this_machine(const std::filesystem::path& root);
+
 // A folder that holds /proc, /sys, /dev and /etc of a machine. Never throws for what is missing,
 // forbidden or gone in the middle of it, as processes go.
 // Thread: any. Not RT.
@@ -29,6 +32,9 @@ class FileTree {
   [[nodiscard]] Node node(const std::string& path) const;
   // What a symbolic link says; empty when it is none.
   [[nodiscard]] std::string link(const std::filesystem::path& path) const;
+  // Whether both are there and one file, links followed.
+  [[nodiscard]] bool is_same_file(const std::filesystem::path& a,
+                                  const std::filesystem::path& b) const;
   // The folder behind all symbolic links, as a path of the machine; empty when it leaves the tree.
   [[nodiscard]] std::filesystem::path resolved(const std::filesystem::path& path) const;
 

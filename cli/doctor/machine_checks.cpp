@@ -7,8 +7,14 @@
 namespace thimble::doctor {
 namespace {
 
-// The kernel's default share of each second, Documentation/scheduler/sched-rt-group.rst.
-constexpr std::int64_t kUsualRuntime_us = 950000;
+// The kernel's defaults, Documentation/scheduler/sched-rt-group.rst.
+constexpr std::int64_t kUsualPeriod_us = 1'000'000;
+constexpr std::int64_t kUsualShare_percent = 95;
+
+// "950 of each 1000 ms".
+std::string share_text(std::int64_t share_us, std::int64_t period_us) {
+  return std::to_string(share_us / 1000) + " of each " + std::to_string(period_us / 1000) + " ms";
+}
 
 bool is_any_of(std::string_view word, std::initializer_list<std::string_view> words) {
   return std::find(words.begin(), words.end(), word) != words.end();
@@ -44,29 +50,36 @@ Verdict check_kernel(const Facts& facts) {
           kernel + " is no real-time kernel",
           "without PREEMPT_RT a loaded machine wakes the servo milliseconds late; the arm then "
           "buzzes, or stops with the fault 'servo-late'",
-          "sudo apt-get install linux-image-rt-$(dpkg --print-architecture) && sudo reboot",
-          ""};
+          "sudo apt-get install linux-image-rt-$(dpkg --print-architecture)",
+          "then start the machine anew, with that kernel"};
 }
 
 Verdict check_realtime_share(const Facts& facts) {
   if (!facts.rt_runtime_us) {
-    return all_well("rt-share", "no limit on the share of real-time threads is set");
+    return {Level::Warn,
+            "rt-share",
+            "the share of time for real-time threads is not known",
+            "beyond its share the kernel stops the servo until the next period",
+            "",
+            "/proc must be mounted",
+            "sysctl kernel.sched_rt_runtime_us kernel.sched_rt_period_us"};
   }
   const std::int64_t share_us = *facts.rt_runtime_us;
-  if (share_us < 0 || share_us >= kUsualRuntime_us) {
-    return all_well("rt-share", share_us < 0
-                                    ? "real-time threads may run all the time"
-                                    : "real-time threads may run " +
-                                          std::to_string(share_us / 1000) + " ms of each second");
+  const std::int64_t period_us = facts.rt_period_us.value_or(kUsualPeriod_us);
+  const std::int64_t usual_us = period_us / 100 * kUsualShare_percent;
+  if (share_us < 0) return all_well("rt-share", "real-time threads may run all the time");
+  if (share_us >= usual_us && share_us > 0) {
+    return all_well("rt-share", "real-time threads may run " + share_text(share_us, period_us));
   }
   return {share_us == 0 ? Level::Wrong : Level::Warn,
           "rt-share",
           share_us == 0 ? "the kernel lets no real-time thread run"
-                        : "real-time threads may run only " + std::to_string(share_us / 1000) +
-                              " ms of each second",
-          "beyond its share the kernel stops the servo until the second is over",
-          "sudo sysctl -w kernel.sched_rt_runtime_us=950000",
-          "to keep it, put the setting into /etc/sysctl.d"};
+                        : "real-time threads may run only " + share_text(share_us, period_us),
+          "beyond its share the kernel stops the servo until the next period",
+          "echo 'kernel.sched_rt_runtime_us = " + std::to_string(usual_us) +
+              "' | sudo tee /etc/sysctl.d/99-thimble.conf && sudo sysctl -p "
+              "/etc/sysctl.d/99-thimble.conf",
+          ""};
 }
 
 Verdict check_clock_source(const Facts& facts) {
@@ -96,6 +109,8 @@ Verdict check_clock_source(const Facts& facts) {
   if (std::find(choice.begin(), choice.end(), "tsc") != choice.end()) {
     verdict.command =
         "echo tsc | sudo tee /sys/devices/system/clocksource/clocksource0/current_clocksource";
+    verdict.advice =
+        "lasts until the next start of the machine; the kernel parameter clocksource=tsc keeps it";
   } else {
     verdict.look_with = "sudo dmesg | grep -i -e tsc -e clocksource";
     verdict.advice =
@@ -106,20 +121,34 @@ Verdict check_clock_source(const Facts& facts) {
 }
 
 Verdict check_governor(const Facts& facts) {
+  const char* const reason =
+      "the servo sleeps most of the time; other governors take that for a reason to keep its CPU "
+      "slow when it wakes";
+  if (facts.cpus.empty()) {
+    return {Level::Warn,
+            "governor",
+            "the CPUs are not known",
+            reason,
+            "",
+            "/sys must be mounted",
+            "ls /sys/devices/system/cpu"};
+  }
   const std::string slow = cpu_list(facts.cpus);
   if (slow.empty()) {
     const bool is_chosen = std::any_of(facts.cpus.begin(), facts.cpus.end(),
                                        [](const Cpu& cpu) { return !cpu.governor.empty(); });
     return all_well("governor", is_chosen
-                                    ? "every CPU runs at 'performance'"
+                                    ? "every CPU whose frequency the kernel chooses runs at "
+                                      "'performance'"
                                     : "the frequency of the CPUs is not this kernel's to choose");
   }
   return {Level::Warn,
           "governor",
-          "the frequency of CPU " + slow + " follows the load",
-          "the servo sleeps most of the time, so its CPU is slow just when it wakes",
+          "the frequency of CPU " + slow + " is not held at its most",
+          reason,
           "echo performance | sudo tee /sys/devices/system/cpu/cpu*/cpufreq/scaling_governor",
-          "lasts until the next start of the machine"};
+          "lasts until the next start of the machine, or until a program that saves power sets it "
+          "again"};
 }
 
 }  // namespace thimble::doctor

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <memory>
 #include <optional>
 #include <utility>
 
 #include "cli/doctor/accounts.hpp"
 #include "cli/doctor/file_tree.hpp"
 #include "cli/doctor/proc_text.hpp"
+#include "cli/doctor/read_daemon.hpp"
 #include "cli/doctor/report_descriptor.hpp"
 #include "cli/doctor/rights.hpp"
 
@@ -22,7 +24,6 @@ namespace fs = std::filesystem;
 constexpr const char* kClock = "/sys/devices/system/clocksource/clocksource0";
 constexpr const char* kCpus = "/sys/devices/system/cpu";
 constexpr const char* kHidraw = "/sys/class/hidraw";
-constexpr std::string_view kDaemon = "thimbled";
 
 std::vector<std::string> names_in(const FileTree& tree, const fs::path& folder) {
   return tree.names(folder).value_or(std::vector<std::string>{});
@@ -49,27 +50,6 @@ std::vector<int> processes(const FileTree& tree) {
 
 fs::path folder_of(int pid) { return fs::path("/proc") / std::to_string(pid); }
 
-std::string name_of(const FileTree& tree, int pid) {
-  return trimmed(tree.text(folder_of(pid) / "comm"));
-}
-
-Process read_process(const FileTree& tree, const std::vector<int>& pids) {
-  Process process;
-  fs::path folder = "/proc/self";
-  const auto daemon = std::find_if(pids.begin(), pids.end(),
-                                   [&](int pid) { return name_of(tree, pid) == kDaemon; });
-  if (daemon != pids.end()) {
-    process.pid = *daemon;
-    folder = folder_of(*daemon);
-  }
-  parse_status(tree.text(folder / "status"), process);
-  process.unit = parse_service(tree.text(folder / "cgroup"));
-  const std::string limits = tree.text(folder / "limits");
-  if (const auto row = parse_limit(limits, "Max realtime priority")) process.rtprio = row->soft;
-  if (const auto row = parse_limit(limits, "Max locked memory")) process.memlock = row->hard;
-  return process;
-}
-
 // The value, or what stands for none, with why it is not known.
 template <class Value>
 Value value_or_why(Result<Value> found, std::string& why) {
@@ -85,6 +65,16 @@ void read_accounts(const Accounts& accounts, Facts& facts) {
   process.user_name = value_or_why(accounts.user_name(process.user), why);
   if (process.user_name.empty()) return;
   process.login_groups = value_or_why(accounts.groups_of(process.user_name), why);
+}
+
+void name_users(const Accounts& accounts, Facts& facts) {
+  const auto name = [&](NamedProcess& process) {
+    process.user_name = value_or_why(accounts.user_name(process.user), facts.unknown_accounts);
+  };
+  for (NamedProcess& process : facts.namesakes) name(process);
+  for (Controller& controller : facts.controllers) {
+    for (NamedProcess& holder : controller.holders) name(holder);
+  }
 }
 
 // Of the USB device in a folder; nothing when it is none.
@@ -147,18 +137,37 @@ std::vector<Controller> read_controllers(const FileTree& tree,
   return found;
 }
 
+bool is_node_of(const Controller& controller, const std::string& path) {
+  return path == controller.node.path ||
+         std::any_of(controller.raw_nodes.begin(), controller.raw_nodes.end(),
+                     [&](const Node& node) { return node.path == path; });
+}
+
+// Whether a process whose open files are hidden may have any: a thread of the kernel has no memory
+// of its own, and one that has ended in the meantime has no name.
+bool may_hold_files(const FileTree& tree, int pid) {
+  if (tree.text(folder_of(pid) / "comm").empty()) return false;
+  const std::string status = tree.text(folder_of(pid) / "status");
+  return status.empty() || status.find("\nVmSize:") != std::string::npos;
+}
+
 void read_holders(const FileTree& tree, const std::vector<int>& pids, Facts& facts) {
   for (const int pid : pids) {
     const auto files = tree.names(folder_of(pid) / "fd");
     if (!files) {
-      ++facts.hidden_processes;
+      if (may_hold_files(tree, pid)) ++facts.hidden_processes;
       continue;
     }
     std::vector<std::string> open;
     for (const std::string& file : *files) open.push_back(tree.link(folder_of(pid) / "fd" / file));
     for (Controller& controller : facts.controllers) {
-      if (std::find(open.begin(), open.end(), controller.node.path) == open.end()) continue;
-      controller.holders.push_back({pid, name_of(tree, pid)});
+      if (std::none_of(open.begin(), open.end(),
+                       [&](const std::string& path) { return is_node_of(controller, path); })) {
+        continue;
+      }
+      const NamedProcess holder = named_process(tree, pid);
+      if (pid == facts.process.pid) controller.is_held_by_the_daemon = true;
+      if (!is_ours(tree, holder, facts)) controller.holders.push_back(holder);
     }
   }
 }
@@ -179,7 +188,8 @@ std::vector<Cpu> read_cpus(const FileTree& tree) {
 
 }  // namespace
 
-Facts read_facts(const fs::path& root, const plugin::DriverRegistry& drivers) {
+Facts read_facts(const fs::path& root, const plugin::DriverRegistry& drivers,
+                 const DaemonAtSocket& daemon) {
   const FileTree tree(root);
   const std::vector<int> pids = processes(tree);
   Facts facts;
@@ -187,14 +197,19 @@ Facts read_facts(const fs::path& root, const plugin::DriverRegistry& drivers) {
   facts.kernel_version = trimmed(tree.text("/proc/sys/kernel/version"));
   facts.is_realtime_kernel = trimmed(tree.text("/sys/kernel/realtime")) == "1";
   facts.rt_runtime_us = parse_integer(tree.text("/proc/sys/kernel/sched_rt_runtime_us"));
-  facts.process = read_process(tree, pids);
-  read_accounts(*accounts_below(root), facts);
+  facts.rt_period_us = parse_integer(tree.text("/proc/sys/kernel/sched_rt_period_us"));
+  read_daemon(tree, pids, daemon, facts);
+  const std::unique_ptr<Accounts> accounts = accounts_below(root);
+  read_accounts(*accounts, facts);
   facts.dma_latency = tree.node("/dev/cpu_dma_latency");
+  facts.idle_driver = trimmed(tree.text(fs::path(kCpus) / "cpuidle/current_driver"));
+  facts.has_hidraw = tree.names(kHidraw).has_value();
   facts.clock_source = trimmed(tree.text(fs::path(kClock) / "current_clocksource"));
   facts.clock_sources = words_of(tree.text(fs::path(kClock) / "available_clocksource"));
   facts.cpus = read_cpus(tree);
   facts.controllers = read_controllers(tree, drivers);
   if (!facts.controllers.empty()) read_holders(tree, pids, facts);
+  name_users(*accounts, facts);
   return facts;
 }
 

@@ -9,8 +9,8 @@ namespace thimble::doctor {
 namespace {
 
 std::string subject(const Process& process) {
-  return process.pid == 0 ? "a thimbled started here"
-                          : "thimbled (process " + std::to_string(process.pid) + ")";
+  if (process.pid == 0) return "a thimbled started here";
+  return "thimbled (" + process_of_user(process.pid, process.user, process.user_name) + ")";
 }
 
 // One word of a shell, whatever it holds: names of units and users come from outside.
@@ -86,6 +86,30 @@ Verdict unknown_group(const Facts& facts, Verdict verdict) {
 
 }  // namespace
 
+Verdict check_daemon(const Facts& facts) {
+  const Process& process = facts.process;
+  Verdict verdict = all_well("daemon", "none is known to run: below are the rights of who asks");
+  if (process.known_by == KnownBy::Socket) {
+    verdict.finding = subject(process) + " listens at the socket";
+  } else if (process.known_by == KnownBy::Program) {
+    verdict.finding = subject(process) + " runs the program that is installed";
+  }
+  if (facts.daemon_trouble.empty() && facts.namesakes.empty()) return verdict;
+  verdict.level = Level::Warn;
+  if (!facts.daemon_trouble.empty()) verdict.finding += "; " + facts.daemon_trouble;
+  for (const NamedProcess& other : facts.namesakes) {
+    verdict.finding += "; " + process_of_user(other.pid, other.user, other.user_name) +
+                       " calls itself 'thimbled', and nothing shows that it is";
+  }
+  verdict.reason =
+      "a program takes what name it likes: of one that is not known to be the daemon the rights "
+      "are "
+      "not looked at, and no command is given that grants it any";
+  verdict.advice = "root may see more; --socket names the socket of a daemon that is elsewhere";
+  verdict.look_with = "sudo thimble doctor";
+  return verdict;
+}
+
 Verdict check_group(const Facts& facts) {
   const Process& process = facts.process;
   Verdict verdict{facts.controllers.empty() ? Level::Warn : Level::Wrong,
@@ -98,7 +122,10 @@ Verdict check_group(const Facts& facts) {
   if (!facts.thimble_group) {
     if (!facts.unknown_accounts.empty()) return unknown_group(facts, verdict);
     verdict.finding = "there is no group 'thimble'";
-    verdict.command = "sudo addgroup --system thimble && " + membership_command(process);
+    verdict.command = "sudo addgroup --system thimble";
+    if (!has_capability(process, kCapDacOverride)) {
+      verdict.command += " && " + membership_command(process);
+    }
     return verdict;
   }
   if (is_in_group(process, *facts.thimble_group)) {
@@ -160,27 +187,35 @@ Verdict check_memlock(const Facts& facts) {
 
 Verdict check_dma_latency(const Facts& facts) {
   const Node& node = facts.dma_latency;
-  if (node.is_there && may(facts.process, node, kWrite)) {
-    return all_well("idle-states", subject(facts.process) + " may keep the CPUs out of deep sleep");
-  }
+  const bool is_sleepless = facts.idle_driver.empty() || facts.idle_driver == "none";
   Verdict verdict{Level::Warn,
                   "idle-states",
                   subject(facts.process) + " may not write " + node.path,
                   "a CPU in deep sleep answers USB and timers up to a fraction of a millisecond "
                   "late",
-                  "echo 'KERNEL==\"cpu_dma_latency\", GROUP=\"thimble\", MODE=\"0660\"' | sudo tee "
-                  "/etc/udev/rules.d/99-thimble-latency.rules && sudo udevadm control --reload && "
-                  "sudo udevadm trigger --settle /dev/cpu_dma_latency",
+                  "",
                   ""};
+  if (!node.is_there && is_sleepless && !facts.cpus.empty()) {
+    return all_well("idle-states", "this kernel puts no CPU into deep sleep");
+  }
   if (!node.is_there) {
     verdict.finding = "there is no " + node.path;
-    verdict.command =
-        "sudo sed -i 's/^GRUB_CMDLINE_LINUX=\"/&processor.max_cstate=1 intel_idle.max_cstate=1 /' "
-        "/etc/default/grub && sudo update-grub && sudo reboot";
-    verdict.advice =
-        "this kernel, or the container, does not offer the node; the setting at boot "
-        "does the same";
+    verdict.advice = "a container must be given it: --device " + node.path +
+                     "; else the kernel parameters processor.max_cstate=1 and "
+                     "intel_idle.max_cstate=1 do the same from the next start on";
+    verdict.look_with = "cat /sys/devices/system/cpu/cpuidle/current_driver";
+    return verdict;
   }
+  if (may(facts.process, node, kWrite)) {
+    return all_well("idle-states", subject(facts.process) + " may keep the CPUs out of deep sleep");
+  }
+  // A rule that names a group which is not there gives the node to the group root.
+  const bool is_group_missing = !facts.thimble_group && facts.unknown_accounts.empty();
+  verdict.command =
+      std::string(is_group_missing ? "sudo addgroup --system thimble && " : "") +
+      "echo 'KERNEL==\"cpu_dma_latency\", GROUP=\"thimble\", MODE=\"0660\"' | sudo tee "
+      "/etc/udev/rules.d/99-thimble-latency.rules && sudo udevadm control --reload && "
+      "sudo udevadm trigger --settle /dev/cpu_dma_latency";
   return verdict;
 }
 

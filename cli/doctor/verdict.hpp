@@ -28,6 +28,9 @@ struct Verdict {
 };
 
 [[nodiscard]] Verdict all_well(std::string check, std::string finding);
+// "process 77 of user 'haptics'"; a user without a name is a number.
+[[nodiscard]] std::string process_of_user(int pid, std::uint32_t user,
+                                          const std::string& user_name);
 [[nodiscard]] bool is_something_wrong(const std::vector<Verdict>& verdicts) noexcept;
 
 }  // namespace thimble::doctor

@@ -46,6 +46,16 @@ class Doctor(ProcessTest):
         self.assertEqual((result.returncode, result.stdout), (1, ""))
         self.assertIn("servo.priority", result.stderr)
 
+    def test_knows_the_daemon_by_its_socket(self):
+        daemon = self.start(config=HELLO)
+        file = self.write("other.toml", HELLO + f"[daemon]\nsocket = '{daemon.socket}'\n")
+        for words in (("--socket", daemon.socket), ("--config", file)):
+            result = self.run_program("thimble", "doctor", "--json", *words)
+            found = [check["finding"] for check in json.loads(result.stdout)["checks"] if check["check"] == "daemon"]
+            self.assertIn(f"thimbled (process {daemon.pid} of user ", found[0])
+            self.assertIn(" listens at the socket", found[0])
+        self.assert_servo_goes_on(daemon)
+
     def test_examines_this_machine_without_a_daemon(self):
         result = self.run_program("thimble", "doctor")
         self.assertIn(result.returncode, (0, 1))

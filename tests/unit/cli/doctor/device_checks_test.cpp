@@ -163,21 +163,56 @@ TEST_F(Doctor, NamesADeviceThatIsPutToSleep) {
 }
 
 TEST_F(Doctor, NamesAnotherProgramThatHoldsTheDevice) {
-  machine_.plant_process(300, "steam", "/dev/hidraw0");
   machine_.plant_process(301, "steam", "/dev/hidraw01");
-  machine_.plant_process(302, "thimble-guard", "/dev/hidraw0");
-  expect_complaint(Level::Wrong, "holder /dev/hidraw0", "held by 'steam' (process 300)",
+  EXPECT_THAT(complaints(), SizeIs(0));
+  machine_.plant_process(300, "steam", "/dev/hidraw0");
+  machine_.plant_user(300, 1000);
+  expect_complaint(Level::Wrong, "holder /dev/hidraw0",
+                   "held by 'steam' (process 300 of user 'mallory')", "sudo kill 300");
+  EXPECT_EQ(complaints()[0].look_with, "systemctl status 300");
+  for (const char* node : {"/dev/bus/usb/001/004", "/dev/usb/hiddev0"}) {
+    machine_.plant_process(300, "steam", node);
+    expect_complaint(Level::Wrong, "holder /dev/hidraw0", "held by 'steam'", "sudo kill 300");
+  }
+}
+
+TEST_F(Doctor, ForgivesAHolderByItsProgramAndItsAccountAndNeverByItsName) {
+  machine_.plant_process(300, "thimble-guard", "/dev/hidraw0");
+  machine_.plant_user(300, 64000);
+  expect_complaint(Level::Wrong, "holder /dev/hidraw0", "held by 'thimble-guard' (process 300",
                    "sudo kill 300");
+  machine_.run_program(300, "usr/bin/steam");
+  EXPECT_THAT(complaints(), SizeIs(1)) << "some other program";
+  machine_.run_program(300, "usr/bin/thimble-guard");
+  EXPECT_THAT(complaints(), SizeIs(0)) << "the guard, under the account of the daemon";
+  machine_.plant_user(300, 0);
+  EXPECT_THAT(complaints(), SizeIs(0)) << "or root's";
+  machine_.plant_user(300, 1000);
+  EXPECT_THAT(complaints(), SizeIs(1)) << "anybody may start the guard's program";
 }
 
 TEST_F(Doctor, NamesASecondDaemonThatHoldsTheDevice) {
   machine_.plant_process(300, "thimbled", "/dev/hidraw0");
-  expect_complaint(Level::Wrong, "holder /dev/hidraw0", "'thimbled' (process 300)",
-                   "sudo kill 300");
+  machine_.plant_user(300, 1000);
+  machine_.run_program(300, "usr/bin/thimbled");
+  expect_complaint(Level::Wrong, "holder /dev/hidraw0",
+                   "'thimbled' (process 300 of user 'mallory')", "sudo kill 300");
+}
+
+TEST_F(Doctor, NeverSignalsTheFirstProcess) {
+  machine_.plant_process(1, "systemd", "/dev/hidraw0");
+  machine_.plant_user(1, 0);
+  expect_look(Level::Wrong, "holder /dev/hidraw0", "'systemd' (process 1 of user 'root')",
+              "systemctl status 1");
 }
 
 TEST_F(Doctor, SaysThatItMayHaveOverlookedAHolder) {
+  machine_.plant("proc/2/comm", "kthreadd\n");
+  machine_.plant("proc/2/status", "Name:\tkthreadd\nUid:\t0\t0\t0\t0\n");
+  machine_.plant("proc/3/status", "");
+  EXPECT_THAT(complaints(), SizeIs(0)) << "a thread of the kernel, and a process that has ended";
   machine_.plant("proc/1/comm", "systemd\n");  // and no fd that could be read
+  machine_.plant_user(1, 0);
   expect_look(Level::Warn, "holder /dev/hidraw0", "but 1 processes", "sudo thimble doctor");
 }
 

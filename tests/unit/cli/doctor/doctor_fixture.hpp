@@ -17,6 +17,7 @@
 namespace thimble::doctor {
 
 using testing::AllOf;
+using testing::AnyOf;
 using testing::Field;
 using testing::HasSubstr;
 using testing::Not;

@@ -7,13 +7,17 @@ namespace {
 
 TEST_F(Doctor, FindsNothingOnAHealthyMachine) {
   EXPECT_THAT(complaints(), SizeIs(0));
-  EXPECT_THAT(examine(facts()), SizeIs(15));
+  EXPECT_THAT(examine(facts()), SizeIs(16));
 }
 
 TEST_F(Doctor, MissesAnArmOnlyWhereThereIsNone) {
   machine_.remove("sys/class/hidraw/hidraw0");
   EXPECT_THAT(complaints(), SizeIs(0));
-  EXPECT_THAT(examine(facts()), SizeIs(8));
+  const std::vector<Verdict> all = examine(facts());
+  ASSERT_THAT(all, SizeIs(10));
+  EXPECT_EQ(all[9].finding, "no arm that a driver knows is plugged in");
+  machine_.remove("sys/class/hidraw");
+  expect_complaint(Level::Warn, "arms", "the kernel shows no HID devices", "sudo modprobe hid");
 }
 
 TEST_F(Doctor, NamesAKernelThatIsNotRealTime) {
@@ -22,19 +26,28 @@ TEST_F(Doctor, NamesAKernelThatIsNotRealTime) {
   machine_.plant("proc/sys/kernel/version", "#1 SMP PREEMPT_DYNAMIC Debian 6.1.176-1\n");
   expect_complaint(Level::Warn, "kernel", "no real-time kernel",
                    "sudo apt-get install linux-image-rt-");
+  EXPECT_THAT(complaints()[0].advice, HasSubstr("start the machine anew"));
   machine_.remove("proc/sys/kernel/osrelease");
   expect_look(Level::Warn, "kernel", "does not tell", "uname -a");
 }
 
 TEST_F(Doctor, NamesAKernelThatHoldsRealTimeThreadsBack) {
   const std::string file = "proc/sys/kernel/sched_rt_runtime_us";
+  const std::string mend = "echo 'kernel.sched_rt_runtime_us = ";
   machine_.plant(file, "0\n");
   expect_complaint(Level::Wrong, "rt-share", "lets no real-time thread run",
-                   "sudo sysctl -w kernel.sched_rt_runtime_us=950000");
+                   mend + "950000' | sudo tee /etc/sysctl.d/99-thimble.conf && sudo sysctl -p");
   machine_.plant(file, "500000\n");
-  expect_complaint(Level::Warn, "rt-share", "only 500 ms", "sudo sysctl -w");
+  expect_complaint(Level::Warn, "rt-share", "only 500 of each 1000 ms", mend + "950000'");
   machine_.plant(file, "-1\n");
   EXPECT_THAT(complaints(), SizeIs(0));
+  machine_.plant("proc/sys/kernel/sched_rt_period_us", "100000\n");
+  machine_.plant(file, "95000\n");
+  EXPECT_THAT(complaints(), SizeIs(0)) << "the share counts, not the time";
+  machine_.plant(file, "94000\n");
+  expect_complaint(Level::Warn, "rt-share", "only 94 of each 100 ms", mend + "95000'");
+  machine_.remove(file);
+  expect_look(Level::Warn, "rt-share", "not known", "sysctl kernel.sched_rt_runtime_us");
 }
 
 TEST_F(Doctor, NamesASlowClockSource) {
@@ -52,8 +65,12 @@ TEST_F(Doctor, NamesASlowClockSource) {
 TEST_F(Doctor, NamesEachCpuWhoseFrequencyFollowsTheLoad) {
   machine_.plant_governor("cpu1", "schedutil");
   machine_.plant_governor("cpu10", "powersave");
-  expect_complaint(Level::Warn, "governor", "CPU 1 'schedutil', 10 'powersave' follows",
+  expect_complaint(Level::Warn, "governor", "CPU 1 'schedutil', 10 'powersave' is not held",
                    "echo performance | sudo tee /sys/devices/system/cpu/cpu*/cpufreq/");
+  for (const char* cpu : {"cpu0", "cpu1", "cpu10"}) {
+    machine_.remove(std::string("sys/devices/system/cpu/") + cpu);
+  }
+  expect_look(Level::Warn, "governor", "the CPUs are not known", "ls /sys/devices/system/cpu");
 }
 
 TEST_F(Doctor, NamesAMissingGroup) {
@@ -81,7 +98,8 @@ TEST_F(Doctor, NamesADaemonOutsideTheGroup) {
   facts.controllers.clear();
   facts.dma_latency.mode = 0666;
   expect_complaint(complaints(facts), Level::Warn, "group",
-                   "thimbled (process 77) is not in the group", "sudo adduser haptics thimble");
+                   "thimbled (process 77 of user 'haptics') is not in the group",
+                   "sudo adduser haptics thimble");
   facts.process.user_name = "o'hara";
   expect_complaint(complaints(facts), Level::Warn, "group", "is not in the group",
                    "sudo adduser 'o'\\''hara' thimble");
@@ -204,7 +222,28 @@ TEST_F(Doctor, NamesALatencyNodeThatIsOutOfReach) {
   expect_complaint(Level::Warn, "idle-states", "may not write /dev/cpu_dma_latency",
                    "KERNEL==\"cpu_dma_latency\", GROUP=\"thimble\", MODE=\"0660\"");
   machine_.remove("dev/cpu_dma_latency");
-  expect_complaint(Level::Warn, "idle-states", "there is no /dev/cpu_dma_latency", "max_cstate");
+  expect_look(Level::Warn, "idle-states", "there is no /dev/cpu_dma_latency", "cpuidle");
+  EXPECT_THAT(complaints()[0].advice, HasSubstr("intel_idle.max_cstate=1"));
+  machine_.plant("sys/devices/system/cpu/cpuidle/current_driver", "none\n");
+  EXPECT_THAT(complaints(), SizeIs(0)) << "a kernel that lets no CPU sleep";
+}
+
+// Whatever is wrong: no command that cannot be typed twice, or that stops what others do.
+TEST_F(Doctor, GivesNoCommandThatANeighbourWouldRegret) {
+  Facts bare;
+  bare.process.unit = "user@5.service";
+  Controller controller;
+  controller.node.path = "/dev/hidraw0";
+  controller.node.is_there = true;
+  controller.node.mode = 0666;
+  controller.usb_port = "1-4.2";
+  controller.power_control = "auto";
+  bare.controllers = {controller};
+  for (const Verdict& verdict : examine(bare)) {
+    for (const char* word : {"reboot", "tee -a", "sed ", "usermod", "setcap", "chmod", "restart"}) {
+      EXPECT_THAT(verdict.command, Not(HasSubstr(word))) << verdict.check;
+    }
+  }
 }
 
 TEST_F(Doctor, KnowsNothingOfAnEmptyFolderAndStaysCalm) {

@@ -18,7 +18,9 @@ class PlantedMachine {
     plant("proc/sys/kernel/osrelease", "6.1.0-50-rt-amd64\n");
     plant("proc/sys/kernel/version", "#1 SMP PREEMPT_RT Debian 6.1.176-1\n");
     plant("proc/sys/kernel/sched_rt_runtime_us", "950000\n");
+    plant("proc/sys/kernel/sched_rt_period_us", "1000000\n");
     plant("sys/kernel/realtime", "1\n");
+    plant("sys/devices/system/cpu/cpuidle/current_driver", "intel_idle\n");
     plant(kClock + "current_clocksource", "tsc\n");
     plant(kClock + "available_clocksource", "tsc hpet acpi_pm \n");
     for (const char* cpu : {"cpu0", "cpu1"}) plant_governor(cpu, "performance");
@@ -74,6 +76,18 @@ class PlantedMachine {
     std::filesystem::remove(folder / "fd/3");
     std::filesystem::create_symlink(open_file, folder / "fd/3");
   }
+  // What a process runs, as /proc/PID/exe shows it.
+  void run_program(int pid, const std::string& program) const {
+    const std::filesystem::path link = root_ / "proc" / std::to_string(pid) / "exe";
+    std::filesystem::remove(link);
+    std::filesystem::create_symlink("../../" + program, link);
+  }
+  void plant_user(int pid, unsigned user) const {
+    const std::string number = std::to_string(user);
+    plant("proc/" + std::to_string(pid) + "/status", "Name:\tx\nUid:\t" + number + "\t" + number +
+                                                         "\t" + number + "\t" + number +
+                                                         "\nGid:\t1\t1\t1\t1\nVmSize:\t8 kB\n");
+  }
   // The group 'thimble'. The files are this program's own: the tests give them away.
   static constexpr std::uint32_t kThimble = 4242;
   [[nodiscard]] static std::string group() { return std::to_string(kThimble); }
@@ -92,8 +106,14 @@ class PlantedMachine {
  private:
   void plant_daemon() const {
     plant("etc/group", "root:x:0:\nthimbles:x:5:\nthimble:x:" + group() + ":someone\n");
-    plant("etc/passwd", "root:x:0:0::/root:/bin/sh\nhaptics:x:64000:64001::/:/bin/false\n");
+    plant("etc/passwd",
+          "root:x:0:0::/root:/bin/sh\nhaptics:x:64000:64001::/:/bin/false\nmallory:x:1000:1000::/:/"
+          "bin/sh\n");
     plant_process(77, "thimbled", "/dev/hidraw0");
+    plant("usr/bin/thimbled", "");
+    plant("usr/bin/thimble-guard", "");
+    plant("usr/bin/steam", "");
+    run_program(77, "usr/bin/thimbled");
     plant_status(group());
     plant("proc/77/cgroup", "0::/user.slice/user-1000.slice/session-3.scope\n");
     plant_limits("98", "unlimited");
