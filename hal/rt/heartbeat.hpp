@@ -1,0 +1,30 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "hal/rt/annotations.hpp"
+
+namespace thimble::rt {
+
+// Of one arm's servo, in memory that its guard shares: how the guard sees that the servo lives,
+// and how the servo learns that the guard let its arm go. Zero bytes are a fresh one.
+//
+// Thread: each field has one writer, named beside it; any thread of both processes reads.
+// RT: plain atomics. Ownership: of whoever mapped the memory.
+// Errors: what the other side writes is hostile at worst: numbers are compared, never used as
+//     sizes or places.
+struct Heartbeat {
+  std::atomic<std::uint64_t> beats{0};         // servo: +1 at the end of every tick
+  std::atomic<std::uint32_t> interventions{0};  // guard: +1 whenever it began to let the arm go
+  std::atomic<std::uint32_t> acknowledged{0};  // servo: the interventions after which it wrote zero
+
+  THIMBLE_RT void beat() noexcept {
+    beats.store(beats.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+  }
+};
+static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
+static_assert(std::atomic<std::uint32_t>::is_always_lock_free);
+static_assert(sizeof(Heartbeat) == 16, "two processes agree on it");
+
+}  // namespace thimble::rt
