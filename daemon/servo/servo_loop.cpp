@@ -32,6 +32,7 @@ ServoLoop::ServoLoop(const ServoParts& parts, const ServoSettings& settings)
 void ServoLoop::tick(Duration lateness) noexcept {
   const MonotonicTime started = parts_.stopwatch.now();
   ServoFrame frame = begin_frame(lateness);
+  ask_guard(frame);
   take_state(frame);
   const MonotonicTime computing = parts_.stopwatch.now();
   check_freshness(frame);
@@ -44,6 +45,7 @@ void ServoLoop::tick(Duration lateness) noexcept {
   const MonotonicTime computed = parts_.stopwatch.now();
   write(frame, wrench);
   const MonotonicTime written = parts_.stopwatch.now();
+  answer_guard(frame);
   record(frame);
   publish(frame);
   wakeup_error_.add(lateness);
@@ -71,6 +73,28 @@ ServoFrame ServoLoop::begin_frame(Duration lateness) noexcept {
   }
   frame.dt = std::min(frame.dt, kLongestStep);
   return frame;
+}
+
+// An arm that its guard let go is driven no more until a person clears it: it had no fresh command
+// for too long, whatever this thread's clock says.
+void ServoLoop::ask_guard(const ServoFrame& frame) noexcept {
+  if (parts_.heartbeat == nullptr) return;
+  interventions_ = parts_.heartbeat->interventions.load(std::memory_order_acquire);
+  const bool is_let_go =
+      interventions_ != parts_.heartbeat->acknowledged.load(std::memory_order_relaxed);
+  if (is_let_go && state_ == OperatingState::Active) fail(FaultCode::ServoLate, frame);
+}
+
+// The guard stops writing only when the arm has taken zero from here, too, or is past that: silent
+// after a stop, or gone. The beat comes last, so that it carries the answer.
+void ServoLoop::answer_guard(const ServoFrame& frame) noexcept {
+  if (parts_.heartbeat == nullptr) return;
+  const bool is_taken =
+      frame.write_status == IoStatus::Ok || frame.write_status == IoStatus::NoData;
+  if (state_ != OperatingState::Active && is_taken) {
+    parts_.heartbeat->acknowledged.store(interventions_, std::memory_order_relaxed);
+  }
+  parts_.heartbeat->beat();
 }
 
 void ServoLoop::take_state(ServoFrame& frame) noexcept {

@@ -20,6 +20,7 @@
 #include "hal/device/haptic_device.hpp"
 #include "hal/device/operating_state.hpp"
 #include "hal/rt/annotations.hpp"
+#include "hal/rt/heartbeat.hpp"
 #include "hal/rt/static_vector.hpp"
 #include "hal/rt/word_seqlock.hpp"
 
@@ -49,8 +50,9 @@ struct ServoParts {
   coupling::ArmCoupling& coupling;
   coupling::ArmLink& link;
   const ServoControls& controls;
-  const Clock& clock;      // stamps the arm's samples too; virtual for a simulated arm
-  const Clock& stopwatch;  // only measures what a tick costs; never decides anything
+  const Clock& clock;                 // stamps the arm's samples too; virtual for a simulated arm
+  const Clock& stopwatch;             // only measures what a tick costs; never decides anything
+  rt::Heartbeat* heartbeat{nullptr};  // of the arm's guard; nullptr: it has none
 };
 
 // One arm's servo: state → freshness → safety inputs → lifecycle → velocity → coupling →
@@ -84,6 +86,8 @@ class ServoLoop {
 
  private:
   ServoFrame begin_frame(Duration lateness) noexcept;
+  void ask_guard(const ServoFrame& frame) noexcept;
+  void answer_guard(const ServoFrame& frame) noexcept;
   void take_state(ServoFrame& frame) noexcept;
   void check_freshness(ServoFrame& frame) noexcept;
   void check_safety_inputs(ServoFrame& frame) noexcept;
@@ -127,6 +131,7 @@ class ServoLoop {
   MonotonicTime previous_now_{};
   MonotonicTime last_write_{};  // that the bus took; before any, the first tick
   MonotonicTime latched_at_{};
+  std::uint32_t interventions_{0};  // of the guard, as of this tick
   // Of this tick: what latched, what was unplugged, and what latched again after a clear.
   rt::StaticVector<Fault, 3> stops_;
   bool is_outage_over_{false};

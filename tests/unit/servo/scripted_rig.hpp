@@ -149,7 +149,8 @@ struct ServoRig {
   ScriptedCoupling coupling;
   ScriptedLink link;
   ServoControls controls;
-  ServoLoop sut{ServoParts{device, coupling, link, controls, clock, clock}, settings_};
+  rt::Heartbeat heartbeat;
+  ServoLoop sut{ServoParts{device, coupling, link, controls, clock, clock, &heartbeat}, settings_};
 };
 
 // Active, and told by its coupling to push with 4 N.
