@@ -1,0 +1,60 @@
+#include "guard/guard_session.hpp"
+
+#include <sys/socket.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <string>
+
+namespace thimble::guard {
+
+Result<GuardSession> GuardSession::accept(int socket, int timeout_ms) {
+  auto received = receive_handover(socket, timeout_ms);
+  if (!received) return tl::unexpected(received.error());
+  auto page = SharedPage::map(std::move(received->page));
+  if (!page) return tl::unexpected(page.error());
+  GuardSession session(socket, std::move(*received), std::move(*page));
+  if (::send(socket, &kWatching, 1, MSG_NOSIGNAL | MSG_DONTWAIT) != 1) {
+    return fail(Errc::Disconnected, std::string("the daemon is gone: ") + std::strerror(errno));
+  }
+  return session;
+}
+
+GuardSession::GuardSession(int socket, Received received, SharedPage page) noexcept
+    : socket_(socket),
+      page_(std::move(page)),
+      writer_(received.handover, std::move(received.node)),
+      told_before_(page_.heartbeat().interventions.load(std::memory_order_relaxed)) {}
+
+// Nothing is ever said after the handover: whatever can be read is the end, or no daemon of ours.
+bool GuardSession::has_ended() noexcept {
+  char byte = 0;
+  const ssize_t got = ::recv(socket_, &byte, 1, MSG_DONTWAIT);
+  return got >= 0 || (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR);
+}
+
+bool GuardSession::step(MonotonicTime now) noexcept {
+  if (!is_ended_ && has_ended()) {
+    is_ended_ = true;
+    ended_at_ = now;
+  }
+  if (is_ended_) {
+    (void)writer_.write();
+    return now - ended_at_ < WatchSettings{}.zero_for;
+  }
+  rt::Heartbeat& heart = page_.heartbeat();
+  const std::uint64_t beats = heart.beats.load(std::memory_order_acquire);
+  const std::uint32_t before = watch_.interventions();
+  const std::uint32_t acknowledged =
+      heart.acknowledged.load(std::memory_order_relaxed) - told_before_;
+  const bool must_write = watch_.look(now, beats, acknowledged);
+  // Told before it is done: a servo that wakes in between must not drive on.
+  if (watch_.interventions() != before) {
+    heart.interventions.store(told_before_ + watch_.interventions(), std::memory_order_release);
+  }
+  if (must_write) (void)writer_.write();
+  return true;
+}
+
+}  // namespace thimble::guard

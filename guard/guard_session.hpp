@@ -1,0 +1,49 @@
+#pragma once
+
+#include <memory>
+
+#include "guard/handover.hpp"
+#include "guard/shared_page.hpp"
+#include "guard/watch.hpp"
+#include "guard/zero_writer.hpp"
+#include "hal/base/result.hpp"
+#include "hal/base/time.hpp"
+
+namespace thimble::guard {
+
+// How often a guard looks. Ours: a tenth of its patience.
+inline constexpr Duration kLookEvery = std::chrono::milliseconds(2);
+// The first packet follows the connection at once; a peer that sends none is no daemon.
+inline constexpr int kHandoverTimeout_ms = 5000;
+// What a guard answers when it watches: from then on the arm may be driven.
+inline constexpr char kWatching = 'W';
+
+// The guard of one arm, from its handover to the end of the connection.
+//
+// Thread: one, SCHED_FIFO above the servos where it may be: a servo that spins must not starve it.
+// Ownership: `socket` is the caller's and outlives it.
+class GuardSession {
+ public:
+  // Waits for the handover and answers it. Errors: as receive_handover() and SharedPage::map().
+  [[nodiscard]] static Result<GuardSession> accept(int socket, int timeout_ms);
+
+  // One look; `now` never goes backwards. False: the connection ended and the arm was let go.
+  [[nodiscard]] bool step(MonotonicTime now) noexcept;
+
+  [[nodiscard]] std::uint32_t interventions() const noexcept { return watch_.interventions(); }
+  [[nodiscard]] const ZeroWriter& zeros() const noexcept { return writer_; }
+
+ private:
+  GuardSession(int socket, Received received, SharedPage page) noexcept;
+  [[nodiscard]] bool has_ended() noexcept;
+
+  int socket_;
+  SharedPage page_;
+  ZeroWriter writer_;
+  Watch watch_{WatchSettings{}};
+  std::uint32_t told_before_;  // interventions of the guards before this one
+  MonotonicTime ended_at_{};
+  bool is_ended_{false};
+};
+
+}  // namespace thimble::guard

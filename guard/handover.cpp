@@ -1,0 +1,124 @@
+#include "guard/handover.hpp"
+
+#include <poll.h>
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <optional>
+#include <string>
+
+namespace thimble::guard {
+namespace {
+
+constexpr std::array<std::uint8_t, 3> kMark{'T', 'G', 0};
+constexpr std::size_t kHead = kMark.size() + 2;
+constexpr std::size_t kDescriptors = 2;
+
+Error system_error(const char* what) {
+  return {Errc::System, std::string(what) + ": " + std::strerror(errno)};
+}
+
+// Room for one packet and one more byte, so that a longer one is seen to be longer.
+struct Packet {
+  std::array<std::uint8_t, kHead + kMaxZeroBytes + 1> bytes{};
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(kDescriptors * sizeof(int))> control{};
+  iovec part{};
+  msghdr message{};
+
+  Packet() {
+    part = {bytes.data(), bytes.size()};
+    message.msg_iov = &part;
+    message.msg_iovlen = 1;
+    message.msg_control = control.data();
+    message.msg_controllen = control.size();
+  }
+  Packet(const Packet&) = delete;
+  Packet& operator=(const Packet&) = delete;
+};
+
+// The kernel hands over as many as fit, and closes the rest.
+std::vector<Descriptor> take_descriptors(msghdr& message) {
+  std::vector<Descriptor> all;
+  for (cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr;
+       part = CMSG_NXTHDR(&message, part)) {
+    if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SCM_RIGHTS) continue;
+    const std::size_t count = (part->cmsg_len - CMSG_LEN(0)) / sizeof(int);
+    for (std::size_t i = 0; i < count; ++i) {
+      int fd = -1;
+      std::memcpy(&fd, CMSG_DATA(part) + i * sizeof(int), sizeof(int));
+      all.emplace_back(fd);
+    }
+  }
+  return all;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> encode(const Handover& handover) {
+  std::vector<std::uint8_t> packet(kMark.begin(), kMark.end());
+  packet.push_back(static_cast<std::uint8_t>(handover.route));
+  packet.push_back(handover.endpoint);
+  const auto zero = handover.zero();
+  packet.insert(packet.end(), zero.begin(), zero.end());
+  return packet;
+}
+
+Result<Handover> parse_handover(std::span<const std::uint8_t> packet) {
+  if (packet.size() <= kHead || packet.size() > kHead + kMaxZeroBytes) {
+    return fail(Errc::Malformed,
+                "handover: expected 6 to 70 bytes, found " + std::to_string(packet.size()));
+  }
+  if (!std::equal(kMark.begin(), kMark.end(), packet.begin())) {
+    return fail(Errc::Malformed, "handover: not one of version 0");
+  }
+  if (packet[kMark.size()] > static_cast<std::uint8_t>(ZeroRoute::UsbBulk)) {
+    return fail(Errc::Malformed,
+                "handover: there is no route " + std::to_string(packet[kMark.size()]));
+  }
+  Handover handover;
+  handover.route = static_cast<ZeroRoute>(packet[kMark.size()]);
+  handover.endpoint = packet[kMark.size() + 1];
+  handover.size = packet.size() - kHead;
+  std::copy(packet.begin() + kHead, packet.end(), handover.bytes.begin());
+  return handover;
+}
+
+Result<void> send_handover(int socket, const Handover& handover, int node, int page) {
+  Packet packet;
+  const std::vector<std::uint8_t> bytes = encode(handover);
+  std::copy(bytes.begin(), bytes.end(), packet.bytes.begin());
+  packet.part.iov_len = bytes.size();
+  cmsghdr* const rights = CMSG_FIRSTHDR(&packet.message);
+  rights->cmsg_level = SOL_SOCKET;
+  rights->cmsg_type = SCM_RIGHTS;
+  rights->cmsg_len = CMSG_LEN(kDescriptors * sizeof(int));
+  const std::array<int, kDescriptors> descriptors{node, page};
+  std::memcpy(CMSG_DATA(rights), descriptors.data(), sizeof(descriptors));
+  if (::sendmsg(socket, &packet.message, MSG_NOSIGNAL | MSG_DONTWAIT) < 0) {
+    return tl::unexpected(system_error("cannot hand the arm over"));
+  }
+  return {};
+}
+
+Result<Received> receive_handover(int socket, int timeout_ms) {
+  pollfd readable{socket, POLLIN, 0};
+  const int ready = ::poll(&readable, 1, timeout_ms);
+  if (ready < 0) return tl::unexpected(system_error("cannot wait for an arm"));
+  if (ready == 0) return fail(Errc::Timeout, "no arm was handed over");
+  Packet packet;
+  const ssize_t size = ::recvmsg(socket, &packet.message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
+  if (size < 0) return tl::unexpected(system_error("cannot be handed an arm"));
+  if (size == 0) return fail(Errc::Disconnected, "no arm was handed over");
+  std::vector<Descriptor> descriptors = take_descriptors(packet.message);
+  auto handover = parse_handover({packet.bytes.data(), static_cast<std::size_t>(size)});
+  if (!handover) return tl::unexpected(handover.error());
+  if (descriptors.size() != kDescriptors || (packet.message.msg_flags & MSG_CTRUNC) != 0) {
+    return fail(Errc::Malformed, "handover: expected the arm's node and a page of memory, found " +
+                                     std::to_string(descriptors.size()) + " descriptors");
+  }
+  return Received{*handover, std::move(descriptors[0]), std::move(descriptors[1])};
+}
+
+}  // namespace thimble::guard

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "guard/descriptor.hpp"
+#include "hal/base/result.hpp"
+
+namespace thimble::guard {
+
+inline constexpr std::size_t kMaxZeroBytes = 65;  // a HID report of 64 and its number
+
+// How an arm is let go, in words of its node.
+enum class ZeroRoute : std::uint8_t {
+  Write,    // one write() of the bytes: hidraw (the report's number first), a terminal
+  UsbBulk,  // one synchronous bulk transfer on the claim that belongs to the shared descriptor
+};
+
+// All that a guard is told of its arm; it goes over a Unix socket in one packet, with the
+// descriptors of the arm's node and of the page with the servo's heartbeat.
+struct Handover {
+  ZeroRoute route{ZeroRoute::Write};
+  std::uint8_t endpoint{0};  // UsbBulk
+  std::size_t size{0};       // of `bytes`, 1 to kMaxZeroBytes
+  std::array<std::uint8_t, kMaxZeroBytes> bytes{};
+
+  [[nodiscard]] std::span<const std::uint8_t> zero() const noexcept { return {bytes.data(), size}; }
+  bool operator==(const Handover&) const = default;
+};
+
+// The packet: "TG", version 0, route, endpoint, the bytes. Total: any bytes give a handover or
+// Malformed. Thread: any.
+[[nodiscard]] std::vector<std::uint8_t> encode(const Handover& handover);
+[[nodiscard]] Result<Handover> parse_handover(std::span<const std::uint8_t> packet);
+
+// Thread: one, not RT. `socket` is a connected SOCK_SEQPACKET.
+// Errors: System; of receive also Timeout, Disconnected and Malformed. Descriptors that came with
+// a packet that is refused are closed.
+struct Received {
+  Handover handover;
+  Descriptor node;
+  Descriptor page;
+};
+[[nodiscard]] Result<void> send_handover(int socket, const Handover& handover, int node, int page);
+[[nodiscard]] Result<Received> receive_handover(int socket, int timeout_ms);
+
+}  // namespace thimble::guard

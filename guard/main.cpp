@@ -1,0 +1,64 @@
+#include <cstdio>
+#include <string_view>
+
+#include "guard/guard_session.hpp"
+#include "hal/linux/monotonic_clock.hpp"
+#include "hal/linux/realtime_process.hpp"
+#include "hal/linux/realtime_thread.hpp"
+
+namespace {
+
+using namespace thimble;
+
+// Above every servo (linux::kServoPriority) and below the kernel's own.
+constexpr int kGuardPriority = 90;
+// The connection that the daemon or systemd (StandardInput=socket) made.
+constexpr int kConnection = 0;
+
+void watch(guard::GuardSession& session) noexcept {
+  linux::MonotonicClock clock;
+  MonotonicTime next = clock.now();
+  while (session.step(clock.now())) {
+    next = std::max(next + guard::kLookEvery, clock.now());
+    clock.sleep_until(next);
+  }
+}
+
+int run() {
+  const linux::RealtimeProcess process;
+  auto session = guard::GuardSession::accept(kConnection, guard::kHandoverTimeout_ms);
+  if (!session) {
+    std::fprintf(stderr, "thimble-guard: %s\n", session.error().message.c_str());
+    return 1;
+  }
+  {
+    auto thread = linux::RealtimeThread::start({.name = "guard", .priority = kGuardPriority},
+                                               process.report(), [&] { watch(*session); });
+    if (!thread) {
+      std::fprintf(stderr, "thimble-guard: %s\n", thread.error().message.c_str());
+      return 1;
+    }
+  }
+  if (session->interventions() > 0) {
+    std::fprintf(stderr, "thimble-guard: the servo stopped %u times, and the arm was let go\n",
+                 session->interventions());
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc > 1) {
+    const bool is_version = std::string_view(argv[1]) == "--version";
+    if (is_version) std::puts("thimble-guard " THIMBLE_VERSION);
+    if (!is_version) {
+      std::fputs(
+          "usage: thimble-guard\nthimbled starts it, or systemd does for thimbled; its "
+          "standard input is their connection. See thimble-guard(8).\n",
+          stderr);
+    }
+    return is_version ? 0 : 2;
+  }
+  return run();
+}

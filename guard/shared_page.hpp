@@ -1,0 +1,36 @@
+#pragma once
+
+#include "guard/descriptor.hpp"
+#include "hal/base/result.hpp"
+#include "hal/rt/heartbeat.hpp"
+
+namespace thimble::guard {
+
+// The memory in which an arm's servo and its guard see each other.
+//
+// Thread: control plane; heartbeat() from any as long as the page lives.
+// RT: reading and writing heartbeat() never leaves the process: the page is in memory from the
+//     start and cannot shrink.
+// Ownership: unmaps and closes. Errors: System; of map() also Malformed, for a file that another
+// process could cut short under whoever reads it.
+class SharedPage {
+ public:
+  [[nodiscard]] static Result<SharedPage> create();
+  // Of a page that another process made.
+  [[nodiscard]] static Result<SharedPage> map(Descriptor page);
+  SharedPage(SharedPage&& other) noexcept;
+  SharedPage& operator=(SharedPage&&) = delete;
+  ~SharedPage();
+
+  [[nodiscard]] rt::Heartbeat& heartbeat() noexcept { return *heartbeat_; }
+  [[nodiscard]] int descriptor() const noexcept { return page_.get(); }
+
+ private:
+  SharedPage(Descriptor page, rt::Heartbeat* heartbeat) noexcept
+      : page_(std::move(page)), heartbeat_(heartbeat) {}
+
+  Descriptor page_;
+  rt::Heartbeat* heartbeat_;
+};
+
+}  // namespace thimble::guard
