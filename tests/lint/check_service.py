@@ -7,15 +7,15 @@ Needs systemd-analyze (package systemd); whether the daemon works within the san
 import pathlib
 import re
 import subprocess
+import typing
 
 import cpp_source
 
 FOLDER = "systemd/"
-MAX_EXPOSURE = 1.5
 _EXPOSURE = re.compile(r"Overall exposure level for \S+: ([0-9.]+)")
 
 # What a service with devices and real time must say, and why.
-NEEDS = {
+_DAEMON_NEEDS = {
     "Type=notify": "systemd must wait for READY",
     "NotifyAccess=main": "nobody else may feed the watchdog",
     "User=thimble": "not root, and not a user that others share",
@@ -27,19 +27,51 @@ NEEDS = {
     "After=modprobe@hid.service modprobe@usbcore.service": "DeviceAllow= knows only classes that are there at the start",
     "LimitMEMLOCK=infinity": "paged memory stops the servo",
     "IPAddressDeny=any": "as shipped it talks to this host only",
+    "Wants=thimble-guard.socket": "an arm that needs a guard is refused without one",
+    "After=thimble-guard.socket": "it is asked for when the first arm is opened",
 }
-_NEEDS_A_VALUE = {
+_DAEMON_BOUNDS = {
     "WatchdogSec": "a daemon that hangs must end",
     "LimitRTPRIO": "the servo threads ask for SCHED_FIFO",
     "LimitRTTIME": "a servo that spins must not take the machine along",
     "MemoryMax": "a volume that is too large must not take the machine along",
 }
-_REFUSED = {
+_NO_REAL_TIME = {
     re.compile(r"^RestrictRealtime=(?:yes|true|1|on)$"): "it forbids SCHED_FIFO",
-    re.compile(r"^PrivateDevices=(?:yes|true|1|on)$"): "it hides every arm",
     re.compile(r"^SystemCallFilter=~.*@resources"): "it takes sched_setscheduler away",
-    re.compile(r"^CPUSchedulingPolicy="): "it would make every thread of the daemon a real-time one",
+    re.compile(r"^CPUSchedulingPolicy="): "it would make every thread a real-time one",
+}
+_DAEMON_REFUSED = _NO_REAL_TIME | {
+    re.compile(r"^PrivateDevices=(?:yes|true|1|on)$"): "it hides every arm",
     re.compile(r"^IPAddressAllow=(?!localhost$)"): "other hosts are let in by thimbled-lan.conf only",
+}
+_GUARD_NEEDS = {
+    "StandardInput=socket": "it is told of its arm over the connection that started it",
+    "PrivateDevices=yes": "the arm's node comes open, and it needs no other",
+    "PrivateNetwork=yes": "it talks to nobody but the daemon",
+    "Before=thimbled.service": "when the machine goes down the daemon ends first",
+    "LimitMEMLOCK=infinity": "paged memory stops the guard",
+}
+_GUARD_BOUNDS = {
+    "LimitRTPRIO": "it asks for SCHED_FIFO above the servos",
+    "LimitRTTIME": "a guard that spins must not take the machine along",
+}
+_GUARD_REFUSED = _NO_REAL_TIME | {
+    re.compile(r"^(?:PartOf|BindsTo|Requires|StopWhenUnneeded)="): "it must outlive the daemon",
+    re.compile(r"^DeviceAllow="): "it opens nothing",
+}
+
+
+class Unit(typing.NamedTuple):
+    needs: dict
+    bounds: dict
+    refused: dict
+    max_exposure: float
+
+
+UNITS = {
+    "thimbled.service": Unit(_DAEMON_NEEDS, _DAEMON_BOUNDS, _DAEMON_REFUSED, 1.5),
+    "thimble-guard@.service": Unit(_GUARD_NEEDS, _GUARD_BOUNDS, _GUARD_REFUSED, 0.5),
 }
 
 
@@ -53,30 +85,37 @@ def exposure(path):
     return float(found.group(1))
 
 
-def check_text(path, text, breaches):
+def check_text(path, text, unit, breaches):
     lines = [line.strip() for line in text.splitlines() if line.strip() and not line.startswith(("#", ";"))]
-    for line, why in NEEDS.items():
+    for line, why in unit.needs.items():
         if line not in lines:
             breaches.append(f"{path}: needs {line}: {why}")
-    for key, why in _NEEDS_A_VALUE.items():
+    for key, why in unit.bounds.items():
         values = [line.partition("=")[2] for line in lines if line.startswith(f"{key}=")]
         if len(values) != 1 or values[0] in ("", "0", "infinity"):
             breaches.append(f"{path}: needs {key}= with a bound: {why}")
-    for pattern, why in _REFUSED.items():
+    for pattern, why in unit.refused.items():
         for line in filter(pattern.match, lines):
             breaches.append(f"{path}: {line}: {why}")
 
 
+def check_unit(root, path, unit, breaches):
+    check_text(path, cpp_source.read(root, path), unit, breaches)
+    found = exposure(pathlib.Path(root, path).resolve())
+    if found > unit.max_exposure:
+        breaches.append(f"{path}: exposure {found} by systemd-analyze security, {unit.max_exposure} is the most; run it "
+                        "on the file to see which setting costs what")
+
+
 def check(root):
     breaches = []
-    path = f"{FOLDER}thimbled.service"
-    if path not in cpp_source.tree_files(root):
-        return [f"{path}: is missing"]
-    check_text(path, cpp_source.read(root, path), breaches)
-    found = exposure(pathlib.Path(root, path).resolve())
-    if found > MAX_EXPOSURE:
-        breaches.append(f"{path}: exposure {found} by systemd-analyze security, {MAX_EXPOSURE} is the most; run it on "
-                        "the file to see which setting costs what")
+    files = cpp_source.tree_files(root)
+    for name, unit in UNITS.items():
+        path = FOLDER + name
+        if path in files:
+            check_unit(root, path, unit, breaches)
+        else:
+            breaches.append(f"{path}: is missing")
     return breaches
 
 

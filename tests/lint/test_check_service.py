@@ -2,25 +2,33 @@ import check_service
 from planted_tree import HERE, PlantedTreeTest
 
 PATH = "systemd/thimbled.service"
+GUARD = "systemd/thimble-guard@.service"
 
 
 class CheckService(PlantedTreeTest):
     def setUp(self):
         super().setUp()
-        self.shipped = (HERE.parents[1] / PATH).read_text(encoding="utf-8")
+        self.plant_copy(PATH)
+        self.plant_copy(GUARD)
 
-    def breaches_with(self, old, new):
-        self.assertIn(old, self.shipped)
-        self.plant(PATH, self.shipped.replace(old, new))
+    def breaches_with(self, old, new, path=PATH):
+        shipped = (HERE.parents[1] / path).read_text(encoding="utf-8")
+        self.assertIn(old, shipped)
+        self.plant(path, shipped.replace(old, new))
         return check_service.check(self.root)
 
-    def test_accepts_the_unit_as_shipped(self):
-        self.plant_copy(PATH)
+    def test_accepts_the_units_as_shipped(self):
         self.assertEqual(check_service.check(self.root), [])
 
-    def test_refuses_a_tree_without_the_unit(self):
-        self.plant("README.md", "")
-        self.assert_one_breach(check_service.check(self.root), PATH, "missing")
+    def test_refuses_a_tree_without_a_unit(self):
+        (self.root / GUARD).unlink()
+        self.assert_one_breach(check_service.check(self.root), GUARD, "missing")
+
+    def test_refuses_a_guard_that_ends_with_the_daemon_or_reaches_further_than_its_connection(self):
+        self.assert_one_breach(self.breaches_with("[Service]", "PartOf=thimbled.service\n[Service]", GUARD), "outlive")
+        self.assert_one_breach(self.breaches_with("Before=thimbled.service\n", "", GUARD), "ends first")
+        self.assert_one_breach(self.breaches_with("[Service]", "[Service]\nDeviceAllow=char-hidraw rw", GUARD), "opens nothing")
+        self.assert_one_breach(self.breaches_with("LimitRTPRIO=98\n", "", GUARD), "LimitRTPRIO")
 
     def test_refuses_more_exposure(self):
         self.assert_one_breach(self.breaches_with("CapabilityBoundingSet=\n", ""), "exposure")
