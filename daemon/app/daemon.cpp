@@ -180,12 +180,12 @@ void Daemon::take_recordings() {
     while (std::optional<session::Recording> recording = arm->session().take_recording()) {
       const servo::FlightHeader& header = recording->header;
       spdlog::error("arm '{}' stopped: {}", header.arm, explain(header.fault.code));
-      recordings_.erase({header.arm, header.fault.code});  // until the new one is written
       recorder_->write(*std::move(recording));
     }
   }
   for (const RecordingWriter::Outcome& outcome : recorder_->finished()) {
-    recordings_[{outcome.arm, outcome.cause}] = outcome.path.empty() ? outcome.error : outcome.path;
+    recordings_.note(outcome.arm, outcome.stop,
+                     outcome.path.empty() ? outcome.error : outcome.path);
     if (outcome.path.empty()) {
       spdlog::error("the flight recording of arm '{}' could not be written: {}", outcome.arm,
                     outcome.error);

@@ -4,7 +4,6 @@
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -63,7 +62,7 @@ class Daemon final : private api::StatusView {
   const session::Plugins& plugins_;
   Leases leases_;
   LatenessWatch lateness_;
-  Recordings recordings_;
+  RecordingBook recordings_;
   RepeatedWarnings warnings_;
 
   boost::asio::io_context io_{1};

@@ -41,10 +41,9 @@ void RecordingWriter::write(session::Recording recording) {
     const servo::FlightHeader& header = kept->header;
     const std::lock_guard lock(shared->mutex);
     if (stored) {
-      shared->finished.push_back(
-          {header.arm, header.fault.code, stored->path, "", stored->removed});
+      shared->finished.push_back({header.arm, header.fault, stored->path, "", stored->removed});
     } else {
-      shared->finished.push_back({header.arm, header.fault.code, "", stored.error().message, 0});
+      shared->finished.push_back({header.arm, header.fault, "", stored.error().message, 0});
     }
   });
 }

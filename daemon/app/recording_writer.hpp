@@ -21,7 +21,7 @@ class RecordingWriter {
  public:
   struct Outcome {
     std::string arm;
-    FaultCode cause{};
+    Fault stop{};
     std::string path;        // empty when it could not be written
     std::string error;       // why
     std::size_t removed{0};  // older recordings that made room

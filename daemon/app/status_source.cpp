@@ -1,6 +1,10 @@
 #include "daemon/app/status_source.hpp"
 
 #include <algorithm>
+#include <array>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace thimble::app {
 namespace {
@@ -30,8 +34,7 @@ std::vector<api::FaultStatus> faults_of(const servo::ServoSnapshot& snapshot,
   // The fault is stamped in the arm's own time; what a person wants is how long ago it was.
   const Duration ago = snapshot.frame.now - snapshot.fault.at;
   fault.at_s = std::max(0.0, seconds(context.now - context.started - ago));
-  const auto recording = context.recordings.find({arm, snapshot.fault.code});
-  if (recording != context.recordings.end()) fault.recording = recording->second;
+  fault.recording = context.recordings.find(arm, snapshot.fault);
   fault.number = snapshot.fault.number;
   return {fault};
 }
