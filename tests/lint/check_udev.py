@@ -15,15 +15,19 @@ FOLDER = "udev/"
 PUCKS = {("046d", product) for product in
          "c603 c605 c606 c621 c623 c625 c626 c627 c628 c629 c62b c640".split()} | {
     ("256f", product) for product in "c62e c62f c631 c632 c633 c635 c636 c638 c63a c652".split()}
-# Behind 70-*.rules, which add the tag uaccess; before 73-seat-late.rules, which acts on it.
-_NAME = re.compile(r"7[12]-[a-z-]+\.rules")
+# Rights come first of all files: of several ":=" the first counts. Tags are taken away just before 73-seat-late.rules
+# acts on them.
+RIGHTS_FILE = "0-thimble.rules"
+TAGS_FILE = "73-seat-ignores-thimble.rules"
 _TOKEN = re.compile(r'\s*([A-Z]+)(\{[^}"]+\})?\s*(==|!=|\+=|-=|:=|=)\s*"([^"]*)"\s*(,|$)')
 _MATCH_KEYS = {"ACTION", "SUBSYSTEM", "SUBSYSTEMS", "KERNEL", "KERNELS", "ENV", "ATTR", "ATTRS", "TAG"}
 _SET_KEYS = {"OWNER", "GROUP", "MODE", "TAG", "ENV", "ATTR", "GOTO", "LABEL"}
-_HID_NAME = re.compile(r"[0-9A-F]{4}:([0-9A-F]{4}):([0-9A-F]{4})\.\*")
+_HID_NAME = re.compile(r"\*:([0-9A-F]{4}):([0-9A-F]{4})\.\*")
 _ID = re.compile(r"[0-9a-f]{4}")
 # Nodes that stand for no device of an id.
 NO_ID = {"cpu_dma_latency"}
+# Serial over ACM, which ModemManager tries.
+ACM = {("16c0", "0483")}
 _WIRE_ID = re.compile(r"\bk(\w*)(Vendor|Product)Id\s*=\s*0x([0-9a-fA-F]{4})\b")
 
 
@@ -51,7 +55,11 @@ class Rule:
         return self.values(key, ("=", ":=", "+="))
 
     def gives_rights(self):
-        return bool(self.sets("MODE") or self.sets("GROUP") or self.sets("OWNER") or "uaccess" in self.sets("TAG"))
+        return bool(self.sets("MODE") or self.sets("GROUP") or self.sets("OWNER"))
+
+    def parent(self):
+        """The kind of the parent that has the id: usb, hid."""
+        return "".join(self.matches("SUBSYSTEMS") or self.matches("SUBSYSTEM"))
 
     def ids(self):
         """(vendor, product) pairs it matches; None where a half is missing or is a pattern."""
@@ -69,63 +77,95 @@ class Rule:
 
 
 def check_force_rule(rule):
-    """What is wrong with a rule for what makes a force."""
+    """What is wrong with a rule for the nodes of what makes a force."""
     if rule.values("MODE", (":=",)) != ["0660"]:
         return 'a force device needs MODE:="0660"'
     if rule.values("GROUP", (":=",)) != ["thimble"] or rule.values("OWNER", (":=",)) != ["root"]:
         return 'a force device needs OWNER:="root", GROUP:="thimble"'
     if "uaccess" in rule.sets("TAG"):
         return "a force device with uaccess: whoever sits at the machine would go around the limiter"
-    if "uaccess" not in rule.values("TAG", ("-=",)):
-        return 'a force device needs TAG-="uaccess": other rules may have added it'
-    if rule.matches("SUBSYSTEM") == ["usb"] and rule.values("ATTR", ("=",), "power/control") != ["on"]:
-        return 'needs ATTR{power/control}="on": a suspended arm answers late'
-    if rule.matches("SUBSYSTEM") == ["tty"] and rule.values("ENV", ("=",), "ID_MM_DEVICE_IGNORE") != ["1"]:
-        return 'needs ENV{ID_MM_DEVICE_IGNORE}="1": ModemManager writes to ports it does not know'
+    if rule.matches("SUBSYSTEM"):
+        return f"holds for SUBSYSTEM {rule.matches('SUBSYSTEM')[0]} only: every node of a force device must be closed; SUBSYSTEMS"
     return ""
 
 
-def check_rule(rule):
-    """What is wrong with a rule, and the ids that it covers."""
+def check_rule(rule, name):
+    """What is wrong with a rule of the file of that name."""
     if rule.rest:
-        return f"cannot be read from here: {rule.rest[:40]}", []
+        return f"cannot be read from here: {rule.rest[:40]}"
     for key, _, operator, _ in rule.tokens:
         if key not in (_MATCH_KEYS if operator in ("==", "!=") else _SET_KEYS):
-            return f"{key} {operator} is not used here; check_udev.py names the keys that are", []
+            return f"{key} {operator} is not used here; check_udev.py names the keys that are"
     for mode in rule.sets("MODE"):
         if not re.fullmatch(r"0[0-7][0-7]0", mode):
-            return f"mode {mode}: others must have no right", []
-    if not rule.gives_rights():
-        return "", []
+            return f"mode {mode}: others must have no right"
+    if not rule.gives_rights() and not rule.sets("TAG"):
+        return ""
     if rule.matches("KERNEL") and set(rule.matches("KERNEL")) <= NO_ID:
-        return "", []
+        return ""
     ids = rule.ids()
     if ids is None:
-        return ("needs one whole id: idVendor and idProduct in lower case, or KERNELS with BUS:VENDOR:PRODUCT.* in "
-                "upper case; a vendor's other devices are none of ours"), []
-    if "systemd" not in rule.sets("TAG"):
-        return 'needs TAG+="systemd"', []
-    pucks = [pair in PUCKS for pair in ids]
-    if any(pucks):
-        return ("" if all(pucks) else "a puck and something else in one rule"), ids
-    return check_force_rule(rule), ids
+        return ("needs one whole id: idVendor and idProduct in lower case, or KERNELS with *:VENDOR:PRODUCT.* in upper case; a "
+                "vendor's other devices are none of ours")
+    if rule.gives_rights() != (name == RIGHTS_FILE):
+        return f"rights belong in {RIGHTS_FILE}, the end of tags in {TAGS_FILE}"
+    if not rule.gives_rights():
+        return "" if rule.values("TAG", ("=",)) == ["systemd"] else 'needs TAG="systemd": what "-=" takes away still matches'
+    if not any(pair in PUCKS for pair in ids):
+        return check_force_rule(rule)
+    if not all(pair in PUCKS for pair in ids):
+        return "a puck and something else in one rule"
+    return "" if rule.values("TAG", ("+=",)) == ["uaccess", "systemd"] else 'a puck needs TAG+="uaccess", TAG+="systemd"'
 
 
-def check_file(path, text, breaches):
-    """{(subsystem, vendor, product)} of a file."""
+class Covered:
+    """What the rules of all files are about: sets of (kind of parent, vendor, product)."""
+
+    def __init__(self):
+        self.closed = {}  # with the place of the rule
+        self.untagged = set()
+        self.awake = set()
+        self.unprobed = set()
+
+    def add(self, rule, place):
+        keys = [(rule.parent(), *pair) for pair in rule.ids() or () if pair not in PUCKS]
+        if rule.gives_rights():
+            self.closed.update({key: place for key in keys})
+        if rule.values("TAG", ("=",)):
+            self.untagged.update(keys)
+        if rule.values("ATTR", ("=",), "power/control") == ["on"]:
+            self.awake.update(keys)
+        if rule.values("ENV", ("=",), "ID_MM_DEVICE_IGNORE") == ["1"]:
+            self.unprobed.update(keys)
+
+    def check(self, breaches):
+        for key, place in sorted(self.closed.items()):
+            words = " ".join(key)
+            if key not in self.untagged:
+                breaches.append(f"{place}: {words} is not in {TAGS_FILE}: another's rule may give it to whoever sits there (uaccess)")
+            if key[0] == "usb" and key not in self.awake:
+                breaches.append(f'{place}: {words} needs ATTR{{power/control}}="on": a suspended arm answers late')
+            if key[0] == "usb" and key[1:] in ACM and key not in self.unprobed:
+                breaches.append(f'{place}: {words} needs ENV{{ID_MM_DEVICE_IGNORE}}="1": ModemManager writes to ports it does not know')
+        for key in sorted(self.untagged - set(self.closed)):
+            breaches.append(f"{FOLDER}{TAGS_FILE}: {' '.join(key)} has no rights in {RIGHTS_FILE}")
+
+
+def check_file(path, text, covered, breaches):
     name = pathlib.PurePosixPath(path).name
-    if not _NAME.fullmatch(name):
-        breaches.append(f"{path}: its name must sort behind 70-uaccess.rules and before 73-seat-late.rules: 72-thimble.rules")
-    covered = set()
+    if name not in (RIGHTS_FILE, TAGS_FILE):
+        breaches.append(f"{path}: would sort wrongly: {RIGHTS_FILE} comes before whatever others bring, {TAGS_FILE} just before "
+                        "73-seat-late.rules")
+        return
     for number, line in enumerate(text.splitlines(), 1):
         if not line.strip() or line.startswith("#"):
             continue
         rule = Rule(line.strip())
-        wrong, ids = check_rule(rule)
+        wrong = check_rule(rule, name)
         if wrong:
             breaches.append(f"{path}:{number}: {wrong}")
-        covered |= {(subsystem, *pair) for subsystem in rule.matches("SUBSYSTEM") for pair in ids}
-    return covered
+        else:
+            covered.add(rule, f"{path}:{number}")
 
 
 def driver_ids(root, paths):
@@ -147,13 +187,15 @@ def check(root):
     paths = cpp_source.tree_files(root)
     files = [path for path in paths if path.startswith(FOLDER) and path.endswith(".rules")]
     breaches = []
-    covered = set()
+    covered = Covered()
     for path in files:
-        covered |= check_file(path, cpp_source.read(root, path), breaches)
-    for (vendor, product), path in sorted(driver_ids(root, paths).items()):
-        known = {subsystem for subsystem, *pair in covered if pair == [vendor, product]}
-        if not known & {"hidraw", "usb", "tty"}:
-            breaches.append(f"{path}: {vendor}:{product} has no rule; add one to {FOLDER}72-thimble.rules")
+        check_file(path, cpp_source.read(root, path), covered, breaches)
+    if not breaches:  # else a rule that is wrong would be missed here, too
+        covered.check(breaches)
+    closed = {key[1:] for key in covered.closed}
+    for pair, path in sorted(driver_ids(root, paths).items()):
+        if pair not in closed and pair not in PUCKS:
+            breaches.append(f"{path}: {':'.join(pair)} has no rule; add it to both files of {FOLDER}")
     return breaches
 
 
