@@ -1,14 +1,18 @@
 #include "daemon/session/plugins.hpp"
 
+#include "drivers/falcon/falcon_driver.hpp"
 #include "drivers/phantom/phantom_driver.hpp"
 #include "hal/plugin/plugin_loader.hpp"
 #include "sim/model/arm/register_arm_models.hpp"
+#include "sim/model/falcon/register_falcon_model.hpp"
 
 namespace thimble::session {
 
 Plugins::Plugins() {
   drivers.add(phantom::make_phantom_driver());
+  drivers.add(falcon::make_falcon_driver());
   sim::register_arm_models(models);
+  sim::register_falcon_model(models);
 }
 
 std::vector<Error> Plugins::load(const std::vector<std::string>& paths) {

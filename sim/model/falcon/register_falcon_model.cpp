@@ -10,11 +10,20 @@ namespace thimble::sim {
 
 void register_falcon_model(plugin::SimModelRegistry& registry) {
   const falcon::FalconModel& model = falcon::kFalconModels[0];
-  plugin::SimModelEntry entry{std::string(model.name), std::string(model.description) + " (USB)"};
-  entry.create_usb = [](const plugin::SimModelSettings&) {
+  const std::string name(model.name);
+  const std::string description(model.description);
+  plugin::SimModelEntry empty{name, description + " (USB)"};
+  empty.create_usb = [](const plugin::SimModelSettings&) {
     return std::make_unique<FalconArmModel>(falcon_parameters());
   };
-  registry.add(std::move(entry));
+  registry.add(std::move(empty));
+  plugin::SimModelEntry loaded{name + "-loaded", description + " (USB), loaded"};
+  loaded.create_usb = [](const plugin::SimModelSettings&) {
+    auto arm = std::make_unique<FalconArmModel>(falcon_parameters());
+    arm->load_firmware();
+    return arm;
+  };
+  registry.add(std::move(loaded));
 }
 
 }  // namespace thimble::sim

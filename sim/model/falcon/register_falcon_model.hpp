@@ -4,8 +4,11 @@
 
 namespace thimble::sim {
 
-// Adds the Falcon as "falcon". Of SimModelSettings neither member has a meaning: it has no
-// amplifier to set, and nothing in it is left to chance. Thread: control plane. Not RT.
+// Adds the Falcon twice: as "falcon", with nothing in its memory, as it is after power-up; and as
+// "falcon-loaded", to which somebody has brought the firmware before, as who has no image needs it.
+// It, too, forgets with its power. Of SimModelSettings neither member has a meaning: it has no
+// amplifier to set, and nothing in it is left to chance.
+// Thread: control plane. Not RT.
 void register_falcon_model(plugin::SimModelRegistry& registry);
 
 }  // namespace thimble::sim

@@ -1,0 +1,51 @@
+#include <gtest/gtest.h>
+
+#include "tests/support/arm_watch.hpp"
+#include "tests/support/closed_loop.hpp"
+
+// A Falcon in a whole session: another bus, another way to home, the same person, servo and wall.
+namespace thimble {
+namespace {
+
+const std::vector<std::string> kFalcon{"arm.0.device=sim:falcon-loaded", "arm.hand.motion=still"};
+
+TEST(FalconSession, IsHomedByItsPersonAndPushesBackFromAWall) {
+  test::ClosedLoop sut(kFalcon);
+  ASSERT_TRUE(sut.run_until(10, [&] { return sut.frame().gain >= 1; }))
+      << to_string(sut.frame().state) << ": " << sut.instruction();
+  EXPECT_LT(norm(sut.frame().tip - sut.truth().tip), 1e-3) << "driver and arm agree on the pose";
+
+  sut.sim_arm().backend().push_tip({4.5, 0, 0});
+  sut.run(0.6);
+  EXPECT_TRUE(sut.frame().is_in_contact);
+  EXPECT_LT(sut.frame().force.x, -1) << "away from the wall at +x";
+  EXPECT_LT(sut.truth().motor_force.x, -0.1)
+      << "and so do the motors, weakly: nobody measured them";
+
+  sut.controls().is_estop_healthy = false;
+  sut.run(0.01);
+  EXPECT_EQ(norm(sut.frame().force), 0);
+  EXPECT_EQ(norm(sut.truth().motor_force), 0);
+  EXPECT_EQ(sut.snapshot().fault.code, FaultCode::Estop);
+}
+
+TEST(FalconSession, ExploringTheBoxBreaksNoRule) {
+  test::ClosedLoop sut({"arm.0.device=sim:falcon-loaded"});
+  test::ArmWatch watch(sut);
+  sut.run(15, [&] { watch.see(); });
+  EXPECT_EQ(watch.breach(), "");
+  EXPECT_EQ(sut.frame().state, OperatingState::Active);
+  EXPECT_EQ(sut.snapshot().fault.code, FaultCode::None);
+  EXPECT_GT(sut.snapshot().total_contacts, 0U);
+}
+
+TEST(FalconSession, WithoutFirmwareItStaysConfiguredAndSaysWhatItNeeds) {
+  test::ClosedLoop sut({"arm.0.device=sim:falcon"});
+  sut.run(5);
+  EXPECT_NE(sut.frame().state, OperatingState::Active);
+  EXPECT_NE(sut.instruction(), "");
+  EXPECT_EQ(norm(sut.truth().motor_force), 0);
+}
+
+}  // namespace
+}  // namespace thimble
