@@ -36,11 +36,13 @@ class Stranger : public plugin::SimHidModel {
 
 doctor::Facts facts_with_arm() {
   doctor::Controller controller;
-  controller.node = {"/dev/hidraw0", true, 0666, 0, 0};
+  controller.node.path = "/dev/hidraw0";
+  controller.node.is_there = true;
+  controller.node.mode = 0666;
   controller.serial_number = "A7";
   controller.usb_port = "1-4";
   controller.speed_mbit_per_s = "12";
-  controller.holders = {{300, "steam"}};
+  controller.holders = {{300, "steam", 1000, "ada"}};
   doctor::Facts facts;
   facts.controllers = {controller};
   return facts;
@@ -85,7 +87,8 @@ TEST(Inventory, SaysWhyWhatIsPluggedInCannotBeUsed) {
   EXPECT_EQ(entries[0].address, "hid:A7");
   EXPECT_THAT(entries[0].obstacle,
               testing::AllOf(HasSubstr("no hid bus"), HasSubstr("every user may open"),
-                             HasSubstr("'steam' (process 300)"), HasSubstr("thimble doctor")));
+                             HasSubstr("'steam' (process 300 of user 'ada')"),
+                             HasSubstr("thimble doctor")));
 }
 
 TEST(Inventory, NamesADeviceWithoutSerialNumberByItsPort) {
