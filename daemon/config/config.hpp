@@ -97,6 +97,9 @@ struct ArmConfig {
   std::string device;  // bus address: "sim:MODEL", "hid:SERIAL" …
   std::optional<std::string> model;
   std::optional<double> amplifier_max_a;
+  std::optional<std::string> firmware;  // file; a relative path is from the configuration's folder
+  std::optional<std::string> firmware_sha256;
+  std::optional<double> newton_per_count;
   // Exactly one of the two.
   std::optional<std::string> world;  // name of a WorldConfig of the same file
   std::optional<UdpEndpoint> link;

@@ -33,7 +33,7 @@ Config read_tree(const toml::table& root, const std::filesystem::path& file, Rep
   out.daemon = daemon.value;
   out.servo = read_servo(reader.table("servo"));
   std::vector<Entry<ArmConfig>> arms;
-  for (TableReader& arm : reader.tables("arm")) arms.push_back(read_arm(std::move(arm)));
+  for (TableReader& arm : reader.tables("arm")) arms.push_back(read_arm(std::move(arm), folder));
   std::vector<Entry<WorldConfig>> worlds;
   for (TableReader& world : reader.tables("world")) {
     worlds.push_back(read_world(std::move(world), folder));

@@ -305,12 +305,15 @@ ServoConfig read_servo(TableReader reader) {
   return out;
 }
 
-Entry<ArmConfig> read_arm(TableReader reader) {
+Entry<ArmConfig> read_arm(TableReader reader, const std::filesystem::path& folder) {
   ArmConfig out;
   read_name(reader, out.name);
   read_device(reader, out);
   reader.read("model", out.model);
   reader.read("amplifier_max_a", kAboveZero, out.amplifier_max_a);
+  read_path(reader, "firmware", folder, out.firmware);
+  reader.read("firmware_sha256", out.firmware_sha256);
+  reader.read("newton_per_count", kAboveZero, out.newton_per_count);
   read_other_side(reader, out);
   reader.read("activate", out.activate);
   read_person(reader, out);

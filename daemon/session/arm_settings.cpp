@@ -11,6 +11,9 @@ plugin::DriverSettings driver_settings(const config::ArmConfig& arm) {
   plugin::DriverSettings settings;
   settings.model = arm.model.value_or("");
   settings.amplifier_max_a = arm.amplifier_max_a;
+  settings.firmware = arm.firmware.value_or("");
+  settings.firmware_sha256 = arm.firmware_sha256.value_or("");
+  settings.newton_per_count = arm.newton_per_count;
   // The configuration gives a full address, by serial number or port: it names this device.
   settings.is_named_by_person = true;
   return settings;

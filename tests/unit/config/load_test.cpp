@@ -55,6 +55,9 @@ name = "right"
 device = "sim:phantom-vintage"
 model = "phantom-vintage"
 amplifier_max_a = 3.0
+firmware = "falcon.bin"
+firmware_sha256 = "00ff"
+newton_per_count = 0.0025
 link = "udp://[::1]:5001"
 protocol = "thesis"
 allow_unauthenticated = true
@@ -114,6 +117,9 @@ TEST(ConfigLoad, ReadsEveryKey) {
                       "sim:phantom-vintage",
                       "phantom-vintage",
                       3.0,
+                      "/etc/thimble/falcon.bin",
+                      "00ff",
+                      0.0025,
                       std::nullopt,
                       UdpEndpoint{"::1", 5001},
                       LinkProtocol::Thesis,
