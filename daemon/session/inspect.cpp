@@ -85,16 +85,31 @@ class ArmInspection {
     changed = arm;
     changed.model.reset();
     try_without("model", changed);
+    changed = arm;
+    changed.newton_per_count.reset();
+    try_without("newton_per_count", changed);
     if (!matched) object("device", matched.error().message);
+  }
+
+  // What keeps the arm from being opened: its firmware, if it opens without.
+  template <class Open>
+  [[nodiscard]] std::string key_of_refusal(const Open& open) const {
+    config::ArmConfig without = arm_;
+    without.firmware.reset();
+    without.firmware_sha256.reset();
+    return arm_.firmware && open(without) ? "firmware" : "device";
   }
 
   // The session as it would be made, but for its link: on a simulated bus nothing is touched.
   void inspect_session() {
     const auto sim_arm = SimArm::create(parts_.models, arm_);
     if (!sim_arm) return object("hand", sim_arm.error().message);
-    const auto device = devices::open_arm((*sim_arm)->buses(), parts_.drivers, {arm_.device},
-                                          driver_settings(arm_));
-    if (!device) return object("device", device.error().message);
+    const auto open = [&](const config::ArmConfig& arm) {
+      return devices::open_arm((*sim_arm)->buses(), parts_.drivers, {arm.device},
+                               driver_settings(arm));
+    };
+    const auto device = open(arm_);
+    if (!device) return object(key_of_refusal(open), device.error().message);
     const auto settings = servo_settings(arm_, servo_, (*device)->capabilities());
     if (!settings) object("limits", settings.error().message);
     const auto coupling = make_coupling(arm_, 0, (*device)->capabilities());

@@ -1,11 +1,24 @@
 #include "drivers/falcon/falcon_driver.hpp"
 
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
 #include "drivers/falcon/falcon_device.hpp"
 #include "drivers/falcon/falcon_match.hpp"
 #include "drivers/falcon/firmware_image.hpp"
 
 namespace thimble::falcon {
 namespace {
+
+constexpr std::string_view kSimScheme = "sim:";
+
+Result<std::vector<std::uint8_t>> image_for(const bus::BusDeviceInfo& info,
+                                            const plugin::DriverSettings& settings) {
+  if (!settings.firmware.empty()) return load_image(settings.firmware, settings.firmware_sha256);
+  if (info.address.text.starts_with(kSimScheme)) return stand_in_image();
+  return std::vector<std::uint8_t>{};
+}
 
 class FalconDriver final : public plugin::Driver {
  public:
@@ -23,17 +36,13 @@ class FalconDriver final : public plugin::Driver {
       const plugin::DriverSettings& settings) const override {
     const auto found = match(info, settings);
     if (!found) return tl::unexpected<Error>(found.error());
-    FalconDevice::Settings device_settings{.newton_per_count = found->newton_per_count,
-                                           .image = {}};
-    if (!settings.firmware.empty()) {
-      auto image = load_image(settings.firmware, settings.firmware_sha256);
-      if (!image) return tl::unexpected<Error>(image.error().in("falcon"));
-      device_settings.image = std::move(*image);
-    }
+    auto image = image_for(info, settings);
+    if (!image) return tl::unexpected<Error>(image.error().in("falcon"));
     auto usb = buses.open_usb(info.address, claim());
     if (!usb) return tl::unexpected<Error>(usb.error().in("falcon"));
-    return std::make_unique<FalconDevice>(std::move(*usb), *found->model,
-                                          std::move(device_settings));
+    return std::make_unique<FalconDevice>(
+        std::move(*usb), *found->model,
+        FalconDevice::Settings{found->newton_per_count, std::move(*image)});
   }
 };
 

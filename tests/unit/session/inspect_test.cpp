@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "daemon/session/plugins.hpp"
+
 namespace thimble::session {
 namespace {
 
@@ -64,6 +66,44 @@ TEST_F(InspectSphere, ObjectsToOneThatCannotBe) {
   const auto sut = inspected();
   ASSERT_EQ(sut.size(), 1U);
   EXPECT_EQ(sut[0].key, "source");
+}
+
+config::Config with_falcon() {
+  config::Config config = with_sphere();
+  config::ArmConfig arm;
+  arm.name = "right";
+  arm.device = "sim:falcon";
+  arm.world = "hello";
+  arm.hand.emplace();
+  config.arms.push_back(arm);
+  return config;
+}
+
+class InspectFalcon : public ::testing::Test {
+ protected:
+  void expect_objection(std::string_view key, std::string_view says) const {
+    const auto objections = inspect(config, {plugins.models, plugins.drivers});
+    ASSERT_EQ(objections.size(), 1U);
+    EXPECT_EQ(objections[0].table, Table::Arm);
+    EXPECT_EQ(objections[0].key, key);
+    EXPECT_NE(objections[0].message.find(says), std::string::npos) << objections[0].message;
+  }
+  Plugins plugins;
+  config::Config config{with_falcon()};
+};
+
+TEST_F(InspectFalcon, HasNothingAgainstIt) {
+  EXPECT_TRUE(inspect(config, {plugins.models, plugins.drivers}).empty());
+}
+
+TEST_F(InspectFalcon, ObjectsToAFirmwareThatIsNotThere) {
+  config.arms[0].firmware = "/nowhere/falcon.bin";
+  expect_objection("firmware", "nvent_firmware.bin");
+}
+
+TEST_F(InspectFalcon, ObjectsToAScaleThatMakesItTooStrong) {
+  config.arms[0].newton_per_count = 1e-4;
+  expect_objection("newton_per_count", "stronger than it was asked for");
 }
 
 }  // namespace
