@@ -33,3 +33,9 @@ class EveryArm(ProcessTest):
                 self.assertEqual(len(arm["gimbal_rad"]), 3 if has_gimbal else 0)
                 self.assertEqual(has_gimbal, "gimbal" in self.thimble(daemon, "status").stdout)
                 self.assertEqual(daemon.stop(), 0)
+
+    def test_is_driven_on_bare_usb_too(self):
+        daemon = self.start("--set", "arm.0.device=sim:falcon-loaded", config=HELLO)
+        status = daemon.status_when(lambda s: s["arms"][0]["state"] == "active")
+        self.assertEqual(status["arms"][0]["model"], "falcon")
+        self.assertEqual(daemon.stop(), 0)
