@@ -121,7 +121,7 @@ Verdict missing_node(const Controller& controller) {
 }  // namespace
 
 Verdict check_arms(const Facts& facts) {
-  if (facts.has_hidraw) return all_well("arms", "no arm that a driver knows is plugged in");
+  if (facts.has_hidraw) return all_well("arms", "no HID arm that a driver knows is plugged in");
   return {Level::Warn,
           "arms",
           "the kernel shows no HID devices",

@@ -12,6 +12,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kDaemon = "thimbled";
 constexpr std::string_view kGuard = "thimble-guard";
+constexpr std::string_view kGuardUnit = "thimble-guard@";  // systemd/thimble-guard@.service
 
 fs::path folder_of(int pid) { return fs::path("/proc") / std::to_string(pid); }
 
@@ -46,8 +47,11 @@ NamedProcess named_process(const FileTree& tree, int pid) {
 
 bool is_ours(const FileTree& tree, const NamedProcess& process, const Facts& facts) {
   if (process.pid == facts.process.pid) return true;
-  const bool is_account = process.user == 0 || process.user == facts.process.user;
-  return is_account && runs(tree, process.pid, kGuard);
+  if (!runs(tree, process.pid, kGuard)) return false;
+  // systemd's user for it changes from start to start, so there the unit is the account: into a
+  // group of the system's services nobody but root puts a process.
+  const std::string unit = parse_service(tree.text(folder_of(process.pid) / "cgroup"));
+  return process.user == 0 || process.user == facts.process.user || unit.starts_with(kGuardUnit);
 }
 
 void read_daemon(const FileTree& tree, const std::vector<int>& pids, const DaemonAtSocket& socket,

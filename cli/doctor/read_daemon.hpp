@@ -18,8 +18,8 @@ void read_daemon(const FileTree& tree, const std::vector<int>& pids, const Daemo
 
 // As far as a finding names it; without the name of its user.
 [[nodiscard]] NamedProcess named_process(const FileTree& tree, int pid);
-// The daemon of `facts`, or the guard: by its program, and by its account, which is the daemon's
-// (where none runs: that of who asks) or root's.
+// The daemon of `facts`, or the guard: by its program, and by its account, which is that of its
+// service, the daemon's (where none runs: that of who asks) or root's.
 [[nodiscard]] bool is_ours(const FileTree& tree, const NamedProcess& process, const Facts& facts);
 
 }  // namespace thimble::doctor

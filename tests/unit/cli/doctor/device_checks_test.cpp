@@ -189,6 +189,11 @@ TEST_F(Doctor, ForgivesAHolderByItsProgramAndItsAccountAndNeverByItsName) {
   EXPECT_THAT(complaints(), SizeIs(0)) << "or root's";
   machine_.plant_user(300, 1000);
   EXPECT_THAT(complaints(), SizeIs(1)) << "anybody may start the guard's program";
+  const std::string unit = "thimble-guard@0-77-64000.service";
+  machine_.plant("proc/300/cgroup", "0::/user.slice/user-1000.slice/user@1000.service/" + unit);
+  EXPECT_THAT(complaints(), SizeIs(1)) << "and have a unit of that name";
+  machine_.plant("proc/300/cgroup", "0::/system.slice/system-thimble\\x2dguard.slice/" + unit);
+  EXPECT_THAT(complaints(), SizeIs(0)) << "but not one of the system";
 }
 
 TEST_F(Doctor, NamesASecondDaemonThatHoldsTheDevice) {
