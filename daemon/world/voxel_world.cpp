@@ -77,7 +77,7 @@ ProbeMotion VoxelWorld::move_probe(ProbeId probe, Position3 hand, Duration dt) n
 std::size_t VoxelWorld::set_row(Cell from, std::int32_t end_x, std::uint8_t value) noexcept {
   if (value > 0) materials_.set_row(from, end_x, static_cast<std::uint8_t>(value - 1));
   const std::size_t changed = grid_.set_row(from, end_x, value > 0);
-  if (value == 0 && changed > 0) free_rows_.note_freed(from);
+  if (changed > 0) free_rows_.note_changed(grid_, from);
   occupied_ = value > 0 ? occupied_ + changed : occupied_ - changed;
   return changed;
 }

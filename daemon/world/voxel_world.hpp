@@ -33,7 +33,7 @@ class VoxelWorld final : public World {
   void set_cell(Cell cell, bool is_occupied) noexcept {
     if (is_occupied && !grid_.is_occupied(cell)) materials_.set(cell, 0);
     const std::size_t changed = grid_.set_row(cell, cell.x + 1, is_occupied);
-    if (!is_occupied) free_rows_.note_freed(cell);
+    if (changed > 0) free_rows_.note_changed(grid_, cell);
     occupied_ = is_occupied ? occupied_ + changed : occupied_ - changed;
   }
   // The cells of one row from `from` up to, not including, x = `end_x`: 0 frees them, 1 fills them
