@@ -29,11 +29,7 @@ Result<std::unique_ptr<bus::HidDevice>> SimHidPort::open_hid() {
 }
 
 void SimHidPort::fire(MonotonicTime now) noexcept {
-  const std::uint64_t current = generation();
-  if (current != powered_generation_) model_->power_cycle();
-  powered_generation_ = current;
-  model_->advance(now);
-  if (current % 2 != 0) {
+  if (advance(*model_, now)) {
     host_.visit([&](SimHid* host) { exchange(host, now); });
   }
   clock_->events().schedule_at(*this, now + frame_period_);

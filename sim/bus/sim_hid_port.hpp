@@ -48,7 +48,6 @@ class SimHidPort final : public SimPort, private Event {
   VirtualClock* clock_;
   std::unique_ptr<plugin::SimHidModel> model_;
   Duration frame_period_;
-  std::uint64_t powered_generation_{1};  // clock thread: the generation that the model knows
   HostSlot<SimHid> host_;
 };
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "hal/base/result.hpp"
+#include "hal/base/time.hpp"
 #include "hal/bus/bus_enumerator.hpp"
 #include "hal/plugin/sim_model.hpp"
 #include "hal/rt/annotations.hpp"
@@ -43,12 +44,22 @@ class SimPort {
  protected:
   // Why this device cannot be opened now, whatever its kind.
   [[nodiscard]] Result<void> check_free(bool is_taken) const;
+  // Brings the model to `now`; if the plug was pulled since the last time, its power was gone. True
+  // while it is plugged. Thread: that of the clock.
+  template <class Model>
+  THIMBLE_RT bool advance(Model& model, MonotonicTime now) noexcept {
+    const std::uint64_t current = generation();
+    if (std::exchange(powered_generation_, current) != current) model.power_cycle();
+    model.advance(now);
+    return current % 2 != 0;
+  }
 
  private:
   virtual void drop_host() noexcept = 0;  // the cable is pulled
 
   bus::BusDeviceInfo info_;
   std::atomic<std::uint64_t> generation_{1};
+  std::uint64_t powered_generation_{1};  // clock thread: the generation that the model knows
 };
 
 }  // namespace thimble::sim

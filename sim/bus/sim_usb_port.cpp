@@ -38,12 +38,8 @@ Result<std::unique_ptr<bus::UsbDevice>> SimUsbPort::open_usb(const bus::UsbClaim
 }
 
 void SimUsbPort::fire(MonotonicTime now) noexcept {
-  const std::uint64_t current = generation();
-  if (current != powered_generation_) model_->power_cycle();
-  powered_generation_ = current;
-  model_->advance(now);
   ++round_;
-  if (current % 2 != 0) {
+  if (advance(*model_, now)) {
     host_.visit([&](SimUsb* host) {
       if (host != nullptr) serve(*host, now);
     });

@@ -74,8 +74,7 @@ class SimUsbPort final : public SimPort, private Event {
 
   VirtualClock* clock_;
   std::unique_ptr<plugin::SimUsbModel> model_;
-  std::uint64_t powered_generation_{1};  // clock thread: the generation that the model knows
-  std::uint64_t round_{0};               // since construction; every eighth ends a frame
+  std::uint64_t round_{0};  // since construction; every eighth ends a frame
   std::size_t bytes_left_{0};
   std::array<std::uint8_t, bus::kMaxUsbPacketBytes> buffer_{};
   HostSlot<SimUsb> host_;

@@ -52,6 +52,13 @@ class FaultDice {
   THIMBLE_RT [[nodiscard]] bool is_on(FaultKind kind, MonotonicTime t) const noexcept;
   THIMBLE_RT [[nodiscard]] bool strikes(FaultKind kind, MonotonicTime t,
                                         std::uint64_t number) const noexcept;
+  // The same; counted when it does.
+  THIMBLE_RT [[nodiscard]] bool injects(FaultKind kind, MonotonicTime t,
+                                        std::uint64_t number) noexcept {
+    const bool does_strike = strikes(kind, t, number);
+    if (does_strike) tally_->add(kind);
+    return does_strike;
+  }
   THIMBLE_RT [[nodiscard]] bool strikes_by_chance(FaultKind kind,
                                                   std::uint64_t number) const noexcept;
   // How long the report is held up; counted unless it is 0.

@@ -147,8 +147,7 @@ IoStatus FaultyHid::hand_over(bus::HidReport& out) noexcept {
 
 IoStatus FaultyHid::send(std::span<const std::uint8_t> report, MonotonicTime now,
                          std::uint64_t number) noexcept {
-  if (dice_.strikes(FaultKind::DropOut, now, number)) {
-    dice_.tally().add(FaultKind::DropOut);
+  if (dice_.injects(FaultKind::DropOut, now, number)) {
     dropped_out_.fetch_add(1, std::memory_order_relaxed);
     return IoStatus::Ok;
   }

@@ -62,8 +62,7 @@ void FaultyUsbIn::take_in(bus::UsbPacket& packet) noexcept {
 
 bool FaultyUsbIn::is_lost(const bus::UsbPacket& packet) noexcept {
   for (const FaultKind kind : {FaultKind::DropIn, FaultKind::Halt, FaultKind::Babble}) {
-    if (!dice_.strikes(kind, packet.arrived_at, packet.sequence)) continue;
-    dice_.tally().add(kind);
+    if (!dice_.injects(kind, packet.arrived_at, packet.sequence)) continue;
     if (kind == FaultKind::Halt) count(halted_);
     if (kind == FaultKind::Babble) count(babbled_);
     return true;
@@ -134,13 +133,11 @@ bool FaultyUsbOut::is_idle(const bus::UsbDevice& device) const noexcept {
 }
 
 IoStatus FaultyUsbOut::pass(bus::UsbDevice& device, MonotonicTime now) noexcept {
-  if (dice_.strikes(FaultKind::DropOut, now, taken_.number)) {
-    dice_.tally().add(FaultKind::DropOut);
+  if (dice_.injects(FaultKind::DropOut, now, taken_.number)) {
     count(swallowed_);
     return IoStatus::Ok;
   }
-  if (dice_.strikes(FaultKind::Halt, now, taken_.number)) {
-    dice_.tally().add(FaultKind::Halt);
+  if (dice_.injects(FaultKind::Halt, now, taken_.number)) {
     count(halted_);
     return IoStatus::Ok;
   }
@@ -182,13 +179,11 @@ IoStatus FaultyUsbControl::start(bus::UsbDevice& device, const bus::UsbControlRe
 IoStatus FaultyUsbControl::serve(bus::UsbDevice& device, MonotonicTime now) noexcept {
   if (state_ != State::Held || now < leaves_at_) return IoStatus::Ok;
   if (dice_.is_on(FaultKind::Stall, now)) return IoStatus::Ok;
-  if (dice_.strikes(FaultKind::DropOut, now, started_)) {
-    dice_.tally().add(FaultKind::DropOut);
+  if (dice_.injects(FaultKind::DropOut, now, started_)) {
     state_ = State::Lost;
     return IoStatus::Ok;
   }
-  if (dice_.strikes(FaultKind::Halt, now, started_)) {
-    dice_.tally().add(FaultKind::Halt);
+  if (dice_.injects(FaultKind::Halt, now, started_)) {
     state_ = State::Refused;
     return IoStatus::Ok;
   }
@@ -223,14 +218,12 @@ IoStatus FaultyUsbControl::read(bus::UsbDevice& device, bus::UsbControlReply& ou
 
 // True when the answer never comes.
 bool FaultyUsbControl::is_spoilt(bus::UsbControlReply& reply, MonotonicTime now) noexcept {
-  if (dice_.strikes(FaultKind::DropIn, now, started_)) {
-    dice_.tally().add(FaultKind::DropIn);
+  if (dice_.injects(FaultKind::DropIn, now, started_)) {
     count(unanswered_);
     return true;
   }
   if (!bus::asks_for_data(request_) || reply.size == 0) return false;
-  if (dice_.strikes(FaultKind::Babble, now, started_)) {
-    dice_.tally().add(FaultKind::Babble);
+  if (dice_.injects(FaultKind::Babble, now, started_)) {
     count(babbled_);
     reply = {.outcome = bus::UsbOutcome::Babbled};
     return false;
