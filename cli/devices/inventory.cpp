@@ -35,9 +35,13 @@ Entry simulated_entry(const plugin::SimModelEntry& model, const plugin::DriverRe
 
 std::string obstacles(const doctor::Facts& facts, const doctor::Controller& controller) {
   std::string all = "this version has no hid bus yet";
-  for (const doctor::Verdict& verdict :
-       {doctor::check_node(facts, controller), doctor::check_usb_speed(controller),
-        doctor::check_holders(facts, controller)}) {
+  std::vector<doctor::Verdict> verdicts{doctor::check_node(facts, controller),
+                                        doctor::check_usb_speed(controller),
+                                        doctor::check_holders(facts, controller)};
+  for (const doctor::Node& node : controller.raw_nodes) {
+    verdicts.push_back(doctor::check_raw_node(facts, controller, node));
+  }
+  for (const doctor::Verdict& verdict : verdicts) {
     if (verdict.level == doctor::Level::Wrong) all += "; " + verdict.finding;
   }
   return all + " (thimble doctor says what mends it)";

@@ -39,6 +39,12 @@ doctor::Facts facts_with_arm() {
   controller.node.path = "/dev/hidraw0";
   controller.node.is_there = true;
   controller.node.mode = 0666;
+  doctor::Node raw;
+  raw.path = "/dev/bus/usb/001/004";
+  raw.is_there = true;
+  raw.mode = 0666;
+  raw.commanding_rights = 02;
+  controller.raw_nodes = {raw};
   controller.serial_number = "A7";
   controller.usb_port = "1-4";
   controller.speed_mbit_per_s = "12";
@@ -86,7 +92,8 @@ TEST(Inventory, SaysWhyWhatIsPluggedInCannotBeUsed) {
   ASSERT_THAT(entries, SizeIs(1));
   EXPECT_EQ(entries[0].address, "hid:A7");
   EXPECT_THAT(entries[0].obstacle,
-              testing::AllOf(HasSubstr("no hid bus"), HasSubstr("every user may open"),
+              testing::AllOf(HasSubstr("no hid bus"), HasSubstr("every user may open /dev/hidraw0"),
+                             HasSubstr("every user may write /dev/bus/usb/001/004"),
                              HasSubstr("'steam' (process 300 of user 'ada')"),
                              HasSubstr("thimble doctor")));
 }
