@@ -1,7 +1,6 @@
 #include "drivers/falcon/falcon_driver.hpp"
 
 #include <cstdint>
-#include <string_view>
 #include <vector>
 
 #include "drivers/falcon/falcon_device.hpp"
@@ -11,13 +10,9 @@
 namespace thimble::falcon {
 namespace {
 
-constexpr std::string_view kSimScheme = "sim:";
-
-Result<std::vector<std::uint8_t>> image_for(const bus::BusDeviceInfo& info,
-                                            const plugin::DriverSettings& settings) {
-  if (!settings.firmware.empty()) return load_image(settings.firmware, settings.firmware_sha256);
-  if (info.address.text.starts_with(kSimScheme)) return stand_in_image();
-  return std::vector<std::uint8_t>{};
+Result<std::vector<std::uint8_t>> image_for(const plugin::DriverSettings& settings) {
+  if (settings.firmware.empty()) return std::vector<std::uint8_t>{};
+  return load_image(settings.firmware, settings.firmware_sha256);
 }
 
 class FalconDriver final : public plugin::Driver {
@@ -36,7 +31,7 @@ class FalconDriver final : public plugin::Driver {
       const plugin::DriverSettings& settings) const override {
     const auto found = match(info, settings);
     if (!found) return tl::unexpected<Error>(found.error());
-    auto image = image_for(info, settings);
+    auto image = image_for(settings);
     if (!image) return tl::unexpected<Error>(image.error().in("falcon"));
     auto usb = buses.open_usb(info.address, claim());
     if (!usb) return tl::unexpected<Error>(usb.error().in("falcon"));

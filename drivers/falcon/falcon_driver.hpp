@@ -10,8 +10,7 @@ namespace thimble::falcon {
 //
 // probe(): NotMine for other ids, buses and pipes; InvalidArgument for another model's name and for
 // a scale that cannot be. The ids are the Falcon's alone, so a person need not name it.
-// open(): reads the firmware's file, if the settings name one, with the errors of load_image(); a
-// simulated arm ("sim:NAME") without one gets a stand-in, which nobody's licence speaks about;
+// open(): reads the firmware's file, if the settings name one, with the errors of load_image();
 // what it opens has sent nothing yet, and boots between the ticks (boot_sequence.hpp).
 //
 // Thread: control plane. Not RT.

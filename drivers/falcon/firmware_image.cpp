@@ -96,11 +96,4 @@ Result<std::vector<std::uint8_t>> load_image(const std::string& path, const std:
   return image;
 }
 
-std::vector<std::uint8_t> stand_in_image() {
-  // Key, eight reserved words, the entry point's two, and the size 0 that ends the blocks.
-  std::vector<std::uint8_t> image(2UL * (1 + 8 + 2 + 1), 0);
-  std::copy(wire::kImageBegin.begin(), wire::kImageBegin.end(), image.begin());
-  return image;
-}
-
 }  // namespace thimble::falcon

@@ -27,7 +27,4 @@ inline constexpr std::size_t kMaxImageBytes = 64UL * 1024;
 [[nodiscard]] Result<std::vector<std::uint8_t>> load_image(const std::string& path,
                                                            const std::string& sha256);
 
-// What a simulated arm takes for a firmware: a boot stream without a block. Never for a real one.
-[[nodiscard]] std::vector<std::uint8_t> stand_in_image();
-
 }  // namespace thimble::falcon

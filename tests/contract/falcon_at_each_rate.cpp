@@ -116,13 +116,6 @@ TEST_P(FalconAtEachRate, UploadsItsFirmwareAndIsThere) {
   EXPECT_EQ(sut_->counters().malformed, 0U);
 }
 
-TEST_P(FalconAtEachRate, ASimulatedArmNeedsNobodysFirmware) {
-  settings_ = {};
-  open();
-  ASSERT_TRUE(runs_within(seconds(10))) << sut_->calibration_instruction();
-  EXPECT_EQ(arm_->processor().counters().uploads, 1U);
-}
-
 TEST_P(FalconAtEachRate, SeesTheTipWhereItIsAndPushesWhereItIsAsked) {
   ASSERT_TRUE(runs_within(seconds(10)));
   home();

@@ -110,7 +110,7 @@ class FalconOnSimulatedArm : public testing::Test {
 
   sim::VirtualClock clock_;
   sim::SimEnumerator buses_{clock_};
-  bus::DeviceAddress address_{"usb:1-4"};  // else it would get a stand-in for its firmware
+  bus::DeviceAddress address_{"sim:falcon"};
   testing_support::TemporaryFolder folder_;
   sim::FalconArmModel* arm_{nullptr};
   std::unique_ptr<HapticDevice> sut_;

@@ -116,14 +116,5 @@ TEST(FirmwareImage, ASumThatCannotBeIsRefusedBeforeTheFileIsOpened) {
   }
 }
 
-// Its maker's form: key, eight words, the entry point, and no block.
-TEST(FirmwareImage, AStandInIsAnEmptyBootStream) {
-  const std::vector<std::uint8_t> image = stand_in_image();
-  ASSERT_EQ(image.size(), 24U);
-  EXPECT_EQ(image[0], 0xaa);
-  EXPECT_EQ(image[1], 0x08);
-  EXPECT_TRUE(std::all_of(image.begin() + 2, image.end(), [](auto byte) { return byte == 0; }));
-}
-
 }  // namespace
 }  // namespace thimble::falcon
