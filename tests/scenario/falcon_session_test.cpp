@@ -1,7 +1,13 @@
 #include <gtest/gtest.h>
 
+#include <string>
+#include <vector>
+
+#include "drivers/falcon/firmware_image.hpp"
 #include "tests/support/arm_watch.hpp"
 #include "tests/support/closed_loop.hpp"
+#include "tests/support/falcon_image.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 // A Falcon in a whole session: another bus, another way to home, the same person, servo and wall.
 namespace thimble {
@@ -27,6 +33,39 @@ TEST(FalconSession, IsHomedByItsPersonAndPushesBackFromAWall) {
   EXPECT_EQ(norm(sut.frame().force), 0);
   EXPECT_EQ(norm(sut.truth().motor_force), 0);
   EXPECT_EQ(sut.snapshot().fault.code, FaultCode::Estop);
+}
+
+TEST(FalconSession, UploadsTheImageOfItsConfigurationAndPushesAsAskedOnceItIsMeasured) {
+  const testing_support::TemporaryFolder folder;
+  const std::vector<std::uint8_t> image = test::falcon_image();
+  const auto file =
+      folder.write("image", {reinterpret_cast<const char*>(image.data()), image.size()});
+  test::ClosedLoop sut({"arm.0.device=sim:falcon", "arm.hand.motion=still",
+                        "arm.0.firmware=" + file.string(),
+                        "arm.0.firmware_sha256=" + falcon::sha256_of(image),
+                        "arm.0.newton_per_count=" + std::to_string(10.0 / 4095)});
+  test::ArmWatch watch(sut);
+  ASSERT_TRUE(sut.run_until(20,
+                            [&] {
+                              watch.see();
+                              return sut.frame().gain >= 1;
+                            }))
+      << to_string(sut.frame().state) << ": " << sut.instruction();
+
+  sut.sim_arm().backend().push_tip({4.5, 0, 0});
+  sut.run(0.6, [&] { watch.see(); });
+  EXPECT_TRUE(sut.frame().is_in_contact);
+  EXPECT_LT(sut.truth().motor_force.x, -1) << "away from the wall at +x";
+  EXPECT_NEAR(norm(sut.frame().force - sut.truth().motor_force), 0, 0.3);
+
+  sut.controls().want_active = false;
+  ASSERT_TRUE(sut.run_until(0.5, [&] {
+    watch.see();
+    return sut.frame().state == OperatingState::Inactive;
+  }));
+  sut.run(0.02, [&] { watch.see(); });
+  EXPECT_EQ(norm(sut.truth().motor_force), 0);
+  EXPECT_EQ(watch.breach(), "");
 }
 
 TEST(FalconSession, ExploringTheBoxBreaksNoRule) {
