@@ -34,7 +34,8 @@ Entry simulated_entry(const plugin::SimModelEntry& model, const plugin::DriverRe
 }
 
 std::string obstacles(const doctor::Facts& facts, const doctor::Controller& controller) {
-  std::string all = "this version has no hid bus yet";
+  const std::string bus = controller.address.substr(0, controller.address.find(':'));
+  std::string all = "this version has no " + bus + " bus yet";
   std::vector<doctor::Verdict> verdicts{doctor::check_node(facts, controller),
                                         doctor::check_usb_speed(controller),
                                         doctor::check_holders(facts, controller)};
@@ -59,9 +60,7 @@ std::vector<Entry> simulated(const plugin::SimModelRegistry& models,
 std::vector<Entry> plugged_in(const doctor::Facts& facts) {
   std::vector<Entry> entries;
   for (const doctor::Controller& controller : facts.controllers) {
-    const std::string& place =
-        controller.serial_number.empty() ? controller.usb_port : controller.serial_number;
-    entries.push_back({"hid:" + place,
+    entries.push_back({controller.address,
                        "controller at " + controller.node.path,
                        obstacles(facts, controller),
                        "",

@@ -121,7 +121,7 @@ Verdict missing_node(const Controller& controller) {
 }  // namespace
 
 Verdict check_arms(const Facts& facts) {
-  if (facts.has_hidraw) return all_well("arms", "no HID arm that a driver knows is plugged in");
+  if (facts.has_hidraw) return all_well("arms", "no arm that a driver knows is plugged in");
   return {Level::Warn,
           "arms",
           "the kernel shows no HID devices",
@@ -138,7 +138,8 @@ Verdict check_node(const Facts& facts, const Controller& controller) {
   const std::string open_to = stranger(facts, node);
   if (!open_to.empty()) return closed_verdict(facts, controller, node, check, open_to);
   if (may(facts.process, node, kRead | kWrite)) {
-    return all_well(check, node.path + " may be opened by the daemon, and by nobody else");
+    return all_well(check, node.path + " may be opened by the daemon, and by nobody else" +
+                               (node.commanding_rights == kWrite ? " for writing" : ""));
   }
   Verdict verdict = closed_verdict(facts, controller, node, check,
                                    node.path + " may not be read and written by the daemon");

@@ -83,10 +83,12 @@ struct NamedProcess {
   bool operator==(const NamedProcess&) const = default;
 };
 
-// A HID device that a driver knows, by its ids and the lengths of its reports, as an arm.
+// A device that a driver knows as an arm: of HID by its ids and the lengths of its reports, of USB
+// by its ids and endpoints.
 struct Controller {
-  Node node;
-  std::vector<Node> raw_nodes;  // other ways to it: /dev/bus/usb/001/004, /dev/usb/hiddev0
+  std::string address;          // "hid:SERIAL" or "usb:PORT", as in a configuration
+  Node node;                    // by which the daemon drives it
+  std::vector<Node> raw_nodes;  // other ways to it, of HID: /dev/bus/usb/001/004, /dev/usb/hiddev0
   std::uint16_t vendor_id{0};
   std::uint16_t product_id{0};
   std::string serial_number;

@@ -29,6 +29,10 @@ class FileTree {
   // Names in a folder, sorted; nothing when it may not be read.
   [[nodiscard]] std::optional<std::vector<std::string>> names(
       const std::filesystem::path& path) const;
+  // The same; none when it may not be read.
+  [[nodiscard]] std::vector<std::string> names_in(const std::filesystem::path& path) const {
+    return names(path).value_or(std::vector<std::string>{});
+  }
   [[nodiscard]] Node node(const std::string& path) const;
   // What a symbolic link says; empty when it is none.
   [[nodiscard]] std::string link(const std::filesystem::path& path) const;

@@ -108,6 +108,10 @@ std::optional<std::int64_t> parse_integer(std::string_view text) {
   return number<std::int64_t>(trim(text));
 }
 
+std::optional<std::uint16_t> parse_hexadecimal(std::string_view text) {
+  return number<std::uint16_t>(trim(text), 16);
+}
+
 std::optional<LimitRow> parse_limit(std::string_view limits, std::string_view name) {
   const std::vector<std::string> words = words_of(value_of(limits, name));
   if (words.size() < 2) return std::nullopt;

@@ -18,6 +18,9 @@ namespace thimble::doctor {
 // The whole text as a number, or nothing.
 [[nodiscard]] std::optional<std::int64_t> parse_integer(std::string_view text);
 
+// The whole text as a number of at most four hexadecimal digits, as of USB's descriptors.
+[[nodiscard]] std::optional<std::uint16_t> parse_hexadecimal(std::string_view text);
+
 struct LimitRow {
   Limit soft;
   Limit hard;

@@ -1,21 +1,17 @@
 #include "cli/doctor/read_facts.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <memory>
-#include <optional>
 #include <utility>
 
 #include "cli/doctor/accounts.hpp"
 #include "cli/doctor/file_tree.hpp"
 #include "cli/doctor/proc_text.hpp"
+#include "cli/doctor/read_controllers.hpp"
 #include "cli/doctor/read_daemon.hpp"
-#include "cli/doctor/report_descriptor.hpp"
-#include "cli/doctor/rights.hpp"
 
-// Paths: proc(5); Documentation/ABI/{stable,testing}/sysfs-bus-usb, sysfs-devices-system-cpu and
-// sysfs-devices-system-clocksource of the kernel.
+// Paths: proc(5); Documentation/ABI/testing/sysfs-devices-system-cpu and -clocksource of the
+// kernel.
 namespace thimble::doctor {
 namespace {
 
@@ -23,24 +19,10 @@ namespace fs = std::filesystem;
 
 constexpr const char* kClock = "/sys/devices/system/clocksource/clocksource0";
 constexpr const char* kCpus = "/sys/devices/system/cpu";
-constexpr const char* kHidraw = "/sys/class/hidraw";
-
-std::vector<std::string> names_in(const FileTree& tree, const fs::path& folder) {
-  return tree.names(folder).value_or(std::vector<std::string>{});
-}
-
-// Whether a driver calls it its own. What it lacks in a configuration, such as the full scale of
-// its amplifier, makes it no less an arm.
-bool is_an_arm(const plugin::DriverRegistry& drivers, const bus::BusDeviceInfo& info) {
-  plugin::DriverSettings settings;
-  settings.is_named_by_person = true;
-  const auto matched = drivers.match(info, settings);
-  return matched || matched.error().code != Errc::NotFound;
-}
 
 std::vector<int> processes(const FileTree& tree) {
   std::vector<int> pids;
-  for (const std::string& name : names_in(tree, "/proc")) {
+  for (const std::string& name : tree.names_in("/proc")) {
     const auto pid = parse_integer(name);
     if (pid && *pid > 0 && *pid <= 0x7FFFFFFF) pids.push_back(static_cast<int>(*pid));
   }
@@ -75,66 +57,6 @@ void name_users(const Accounts& accounts, Facts& facts) {
   for (Controller& controller : facts.controllers) {
     for (NamedProcess& holder : controller.holders) name(holder);
   }
-}
-
-// Of the USB device in a folder; nothing when it is none.
-std::optional<Node> raw_usb_node(const FileTree& tree, const fs::path& folder) {
-  const auto bus = parse_integer(tree.text(folder / "busnum"));
-  const auto device = parse_integer(tree.text(folder / "devnum"));
-  if (!bus || !device) return std::nullopt;
-  std::array<char, 64> path{};
-  std::snprintf(path.data(), path.size(), "/dev/bus/usb/%03lld/%03lld",
-                static_cast<long long>(*bus), static_cast<long long>(*device));
-  Node node = tree.node(path.data());
-  node.commanding_rights = kWrite;
-  return node;
-}
-
-// Goes up from the HID device over its interface to the USB device.
-void read_usb(const FileTree& tree, fs::path folder, Controller& controller,
-              bus::BusDeviceInfo& info) {
-  for (; folder.has_relative_path(); folder = folder.parent_path()) {
-    for (const std::string& name : names_in(tree, folder / "usbmisc")) {
-      controller.raw_nodes.push_back(tree.node("/dev/usb/" + name));
-    }
-    auto raw = raw_usb_node(tree, folder);
-    if (!raw) continue;
-    controller.raw_nodes.push_back(*std::move(raw));
-    controller.usb_port = folder.filename().string();
-    controller.speed_mbit_per_s = trimmed(tree.text(folder / "speed"));
-    controller.power_control = trimmed(tree.text(folder / "power/control"));
-    info.manufacturer = trimmed(tree.text(folder / "manufacturer"));
-    info.product = trimmed(tree.text(folder / "product"));
-    return;
-  }
-}
-
-std::vector<Controller> read_controllers(const FileTree& tree,
-                                         const plugin::DriverRegistry& drivers) {
-  std::vector<Controller> found;
-  for (const std::string& name : names_in(tree, kHidraw)) {
-    const fs::path device = fs::path(kHidraw) / name / "device";
-    const auto ids = parse_hid_ids(tree.text(device / "uevent"));
-    const auto reports = parse_report_descriptor(tree.text(device / "report_descriptor"));
-    if (!ids || !reports) continue;
-    Controller controller;
-    controller.node = tree.node("/dev/" + name);
-    controller.vendor_id = ids->vendor;
-    controller.product_id = ids->product;
-    controller.serial_number = ids->serial_number;
-    bus::BusDeviceInfo info;
-    read_usb(tree, tree.resolved(fs::path(kHidraw) / name), controller, info);
-    info.kind = bus::BusKind::Hid;
-    info.vendor_id = ids->vendor;
-    info.product_id = ids->product;
-    info.serial_number = ids->serial_number;
-    info.address = {"hid:" +
-                    (ids->serial_number.empty() ? controller.usb_port : ids->serial_number)};
-    info.input_report_bytes = reports->input;
-    info.output_report_bytes = reports->output;
-    if (is_an_arm(drivers, info)) found.push_back(std::move(controller));
-  }
-  return found;
 }
 
 bool is_node_of(const Controller& controller, const std::string& path) {
@@ -174,7 +96,7 @@ void read_holders(const FileTree& tree, const std::vector<int>& pids, Facts& fac
 
 std::vector<Cpu> read_cpus(const FileTree& tree) {
   std::vector<Cpu> cpus;
-  for (const std::string& name : names_in(tree, kCpus)) {
+  for (const std::string& name : tree.names_in(kCpus)) {
     if (!name.starts_with("cpu")) continue;
     const auto number = parse_integer(std::string_view(name).substr(3));
     if (!number || *number < 0 || *number > 0xFFFF) continue;
@@ -203,7 +125,7 @@ Facts read_facts(const fs::path& root, const plugin::DriverRegistry& drivers,
   read_accounts(*accounts, facts);
   facts.dma_latency = tree.node("/dev/cpu_dma_latency");
   facts.idle_driver = trimmed(tree.text(fs::path(kCpus) / "cpuidle/current_driver"));
-  facts.has_hidraw = tree.names(kHidraw).has_value();
+  facts.has_hidraw = tree.names("/sys/class/hidraw").has_value();
   facts.clock_source = trimmed(tree.text(fs::path(kClock) / "current_clocksource"));
   facts.clock_sources = words_of(tree.text(fs::path(kClock) / "available_clocksource"));
   facts.cpus = read_cpus(tree);

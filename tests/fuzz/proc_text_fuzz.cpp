@@ -14,6 +14,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);
   for (const auto& word : words_of(bytes)) THIMBLE_CHECK(trimmed(word) == word && !word.empty());
   static_cast<void>(parse_integer(bytes));
+  static_cast<void>(parse_hexadecimal(bytes));
   static_cast<void>(parse_limit(bytes, "Max locked memory"));
   static_cast<void>(parse_group(bytes, "thimble"));
   THIMBLE_CHECK(parse_user(bytes, 0).size() <= size);

@@ -45,6 +45,7 @@ doctor::Facts facts_with_arm() {
   raw.mode = 0666;
   raw.commanding_rights = 02;
   controller.raw_nodes = {raw};
+  controller.address = "hid:A7";
   controller.serial_number = "A7";
   controller.usb_port = "1-4";
   controller.speed_mbit_per_s = "12";
@@ -96,12 +97,6 @@ TEST(Inventory, SaysWhyWhatIsPluggedInCannotBeUsed) {
                              HasSubstr("every user may write /dev/bus/usb/001/004"),
                              HasSubstr("'steam' (process 300 of user 'ada')"),
                              HasSubstr("thimble doctor")));
-}
-
-TEST(Inventory, NamesADeviceWithoutSerialNumberByItsPort) {
-  doctor::Facts facts = facts_with_arm();
-  facts.controllers[0].serial_number.clear();
-  EXPECT_EQ(plugged_in(facts).at(0).address, "hid:1-4");
 }
 
 TEST(Inventory, MarksWhatTheDaemonUses) {

@@ -221,6 +221,26 @@ TEST_F(Doctor, SaysThatItMayHaveOverlookedAHolder) {
   expect_look(Level::Warn, "holder /dev/hidraw0", "but 1 processes", "sudo thimble doctor");
 }
 
+TEST_F(Doctor, LooksAtAnArmOnBareUsb) {
+  machine_.plant_falcon();
+  Facts facts = this->facts();
+  ASSERT_THAT(facts.controllers, SizeIs(2));
+  EXPECT_EQ(facts.controllers[0].address, "hid:A7");
+  EXPECT_EQ(facts.controllers[1].address, "usb:1-5") << "by its port, without a serial number";
+  EXPECT_THAT(complaints(facts), SizeIs(0));
+  machine_.chmod("dev/bus/usb/001/009", 0666);
+  expect_complaint(Level::Wrong, "node /dev/bus/usb/001/009",
+                   "every user may write /dev/bus/usb/001/009",
+                   "/etc/udev/rules.d/0-thimble-0403-cb48.rules");
+  machine_.chmod("dev/bus/usb/001/009", 0644);
+  expect_complaint(Level::Wrong, "node /dev/bus/usb/001/009",
+                   "may not be read and written by the daemon",
+                   "--parent-match=/sys/bus/usb/devices/1-5");
+  machine_.plant("sys/devices/pci0000:00/0000:00:14.0/usb1/1-5/1-5:1.0/ep_81/wMaxPacketSize",
+                 "0008\n");
+  EXPECT_THAT(complaints(), SizeIs(0)) << "another device with these ids";
+}
+
 // Knows one more arm, by its descriptor alone.
 class PlantedDriver : public plugin::Driver {
  public:

@@ -15,7 +15,7 @@ TEST_F(Doctor, MissesAnArmOnlyWhereThereIsNone) {
   EXPECT_THAT(complaints(), SizeIs(0));
   const std::vector<Verdict> all = examine(facts());
   ASSERT_THAT(all, SizeIs(10));
-  EXPECT_EQ(all[9].finding, "no HID arm that a driver knows is plugged in");
+  EXPECT_EQ(all[9].finding, "no arm that a driver knows is plugged in");
   machine_.remove("sys/class/hidraw");
   expect_complaint(Level::Warn, "arms", "the kernel shows no HID devices", "sudo modprobe hid");
 }

@@ -76,6 +76,31 @@ class PlantedMachine {
     std::filesystem::remove(folder / "fd/3");
     std::filesystem::create_symlink(open_file, folder / "fd/3");
   }
+  // A Falcon in port 1-5, without HID.
+  void plant_falcon() const {
+    const std::string usb = "sys/devices/pci0000:00/0000:00:14.0/usb1/1-5/";
+    for (const auto& [file, text] : {std::pair{"idVendor", "0403"},
+                                     {"idProduct", "cb48"},
+                                     {"busnum", "1"},
+                                     {"devnum", "9"},
+                                     {"speed", "12"},
+                                     {"power/control", "on"},
+                                     {"1-5:1.0/bInterfaceNumber", "00"},
+                                     {"1-5:1.0/ep_81/bEndpointAddress", "81"},
+                                     {"1-5:1.0/ep_81/bmAttributes", "02"},
+                                     {"1-5:1.0/ep_81/wMaxPacketSize", "0040"},
+                                     {"1-5:1.0/ep_81/bInterval", "00"},
+                                     {"1-5:1.0/ep_02/bEndpointAddress", "02"},
+                                     {"1-5:1.0/ep_02/bmAttributes", "02"},
+                                     {"1-5:1.0/ep_02/wMaxPacketSize", "0040"},
+                                     {"1-5:1.0/ep_02/bInterval", "00"}}) {
+      plant(usb + file, std::string(text) + "\n");
+    }
+    const std::filesystem::path link = root_ / "sys/bus/usb/devices/1-5";
+    std::filesystem::create_directories(link.parent_path());
+    std::filesystem::create_symlink("../../../devices/pci0000:00/0000:00:14.0/usb1/1-5", link);
+    plant_node("dev/bus/usb/001/009", 0660);
+  }
   // What a process runs, as /proc/PID/exe shows it.
   void run_program(int pid, const std::string& program) const {
     const std::filesystem::path link = root_ / "proc" / std::to_string(pid) / "exe";

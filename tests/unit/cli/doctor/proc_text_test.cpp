@@ -70,6 +70,14 @@ TEST(ProcText, FindsTheServiceThatAProcessRunsIn) {
   }
 }
 
+TEST(ProcText, TakesNumbersOfDescriptors) {
+  EXPECT_EQ(parse_hexadecimal("cb48\n"), 0xcb48);
+  EXPECT_EQ(parse_hexadecimal("02"), 2);
+  for (const char* odd : {"", "-1", "0x1", "10000", "1 2", "g"}) {
+    EXPECT_FALSE(parse_hexadecimal(odd)) << odd;
+  }
+}
+
 TEST(ProcText, TakesHidIdsThatAreIds) {
   const auto ids = parse_hid_ids("HID_ID=0003:000016C0:00000486\nHID_UNIQ=12 34\n");
   ASSERT_TRUE(ids);
