@@ -137,14 +137,15 @@ TEST_P(FalconAtEachRate, SeesTheTipWhereItIsAndPushesWhereItIsAsked) {
   EXPECT_EQ(sut_->counters().malformed, 0U);
 }
 
-TEST_P(FalconAtEachRate, SamplesComeAsOftenAsTheDriverSays) {
+// The latency timer lets a thousand through. A tick after an answer that just missed it costs
+// another millisecond; a fast servo asks at once and falls into step with the timer.
+TEST_P(FalconAtEachRate, SamplesComeAsOftenAsTheTicksLetThem) {
   arm_->load_firmware();
   ASSERT_TRUE(runs_within(milliseconds(200)));
   samples_ = 0;
   run_for(seconds(1));
-  const auto least =
-      static_cast<int>(seconds(1) / (2 * std::max(GetParam(), Duration(milliseconds(1)))));
-  EXPECT_GE(samples_, least - 2) << "one in two milliseconds, or in two slow ticks";
+  const int expected = GetParam() < milliseconds(1) ? 1000 : 500;
+  EXPECT_NEAR(samples_, expected, 3);
 }
 
 TEST_P(FalconAtEachRate, TheButtonInTheMiddleIsTheStylusButton) {
