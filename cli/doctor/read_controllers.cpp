@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "cli/doctor/proc_text.hpp"
-#include "cli/doctor/report_descriptor.hpp"
 #include "cli/doctor/rights.hpp"
+#include "hal/bus/hid_report_descriptor.hpp"
 
 // Paths: Documentation/ABI/{stable,testing}/sysfs-bus-usb of the kernel; the numbers of descriptors
 // are hexadecimal there (drivers/usb/core/sysfs.c and endpoint.c).
@@ -113,15 +113,16 @@ std::optional<Controller> read_hid(const FileTree& tree, const plugin::DriverReg
                                    const std::string& name) {
   const fs::path device = fs::path(kHidraw) / name / "device";
   const auto ids = parse_hid_ids(tree.text(device / "uevent"));
-  const auto reports = parse_report_descriptor(tree.text(device / "report_descriptor"));
+  const auto reports = bus::parse_report_descriptor(tree.text(device / "report_descriptor"));
   if (!ids || !reports) return std::nullopt;
   Controller controller;
   controller.node = tree.node("/dev/" + name);
   bus::BusDeviceInfo info;
   read_usb_above(tree, tree.resolved(fs::path(kHidraw) / name), controller, info);
   describe(bus::BusKind::Hid, *ids, controller, info);
-  info.input_report_bytes = reports->input;
-  info.output_report_bytes = reports->output;
+  info.input_report_bytes = reports->input_bytes;
+  info.output_report_bytes = reports->output_bytes;
+  info.has_report_ids = reports->has_report_ids;
   if (!is_an_arm(drivers, info)) return std::nullopt;
   return controller;
 }

@@ -2,6 +2,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
 
 #include "hal/rt/static_vector.hpp"
 
@@ -28,6 +31,14 @@ struct UsbEndpointInfo {
   std::uint8_t interval{0};  // bInterval; at full speed the frames (1 ms) between two interrupts
   bool operator==(const UsbEndpointInfo&) const = default;
 };
+
+// The endpoints of one configuration of a device, from all its descriptors as the kernel keeps them
+// (sysfs, `descriptors`): the device's, then those of each configuration; USB 2.0, 9.5 and 9.6. An
+// interface shows as it is before anybody asks for an alternate setting of it. Nothing when a
+// length does not fit, or without that configuration; a device has at most 30 endpoints for us,
+// those beyond are left out. Total: any bytes. Thread: any. Not RT. Pure.
+[[nodiscard]] std::optional<std::vector<UsbEndpointInfo>> parse_usb_descriptors(
+    std::span<const std::uint8_t> bytes, std::uint8_t configuration);
 
 // What a driver wants to do with one endpoint.
 enum class UsbDelivery : std::uint8_t {

@@ -5,7 +5,6 @@
 
 #include "cli/doctor/access_list.hpp"
 #include "cli/doctor/proc_text.hpp"
-#include "cli/doctor/report_descriptor.hpp"
 #include "hal/base/check.hpp"
 
 // Any bytes that a file below /proc, /sys or /etc may hold give values or nothing.
@@ -26,7 +25,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   Process process;
   parse_status(bytes, process);
   THIMBLE_CHECK(process.groups.size() <= size);
-  static_cast<void>(parse_report_descriptor(bytes));
   const auto list = parse_access_list(std::as_bytes(std::span(data, size)));
   if (list) THIMBLE_CHECK((list->users.size() + list->groups.size()) * 8 <= size);
   return 0;

@@ -1,11 +1,11 @@
-#include "cli/doctor/report_descriptor.hpp"
+#include "hal/bus/hid_report_descriptor.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
 
-namespace thimble::doctor {
+namespace thimble::bus {
 namespace {
 
 // Prefix of an item without its two bits of size: HID 1.11, sections 6.2.2.4 and 6.2.2.7.
@@ -33,6 +33,7 @@ struct Reader {
   std::vector<Globals> pushed;
   std::array<std::uint64_t, kIds> input_bits{};
   std::array<std::uint64_t, kIds> output_bits{};
+  bool has_ids{false};
 };
 
 std::uint8_t byte_at(std::string_view bytes, std::size_t i) {
@@ -73,6 +74,7 @@ bool take(Reader& reader, std::uint8_t item, std::uint64_t value) {
       return true;
     case kReportId:
       reader.now.id = static_cast<std::size_t>(value % kIds);
+      reader.has_ids = true;
       return value > 0 && value < kIds;
     case kPush:
       reader.pushed.push_back(reader.now);
@@ -84,13 +86,15 @@ bool take(Reader& reader, std::uint8_t item, std::uint64_t value) {
   }
 }
 
-std::size_t longest(const std::array<std::uint64_t, kIds>& bits) {
-  return static_cast<std::size_t>((*std::max_element(bits.begin(), bits.end()) + 7) / 8);
+std::size_t longest(const std::array<std::uint64_t, kIds>& bits, bool has_ids) {
+  const std::uint64_t most = *std::max_element(bits.begin(), bits.end());
+  if (most == 0) return 0;
+  return static_cast<std::size_t>((most + 7) / 8) + (has_ids ? 1 : 0);
 }
 
 }  // namespace
 
-std::optional<ReportBytes> parse_report_descriptor(std::string_view bytes) {
+std::optional<HidReportLengths> parse_report_descriptor(std::string_view bytes) {
   Reader reader;
   while (!bytes.empty()) {
     const std::uint8_t prefix = byte_at(bytes, 0);
@@ -105,7 +109,8 @@ std::optional<ReportBytes> parse_report_descriptor(std::string_view bytes) {
     if (!is_long && !take(reader, item, value)) return std::nullopt;
     bytes.remove_prefix(header + size);
   }
-  return ReportBytes{longest(reader.input_bits), longest(reader.output_bits)};
+  return HidReportLengths{longest(reader.input_bits, reader.has_ids),
+                          longest(reader.output_bits, reader.has_ids), reader.has_ids};
 }
 
-}  // namespace thimble::doctor
+}  // namespace thimble::bus
