@@ -46,10 +46,11 @@ endfunction()
 
 # thimble_test(<name> LABEL <tier> [THREADED] SOURCES … LINKS …): one GoogleTest program, one
 # ctest entry per test case. THREADED: more than one thread takes part, so ThreadSanitizer has
-# something to see; with THIMBLE_ONLY_THREADED the others are left out.
+# something to see; with THIMBLE_ONLY_THREADED the others are left out. ENVIRONMENT: NAME=VALUE for
+# its runs.
 set(THIMBLE_TEST_TIMEOUT 300 CACHE STRING "Seconds after which a test case is ended")
 function(thimble_test name)
-  cmake_parse_arguments(ARG "THREADED" "LABEL" "SOURCES;LINKS" ${ARGN})
+  cmake_parse_arguments(ARG "THREADED" "LABEL;ENVIRONMENT" "SOURCES;LINKS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE thimble_options ${ARG_LINKS} GTest::gtest_main)
   if(THIMBLE_ONLY_THREADED AND NOT ARG_THREADED)
@@ -57,5 +58,6 @@ function(thimble_test name)
     return()
   endif()
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST
-    PROPERTIES LABELS "${ARG_LABEL}" TIMEOUT ${THIMBLE_TEST_TIMEOUT})
+    PROPERTIES LABELS "${ARG_LABEL}" TIMEOUT ${THIMBLE_TEST_TIMEOUT}
+    ENVIRONMENT "${ARG_ENVIRONMENT}")
 endfunction()

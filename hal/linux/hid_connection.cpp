@@ -22,7 +22,7 @@ void wait_for(EventFd& event, int patience_ms) noexcept {
 
 Result<std::unique_ptr<HidConnection>> HidConnection::start(std::string node,
                                                             const bus::BusDeviceInfo& info,
-                                                            const HidBusSettings& settings,
+                                                            const BusSettings& settings,
                                                             std::mutex& opening) {
   // The constructor is private, so make_unique cannot reach it.
   std::unique_ptr<HidConnection> connection(
@@ -33,7 +33,7 @@ Result<std::unique_ptr<HidConnection>> HidConnection::start(std::string node,
 }
 
 HidConnection::HidConnection(std::string node, const bus::BusDeviceInfo& info,
-                             const HidBusSettings& settings, std::mutex& opening)
+                             const BusSettings& settings, std::mutex& opening)
     : node_(std::move(node)),
       address_(info.address),
       has_report_ids_(info.has_report_ids),

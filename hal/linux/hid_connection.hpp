@@ -10,18 +10,12 @@
 #include "hal/base/time.hpp"
 #include "hal/bus/bus_enumerator.hpp"
 #include "hal/bus/hid_mailboxes.hpp"
+#include "hal/linux/bus_settings.hpp"
 #include "hal/linux/event_fd.hpp"
 #include "hal/linux/hid_transfers.hpp"
 #include "hal/linux/realtime_thread.hpp"
 
 namespace thimble::linux {
-
-// How the threads of HID devices run, and the clock that stamps what arrives.
-struct HidBusSettings {
-  const Clock& clock;
-  RealtimeThreadSettings thread;
-  RealtimeReport process;
-};
 
 // The threads of one opened HID device, and their mailboxes. One opens it, writes what is
 // submitted and closes it: all three last as long as the kernel lets any HID device's write last.
@@ -35,7 +29,7 @@ class HidConnection {
   // opens, which does not take two at a time. Errors: of EventFd and RealtimeThread::start().
   [[nodiscard]] static Result<std::unique_ptr<HidConnection>> start(std::string node,
                                                                     const bus::BusDeviceInfo& info,
-                                                                    const HidBusSettings& settings,
+                                                                    const BusSettings& settings,
                                                                     std::mutex& opening);
   ~HidConnection();
   HidConnection(const HidConnection&) = delete;
@@ -55,7 +49,7 @@ class HidConnection {
  private:
   enum class State : std::uint8_t { Opening, Open, Refused, Closed };
 
-  HidConnection(std::string node, const bus::BusDeviceInfo& info, const HidBusSettings& settings,
+  HidConnection(std::string node, const bus::BusDeviceInfo& info, const BusSettings& settings,
                 std::mutex& opening);
   [[nodiscard]] Result<void> start();
   void run() noexcept;
@@ -67,7 +61,7 @@ class HidConnection {
   std::string node_;
   bus::DeviceAddress address_;
   bool has_report_ids_;
-  const HidBusSettings* settings_;
+  const BusSettings* settings_;
   std::mutex* opening_;
   bus::HidMailboxes mail_;
   std::unique_ptr<EventFd> wake_;

@@ -60,7 +60,7 @@ Result<std::unique_ptr<bus::HidDevice>> HidHost::open(const std::string& node,
 
 void HidHost::look_after(std::unique_ptr<HidConnection> connection) {
   connection->end();
-  if (!connection->has_ended(kPatience)) closing_.push_back(std::move(connection));
+  if (!connection->has_ended(kClosingPatience)) closing_.push_back(std::move(connection));
 }
 
 std::size_t HidHost::lingering() {

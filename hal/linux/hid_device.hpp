@@ -24,7 +24,7 @@ namespace thimble::linux {
 // that takes nothing.
 class HidHost {
  public:
-  explicit HidHost(HidBusSettings settings) : settings_(std::move(settings)) {}
+  explicit HidHost(BusSettings settings) : settings_(std::move(settings)) {}
 
   // `node` is "/dev/hidrawN" of the device that `info` describes. Waits kPatience twice at most.
   // NotFound, Permission, System; Busy when a daemon holds it, when it is not closed yet, or while
@@ -37,11 +37,13 @@ class HidHost {
   // Devices that are closed for their users, but not yet for the kernel.
   [[nodiscard]] std::size_t lingering();
 
-  // Ours: no write to a device that answers takes a tenth of it.
+  // Of the control plane, with an opening; ours: one that is not held up takes a tenth of it.
   static constexpr Duration kPatience = std::chrono::milliseconds(250);
+  // And with a closing, which nobody needs the end of: as long as it takes when no write hangs.
+  static constexpr Duration kClosingPatience = std::chrono::milliseconds(50);
 
  private:
-  HidBusSettings settings_;
+  BusSettings settings_;
   std::mutex opening_;
   std::vector<std::unique_ptr<HidConnection>> closing_;
 };

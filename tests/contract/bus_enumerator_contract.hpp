@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <memory>
 #include <ostream>
 #include <string>
@@ -20,6 +21,8 @@ class BusRig {
   virtual void unplug() = 0;
   virtual void replug() = 0;
   virtual void settle() = 0;  // until arrivals and departures have been noticed
+  // Whether it is so; where devices have threads of their own, whether it becomes so.
+  virtual bool comes_true(const std::function<bool()>& claim) { return claim(); }
 };
 
 struct BusRigFactory {

@@ -23,7 +23,7 @@ struct HidDeviceTest : testing::Test {
   MonotonicClock clock;
   FakeHidWire wire;
   std::unique_ptr<HidHost> host =
-      std::make_unique<HidHost>(HidBusSettings{clock, {.name = "hid-test"}, {}});
+      std::make_unique<HidHost>(BusSettings{clock, {.name = "hid-test"}, {}});
   bus::BusDeviceInfo info;
 
   HidDeviceTest() {

@@ -1,0 +1,84 @@
+#include "hal/linux/bus_enumerator.hpp"
+
+#include <fcntl.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "hal/linux/usb_device.hpp"
+
+namespace thimble::linux {
+namespace {
+
+using bus::BusEvent;
+
+// The same device, under the same address, and described alike.
+bool is_among(const FoundDevice& wanted, const std::vector<FoundDevice>& devices) {
+  return std::any_of(devices.begin(), devices.end(), [&](const FoundDevice& device) {
+    return device.identity == wanted.identity && device.info == wanted.info;
+  });
+}
+
+Error node_error(const std::string& node, int code) {
+  Errc errc = Errc::System;
+  if (code == EACCES || code == EPERM) errc = Errc::Permission;
+  if (code == ENOENT || code == ENODEV || code == ENXIO) errc = Errc::NotFound;
+  return {errc, node + " cannot be opened: " + std::strerror(code)};
+}
+
+}  // namespace
+
+BusEnumerator::BusEnumerator(const BusSettings& settings)
+    : settings_(settings), known_(scan_.devices()), hids_(settings) {}
+
+std::vector<bus::BusDeviceInfo> BusEnumerator::list() {
+  std::vector<bus::BusDeviceInfo> devices;
+  for (FoundDevice& device : scan_.devices()) devices.push_back(std::move(device.info));
+  return devices;
+}
+
+std::optional<BusEvent> BusEnumerator::poll_event() {
+  if (events_.empty() && scan_.has_news()) note_changes();
+  if (events_.empty()) return std::nullopt;
+  BusEvent event = std::move(events_.front());
+  events_.pop_front();
+  return event;
+}
+
+void BusEnumerator::note_changes() {
+  std::vector<FoundDevice> now = scan_.devices();
+  for (const FoundDevice& device : known_) {
+    if (!is_among(device, now)) events_.push_back({BusEvent::Kind::Left, device.info});
+  }
+  for (const FoundDevice& device : now) {
+    if (!is_among(device, known_)) events_.push_back({BusEvent::Kind::Arrived, device.info});
+  }
+  known_ = std::move(now);
+}
+
+Result<FoundDevice> BusEnumerator::find(const bus::DeviceAddress& address, bus::BusKind kind) {
+  for (FoundDevice& device : scan_.devices()) {
+    if (device.info.address == address && device.info.kind == kind) return std::move(device);
+  }
+  return fail(Errc::NotFound, "no device at " + address.text);
+}
+
+Result<std::unique_ptr<bus::HidDevice>> BusEnumerator::open_hid(const bus::DeviceAddress& address) {
+  const Result<FoundDevice> found = find(address, bus::BusKind::Hid);
+  if (!found.has_value()) return tl::unexpected(found.error());
+  return hids_.open(found->node, found->info);
+}
+
+Result<std::unique_ptr<bus::UsbDevice>> BusEnumerator::open_usb(const bus::DeviceAddress& address,
+                                                                const bus::UsbClaim& claim) {
+  const Result<FoundDevice> found = find(address, bus::BusKind::Usb);
+  if (!found.has_value()) return tl::unexpected(found.error());
+  const int node = ::open(found->node.c_str(), O_RDWR | O_CLOEXEC);
+  if (node < 0) return tl::unexpected(node_error(found->node, errno).in(address.text));
+  return UsbDevice::open(node, found->info, claim, settings_.clock, settings_.thread,
+                         settings_.process);
+}
+
+}  // namespace thimble::linux

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hal/bus/bus_enumerator.hpp"
+#include "hal/linux/bus_settings.hpp"
+#include "hal/linux/hid_device.hpp"
+#include "hal/linux/udev_scan.hpp"
+
+namespace thimble::linux {
+
+// The HID and USB devices of this machine. Addresses: hid_address.hpp, and "usb:1-4" for port 4 of
+// bus 1. To list opens no device and sends nothing.
+//
+// What came and went is found by looking again when udevd says that something has: a device that
+// left and returned between two looks is told of as Left, then Arrived.
+//
+// Thread, errors: as bus::BusEnumerator; open_hid() as HidHost::open(), open_usb() as
+// UsbDevice::open(). Ownership: must outlive the devices it opened.
+class BusEnumerator final : public bus::BusEnumerator {
+ public:
+  explicit BusEnumerator(const BusSettings& settings);
+
+  [[nodiscard]] std::vector<bus::BusDeviceInfo> list() override;
+  [[nodiscard]] std::optional<bus::BusEvent> poll_event() override;
+  [[nodiscard]] Result<std::unique_ptr<bus::HidDevice>> open_hid(
+      const bus::DeviceAddress& address) override;
+  [[nodiscard]] Result<std::unique_ptr<bus::UsbDevice>> open_usb(
+      const bus::DeviceAddress& address, const bus::UsbClaim& claim) override;
+
+ private:
+  void note_changes();
+  [[nodiscard]] Result<FoundDevice> find(const bus::DeviceAddress& address, bus::BusKind kind);
+
+  BusSettings settings_;
+  UdevScan scan_;
+  std::vector<FoundDevice> known_;  // what poll_event() has told of
+  std::deque<bus::BusEvent> events_;
+  HidHost hids_;
+};
+
+}  // namespace thimble::linux

@@ -1,0 +1,47 @@
+#include "hal/linux/hid_address.hpp"
+
+#include <algorithm>
+#include <string_view>
+
+namespace thimble::linux {
+namespace {
+
+constexpr std::size_t kMaxSerialBytes = 64;
+constexpr std::string_view kDigits = "0123456789";
+constexpr std::string_view kSerialLetters =
+    "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._+-";
+
+// "1-4", "1-4.2": what the kernel calls a USB device.
+bool has_form_of_port(std::string_view text) noexcept {
+  const std::size_t dash = text.find('-');
+  if (dash == std::string_view::npos || dash == 0) return false;
+  if (text.substr(0, dash).find_first_not_of(kDigits) != std::string_view::npos) return false;
+  return text.substr(dash + 1).find_first_not_of("0123456789.") == std::string_view::npos;
+}
+
+bool is_alone(std::span<const HidPlace> places, const HidPlace& place) {
+  return std::none_of(places.begin(), places.end(), [&](const HidPlace& other) {
+    return other.port != place.port && other.serial_number == place.serial_number;
+  });
+}
+
+}  // namespace
+
+bool is_usable_serial(const std::string& serial_number) noexcept {
+  return !serial_number.empty() && serial_number.size() <= kMaxSerialBytes &&
+         serial_number.find_first_not_of(kSerialLetters) == std::string::npos &&
+         !has_form_of_port(serial_number);
+}
+
+std::vector<bus::DeviceAddress> hid_addresses(std::span<const HidPlace> places) {
+  std::vector<bus::DeviceAddress> addresses;
+  for (const HidPlace& place : places) {
+    const bool has_serial = is_usable_serial(place.serial_number) && is_alone(places, place);
+    std::string text = "hid:" + (has_serial ? place.serial_number : place.port);
+    if (place.interface_number > 0) text += ":1." + std::to_string(place.interface_number);
+    addresses.push_back({text});
+  }
+  return addresses;
+}
+
+}  // namespace thimble::linux

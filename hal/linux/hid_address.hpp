@@ -1,0 +1,29 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hal/bus/device_address.hpp"
+
+namespace thimble::linux {
+
+// What there is to name a HID device by.
+struct HidPlace {
+  // Where it is plugged in: "1-4.2" (bus 1, port 4, port 2 of the hub there); what is on no USB
+  // has a name of its own there.
+  std::string port;
+  unsigned interface_number{0};  // of a USB device that shows as several HID devices
+  std::string serial_number;     // as the device says it; empty: none
+};
+
+// Whether a serial number can stand in an address: 1 to 64 of A-Z a-z 0-9 . _ + - and not in the
+// form of a port, for which another device could be taken.
+[[nodiscard]] bool is_usable_serial(const std::string& serial_number) noexcept;
+
+// "hid:SERIAL" where no other port has that number, else "hid:PORT"; ":1.N" behind it for an
+// interface N above 0 (decision 0246). All differ where port and interface do.
+// Thread: any. Not RT. Pure.
+[[nodiscard]] std::vector<bus::DeviceAddress> hid_addresses(std::span<const HidPlace> places);
+
+}  // namespace thimble::linux

@@ -1,0 +1,221 @@
+// What the enumerator of the machine says of devices that udev knows, however they lie.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <random>
+
+#include "hal/linux/bus_enumerator.hpp"
+#include "hal/linux/monotonic_clock.hpp"
+#include "tests/rt/in_child_process.hpp"
+#include "tests/support/fake_hidapi.hpp"
+#include "tests/support/mock_machine.hpp"
+
+namespace thimble::test {
+namespace {
+
+using Texts = std::vector<std::string>;
+using Usb = MockMachine::UsbDevice;
+using Hid = MockMachine::HidDevice;
+
+// USB 2.0, 9.6: a device of one interface with two bulk endpoints.
+const MockMachine::Bytes kBulkDescriptors{
+    18,   1, 0, 2,  0xFF, 0, 0,  64, 3,    4,  0x48, 0xCB, 0, 1,  1, 2,    3,
+    1,    9, 2, 32, 0,    1, 1,  0,  0x80, 50, 9,    4,    0, 0,  2, 0xFF, 0xFF,
+    0xFF, 0, 7, 5,  0x81, 2, 64, 0,  0,    7,  5,    2,    2, 64, 0, 0};
+
+struct LinuxEnumerator : testing::Test {
+  linux::MonotonicClock clock;
+  MockMachine machine;
+  std::unique_ptr<linux::BusEnumerator> sut = make();
+
+  std::unique_ptr<linux::BusEnumerator> make() {
+    return std::make_unique<linux::BusEnumerator>(linux::BusSettings{clock, {}, {}});
+  }
+  ~LinuxEnumerator() override { EXPECT_EQ(FakeHidWire::alive(), 0); }
+
+  Texts addresses() {
+    Texts texts;
+    for (const bus::BusDeviceInfo& info : sut->list()) texts.push_back(info.address.text);
+    std::sort(texts.begin(), texts.end());
+    return texts;
+  }
+  // "+" arrived, "-" left.
+  Texts events() {
+    Texts texts;
+    while (const auto event = sut->poll_event()) {
+      const bool is_arrival = event->kind == bus::BusEvent::Kind::Arrived;
+      texts.push_back((is_arrival ? "+" : "-") + event->device.address.text);
+    }
+    return texts;
+  }
+  bus::BusDeviceInfo info_of(const std::string& address) {
+    for (const bus::BusDeviceInfo& info : sut->list()) {
+      if (info.address.text == address) return info;
+    }
+    ADD_FAILURE() << address << " is not listed";
+    return {};
+  }
+  std::string plug_arm(const std::string& port, const std::string& serial, int number) {
+    const std::string usb = machine.plug(Usb{.port = port, .serial_number = serial});
+    machine.plug(Hid{.port = port,
+                     .node_number = number,
+                     .instance = "0" + std::to_string(100 + number),
+                     .serial_number = serial,
+                     .report_descriptor = plain_report_descriptor(14, 14)});
+    return usb;
+  }
+};
+
+TEST_F(LinuxEnumerator, DescribesAHidDeviceWithoutOpeningIt) {
+  FakeHidWire wire;
+  wire.attach("/dev/hidraw0");
+  plug_arm("1-4", "ABC1", 0);
+  const bus::BusDeviceInfo info = info_of("hid:ABC1");
+  EXPECT_EQ(info.kind, bus::BusKind::Hid);
+  EXPECT_EQ(info.vendor_id, 0x1234);
+  EXPECT_EQ(info.product_id, 0x0006);
+  EXPECT_EQ(info.manufacturer, "Maker");
+  EXPECT_EQ(info.product, "Arm");
+  EXPECT_EQ(info.serial_number, "ABC1");
+  EXPECT_EQ(info.input_report_bytes, 14U);
+  EXPECT_EQ(info.output_report_bytes, 14U);
+  EXPECT_FALSE(info.has_report_ids);
+  EXPECT_EQ(FakeHidWire::alive(), 0);
+  EXPECT_TRUE(wire.received_by_device().empty());
+}
+
+TEST_F(LinuxEnumerator, DescribesAUsbDeviceAndLeavesHubsOut) {
+  machine.plug(Usb{
+      .port = "1-4", .vendor_id = "0403", .product_id = "cb48", .descriptors = kBulkDescriptors});
+  machine.plug(Usb{.port = "1-5", .device_class = "09", .number = 5});
+  EXPECT_EQ(addresses(), Texts{"usb:1-4"});
+  const bus::BusDeviceInfo info = info_of("usb:1-4");
+  EXPECT_EQ(info.kind, bus::BusKind::Usb);
+  EXPECT_EQ(info.vendor_id, 0x0403);
+  EXPECT_EQ(info.product_id, 0xCB48);
+  EXPECT_EQ(info.endpoints,
+            (std::vector<bus::UsbEndpointInfo>{{0, 0x81, bus::UsbTransferKind::Bulk, 64, 0},
+                                               {0, 0x02, bus::UsbTransferKind::Bulk, 64, 0}}));
+}
+
+TEST_F(LinuxEnumerator, ASecondOneOfTheSameSerialNumberLeavesThemTheirPorts) {
+  plug_arm("1-4", "X", 0);
+  EXPECT_EQ(events(), (Texts{"+hid:X", "+usb:1-4"}));
+  const std::string second = plug_arm("1-5", "X", 1);
+  EXPECT_EQ(events(), (Texts{"-hid:X", "+hid:1-4", "+hid:1-5", "+usb:1-5"}));
+  EXPECT_EQ(sut->open_hid({"hid:X"}).error().code, Errc::NotFound) << "which one?";
+  machine.unplug(second);
+  EXPECT_EQ(events(), (Texts{"-hid:1-4", "-hid:1-5", "-usb:1-5", "+hid:X"}));
+}
+
+TEST_F(LinuxEnumerator, AFurtherInterfaceAndADeviceOnNoUsbHaveAddressesOfTheirOwn) {
+  plug_arm("1-4", "T1", 0);
+  machine.plug(
+      Hid{.interface_number = 1, .node_number = 1, .instance = "0002", .serial_number = "T1"});
+  machine.plug_virtual(Hid{.node_number = 2, .instance = "0003", .serial_number = "V1"});
+  EXPECT_EQ(addresses(), (Texts{"hid:T1", "hid:T1:1.1", "hid:V1", "usb:1-4"}));
+}
+
+TEST_F(LinuxEnumerator, TakesWhateverADeviceSaysOfItself) {
+  plug_arm("1-4", std::string(2000, 'A'), 0);
+  static_cast<void>(events());
+  machine.plug_virtual(Hid{
+      .node_number = 1,
+      .instance = "0002",
+      .ids = "0003:xyz",
+  });
+  machine.plug_virtual(Hid{.node_number = 2, .instance = "0003", .ids = "0003:00012345:00000006"});
+  machine.plug_virtual(Hid{
+      .node_number = 3, .instance = "0004", .serial_number = "1-4", .report_descriptor = {0x75}});
+  machine.plug(Usb{.port = "1-6", .vendor_id = "zz", .number = 6});
+  machine.plug(Usb{.port = "1-7", .number = 7, .descriptors = {9, 2, 0, 0}});
+  EXPECT_EQ(addresses(), (Texts{"hid:0003:1234:0006.0004", "hid:1-4", "usb:1-4", "usb:1-7"}));
+  EXPECT_LE(info_of("hid:1-4").serial_number.size(), 256U);
+  EXPECT_EQ(info_of("hid:0003:1234:0006.0004").input_report_bytes, 0U);
+  EXPECT_TRUE(info_of("usb:1-7").endpoints.empty());
+}
+
+TEST_F(LinuxEnumerator, ANumberedDeviceShowsAsOne) {
+  MockMachine::Bytes numbered = plain_report_descriptor(6, 2);
+  numbered.insert(numbered.begin() + 7, {0x85, 0x01});
+  machine.plug_virtual(Hid{.serial_number = "P1", .report_descriptor = numbered});
+  const bus::BusDeviceInfo info = info_of("hid:P1");
+  EXPECT_TRUE(info.has_report_ids);
+  EXPECT_EQ(info.input_report_bytes, 7U);
+  EXPECT_EQ(info.output_report_bytes, 3U);
+}
+
+TEST_F(LinuxEnumerator, AReturnBetweenTwoLooksIsADepartureAndAnArrival) {
+  const std::string usb = plug_arm("1-4", "X", 0);
+  sut = make();
+  EXPECT_EQ(events(), Texts{}) << "it was there";
+  machine.unplug(usb);
+  plug_arm("1-4", "X", 1);
+  const Texts seen = events();
+  ASSERT_GE(seen.size(), 2U);
+  EXPECT_EQ(std::count(seen.begin(), seen.end(), "-hid:X"), 1);
+  EXPECT_EQ(std::count(seen.begin(), seen.end(), "+hid:X"), 1);
+  EXPECT_LT(std::find(seen.begin(), seen.end(), "-hid:X"),
+            std::find(seen.begin(), seen.end(), "+hid:X"));
+}
+
+TEST_F(LinuxEnumerator, AnEventThatChangesNothingIsNoArrival) {
+  const std::string usb = plug_arm("1-4", "X", 0);
+  static_cast<void>(events());
+  for (int i = 0; i < 20; ++i) {
+    machine.say(usb, "change");
+    machine.say(usb, "bind");
+    EXPECT_EQ(events(), Texts{});
+  }
+}
+
+TEST_F(LinuxEnumerator, WhatIsToldAddsUpToWhatIsListed) {
+  std::mt19937 random(7);
+  std::map<std::string, std::string> plugged;  // path by port
+  std::map<std::string, int> told;
+  for (int step = 0; step < 60; ++step) {
+    const std::string port = "1-" + std::to_string(1 + random() % 4);
+    if (plugged.contains(port)) {
+      machine.unplug(plugged[port]);
+      plugged.erase(port);
+    } else {
+      plugged[port] = plug_arm(port, random() % 2 == 0 ? "X" : "", step);
+    }
+    if (step % 2 != 0 && random() % 2 == 0) continue;
+    while (const auto event = sut->poll_event()) {
+      int& count = told[event->device.address.text];
+      count += event->kind == bus::BusEvent::Kind::Arrived ? 1 : -1;
+      ASSERT_TRUE(count == 0 || count == 1) << event->device.address.text;
+    }
+    Texts there;
+    for (const auto& [address, count] : told) {
+      if (count == 1) there.push_back(address);
+    }
+    ASSERT_EQ(there, addresses()) << step;
+  }
+}
+
+TEST_F(LinuxEnumerator, RefusalsAreToldApart) {
+  plug_arm("1-4", "X", 0);
+  EXPECT_EQ(sut->open_hid({"hid:Y"}).error().code, Errc::NotFound);
+  EXPECT_EQ(sut->open_hid({"usb:1-4"}).error().code, Errc::NotFound) << "of the other kind";
+  EXPECT_EQ(sut->open_usb({"hid:X"}, {}).error().code, Errc::NotFound);
+  const auto no_usb = sut->open_usb({"usb:1-4"}, {});
+  ASSERT_FALSE(no_usb.has_value());
+  EXPECT_NE(no_usb.error().message.find("usb:1-4"), std::string::npos);
+  machine.let_others_look();
+  const std::string said = in_child_process(Rights::None, [&] {
+    const auto hid = sut->open_hid({"hid:X"});
+    const auto usb = sut->open_usb({"usb:1-4"}, {});
+    if (hid.has_value() || usb.has_value()) return std::string("opened");
+    return std::string(to_string(hid.error().code)) + " " +
+           std::string(to_string(usb.error().code)) + " " + hid.error().message;
+  });
+  const std::string permission(to_string(Errc::Permission));
+  EXPECT_EQ(said.find(permission + " " + permission), 0U) << said;
+  EXPECT_NE(said.find("hid:X: /dev/hidraw0"), std::string::npos) << said;
+}
+
+}  // namespace
+}  // namespace thimble::test

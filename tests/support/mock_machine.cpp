@@ -1,0 +1,151 @@
+#include "tests/support/mock_machine.hpp"
+
+#include <umockdev.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <filesystem>
+#include <fstream>
+#include <initializer_list>
+#include <string_view>
+
+namespace thimble::test {
+namespace {
+
+constexpr const char* kController = "/sys/devices/usb1";
+
+// Lists for umockdev: name, value, name, value, nullptr.
+struct Pairs {
+  explicit Pairs(std::initializer_list<std::string_view> said) : texts(said.begin(), said.end()) {
+    for (std::string& text : texts) pointers.push_back(text.data());
+    pointers.push_back(nullptr);
+  }
+  std::vector<std::string> texts;
+  std::vector<char*> pointers;
+};
+
+std::string add(UMockdevTestbed* bed, const char* subsystem, const std::string& name,
+                const std::string& parent, Pairs attributes, Pairs properties) {
+  char* path = umockdev_testbed_add_devicev(bed, subsystem, name.c_str(),
+                                            parent.empty() ? nullptr : parent.c_str(),
+                                            attributes.pointers.data(), properties.pointers.data());
+  std::string made = path;
+  ::g_free(path);
+  return made;
+}
+
+void set_bytes(UMockdevTestbed* bed, const std::string& path, const char* name,
+               const MockMachine::Bytes& bytes) {
+  MockMachine::Bytes copy = bytes;
+  umockdev_testbed_set_attribute_binary(bed, path.c_str(), name, copy.data(),
+                                        static_cast<gint>(copy.size()));
+}
+
+}  // namespace
+
+MockMachine::MockMachine() : bed_(umockdev_testbed_new()) {
+  add(bed_, "usb", "usb1", "",
+      Pairs({"bDeviceClass", "09", "idVendor", "1d6b", "idProduct", "0002", "devnum", "1"}),
+      Pairs({"DEVTYPE", "usb_device", "DEVNAME", "/dev/bus/usb/001/001"}));
+}
+
+MockMachine::~MockMachine() { ::g_object_unref(bed_); }
+
+std::string MockMachine::plug(const UsbDevice& device) {
+  const std::string number = std::to_string(device.number);
+  const std::string node =
+      "/dev/bus/usb/001/" + std::string(3 - std::min<std::size_t>(3, number.size()), '0') + number;
+  const std::string path =
+      add(bed_, "usb", device.port, kController,
+          Pairs({"bDeviceClass", device.device_class, "idVendor", device.vendor_id, "idProduct",
+                 device.product_id, "devnum", number, "bConfigurationValue", "1", "manufacturer",
+                 "Maker", "product", "Arm", "serial", device.serial_number}),
+          Pairs({"DEVTYPE", "usb_device", "DEVNAME", node}));
+  set_bytes(bed_, path, "descriptors", device.descriptors);
+  paths_.push_back(path);
+  nodes_[path] = make_node(node);
+  say(path, "add");
+  return path;
+}
+
+std::string MockMachine::plug(const HidDevice& device) {
+  const std::string number = std::to_string(device.interface_number);
+  const std::string usb = std::string(kController) + "/" + device.port;
+  const std::string interface =
+      add(bed_, "usb", device.port + ":1." + number, usb, Pairs({"bInterfaceNumber", "0" + number}),
+          Pairs({"DEVTYPE", "usb_interface"}));
+  paths_.push_back(interface);
+  return plug_below(interface, device);
+}
+
+std::string MockMachine::plug_virtual(const HidDevice& device) {
+  if (uhid_.empty()) uhid_ = add(bed_, "misc", "uhid", "", Pairs({}), Pairs({}));
+  return plug_below(uhid_, device);
+}
+
+std::string MockMachine::plug_below(const std::string& parent, const HidDevice& device) {
+  const std::string hid =
+      add(bed_, "hid", "0003:1234:0006." + device.instance, parent, Pairs({}),
+          Pairs({"HID_ID", device.ids, "HID_NAME", "Maker Arm", "HID_UNIQ", device.serial_number}));
+  set_bytes(bed_, hid, "report_descriptor", device.report_descriptor);
+  paths_.push_back(hid);
+  const std::string name = "hidraw" + std::to_string(device.node_number);
+  const std::string path =
+      add(bed_, "hidraw", name, hid, Pairs({}), Pairs({"DEVNAME", "/dev/" + name}));
+  paths_.push_back(path);
+  nodes_[path] = make_node("/dev/" + name);
+  say(path, "add");
+  return path;
+}
+
+// A plain file: what is below it, others stand in for.
+std::string MockMachine::make_node(const std::string& name) {
+  const std::filesystem::path file = root() + name;
+  std::filesystem::create_directories(file.parent_path());
+  std::ofstream(file).put('\n');
+  std::filesystem::permissions(file, std::filesystem::perms(0600));
+  return file;
+}
+
+void MockMachine::unplug(const std::string& path) {
+  std::vector<std::string> gone;
+  for (const std::string& known : paths_) {
+    if (known == path || known.starts_with(path + "/")) gone.push_back(known);
+  }
+  std::sort(gone.begin(), gone.end(),
+            [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  for (const std::string& known : gone) {
+    if (nodes_.contains(known)) say(known, "remove");
+    umockdev_testbed_remove_device(bed_, known.c_str());
+    if (nodes_.contains(known)) std::filesystem::remove(nodes_[known]);
+    std::erase(paths_, known);
+  }
+}
+
+std::string MockMachine::root() const {
+  char* path = umockdev_testbed_get_root_dir(bed_);
+  std::string copy = path;
+  ::g_free(path);
+  return copy;
+}
+
+void MockMachine::let_others_look() {
+  namespace fs = std::filesystem;
+  fs::permissions(root(), fs::perms(0755));
+  // umockdev's own, which it talks to before it opens a node.
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root())) {
+    if (entry.is_socket()) fs::permissions(entry.path(), fs::perms(0777));
+  }
+}
+
+void MockMachine::say(const std::string& path, const char* action) {
+  umockdev_testbed_uevent(bed_, path.c_str(), action);
+}
+
+MockMachine::Bytes plain_report_descriptor(std::uint8_t input_bytes, std::uint8_t output_bytes) {
+  return {0x06, 0x00, 0xFF, 0x09,         0x01, 0xA1, 0x01,        0x15, 0x00,
+          0x26, 0xFF, 0x00, 0x75,         0x08, 0x95, input_bytes, 0x09, 0x01,
+          0x81, 0x02, 0x95, output_bytes, 0x09, 0x01, 0x91,        0x02, 0xC0};
+}
+
+}  // namespace thimble::test

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+struct _UMockdevTestbed;
+
+namespace thimble::test {
+
+// A machine whose devices umockdev invents: the real libudev sees them below /sys and hears of them
+// from "udevd". Needs umockdev's library preloaded (umockdev-wrapper), which also leads the names
+// below /dev to plain files.
+//
+// Thread: one. One at a time in a process. Who listens and does not read is soon full: umockdev
+// then ends the process (ten events where net.unix.max_dgram_qlen is 10).
+class MockMachine {
+ public:
+  MockMachine();
+  ~MockMachine();
+  MockMachine(const MockMachine&) = delete;
+  MockMachine& operator=(const MockMachine&) = delete;
+
+  using Bytes = std::vector<std::uint8_t>;
+  struct UsbDevice {
+    std::string port{"1-4"};
+    std::string vendor_id{"1234"};
+    std::string product_id{"0006"};
+    std::string serial_number{};
+    std::string device_class{"00"};
+    int number{4};  // on the bus
+    Bytes descriptors{};
+  };
+  struct HidDevice {
+    std::string port{"1-4"};
+    int interface_number{0};
+    int node_number{0};            // 0: /dev/hidraw0
+    std::string instance{"0001"};  // the kernel's count of HID devices since it was booted
+    std::string ids{"0003:00001234:00000006"};
+    std::string serial_number{};  // HID_UNIQ
+    Bytes report_descriptor{};
+  };
+
+  // Each returns the path below /sys, and is told of to who listens.
+  std::string plug(const UsbDevice& device);
+  std::string plug(const HidDevice& device);
+  // One that is on no USB, as of uhid.
+  std::string plug_virtual(const HidDevice& device);
+  // With all that is below it.
+  void unplug(const std::string& path);
+  // What "udevd" may also say: a change that is none.
+  void say(const std::string& path, const char* action);
+  // Without rights to the nodes.
+  void let_others_look();
+
+ private:
+  [[nodiscard]] std::string root() const;
+  std::string make_node(const std::string& name);
+  std::string plug_below(const std::string& parent, const HidDevice& device);
+
+  _UMockdevTestbed* bed_;
+  std::string uhid_;
+  std::vector<std::string> paths_;
+  std::map<std::string, std::string> nodes_;  // files by path below /sys
+};
+
+// A HID report descriptor of unnumbered reports of so many bytes each way.
+[[nodiscard]] MockMachine::Bytes plain_report_descriptor(std::uint8_t input_bytes,
+                                                         std::uint8_t output_bytes);
+
+}  // namespace thimble::test

@@ -1,0 +1,70 @@
+#include "hal/linux/hid_address.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <set>
+
+namespace thimble::linux {
+namespace {
+
+using Texts = std::vector<std::string>;
+
+Texts addresses_of(const std::vector<HidPlace>& places) {
+  Texts texts;
+  for (const bus::DeviceAddress& address : hid_addresses(places)) texts.push_back(address.text);
+  return texts;
+}
+
+TEST(HidAddress, IsTheSerialNumberWhereItIsUnique) {
+  EXPECT_EQ(addresses_of({{"1-4", 0, "A1"}, {"1-5", 0, "B2"}}), (Texts{"hid:A1", "hid:B2"}));
+}
+
+TEST(HidAddress, IsThePortWithoutOneOrWhereTwoSayTheSame) {
+  EXPECT_EQ(addresses_of({{"1-4", 0, ""}, {"1-5.2", 0, "X"}, {"2-1", 0, "X"}}),
+            (Texts{"hid:1-4", "hid:1-5.2", "hid:2-1"}));
+}
+
+TEST(HidAddress, NamesFurtherInterfacesOfADevice) {
+  EXPECT_EQ(addresses_of({{"1-4", 0, "A1"}, {"1-4", 1, "A1"}, {"1-5", 2, ""}}),
+            (Texts{"hid:A1", "hid:A1:1.1", "hid:1-5:1.2"}));
+}
+
+TEST(HidAddress, TakesNoSerialNumberThatReadsLikeSomethingElse) {
+  for (const std::string& odd :
+       {std::string("1-4"), std::string("10-4.2.1"), std::string("4-"), std::string("A1:1.1"),
+        std::string("A 1"), std::string("A\n1"), std::string("\xc3\xa4"), std::string("A\"1"),
+        std::string(65, 'A'), std::string("A\0", 2), std::string("")}) {
+    EXPECT_FALSE(is_usable_serial(odd)) << odd;
+    EXPECT_EQ(addresses_of({{"1-9", 0, odd}}), Texts{"hid:1-9"}) << odd;
+  }
+  for (const char* good : {"A1", "0", "-4", "1-A", "a_b.c+d-e"}) {
+    EXPECT_TRUE(is_usable_serial(good)) << good;
+  }
+}
+
+// Whatever devices say, no two addresses are the same, and none is another's port.
+TEST(HidAddress, LeadsToOneDeviceOnly) {
+  std::mt19937 random(4);
+  const Texts serials{"", "A1", "1-1", "1-2.1", "A1:1.1", "1-1:1.1", "x", "0003:1234:0006.0001"};
+  for (int round = 0; round < 5000; ++round) {
+    std::vector<HidPlace> places;
+    for (const char* port : {"1-1", "1-2", "1-2.1", "0003:1234:0006.0001"}) {
+      const std::string serial = serials[random() % serials.size()];
+      const std::size_t interfaces = random() % 3;
+      for (unsigned i = 0; i < interfaces; ++i) places.push_back({port, i, serial});
+    }
+    const Texts addresses = addresses_of(places);
+    EXPECT_EQ(std::set<std::string>(addresses.begin(), addresses.end()).size(), addresses.size());
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      for (const HidPlace& other : places) {
+        if (other.port == places[i].port) continue;
+        EXPECT_FALSE(addresses[i].starts_with("hid:" + other.port + ":")) << addresses[i];
+        EXPECT_NE(addresses[i], "hid:" + other.port);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace thimble::linux
