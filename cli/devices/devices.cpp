@@ -8,14 +8,19 @@
 #include "cli/doctor/load_plugins.hpp"
 #include "cli/doctor/read_facts.hpp"
 #include "daemon/session/plugins.hpp"
+#include "hal/linux/udev_scan.hpp"
 
 namespace thimble::devices_list {
 int run_devices(const DevicesOptions& options) {
   session::Plugins plugins;
   if (!doctor::load_plugins(plugins, options.plugins)) return cli::kExitRefused;
   std::vector<Entry> entries = simulated(plugins.models, plugins.drivers);
-  const std::vector<Entry> real = plugged_in(doctor::read_facts(
-      options.root, plugins.drivers, doctor::who_listens(options.root, options.socket_path)));
+  const doctor::Facts facts = doctor::read_facts(
+      options.root, plugins.drivers, doctor::who_listens(options.root, options.socket_path));
+  const bool is_this_machine = options.root == "/";
+  const std::vector<Entry> real =
+      is_this_machine ? plugged_in(linux::UdevScan().devices(), facts, plugins.drivers)
+                      : plugged_in(facts);
   entries.insert(entries.end(), real.begin(), real.end());
   const Result<api::Status> status = cli::daemon_status(options.socket_path);
   if (status) mark_users(entries, *status);

@@ -1,6 +1,8 @@
 #include "cli/devices/inventory.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstdio>
 
 #include "cli/doctor/checks.hpp"
 
@@ -33,9 +35,9 @@ Entry simulated_entry(const plugin::SimModelEntry& model, const plugin::DriverRe
   return entry;
 }
 
+// Empty when nothing is in the way.
 std::string obstacles(const doctor::Facts& facts, const doctor::Controller& controller) {
-  const std::string bus = controller.address.substr(0, controller.address.find(':'));
-  std::string all = "this version has no " + bus + " bus yet";
+  std::string all;
   std::vector<doctor::Verdict> verdicts{doctor::check_node(facts, controller),
                                         doctor::check_usb_speed(controller),
                                         doctor::check_holders(facts, controller)};
@@ -43,9 +45,53 @@ std::string obstacles(const doctor::Facts& facts, const doctor::Controller& cont
     verdicts.push_back(doctor::check_raw_node(facts, controller, node));
   }
   for (const doctor::Verdict& verdict : verdicts) {
-    if (verdict.level == doctor::Level::Wrong) all += "; " + verdict.finding;
+    if (verdict.level != doctor::Level::Wrong) continue;
+    all += (all.empty() ? "" : "; ") + verdict.finding;
   }
-  return all + " (thimble doctor says what mends it)";
+  return all.empty() ? all : all + " (thimble doctor says what mends it)";
+}
+
+std::string description_of(const linux::FoundDevice& device) {
+  const bus::BusDeviceInfo& info = device.info;
+  std::array<char, 16> ids{};
+  std::snprintf(ids.data(), ids.size(), "%04x:%04x", static_cast<unsigned>(info.vendor_id),
+                static_cast<unsigned>(info.product_id));
+  std::string text = info.manufacturer;
+  if (!info.product.empty()) text += (text.empty() ? "" : " ") + info.product;
+  return text + (text.empty() ? "" : ", ") + ids.data() + " at " + device.node;
+}
+
+// What a configuration must say before a driver takes it: as the driver says it, first of a device
+// that nobody has named, then of one that is named and no more.
+std::string needs_of(const bus::BusDeviceInfo& info, const plugin::DriverRegistry& drivers) {
+  plugin::DriverSettings settings;
+  const auto unnamed = drivers.match(info, settings);
+  settings.is_named_by_person = true;
+  const auto named = drivers.match(info, settings);
+  std::string needs = unnamed ? "" : unnamed.error().message;
+  if (!named && named.error().message != needs) needs += "; " + named.error().message;
+  return needs;
+}
+
+bool is_known(const bus::BusDeviceInfo& info, const plugin::DriverRegistry& drivers) {
+  plugin::DriverSettings settings;
+  settings.is_named_by_person = true;
+  const auto driver = drivers.match(info, settings);
+  return driver || driver.error().code != Errc::NotFound;
+}
+
+Entry real_entry(const linux::FoundDevice& device, const doctor::Facts& facts,
+                 const plugin::DriverRegistry& drivers) {
+  Entry entry{device.info.address.text, description_of(device), "", "", {}};
+  if (!is_known(device.info, drivers)) {
+    entry.obstacle = "no driver knows it";
+    return entry;
+  }
+  entry.needs = needs_of(device.info, drivers);
+  for (const doctor::Controller& controller : facts.controllers) {
+    if (controller.node.path == device.node) entry.obstacle = obstacles(facts, controller);
+  }
+  return entry;
 }
 
 }  // namespace
@@ -54,6 +100,15 @@ std::vector<Entry> simulated(const plugin::SimModelRegistry& models,
                              const plugin::DriverRegistry& drivers) {
   std::vector<Entry> entries;
   for (const auto& model : models.entries()) entries.push_back(simulated_entry(model, drivers));
+  return entries;
+}
+
+std::vector<Entry> plugged_in(std::span<const linux::FoundDevice> devices,
+                              const doctor::Facts& facts, const plugin::DriverRegistry& drivers) {
+  std::vector<Entry> entries;
+  for (const linux::FoundDevice& device : devices) {
+    entries.push_back(real_entry(device, facts, drivers));
+  }
   return entries;
 }
 

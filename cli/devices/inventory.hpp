@@ -1,10 +1,12 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
 #include "cli/doctor/facts.hpp"
 #include "daemon/api/status.hpp"
+#include "hal/linux/udev_scan.hpp"
 #include "hal/plugin/driver_registry.hpp"
 #include "hal/plugin/sim_model.hpp"
 
@@ -23,7 +25,11 @@ struct Entry {
 // The simulated ones, each tried with the drivers as a daemon would.
 [[nodiscard]] std::vector<Entry> simulated(const plugin::SimModelRegistry& models,
                                            const plugin::DriverRegistry& drivers);
-// What is plugged into this machine and known to a driver as an arm.
+// What is plugged into this machine, of which `facts` tell, too: also what no driver knows.
+[[nodiscard]] std::vector<Entry> plugged_in(std::span<const linux::FoundDevice> devices,
+                                            const doctor::Facts& facts,
+                                            const plugin::DriverRegistry& drivers);
+// What is plugged into a machine that is known by its facts only: the arms.
 [[nodiscard]] std::vector<Entry> plugged_in(const doctor::Facts& facts);
 // Writes down who uses what; a device in use that is not listed yet is added.
 void mark_users(std::vector<Entry>& entries, const api::Status& status);

@@ -2,7 +2,9 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <csignal>
+#include <string_view>
 #include <utility>
 
 #include "daemon/app/recording_folder.hpp"
@@ -32,6 +34,12 @@ api::ServerSettings server_settings(const config::Config& config) {
   return settings;
 }
 
+bool has_real_arm(const config::Config& config) {
+  return std::any_of(config.arms.begin(), config.arms.end(), [](const config::ArmConfig& arm) {
+    return !std::string_view(arm.device).starts_with("sim:");
+  });
+}
+
 }  // namespace
 
 Daemon::Daemon(const config::Config& config, const Options& options,
@@ -56,7 +64,12 @@ Result<void> Daemon::start(const linux::RealtimeProcess& process) {
   recorder_ = std::make_unique<RecordingWriter>(config_.daemon.flight_directory.value_or(
       config::default_flight_directory(config::process_environment())));
 
+  if (has_real_arm(config_)) {
+    buses_ = std::make_unique<linux::BusEnumerator>(
+        linux::BusSettings{clock_, bus_thread_settings(config_.servo), process.report()});
+  }
   session::RigParts parts{plugins_.models, plugins_.drivers};
+  parts.real_buses = buses_.get();
   parts.real_clock = &clock_;
   parts.stopwatch = &clock_;
   parts.wake = wake_.get();

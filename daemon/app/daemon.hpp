@@ -22,6 +22,7 @@
 #include "daemon/config/config.hpp"
 #include "daemon/session/plugins.hpp"
 #include "daemon/session/runtime.hpp"
+#include "hal/linux/bus_enumerator.hpp"
 #include "hal/linux/event_fd.hpp"
 #include "hal/linux/monotonic_clock.hpp"
 
@@ -77,6 +78,7 @@ class Daemon final : private api::StatusView {
   std::string told_;  // to the service manager
 
   std::unique_ptr<RecordingWriter> recorder_;
+  std::unique_ptr<linux::BusEnumerator> buses_;  // nullptr: every arm is simulated
   std::unique_ptr<session::Runtime> runtime_;
   std::optional<ArmCommands> commands_;
   std::unique_ptr<api::Server> server_;

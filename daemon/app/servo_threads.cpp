@@ -10,17 +10,23 @@ namespace {
 
 linux::RealtimeThreadSettings thread_settings(const config::ServoConfig& servo,
                                               const std::string& arm) {
-  linux::RealtimeThreadSettings settings;
+  linux::RealtimeThreadSettings settings = bus_thread_settings(servo);
   settings.name = "servo-" + arm;
-  settings.policy = servo.realtime == config::Realtime::Required
-                        ? linux::RealtimePolicy::Required
-                        : linux::RealtimePolicy::BestEffort;
-  settings.priority = servo.priority;
   if (servo.cpu) settings.cpu = static_cast<unsigned>(*servo.cpu);
   return settings;
 }
 
 }  // namespace
+
+linux::RealtimeThreadSettings bus_thread_settings(const config::ServoConfig& servo) {
+  linux::RealtimeThreadSettings settings;
+  settings.name = "bus";
+  settings.policy = servo.realtime == config::Realtime::Required
+                        ? linux::RealtimePolicy::Required
+                        : linux::RealtimePolicy::BestEffort;
+  settings.priority = servo.priority;
+  return settings;
+}
 
 Result<std::unique_ptr<ServoThreads>> ServoThreads::start(const config::ServoConfig& servo,
                                                           session::Runtime& runtime,

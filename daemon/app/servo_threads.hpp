@@ -13,6 +13,9 @@
 
 namespace thimble::app {
 
+// How the threads of real buses run: as the servos, on any CPU.
+[[nodiscard]] linux::RealtimeThreadSettings bus_thread_settings(const config::ServoConfig& servo);
+
 // One real-time thread per arm, each running that arm's servo until stopped.
 //
 // Thread: the control thread. Ownership: the runtime and the process's rights must outlive it;

@@ -36,11 +36,12 @@ class ArmInspection {
   }
 
   void inspect_device() {
-    if (!std::string_view(arm_.device).starts_with(kSimScheme)) {
-      if (parts_.real_buses != nullptr) return;  // it may be plugged in later
+    const std::string_view address = arm_.device;
+    if (address.starts_with("hid:") || address.starts_with("usb:")) return;  // plugged in or not
+    if (!address.starts_with(kSimScheme)) {
       const std::string bus = arm_.device.substr(0, arm_.device.find(':'));
       return object("device",
-                    "expected a simulated device such as \"sim:phantom-vintage\", since " +
+                    "expected a device such as \"sim:phantom-vintage\" or \"hid:SERIAL\", since " +
                         ("this version has no " + bus) + " bus yet; found " +
                         config::in_quotes(arm_.device));
     }

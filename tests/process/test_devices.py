@@ -1,8 +1,52 @@
 """`thimble devices`, without a daemon and with one."""
 
 import json
+import shutil
+import subprocess
 
-from rig import HELLO, ProcessTest
+from rig import BIN, HELLO, TIMEOUT_S, ProcessTest
+
+# For umockdev-run: an arm with a serial number, and a mouse without.
+MACHINE = """P: /devices/usb1/1-4
+N: bus/usb/001/004
+E: SUBSYSTEM=usb
+E: DEVTYPE=usb_device
+E: DEVNAME=/dev/bus/usb/001/004
+A: idVendor=1234
+A: idProduct=0006
+A: bDeviceClass=00
+A: bConfigurationValue=1
+A: devnum=4
+A: manufacturer=Maker
+A: product=Arm
+A: serial=ABC1
+
+P: /devices/usb1/1-4/1-4:1.0
+E: SUBSYSTEM=usb
+E: DEVTYPE=usb_interface
+A: bInterfaceNumber=00
+
+P: /devices/usb1/1-4/1-4:1.0/0003:1234:0006.0001
+E: SUBSYSTEM=hid
+E: HID_ID=0003:00001234:00000006
+E: HID_UNIQ=ABC1
+H: report_descriptor=0600FF0901A101150026FF007508950E09018102950E09019102C0
+
+P: /devices/usb1/1-4/1-4:1.0/0003:1234:0006.0001/hidraw0
+N: hidraw0
+E: SUBSYSTEM=hidraw
+E: DEVNAME=/dev/hidraw0
+
+P: /devices/usb1/1-5
+N: bus/usb/001/005
+E: SUBSYSTEM=usb
+E: DEVTYPE=usb_device
+E: DEVNAME=/dev/bus/usb/001/005
+A: idVendor=046d
+A: idProduct=c077
+A: bDeviceClass=00
+A: devnum=5
+"""
 
 
 class Devices(ProcessTest):
@@ -19,6 +63,41 @@ class Devices(ProcessTest):
         document = json.loads(self.thimble(daemon, "devices", "--json").stdout)
         used = [entry["address"] for entry in document["devices"] if entry["users"]]
         self.assertEqual(used, ["sim:phantom-vintage"])
+
+
+class RealDevices(ProcessTest):
+    """On a machine that umockdev invents: the real libudev looks at it."""
+
+    def devices(self, *more):
+        file = self.write("machine.umockdev", MACHINE)
+        command = ["umockdev-run", "--device", file, "--", BIN / "thimble", "devices",
+                   "--socket", self.folder / "none", *more]
+        return subprocess.run(command, capture_output=True, text=True, timeout=TIMEOUT_S)
+
+    def setUp(self):
+        super().setUp()
+        if shutil.which("umockdev-run") is None:
+            self.skipTest("umockdev-run is not installed (package umockdev)")
+
+    def test_are_listed_beside_the_simulated_ones_with_what_is_in_the_way(self):
+        result = self.devices("--json")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        entries = {e["address"]: e for e in json.loads(result.stdout)["devices"]}
+        self.assertIn("sim:phantom-vintage", entries)
+        arm = entries["hid:ABC1"]
+        self.assertIn("Maker Arm, 1234:0006 at /dev/hidraw0", arm["description"])
+        self.assertIn("before a person says that it is an arm", arm["needs"])
+        self.assertIn("amplifier_max_a is missing", arm["needs"])
+        for stranger in ("usb:1-4", "usb:1-5"):
+            self.assertEqual(entries[stranger]["obstacle"], "no driver knows it")
+
+    def test_one_that_is_named_but_absent_is_told_with_what_there_is(self):
+        file = self.write("absent.toml", HELLO.replace("sim:phantom-vintage", "hid:NOBODY")
+                          .replace('[arm.hand]\nmotion = "explore"\nseed = 1\n', ""))
+        self.assertEqual(self.thimbled("--config", file, "--check").returncode, 0)
+        result = self.thimbled("--config", file, "--set", f"daemon.socket={self.folder}/s")
+        self.assertEqual(result.returncode, 1)
+        self.assert_one_sentence(result.stderr, "no device at hid:NOBODY")
 
 
 class EveryArm(ProcessTest):

@@ -74,7 +74,7 @@ class Check(ProcessTest):
         text = (arm.format("a", "sim:phantom-vintage", "amplifier_max_a = 40", "x")
                 + arm.format("b", "sim:phantom-vintage", 'model = "opera"', "x")
                 + arm.format("c", "sim:opera", "", "y")
-                + arm.format("d", "hid:123", "amplifier_max_a = 3", "y")
+                + arm.format("d", "pci:123", "amplifier_max_a = 3", "y")
                 + '[[world]]\nname = "x"\nsource = "short.npy"\n'
                 + '[[world]]\nname = "y"\nsource = "none.npy"\nthreshhold = 3\n')
         file = self.write("bad.toml", text)
@@ -86,7 +86,7 @@ class Check(ProcessTest):
                         ("6:", "arm.1.amplifier_max_a", "missing"),
                         ("9:", "arm.1.model", "opera", "woody-2015"),
                         ("13:", "arm.2.device", "sim:opera", "sim:woody-2015"),
-                        ("18:", "arm.3.device", "hid:123", "no hid bus yet"),
+                        ("18:", "arm.3.device", "pci:123", "no pci bus yet"),
                         ("23:", "world.0.source", "short.npy: "),
                         ("26:", "world.1.source", "none.npy: "),
                         ("27:", "world.1.threshhold", "threshold"))

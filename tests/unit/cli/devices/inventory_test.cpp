@@ -93,10 +93,53 @@ TEST(Inventory, SaysWhyWhatIsPluggedInCannotBeUsed) {
   ASSERT_THAT(entries, SizeIs(1));
   EXPECT_EQ(entries[0].address, "hid:A7");
   EXPECT_THAT(entries[0].obstacle,
-              testing::AllOf(HasSubstr("no hid bus"), HasSubstr("every user may open /dev/hidraw0"),
+              testing::AllOf(HasSubstr("every user may open /dev/hidraw0"),
                              HasSubstr("every user may write /dev/bus/usb/001/004"),
                              HasSubstr("'steam' (process 300 of user 'ada')"),
                              HasSubstr("thimble doctor")));
+}
+
+linux::FoundDevice found_arm() {
+  linux::FoundDevice found;
+  found.node = "/dev/hidraw0";
+  found.info.address = {"hid:A7"};
+  found.info.kind = bus::BusKind::Hid;
+  found.info.vendor_id = 0x1234;
+  found.info.product_id = 0x0006;
+  found.info.manufacturer = "Maker";
+  found.info.product = "Arm";
+  found.info.input_report_bytes = found.info.output_report_bytes = 14;
+  return found;
+}
+
+TEST(Inventory, SaysOfAnArmWhatAConfigurationMustSayAndWhatIsInTheWay) {
+  const session::Plugins plugins;
+  const std::vector<linux::FoundDevice> devices{found_arm()};
+  const std::vector<Entry> entries = plugged_in(devices, facts_with_arm(), plugins.drivers);
+
+  ASSERT_THAT(entries, SizeIs(1));
+  EXPECT_EQ(entries[0].address, "hid:A7");
+  EXPECT_EQ(entries[0].description, "Maker Arm, 1234:0006 at /dev/hidraw0");
+  EXPECT_THAT(entries[0].needs, testing::AllOf(HasSubstr("before a person says that it is an arm"),
+                                               HasSubstr("amplifier_max_a is missing")));
+  EXPECT_THAT(entries[0].obstacle,
+              testing::AllOf(HasSubstr("every user may open"), HasSubstr("'steam' (process 300")));
+  const doctor::Facts elsewhere;
+  EXPECT_EQ(plugged_in(devices, elsewhere, plugins.drivers).at(0).obstacle, "");
+}
+
+TEST(Inventory, ListsWhatNoDriverKnows) {
+  const session::Plugins plugins;
+  std::vector<linux::FoundDevice> devices{found_arm(), found_arm()};
+  devices[0].info.vendor_id = 0x046D;
+  devices[1].info.input_report_bytes = 13;
+  devices[1].info.manufacturer = devices[1].info.product = "";
+  const std::vector<Entry> entries = plugged_in(devices, {}, plugins.drivers);
+
+  ASSERT_THAT(entries, SizeIs(2));
+  EXPECT_EQ(entries[0].obstacle, "no driver knows it");
+  EXPECT_EQ(entries[1].obstacle, "no driver knows it");
+  EXPECT_EQ(entries[1].description, "1234:0006 at /dev/hidraw0");
 }
 
 TEST(Inventory, MarksWhatTheDaemonUses) {
