@@ -1,0 +1,32 @@
+"""In the guest: a HID device of the kernel's own making, through /dev/uhid, for as long as this runs.
+
+usage: uhid_device.py VENDOR PRODUCT SERIAL    (ids in hexadecimal)
+
+It speaks the shape of a WoodenHaptics controller: one input and one output report of 14 bytes, no report ids. What it is
+sent goes nowhere. Numbers and layout: linux/uhid.h.
+"""
+
+import os
+import struct
+import sys
+
+UHID_CREATE2 = 11
+UHID_START = 2
+BUS_USB = 3
+# Vendor-defined page, 14 bytes in, 14 bytes out (HID 1.11, section 6.2.2).
+DESCRIPTOR = bytes.fromhex("0600ff 0901 a101 1500 26ff00 7508 950e 0901 8102 0901 9102 c0")
+
+
+def main(vendor, product, serial):
+    device = os.open("/dev/uhid", os.O_RDWR)
+    create = struct.pack("<128s64s64sHHIIII4096s", b"Thimble test device", b"", serial.encode(), len(DESCRIPTOR),
+                         BUS_USB, int(vendor, 16), int(product, 16), 0, 0, DESCRIPTOR)
+    os.write(device, struct.pack("<I", UHID_CREATE2) + create)
+    while True:
+        event = os.read(device, 4380)
+        if struct.unpack_from("<I", event)[0] == UHID_START:
+            print("started", flush=True)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

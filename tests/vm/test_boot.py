@@ -1,0 +1,74 @@
+"""The package, after a boot: the service runs, in its sandbox and with real-time rights, and talks to whom it shall."""
+
+import guest
+
+# The servo thread's name is "servo-" and the arm's.
+SERVO = "$(ps -L -o lwp=,comm= -p $(systemctl show thimbled -p MainPID --value) | awk '$2 ~ /^servo-/ {print $1}')"
+
+
+class Boot(guest.GuestTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.guest.run("for name in member other; do adduser --quiet --disabled-password --gecos '' $name; done; "
+                      "adduser --quiet member thimble-users")
+        cls.guest.reboot()
+        cls.guest.wait_for("systemctl is-active thimbled")
+        # Before any test touches it.
+        cls.first_words = cls.guest.run("journalctl --no-pager -b -u thimbled")
+        cls.restarts = cls.properties("NRestarts")
+
+    def test_the_service_runs_and_has_said_that_it_is_ready(self):
+        state = self.properties("ActiveState", "SubState", "Type", "WatchdogUSec")
+        self.assertEqual(state, {"ActiveState": "active", "SubState": "running", "Type": "notify", "WatchdogUSec": "3s"})
+        self.assertIn("ready: 1 arm(s), 1 world(s), socket /run/thimble/thimble.sock", self.first_words)
+        self.assertNotIn("degraded", self.first_words)
+        self.assertEqual(self.restarts, {"NRestarts": "0"})
+
+    def test_guards_of_arms_can_be_had(self):
+        self.assertEqual(self.guest.run("systemctl is-active thimble-guard.socket; stat -c '%U:%G %a' /run/thimble-guard.sock").split(),
+                         ["active", "root:thimble", "660"])
+
+    def test_the_simulated_arm_becomes_active(self):
+        self.guest.wait_for("systemctl show thimbled -p StatusText | grep -qi 'right active'")
+
+    def test_no_unit_of_the_guest_failed(self):
+        self.guest.ask("systemctl is-system-running --wait", timeout_s=240)
+        self.assertEqual(self.guest.run("systemctl --failed --no-legend").strip(), "")
+
+    def test_it_is_in_its_sandbox(self):
+        text = self.guest.run("cat /proc/$(systemctl show thimbled -p MainPID --value)/status")
+        status = dict(line.split(":\t", 1) for line in text.splitlines() if ":\t" in line)
+        user = self.guest.run("id -u thimble").strip()
+        self.assertEqual(set(status["Uid"].split()), {user})
+        self.assertEqual(int(status["CapEff"], 16), 0)
+        self.assertEqual(int(status["CapBnd"], 16), 0)
+        self.assertEqual(status["NoNewPrivs"].strip(), "1")
+        self.assertEqual(status["Seccomp"].strip(), "2")
+
+    def test_its_servo_has_real_time_rights_within_it(self):
+        self.assertRegex(self.guest.run(f"chrt -p {SERVO}"), r"policy: SCHED_FIFO[^\n]*\n[^\n]*priority: 80")
+        locked = self.guest.run("grep VmLck /proc/$(systemctl show thimbled -p MainPID --value)/status")
+        self.assertGreater(int(locked.split()[1]), 0)
+
+    def test_a_member_of_the_group_is_answered(self):
+        self.assertIn("arm right", self.guest.run("runuser -u member -- thimble status"))
+
+    def test_others_are_refused_and_told_what_to_do(self):
+        status, words = self.guest.ask("runuser -u other -- thimble status")
+        self.assertNotEqual(status, 0)
+        self.assertIn("become a member of the group that owns this socket", words)
+
+    def test_nothing_listens_on_the_network(self):
+        self.assertNotIn("thimbled", self.guest.run("ss -Hltunp"))
+
+    def test_one_that_hangs_is_ended_and_started_anew(self):
+        self.guest.run("kill -STOP $(systemctl show thimbled -p MainPID --value)")
+        self.guest.wait_for("systemctl show thimbled -p NRestarts | grep -qx NRestarts=1 && systemctl is-active thimbled")
+        self.assertIn("Watchdog timeout", self.guest.run("journalctl --no-pager -b -u thimbled"))
+
+    def test_when_told_to_stop_it_ends_well(self):
+        self.guest.run("systemctl stop thimbled")
+        self.assertEqual(self.properties("Result", "ExecMainStatus"), {"Result": "success", "ExecMainStatus": "0"})
+        self.guest.run("! test -e /run/thimble")
+        self.guest.run("systemctl start thimbled")

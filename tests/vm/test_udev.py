@@ -1,0 +1,75 @@
+"""The rules of udev/, met by real events: HID devices that the guest's kernel makes through uhid."""
+
+import guest
+
+
+class Udev(guest.GuestTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.guest.run("modprobe uhid; adduser --quiet --disabled-password --gecos '' member; "
+                      "adduser --quiet member thimble-users")
+
+    def plug(self, vendor, product):
+        """A HID device until unplug(): its node."""
+        unit = f"uhid-{vendor}-{product}"
+        self.guest.run(f"systemd-run --quiet --collect --unit {unit} python3 -B /run/tests/uhid_device.py {vendor} {product} SN1")
+        self.addCleanup(self.guest.ask, f"systemctl stop {unit}")
+        name = f"0003:{vendor}:{product}.*".upper()
+        node = self.guest.wait_for(f"ls -d /sys/bus/hid/devices/{name}/hidraw/hidraw*").strip().rsplit("/", 1)[1]
+        self.guest.run("udevadm settle")
+        return f"/dev/{node}"
+
+    def is_given_to_the_seat(self, node):
+        """Whether udev has the builtin run that gives it to whoever sits there; the guest has no seat to see it by."""
+        words = self.guest.run(f"udevadm test --action=add /sys/class/hidraw/{node.rsplit('/', 1)[1]} 2>&1")
+        return "run: 'uaccess'" in words
+
+    def rights(self, node):
+        return self.guest.run(f"stat -c '%U:%G %a' {node}").strip()
+
+    def test_an_arm_belongs_to_the_daemon_and_to_nobody_else(self):
+        for vendor, product in (("1234", "0006"), ("16c0", "0486")):
+            with self.subTest(f"{vendor}:{product}"):
+                node = self.plug(vendor, product)
+                self.assertEqual(self.rights(node), "root:thimble 660")
+                self.assertIn(":systemd:", self.guest.run(f"udevadm info --query=property {node}"))
+                self.assertFalse(self.is_given_to_the_seat(node))
+                self.assertNotEqual(self.guest.ask(f"runuser -u member -- cat {node} </dev/null")[0], 0)
+
+    def test_the_daemons_user_may_open_it(self):
+        node = self.plug("1234", "0006")
+        self.guest.run(f"runuser -u thimble -- bash -c 'exec 3<>{node}'")
+
+    def test_another_device_stays_closed(self):
+        self.assertEqual(self.rights(self.plug("1234", "0007")), "root:root 600")
+
+    def test_a_puck_is_for_whoever_sits_there_and_for_the_daemon(self):
+        for vendor, product in (("256f", "c635"), ("046d", "c62b")):
+            with self.subTest(f"{vendor}:{product}"):
+                node = self.plug(vendor, product)
+                self.assertEqual(self.rights(node), "root:thimble 660")
+                self.assertTrue(self.is_given_to_the_seat(node))
+
+    def test_rules_of_others_do_not_open_an_arm(self):
+        # As they come with Teensy boards, among others.
+        for name, how in (("00-teensy", 'MODE:="0666"'), ("49-open", 'MODE:="0666", GROUP:="users"'),
+                          ("70-seat", 'TAG+="uaccess"'), ("99-open", 'MODE="0666", GROUP="users"')):
+            with self.subTest(name):
+                file = f"/etc/udev/rules.d/{name}.rules"
+                self.guest.run(f"echo 'KERNEL==\"hidraw*\", {how}' > {file}; udevadm control --reload")
+                self.addCleanup(self.guest.run, f"rm -f {file}; udevadm control --reload")
+                node = self.plug("1234", "0006")
+                self.assertEqual(self.rights(node), "root:thimble 660")
+                self.assertFalse(self.is_given_to_the_seat(node))
+                self.doCleanups()
+                self.guest.wait_for("! ls -d /sys/bus/hid/devices/0003:1234:0006.* 2>/dev/null")
+
+    def test_unplugged_it_is_gone_and_plugged_in_again_it_is_the_daemons(self):
+        for _ in range(3):
+            self.assertEqual(self.rights(self.plug("1234", "0006")), "root:thimble 660")
+            self.doCleanups()
+            self.guest.wait_for("! ls /sys/bus/hid/devices/0003:1234:0006.* 2>/dev/null")
+
+    def test_the_daemon_may_keep_the_processors_awake(self):
+        self.assertEqual(self.rights("/dev/cpu_dma_latency"), "root:thimble 660")
