@@ -24,7 +24,8 @@ KERNELS = {"amd64": "linux-image-amd64", "rt-amd64": "linux-image-rt-amd64"}
 PACKAGES = sorted({
     "systemd", "systemd-sysv", "udev", "dbus", "kmod", "procps", "iproute2", "python3", "adduser", "usbip", "strace",
     # What the packages under test depend on: the guest has no network.
-    "libboost-json1.81.0", "libspdlog1.10-fmt9", "libusb-1.0-0", "libhidapi-hidraw0", "libgpiod2", "libudev1", "zlib1g",
+    "libboost-json1.81.0", "libspdlog1.10-fmt9", "libusb-1.0-0", "libhidapi-hidraw0", "libgpiod2", "libsodium23",
+    "libudev1", "zlib1g",
     *KERNELS.values()})
 # Modules for hardware that the guest never has, and pages nobody reads in it: three quarters of the size.
 LEFT_OUT = [f"/lib/modules/*/kernel/{folder}/*" for folder in (
