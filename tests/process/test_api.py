@@ -125,6 +125,7 @@ class Faults(ProcessTest):
         self.assertEqual(recording.parent, daemon.folder)
         self.assertGreater(recording.stat().st_size, 1000)
         self.assertIn("overspeed", self.thimble(daemon, "status").stdout)
+        self.assert_shown(recording)
 
         refused = self.thimble(daemon, "activate")
         self.assertEqual(refused.returncode, 1)
@@ -154,6 +155,23 @@ class Faults(ProcessTest):
         self.assertEqual(result.returncode, 1)
         self.assert_one_sentence(result.stderr, "no latched fault")
         self.assertEqual(daemon.stop(), 0)
+
+    def assert_shown(self, recording):
+        shown = self.run_program("thimble", "flight", "show", recording)
+        self.assertEqual((shown.returncode, shown.stderr), (0, ""))
+        self.assertRegex(shown.stdout, r"(?m)^cause +overspeed at tick \d+$")
+        # 50 ms before the stop, give or take what a busy machine's ticks are late by.
+        self.assertRegex(shown.stdout, r"(?m)^ *-[45]\d\.\d active ")
+        self.assertRegex(shown.stdout, r"(?m)^ *0\.0 fault ")
+        self.assertLessEqual(max(map(len, shown.stdout.splitlines())), 80)
+
+    def test_a_recording_that_is_not_there_or_is_none_is_one_sentence(self):
+        nothing = self.folder / "none.json"
+        empty = self.write("empty.json", "")
+        for file in (nothing, empty, self.folder):
+            shown = self.run_program("thimble", "flight", "show", file)
+            self.assertEqual((shown.returncode, shown.stdout), (1, ""), file)
+            self.assert_one_sentence(shown.stderr, str(file), "daemon.flight_directory")
 
     def test_a_recording_that_cannot_be_written_is_told(self):
         daemon = self.start("--set", "daemon.flight_directory=/proc/nowhere", config=TOO_FAST)
