@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""docs/messages.md lists every sentence that the daemon may say, each with its cure, and none that it cannot.
+"""docs/messages.md lists every sentence that the daemon and its guards may say, each with its cure, and none that it cannot.
 
-A sentence is a string literal of three or more words in hal, drivers, sim and daemon, or of fewer when it stands in a
+A sentence is a string literal of three or more words in hal, drivers, sim, daemon and guard, or of fewer when it stands in a
 call that says it (fail, malformed, spdlog::warn …) and is no bare name of a key or a system call; adjacent literals,
 and those that + joins with values, count as one, with … for the values.
 
@@ -15,14 +15,16 @@ import re
 import cpp_source
 
 PAGE = "docs/messages.md"
-FOLDERS = ("hal", "drivers", "sim", "daemon")
+FOLDERS = ("hal", "drivers", "sim", "daemon", "guard")
 # Where the sentences are no messages.
 EXEMPT = (
-    "daemon/app/options.cpp",  # what --help says: thimbled(8)
     "daemon/config/load.cpp:arm = [",  # a configuration in itself, parsed to list its keys
 )
 # Names of C types in file headers.
 _TYPE = re.compile(r"(?:(?:un)?signed|long|short|int|char)(?: (?:long|short|int|char))*")
+# What --help says, which is in the manual pages.
+_HELPS = re.compile(r"\badd_(?:option|flag)\s*\(")
+_TITLE = re.compile(r"\bCLI::App \w+\{\s*$")
 # What is called to say something: whatever stands within its parentheses.
 _SAYS = re.compile(r"\b(?:fail|fail_errno|malformed|unsupported|refuse|reject|note_error|spdlog::\w+)\s*\(")
 MAX_SENTENCES_OF_A_ROW = 3
@@ -49,9 +51,9 @@ def is_sentence(text):
     return len(_WORD.findall(text)) >= 3 and " " in text and not _TYPE.fullmatch(text)
 
 
-def is_said_at(statement):
-    """Whether what follows `statement` is within the parentheses of a call that says it."""
-    for match in _SAYS.finditer(statement):
+def is_within(call, statement):
+    """Whether what follows `statement` is within the parentheses of such a call."""
+    for match in call.finditer(statement):
         depth = 1
         for bracket in re.findall(r"[()]", _LITERAL.sub("", statement[match.end():])):
             depth += 1 if bracket == "(" else -1
@@ -78,8 +80,10 @@ def sentences(source):
     for offset, text in found:
         before = code[max(0, offset - 400):offset]
         statement = before[max(before.rfind(";"), before.rfind("{"), before.rfind("}")) + 1:]
+        if is_within(_HELPS, statement) or _TITLE.search(before):
+            continue
         text = normal(unescaped(text))
-        is_said = _WORD.search(text) and not re.fullmatch(r"\w+", text) and is_said_at(statement)
+        is_said = _WORD.search(text) and not re.fullmatch(r"\w+", text) and is_within(_SAYS, statement)
         if (is_said or is_sentence(text)) and not _NO_MESSAGE.search(statement):
             yield offset, text
 

@@ -76,6 +76,20 @@ class CheckMessages(PlantedTreeTest):
 
         self.assertEqual(self.breaches(), [])
 
+    def test_leaves_help_but_not_what_an_option_refuses(self):
+        self.plant("daemon/app/options.cpp", 'CLI::App cli{\n    "drives arms and lets people touch"};\n'
+                                             'cli.add_option("--for", x, "end after so many seconds")->check(f);\n')
+        self.assertEqual(self.breaches(), [])
+
+        self.plant("daemon/app/options.cpp", 'cli.add_flag("--for", x, "end after so many seconds");\n'
+                                             'if (a) return "expected a finite number";\n')
+        self.assert_one_breach(self.breaches(), "daemon/app/options.cpp:2", "`expected a finite number`")
+
+    def test_holds_the_guard_to_it(self):
+        self.plant("guard/watch.cpp", 'return "the arm was let go";\n')
+
+        self.assert_one_breach(self.breaches(), "guard/watch.cpp:1", "`the arm was let go`")
+
     def test_refuses_a_row_that_swallows_many(self):
         self.plant_page("| `the port …` | choose another |")
         for count in range(1, 6):
