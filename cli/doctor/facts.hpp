@@ -31,7 +31,10 @@ struct Process {
   int pid{0};  // 0: no daemon is known to run, it is this program's
   KnownBy known_by{KnownBy::Nothing};
   std::uint32_t user{0};
-  std::string user_name;                    // empty: the number has none
+  std::string user_name;  // empty: the number has none
+  // Known by its program only, which anybody may start, and of somebody other than root, the
+  // service's user and who asks: no command may give it a right.
+  bool is_a_strangers{false};
   std::string unit;                         // of systemd that runs it: "thimbled.service"
   std::vector<std::uint32_t> groups;        // the primary one, too
   std::vector<std::uint32_t> login_groups;  // that its user would have after a login now

@@ -49,6 +49,14 @@ void read_accounts(const Accounts& accounts, Facts& facts) {
   process.login_groups = value_or_why(accounts.groups_of(process.user_name), why);
 }
 
+// Of those that only run the program; who listens at the socket has a place of its own.
+bool is_a_strangers(const Process& process, const FileTree& tree) {
+  Process asking;
+  parse_status(tree.text("/proc/self/status"), asking);
+  return process.known_by == KnownBy::Program && process.user != 0 && process.user != asking.user &&
+         process.user_name != "thimble";
+}
+
 void name_users(const Accounts& accounts, Facts& facts) {
   const auto name = [&](NamedProcess& process) {
     process.user_name = value_or_why(accounts.user_name(process.user), facts.unknown_accounts);
@@ -123,6 +131,7 @@ Facts read_facts(const fs::path& root, const plugin::DriverRegistry& drivers,
   read_daemon(tree, pids, daemon, facts);
   const std::unique_ptr<Accounts> accounts = accounts_below(root);
   read_accounts(*accounts, facts);
+  facts.process.is_a_strangers = is_a_strangers(facts.process, tree);
   facts.dma_latency = tree.node("/dev/cpu_dma_latency");
   facts.idle_driver = trimmed(tree.text(fs::path(kCpus) / "cpuidle/current_driver"));
   facts.has_hidraw = tree.names("/sys/class/hidraw").has_value();

@@ -34,7 +34,7 @@ std::string account(const Process& process) {
 bool is_users_manager(const Process& process) { return process.unit.starts_with("user@"); }
 
 std::string restart_command(const Process& process) {
-  if (process.unit.empty() || is_users_manager(process)) return "";
+  if (process.is_a_strangers || process.unit.empty() || is_users_manager(process)) return "";
   return "sudo systemctl restart " + shell_word(process.unit);
 }
 
@@ -54,17 +54,28 @@ std::string unit_command(const Process& process, const std::string& check,
 // file for each check: typed twice, the command says the same once.
 std::string limit_command(const Process& process, const std::string& check, const std::string& row,
                           const std::string& setting) {
+  if (process.is_a_strangers) return "";
   if (!process.unit.empty()) return unit_command(process, check, setting);
   return "echo '@thimble - " + row + "' | sudo tee /etc/security/limits.d/thimble-" + check +
          ".conf";
 }
 
 std::string membership_command(const Process& process) {
+  if (process.is_a_strangers) return "";
   if (!process.unit.empty()) return unit_command(process, "group", "SupplementaryGroups=thimble");
   return "sudo adduser " + account(process) + " thimble";
 }
 
+// Where there may be no command.
+std::string look(const Process& process) {
+  return process.is_a_strangers ? "ps -o user,lstart,args -p " + std::to_string(process.pid) : "";
+}
+
 std::string again(const Process& process, const std::string& setting) {
+  if (process.is_a_strangers) {
+    return "anybody may start that program, so no command gives this one a right: ask as its user, "
+           "or name its socket with --socket, if it is the one that is meant";
+  }
   if (is_users_manager(process)) {
     return "counts once " + process.unit +
            " starts anew: when its user has logged out everywhere, at the latest with the machine";
@@ -118,12 +129,13 @@ Verdict check_group(const Facts& facts) {
                   "device nodes of arms belong to that group: who is in it can go around the force "
                   "limit, and nobody else may; the limits below name it, too",
                   "",
-                  again(process, "SupplementaryGroups=thimble")};
+                  again(process, "SupplementaryGroups=thimble"),
+                  look(process)};
   if (!facts.thimble_group) {
     if (!facts.unknown_accounts.empty()) return unknown_group(facts, verdict);
     verdict.finding = "there is no group 'thimble'";
     verdict.command = "sudo addgroup --system thimble";
-    if (!has_capability(process, kCapDacOverride)) {
+    if (!process.is_a_strangers && !has_capability(process, kCapDacOverride)) {
       verdict.command += " && " + membership_command(process);
     }
     return verdict;
@@ -167,7 +179,8 @@ Verdict check_rtprio(const Facts& facts) {
           "every other program then delays the servo; with realtime = \"required\" it does not "
           "start at all",
           limit_command(process, "rtprio", "rtprio " + std::to_string(wanted), setting),
-          again(process, setting)};
+          again(process, setting),
+          look(process)};
 }
 
 Verdict check_memlock(const Facts& facts) {
@@ -182,7 +195,8 @@ Verdict check_memlock(const Facts& facts) {
           subject(process) + " may not lock all its memory (limit: " + now + ")",
           "memory that is paged out stops the servo until the disk has answered",
           limit_command(process, "memlock", "memlock unlimited", "LimitMEMLOCK=infinity"),
-          again(process, "LimitMEMLOCK=infinity")};
+          again(process, "LimitMEMLOCK=infinity"),
+          look(process)};
 }
 
 Verdict check_dma_latency(const Facts& facts) {

@@ -57,6 +57,37 @@ TEST_F(DoctorDaemon, IsKnownByTheProgramBesideTheOneThatAsks) {
   EXPECT_EQ(facts_with({}).process.pid, 77);
 }
 
+// The program is installed for everybody: a stranger who starts it is given nothing.
+TEST_F(DoctorDaemon, OfAStrangerIsGivenNoRightForItsProgramAlone) {
+  for (const unsigned user : {0U, 900U, 1000U, 1001U, 64000U}) {
+    for (const char* cgroup :
+         {"0::/user.slice/session-3.scope\n", "0::/user.slice/user@1001.service/x.service\n",
+          "0::/system.slice/x.service\n"}) {
+      machine_.plant("etc/passwd", "thimble:x:900:1::/:/\neve:x:1001:1::/:/\n");
+      machine_.plant_user(77, user);
+      machine_.plant("proc/77/cgroup", cgroup);
+      machine_.plant_limits("0", "65536");
+      const bool is_a_strangers = user == 1000 || user == 1001;
+      Facts facts = facts_with({});
+      EXPECT_EQ(facts.process.pid, 77);
+      for (const bool has_group : {true, false}) {
+        if (!has_group) facts.thimble_group.reset();
+        const std::vector<Verdict> all = complaints(facts);
+        ASSERT_THAT(all, SizeIs(3)) << user << " has neither group nor limits";
+        for (const Verdict& verdict : all) {
+          const bool gives = verdict.command.find("adduser") != std::string::npos ||
+                             verdict.command.find(".d/") != std::string::npos ||
+                             verdict.command.find("restart") != std::string::npos;
+          EXPECT_EQ(gives, !is_a_strangers) << user << ": " << verdict.command;
+          EXPECT_EQ(verdict.look_with.starts_with("ps "), is_a_strangers) << verdict.check;
+          EXPECT_EQ(verdict.advice.starts_with("anybody may start"), is_a_strangers);
+        }
+      }
+      EXPECT_FALSE(facts_with({77, ""}).process.is_a_strangers) << "the socket is its place";
+    }
+  }
+}
+
 TEST_F(DoctorDaemon, IsNobodyByNameAloneAndNoCommandGivesSuchARight) {
   machine_.remove("proc/77");
   plant_namesake(50);
@@ -136,6 +167,19 @@ TEST(DaemonSocket, IsNotBelievedInAPlaceThatAnybodyCouldTake) {
   EXPECT_EQ(who_listens("/", place / "thimble.sock").pid, ::getpid()) << "root let them have it";
   ASSERT_EQ(::chmod(folder.path().c_str(), 01777), 0);
   const DaemonAtSocket found = who_listens("/", place / "thimble.sock");
+  EXPECT_EQ(found.pid, std::nullopt);
+  EXPECT_THAT(found.trouble, HasSubstr("belongs to another user"));
+}
+
+TEST(DaemonSocket, IsNotBelievedInAFolderOfRootThatAnybodyMayWrite) {
+  if (::geteuid() != 0) GTEST_SKIP() << "only root can give a socket to somebody else";
+  testing_support::TemporaryFolder folder;
+  const std::filesystem::path path = folder / "thimble.sock";
+  const Listener listener(path);
+  ASSERT_EQ(::chmod(folder.path().c_str(), 01777), 0);
+  EXPECT_EQ(who_listens("/", path).pid, ::getpid()) << "root's own socket";
+  ASSERT_EQ(::chown(path.c_str(), 1000, 1000), 0);
+  const DaemonAtSocket found = who_listens("/", path);
   EXPECT_EQ(found.pid, std::nullopt);
   EXPECT_THAT(found.trouble, HasSubstr("belongs to another user"));
 }

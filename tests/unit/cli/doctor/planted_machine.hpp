@@ -140,6 +140,7 @@ class PlantedMachine {
     plant("usr/bin/steam", "");
     run_program(77, "usr/bin/thimbled");
     plant_status(group());
+    plant("proc/self/status", "Uid:\t64000\t64000\t64000\t64000\n");  // its user asks
     plant("proc/77/cgroup", "0::/user.slice/user-1000.slice/session-3.scope\n");
     plant_limits("98", "unlimited");
     plant_node("dev/cpu_dma_latency", 0660);
