@@ -122,12 +122,12 @@ class UsbMailboxes::InPipe {
 class UsbMailboxes::OutPipe {
  public:
   IoStatus submit(std::span<const std::uint8_t> bytes) noexcept {
-    const bool is_earlier_owed = ended_.load(std::memory_order_relaxed) != submitted_.number;
+    const bool has_last_arrived = arrived_.load(std::memory_order_relaxed) == submitted_.number;
     std::copy(bytes.begin(), bytes.end(), submitted_.bytes.begin());
     submitted_.size = bytes.size();
     ++submitted_.number;
     newest_.write(submitted_);
-    return is_earlier_owed ? IoStatus::Backlogged : IoStatus::Ok;
+    return has_last_arrived ? IoStatus::Ok : IoStatus::Backlogged;
   }
   std::span<const std::uint8_t> take() noexcept {
     if (!is_owed_) {
@@ -141,11 +141,12 @@ class UsbMailboxes::OutPipe {
   void finish(UsbOutcome outcome, std::size_t taken_bytes) noexcept {
     if (!is_owed_) return;
     is_owed_ = false;
-    if (outcome == UsbOutcome::Done && taken_bytes < taken_.size) {
-      cut_.fetch_add(1, std::memory_order_relaxed);
-    }
+    const bool is_whole = taken_bytes >= taken_.size;
+    if (outcome == UsbOutcome::Done && !is_whole) cut_.fetch_add(1, std::memory_order_relaxed);
     endings_.add(outcome);
-    ended_.store(taken_.number, std::memory_order_relaxed);
+    // Only these count: a way out that fails every time must not look fresh to the servo.
+    if (outcome != UsbOutcome::Done || !is_whole) return;
+    arrived_.store(taken_.number, std::memory_order_relaxed);
   }
   void write_to(UsbCounters& counters) const noexcept {
     endings_.write_to(counters);
@@ -166,7 +167,7 @@ class UsbMailboxes::OutPipe {
   // Bus's thread.
   Packet taken_{};
   bool is_owed_{false};
-  std::atomic<std::uint64_t> ended_{0};  // number of the last packet that ended
+  std::atomic<std::uint64_t> arrived_{0};  // number of the last packet the device took whole
   std::atomic<std::uint64_t> superseded_{0};
   std::atomic<std::uint64_t> cut_{0};
   Endings endings_;

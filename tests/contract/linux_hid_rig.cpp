@@ -102,16 +102,30 @@ TEST_F(HidTransfersTest, AWriteThatFailsOrIsCutIsCountedAndNotRepeated) {
   wire.fail_next_writes(2);
   wire.cut_next_writes(1);
   for (int i = 0; i < 3; ++i) {
-    EXPECT_EQ(mail.submit(out), IoStatus::Ok) << i;
+    EXPECT_EQ(mail.submit(out), i == 0 ? IoStatus::Ok : IoStatus::Backlogged) << i;
     sut->send();
     sut->send();
   }
   EXPECT_EQ(mail.counters().writes_failed, 3U);
   EXPECT_TRUE(wire.received_by_device().empty());
-  EXPECT_EQ(mail.submit(out), IoStatus::Ok) << "the device is not given up for it";
+  EXPECT_EQ(mail.submit(out), IoStatus::Backlogged) << "none has reached the device";
   sut->send();
   EXPECT_EQ(wire.received_by_device(), std::vector<Report>{out});
   EXPECT_EQ(mail.counters().reports_out, 1U);
+  EXPECT_EQ(mail.submit(out), IoStatus::Ok) << "the device is not given up for it";
+}
+
+// Here, not in the suite: no write to a simulated HID device can fail.
+TEST_F(HidTransfersTest, AWayOutThatFailsEveryTimeNeverLooksFree) {
+  const auto sut = open();
+  wire.fail_next_writes(1000);
+  for (int i = 0; i < 100; ++i) {
+    wire.device_sends({1, 2});
+    EXPECT_TRUE(sut->receive(0)) << "input flows meanwhile";
+    EXPECT_EQ(mail.submit(out), i == 0 ? IoStatus::Ok : IoStatus::Backlogged) << i;
+    sut->send();
+  }
+  EXPECT_EQ(mail.counters().writes_failed, 100U);
 }
 
 TEST_F(HidTransfersTest, ADeviceWithNumberedReportsGetsAndGivesTheNumberFirst) {

@@ -265,9 +265,24 @@ TEST_P(UsbDeviceContract, AStalledOutputIsCountedAndNotRepeated) {
   EXPECT_EQ(sut->counters(kBulkOut).stalls, 1U);
   EXPECT_EQ(sut->counters(kBulkOut).packets_out, 0U);
 
-  EXPECT_EQ(sut->submit(kBulkOut, pattern(16, 2)), IoStatus::Ok);
+  EXPECT_EQ(sut->submit(kBulkOut, pattern(16, 2)), IoStatus::Backlogged) << "the last one failed";
   run_frames(10);
   EXPECT_EQ(rig->received_by_device(kBulkOut), std::vector<Packet>{pattern(16, 2)});
+  EXPECT_EQ(sut->submit(kBulkOut, pattern(16, 3)), IoStatus::Ok) << "this one did not";
+}
+
+TEST_P(UsbDeviceContract, AWayOutThatFailsEveryTimeNeverLooksFree) {
+  EXPECT_EQ(sut->submit(kBulkOut, pattern(16, 1)), IoStatus::Ok);
+  run_frames(3);
+  for (std::uint8_t i = 0; i < 20; ++i) {
+    rig->device_stalls_once(kBulkOut);
+    EXPECT_EQ(sut->submit(kBulkOut, pattern(16, i)), i == 0 ? IoStatus::Ok : IoStatus::Backlogged);
+    rig->device_sends(kBulkIn, pattern(16, i));
+    run_frames(3);
+    EXPECT_EQ(read_all(kBulkIn).size(), 1U) << "input flows meanwhile";
+  }
+  EXPECT_EQ(rig->received_by_device(kBulkOut).size(), 1U);
+  EXPECT_EQ(sut->counters(kBulkOut).stalls, 20U);
 }
 
 TEST_P(UsbDeviceContract, ABabblingPacketIsCountedAndLost) {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <atomic>
+#include <random>
 #include <thread>
 
 namespace thimble::bus {
@@ -53,6 +54,29 @@ TEST(UsbMailboxes, APacketOfWhichTheDeviceTookAPartIsOutAndCut) {
   sut.finish_out(kOutPipe, UsbOutcome::Done, 5);
   EXPECT_EQ(sut.counters(kOut).packets_out, 1U);
   EXPECT_EQ(sut.counters(kOut).writes_cut, 1U);
+}
+
+// Random ends: a submit is Ok exactly when the packet submitted before it has reached the device
+// whole.
+TEST(UsbMailboxes, ASubmitIsOkExactlyWhenTheOneBeforeHasArrived) {
+  std::mt19937 random(7);
+  UsbMailboxes sut(pipes(UsbDelivery::Every));
+  std::uint64_t submitted = 0;
+  std::uint64_t arrived = 0;
+  for (int step = 0; step < 20000; ++step) {
+    if (random() % 2 == 0) {
+      const IoStatus expected = arrived == submitted ? IoStatus::Ok : IoStatus::Backlogged;
+      ASSERT_EQ(sut.submit(kOut, bytes_of(++submitted)), expected) << step;
+      continue;
+    }
+    const auto packet = sut.take_out(kOutPipe);
+    if (packet.empty() || random() % 4 == 0) continue;
+    const auto outcome = static_cast<UsbOutcome>(random() % 4);
+    const std::size_t taken = random() % 3 == 0 ? 5 : packet.size();
+    if (outcome == UsbOutcome::Done && taken == packet.size()) arrived = number_of(packet);
+    sut.finish_out(kOutPipe, outcome, taken);
+  }
+  EXPECT_GT(arrived, 100U);
 }
 
 TEST(UsbMailboxes, APacketLongerThanAnyIsCutToWhatCanBeKept) {
