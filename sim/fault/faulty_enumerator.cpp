@@ -21,11 +21,28 @@ bool FaultyEnumerator::is_on(const Cable& cable, FaultKind kind) const noexcept 
       [&](const ScriptedFault& fault) { return fault.kind == kind && fault.covers(now); });
 }
 
-std::optional<bus::BusEvent> FaultyEnumerator::poll_event() {
-  for (const auto& [address, cable] : cables_) {
-    if (is_on(cable, FaultKind::DelayEvents)) return std::nullopt;
-  }
+bool FaultyEnumerator::is_delaying() {
+  const auto slow = std::find_if(cables_.begin(), cables_.end(), [&](const auto& entry) {
+    return is_on(entry.second, FaultKind::DelayEvents);
+  });
+  if (slow == cables_.end()) return false;
   while (std::optional<bus::BusEvent> event = buses_->poll_event()) {
+    slow->second.tally->add(FaultKind::DelayEvents);
+    late_.push_back(std::move(*event));
+  }
+  return true;
+}
+
+std::optional<bus::BusEvent> FaultyEnumerator::next_event() {
+  if (late_.empty()) return buses_->poll_event();
+  std::optional<bus::BusEvent> event = std::move(late_.front());
+  late_.pop_front();
+  return event;
+}
+
+std::optional<bus::BusEvent> FaultyEnumerator::poll_event() {
+  if (is_delaying()) return std::nullopt;
+  while (std::optional<bus::BusEvent> event = next_event()) {
     const auto cable = cables_.find(event->device.address);
     if (cable == cables_.end() || !is_on(cable->second, FaultKind::LoseEvents)) return event;
     cable->second.tally->add(FaultKind::LoseEvents);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <deque>
 #include <map>
 #include <memory>
 #include <optional>
@@ -19,6 +20,7 @@ namespace thimble::sim {
 // Thread: as BusEnumerator. Ownership: the bus below and the clock must outlive it.
 // Errors: as the bus below. An injected Disconnect is known to the handle only: no device
 // leaves list() by it. RefuseOpen is Busy.
+// Counted: DelayEvents once for each event that a window kept back, at the address of its plan.
 class FaultyEnumerator final : public bus::BusEnumerator {
  public:
   FaultyEnumerator(bus::BusEnumerator& buses, const Clock& clock) noexcept
@@ -45,10 +47,14 @@ class FaultyEnumerator final : public bus::BusEnumerator {
 
   [[nodiscard]] Result<void> check_willing(const bus::DeviceAddress& address);
   [[nodiscard]] bool is_on(const Cable& cable, FaultKind kind) const noexcept;
+  // Whether events are kept back now; keeps those that there are.
+  [[nodiscard]] bool is_delaying();
+  [[nodiscard]] std::optional<bus::BusEvent> next_event();
 
   bus::BusEnumerator* buses_;
   const Clock* clock_;
   std::map<bus::DeviceAddress, Cable> cables_;
+  std::deque<bus::BusEvent> late_;  // kept back, in their order
 };
 
 }  // namespace thimble::sim

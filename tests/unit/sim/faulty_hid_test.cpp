@@ -188,6 +188,33 @@ TEST(FaultyEnumerator, LosesEventsForGoodAndDelaysThemUntilTheEnd) {
   EXPECT_EQ(event->kind, bus::BusEvent::Kind::Arrived);
 }
 
+TEST(FaultyEnumerator, CountsEachEventThatIsDelayedOnceAndKeepsTheirOrder) {
+  Bench bench(script_of(during(FaultKind::DelayEvents, 0, 5)));
+  EXPECT_FALSE(bench.faulty.poll_event().has_value());
+  EXPECT_FALSE(bench.faulty.poll_event().has_value());
+  EXPECT_EQ(bench.injected(FaultKind::DelayEvents), 1U) << "its arrival, however often asked for";
+  bench.clock.run_for(milliseconds(2));
+  ASSERT_TRUE(bench.buses.unplug(kAddress).has_value());
+  EXPECT_FALSE(bench.faulty.poll_event().has_value());
+  EXPECT_EQ(bench.injected(FaultKind::DelayEvents), 2U);
+
+  bench.clock.run_for(milliseconds(4));
+  ASSERT_TRUE(bench.buses.replug(kAddress).has_value());
+  std::vector<bus::BusEvent::Kind> told;
+  while (const auto event = bench.faulty.poll_event()) told.push_back(event->kind);
+  using Kind = bus::BusEvent::Kind;
+  EXPECT_EQ(told, (std::vector<Kind>{Kind::Arrived, Kind::Left, Kind::Arrived}));
+  EXPECT_EQ(bench.injected(FaultKind::DelayEvents), 2U) << "the last came after the window";
+}
+
+TEST(FaultyEnumerator, AWindowInWhichNothingHappensDelaysNothing) {
+  Bench bench(script_of(during(FaultKind::DelayEvents, 3, 2)));
+  ASSERT_TRUE(bench.faulty.poll_event().has_value());
+  bench.clock.run_for(milliseconds(4));
+  EXPECT_FALSE(bench.faulty.poll_event().has_value());
+  EXPECT_EQ(bench.injected(FaultKind::DelayEvents), 0U);
+}
+
 TEST(FaultyHid, ARealUnplugPassesThrough) {
   Bench bench({});
   ASSERT_TRUE(bench.buses.unplug(kAddress).has_value());
