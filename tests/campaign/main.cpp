@@ -29,6 +29,7 @@ struct Arguments {
   campaign::Order order;
   std::optional<std::uint64_t> episode;
   std::uint64_t least_judged{0};
+  bool is_every_fault_due{false};
   bool is_to_shrink{true};
   bool is_quiet{false};
 };
@@ -71,6 +72,21 @@ int run_one(const Arguments& arguments) {
 // The processor's time of all jobs: how fast one core is, whoever else is on the machine.
 double core_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
+// Why nothing can be said for what broke no rule; empty when it was seen enough.
+std::string blindness(const Arguments& arguments, const campaign::Tally& tally) {
+  const std::uint64_t judged = tally.judged.touches;
+  if (judged < arguments.least_judged) {
+    return "the work of " + std::to_string(judged) + " touches was judged, instead of " +
+           std::to_string(arguments.least_judged) + " at least";
+  }
+  if (!arguments.is_every_fault_due) return "";
+  std::string missing;
+  for (const std::string& name : campaign::never_struck(tally)) {
+    missing += (missing.empty() ? "never struck: " : ", ") + name;
+  }
+  return missing;
+}
+
 int run_all(const Arguments& arguments) {
   const thimble::linux::MonotonicClock clock;
   const thimble::MonotonicTime started = clock.now();
@@ -88,10 +104,9 @@ int run_all(const Arguments& arguments) {
                 outcome.tally.played_s / wall_s, outcome.tally.played_s / core_s());
   say(speed);
   if (!outcome.failure) {
-    const std::uint64_t judged = outcome.tally.judged.touches;
-    if (judged < arguments.least_judged) {
-      say("BLIND: the work of " + std::to_string(judged) + " touches was judged, instead of " +
-          std::to_string(arguments.least_judged) + " at least\n");
+    const std::string blind = blindness(arguments, outcome.tally);
+    if (!blind.empty()) {
+      say("BLIND: " + blind + "\n");
       return kExitBlind;
     }
     say("no rule was broken\n");
@@ -126,6 +141,8 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--least-judged", arguments.least_judged,
                  "Touches whose work must have been judged, or it ends in failure")
       ->check(refuse_less_than<0>);
+  app.add_flag("--every-fault", arguments.is_every_fault_due,
+               "Each kind of fault must have struck, or it ends in failure");
   app.add_flag("!--no-shrink", arguments.is_to_shrink, "Leave a failing episode as it is");
   app.add_flag("--quiet", arguments.is_quiet, "Say nothing before the end");
 }

@@ -59,4 +59,23 @@ std::string to_text(const Tally& tally) {
   return text;
 }
 
+std::vector<std::string> never_struck(const Tally& tally) {
+  std::vector<std::string> names;
+  const auto look = [&](std::string_view name, std::uint64_t n) {
+    if (n == 0) names.emplace_back(name);
+  };
+  for (std::size_t i = 0; i < kEventKindCount; ++i) {
+    const auto kind = static_cast<EventKind>(i);
+    if (!is_edit(kind)) look(to_string(kind), tally.events[i]);
+  }
+  for (std::size_t i = 0; i < sim::kHidFaultKindCount; ++i) {
+    look(kReportNames[i], tally.reports.by_kind[i]);
+  }
+  look("messages lost", tally.messages_lost);
+  look("messages duplicated", tally.messages_duplicated);
+  look("messages reordered", tally.messages_reordered);
+  look("lies of worlds", tally.lies);
+  return names;
+}
+
 }  // namespace thimble::campaign
