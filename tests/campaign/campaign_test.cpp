@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "sim/model/arm/register_arm_models.hpp"
+#include "tests/campaign/planted_breach.hpp"
 #include "tests/campaign/report.hpp"
 #include "tests/campaign/shrink.hpp"
 #include "tests/campaign/tapped_arm.hpp"
@@ -189,20 +190,7 @@ TEST(Episode, FindsAnArmThatIsAskedForTwiceTheForce) {
 }
 
 TEST(Campaign, NamesTheEpisodeThatBroke) {
-  Planted planted;
-  // Nobody may ever press the e-stop for longer than 30 ms.
-  class NoEstop final : public Invariant {
-    void see(const Observation& now, Findings& findings) override {
-      if (now.is_estop_healthy) since_ = now.servo.frame.now;
-      findings.at_most("e-stop pressed, s", seconds(now.servo.frame.now - since_), 0.03);
-    }
-    MonotonicTime since_{};
-  };
-  planted.invariants = [](const Bounds&) {
-    std::vector<std::unique_ptr<Invariant>> all;
-    all.push_back(std::make_unique<NoEstop>());
-    return all;
-  };
+  const Planted planted = planted_breach();
   const Order order{.ticks = 1'000'000, .seed = 1, .jobs = 2};
   const Outcome outcome = run(order, planted);
   ASSERT_TRUE(outcome.failure.has_value());

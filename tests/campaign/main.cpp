@@ -13,6 +13,7 @@
 #include "cli/numbers.hpp"
 #include "hal/linux/monotonic_clock.hpp"
 #include "tests/campaign/campaign.hpp"
+#include "tests/campaign/planted_breach.hpp"
 #include "tests/campaign/report.hpp"
 #include "tests/campaign/shrink.hpp"
 
@@ -24,12 +25,14 @@ constexpr int kExitKept = 0;
 constexpr int kExitBroken = 1;
 constexpr int kExitUsage = 2;
 constexpr int kExitBlind = 3;
+constexpr const char* kPlant = " --plant-breach";
 
 struct Arguments {
   campaign::Order order;
   std::optional<std::uint64_t> episode;
   std::uint64_t least_judged{0};
   bool is_every_fault_due{false};
+  bool is_breach_planted{false};
   bool is_to_shrink{true};
   bool is_quiet{false};
 };
@@ -39,14 +42,20 @@ void say(const std::string& text) {
   std::fflush(stdout);
 }
 
+campaign::Planted planted_of(const Arguments& arguments) {
+  return arguments.is_breach_planted ? campaign::planted_breach() : campaign::Planted{};
+}
+
 void say_failure(const Arguments& arguments, const campaign::Failure& failure) {
   const std::string replay = "./run campaign --seed " + std::to_string(arguments.order.seed) +
-                             " --episode " + std::to_string(failure.episode);
+                             " --episode " + std::to_string(failure.episode) +
+                             (arguments.is_breach_planted ? kPlant : "");
   say("\nBROKEN: " + campaign::to_text(*failure.ending.breach) + "\nreplay: " + replay + "\n");
   if (!arguments.is_to_shrink) return;
   say("shrinking ...\n");
-  const auto play = [](const campaign::Programme& programme) {
-    return campaign::play(programme).breach;
+  const campaign::Planted planted = planted_of(arguments);
+  const auto play = [&planted](const campaign::Programme& programme) {
+    return campaign::play(programme, planted).breach;
   };
   const auto shrunk = campaign::shrink(failure.programme, play);
   if (!shrunk) {
@@ -62,7 +71,7 @@ int run_one(const Arguments& arguments) {
   one.episode = *arguments.episode;
   one.programme = campaign::programme_of(arguments.order, one.episode);
   say(to_text(one.programme));
-  one.ending = campaign::play(one.programme);
+  one.ending = campaign::play(one.programme, planted_of(arguments));
   say(campaign::to_text(one.ending.tally) + "trace " + std::to_string(one.ending.trace) + "\n");
   if (!one.ending.breach) return kExitKept;
   say_failure(arguments, one);
@@ -96,7 +105,7 @@ int run_all(const Arguments& arguments) {
     told = clock.now();
     say(std::to_string(tally.ticks) + " of " + std::to_string(arguments.order.ticks) + " ticks\n");
   };
-  const campaign::Outcome outcome = campaign::run(arguments.order, {}, progress);
+  const campaign::Outcome outcome = campaign::run(arguments.order, planted_of(arguments), progress);
   const double wall_s = thimble::seconds(clock.now() - started);
   say(campaign::to_text(outcome.tally) + "trace " + std::to_string(outcome.trace) + "\n");
   char speed[160];
@@ -144,6 +153,8 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_flag("--every-fault", arguments.is_every_fault_due,
                "Each kind of fault must have struck, or it ends in failure");
   app.add_flag("!--no-shrink", arguments.is_to_shrink, "Leave a failing episode as it is");
+  // Of no use to a person: it shows what a campaign does that fails (test_replay.py).
+  app.add_flag("--plant-breach", arguments.is_breach_planted)->group("");
   app.add_flag("--quiet", arguments.is_quiet, "Say nothing before the end");
 }
 
