@@ -89,8 +89,8 @@ inline constexpr std::size_t kUsbQueuedPackets = 64;
 // newest wins; but a packet that the bus has taken is offered to the device until it is taken.
 // So who waits for the device's answer before the next submit() loses none.
 // There are no time-outs: a device that answers nothing is silent for ever, and whoever uses it
-// watches the age of what it hears. After a stall the bus clears the halt by itself; a transfer
-// that ended badly is counted, never repeated.
+// watches the age of what it hears. After a stall the bus clears the halt by itself, that of an IN
+// pipe perhaps some 50 ms later; a transfer that ended badly is counted, never repeated.
 //
 // Thread: all but counters() from one thread at a time (control plane while the driver opens,
 // then the servo); counters() from any.

@@ -17,6 +17,9 @@ using bus::UsbOutcome;
 constexpr std::size_t kPendingReads = 2;  // so that one is with the kernel while one is handled
 constexpr Duration kRetryAfter = std::chrono::milliseconds(1);  // a full-speed frame
 constexpr int kRetryPoll_ms = 1;
+// Clearing a halt may keep the kernel, and with it this thread, for 5 s (USB_CTRL_SET_TIMEOUT). An
+// arm that nothing is heard of is let go meanwhile: by then its ramp and zero are out.
+constexpr Duration kInputHaltRest = std::chrono::milliseconds(50);
 // A cancelled transfer comes back within a frame; the rest is patience with a bad hub.
 constexpr int kClosingPolls = 100;
 constexpr int kClosingPoll_ms = 10;
@@ -193,17 +196,29 @@ UsbTransfers::~UsbTransfers() {
 }
 
 void UsbTransfers::serve() noexcept {
-  for (const std::unique_ptr<Pipe>& pipe : pipes_) {
-    if (mail_->is_disconnected()) return;
-    if (pipe->is_halted) serve_halt(*pipe);
-    if (pipe->is_halted || clock_->now() < pipe->not_before) continue;
-    if (bus::is_usb_in(pipe->info.address)) {
-      serve_in(*pipe);
-    } else {
-      serve_out(*pipe);
+  serve_pipes(false);
+  if (!mail_->is_disconnected()) serve_control();
+  serve_pipes(true);
+}
+
+void UsbTransfers::serve_pipes(bool is_halted) noexcept {
+  for (const bool is_in : {false, true}) {
+    for (const std::unique_ptr<Pipe>& pipe : pipes_) {
+      if (mail_->is_disconnected()) return;
+      if (pipe->is_halted != is_halted || bus::is_usb_in(pipe->info.address) != is_in) continue;
+      serve_pipe(*pipe);
     }
   }
-  if (!mail_->is_disconnected()) serve_control();
+}
+
+void UsbTransfers::serve_pipe(Pipe& pipe) noexcept {
+  if (pipe.is_halted) serve_halt(pipe);
+  if (pipe.is_halted || clock_->now() < pipe.not_before) return;
+  if (bus::is_usb_in(pipe.info.address)) {
+    serve_in(pipe);
+  } else {
+    serve_out(pipe);
+  }
 }
 
 void UsbTransfers::serve_halt(Pipe& pipe) noexcept {
@@ -211,7 +226,10 @@ void UsbTransfers::serve_halt(Pipe& pipe) noexcept {
   const int code = ::libusb_clear_halt(handle_, pipe.info.address);
   if (code == LIBUSB_ERROR_NO_DEVICE) mail_->disconnect();
   pipe.is_halted = code != 0;
-  if (pipe.is_halted) pipe.not_before = clock_->now() + kRetryAfter;
+  if (!pipe.is_halted) return;
+  // Nothing leaves by a halted OUT pipe, so it waits no longer than it must.
+  const Duration rest = bus::is_usb_in(pipe.info.address) ? kInputHaltRest : kRetryAfter;
+  pipe.not_before = clock_->now() + rest;
 }
 
 void UsbTransfers::serve_in(Pipe& pipe) noexcept {
@@ -275,11 +293,14 @@ void UsbTransfers::ended_in(Transfer& transfer, UsbOutcome outcome) noexcept {
   const bool goes_on = outcome == UsbOutcome::Done || outcome == UsbOutcome::Babbled;
   if (outcome == UsbOutcome::Stalled && !pipe.is_halted) {
     pipe.is_halted = true;
+    pipe.not_before = now + kInputHaltRest;
     for (const std::unique_ptr<Transfer>& other : pipe.transfers) {
       if (other->is_under_way) ::libusb_cancel_transfer(&other->raw());
     }
   }
-  if (outcome == UsbOutcome::Failed) pipe.not_before = now + kRetryAfter;
+  if (outcome == UsbOutcome::Failed) {
+    pipe.not_before = std::max(pipe.not_before, now + kRetryAfter);
+  }
   if (goes_on && !pipe.is_halted && !submit(transfer)) pipe.not_before = now + kRetryAfter;
   mail_->finish_in(pipe.index, outcome, packet, now);
 }

@@ -24,8 +24,10 @@ namespace thimble::linux {
 // this one (libusb keeps a lock of the context while callbacks run).
 //
 // After a stall the other transfers of the pipe are taken back, the halt is cleared and they are
-// sent anew; after a failure on the wire the next try is 1 ms later. An unplugged device is told of
-// by its transfers, and by its node when there is none.
+// sent anew; after a failure on the wire the next try is 1 ms later. Clearing may block for
+// seconds, so it comes after everything else that can be handed over, output first, and for an IN
+// pipe 50 ms after the stall. An unplugged device is told of by its transfers, and by its node when
+// there is none.
 //
 // Thread: everything from the bus's own thread, once opened. Not RT: libusb allocates and locks for
 // each submission, and clearing a halt may block in the kernel.
@@ -63,6 +65,8 @@ class UsbTransfers {
                const Clock& clock) noexcept;
   [[nodiscard]] Result<void> start();
   [[nodiscard]] Result<void> allocate();
+  void serve_pipes(bool is_halted) noexcept;
+  void serve_pipe(Pipe& pipe) noexcept;
   void serve_halt(Pipe& pipe) noexcept;
   void serve_in(Pipe& pipe) noexcept;
   void serve_out(Pipe& pipe) noexcept;

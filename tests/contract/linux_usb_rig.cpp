@@ -77,6 +77,14 @@ class LinuxUsbBench final : public bus::BusEnumerator {
       clock.run_for(milliseconds(1));
     }
   }
+  void turn() {
+    if (open_ != nullptr) open_->turn();
+  }
+  // The thread is kept from what has happened until the next frame.
+  void run_frame_without_turns_after() {
+    turn();
+    wire.run_frame();
+  }
   // As often as a thread might that nothing holds up.
   void run_frame_in_no_time() {
     turn();
@@ -85,10 +93,6 @@ class LinuxUsbBench final : public bus::BusEnumerator {
   }
 
  private:
-  void turn() {
-    if (open_ != nullptr) open_->turn();
-  }
-
   ThreadlessDevice* open_{nullptr};
 };
 
@@ -169,9 +173,45 @@ TEST_F(UsbTransfersTest, TwoReadsArePendingAfterEveryTurn) {
 
 TEST_F(UsbTransfersTest, AHaltIsClearedOnceWithNothingPending) {
   bench.script->stalls_to_come.insert(kIn);
-  run_frames(3);
+  run_frames(100);
   EXPECT_EQ(bench.wire.halts_cleared(), 1);
   EXPECT_EQ(bench.wire.pending(), 2U);
+}
+
+TEST_F(UsbTransfersTest, AHaltOfAnInputRestsWhileOutputGoesOnAndIsClearedAfterTheOutputOfItsTurn) {
+  bench.script->stalls_to_come.insert(kIn);
+  run_frames(1);
+  for (std::uint8_t frame = 1; frame < 50; ++frame) {
+    EXPECT_EQ(sut->submit(kOut, pattern(16, frame)), IoStatus::Ok);
+    run_frames(1);
+    ASSERT_EQ(bench.wire.halts_cleared(), 0) << "the ramp to zero lasts 50 ms";
+  }
+  EXPECT_EQ(bench.script->received[kOut].size(), 49U);
+  sut->submit(kOut, pattern(16, 50));
+  run_frames(1);
+  EXPECT_EQ(bench.wire.halts_cleared(), 1);
+  EXPECT_EQ(bench.wire.outputs_at_last_clearing(), 1U) << "the kernel has it already";
+}
+
+// Clearing may keep the kernel for seconds, whichever way the halted pipe goes.
+TEST_F(UsbTransfersTest, AHaltedOutputIsClearedAtOnceButAfterAnotherOutput) {
+  sut.reset();
+  bus::UsbClaim claim;
+  claim.pipes.push_back({kOut, bus::UsbDelivery::Newest});
+  claim.pipes.push_back({UsbRig::kInterruptOut, bus::UsbDelivery::Newest});
+  sut = bench.open_usb(bench.address, claim).value();
+  bench.script->deaf.insert(UsbRig::kInterruptOut);
+  bench.script->stalls_to_come.insert(kOut);
+  sut->submit(kOut, pattern(16, 1));
+  bench.run_frame_without_turns_after();
+  bench.turn();
+  sut->submit(UsbRig::kInterruptOut, pattern(16, 2));
+  run_frames(1);
+  EXPECT_EQ(bench.wire.halts_cleared(), 1);
+  EXPECT_EQ(bench.wire.outputs_at_last_clearing(), 1U);
+  sut->submit(kOut, pattern(16, 3));
+  run_frames(1);
+  EXPECT_EQ(bench.script->received[kOut], std::vector<UsbRig::Packet>{pattern(16, 3)});
 }
 
 TEST_F(UsbTransfersTest, ASpoiltReadIsCountedAndTriedAgainNoMoreThanOnceAFrame) {

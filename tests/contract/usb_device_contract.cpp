@@ -14,6 +14,9 @@ constexpr std::uint8_t kBulkOut = UsbRig::kBulkOut;
 constexpr std::uint8_t kInterruptIn = UsbRig::kInterruptIn;
 constexpr std::uint8_t kInterruptOut = UsbRig::kInterruptOut;
 
+// More than an input may rest after a stall.
+constexpr int kHaltedFrames = 100;
+
 Packet bytes_of(const bus::UsbPacket& packet) {
   return {packet.payload().begin(), packet.payload().end()};
 }
@@ -251,7 +254,7 @@ TEST_P(UsbDeviceContract, WhatNoPipeCanCarryIsRefusedAndNotSent) {
 TEST_P(UsbDeviceContract, AStalledInputIsCountedAndGoesOn) {
   rig->device_stalls_once(kBulkIn);
   rig->device_sends(kBulkIn, pattern(16, 1));
-  run_frames(10);
+  run_frames(kHaltedFrames);
   EXPECT_EQ(read_all(kBulkIn), std::vector<Packet>{pattern(16, 1)});
   EXPECT_EQ(sut->counters(kBulkIn).stalls, 1U);
   EXPECT_EQ(sut->counters(kBulkIn).packets_in, 1U);
@@ -375,10 +378,14 @@ TEST_P(UsbDeviceContract, TheCountersBalanceUnderRandomTraffic) {
     }
   }
   rig->set_deaf(kBulkOut, false);
-  for (int frame = 0; frame < 400; ++frame) {
+  const auto is_all_told = [&] {
+    return read.size() == sent.size() && sut->counters(kBulkIn).stalls == stalls;
+  };
+  for (int frame = 0; frame < 20000 && !is_all_told(); ++frame) {
     run_frames(1);
     drain();
   }
+  run_frames(5);
 
   EXPECT_EQ(read, sent);
   const bus::UsbCounters in = sut->counters(kBulkIn);

@@ -60,8 +60,12 @@ struct FakeLibusb {
     FakeUsbWire& wire = *handle.wire;
     if (wire.is_gone_) return LIBUSB_ERROR_NO_DEVICE;
     if (handle.context->is_in_callback) wire.breach("a halt was cleared within a callback");
+    wire.outputs_at_last_clearing_ = 0;
     for (const libusb_transfer* transfer : wire.pending_) {
       if (transfer->endpoint == endpoint) wire.breach("a halt was cleared under a transfer");
+      if (transfer->endpoint != 0 && !bus::is_usb_in(transfer->endpoint)) {
+        ++wire.outputs_at_last_clearing_;
+      }
     }
     wire.halted_.erase(endpoint);
     ++wire.halts_cleared_;
@@ -225,6 +229,11 @@ std::size_t FakeUsbWire::pending() const {
 int FakeUsbWire::halts_cleared() const {
   const Guard guard(fake().lock);
   return halts_cleared_;
+}
+
+std::size_t FakeUsbWire::outputs_at_last_clearing() const {
+  const Guard guard(fake().lock);
+  return outputs_at_last_clearing_;
 }
 
 }  // namespace thimble::test

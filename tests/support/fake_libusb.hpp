@@ -44,6 +44,8 @@ class FakeUsbWire {
   [[nodiscard]] static int alive();
   [[nodiscard]] std::size_t pending() const;
   [[nodiscard]] int halts_cleared() const;
+  // Transfers of OUT endpoints that were pending when a halt was cleared last.
+  [[nodiscard]] std::size_t outputs_at_last_clearing() const;
 
  private:
   friend struct FakeLibusb;
@@ -65,6 +67,7 @@ class FakeUsbWire {
   int reads_to_spoil_{0};
   int submissions_to_refuse_{0};
   int halts_cleared_{0};
+  std::size_t outputs_at_last_clearing_{0};
   bool is_claimed_{false};
   bool is_gone_{false};
 };
