@@ -9,6 +9,8 @@ namespace thimble::world {
 namespace {
 
 constexpr int kGzipOnly = 15 + 16;  // zlib.h, inflateInit2: window of 32 KiB, gzip's header
+// RFC 1952, ID1 and ID2: zlib refuses what does not begin with them before it takes a third byte.
+constexpr uLong kMagicBytes = 2;
 
 [[nodiscard]] tl::unexpected<Error> refused(int code, const char* why) {
   if (code == Z_MEM_ERROR) return fail(Errc::System, "data: gzip: out of memory");
@@ -19,8 +21,9 @@ constexpr int kGzipOnly = 15 + 16;  // zlib.h, inflateInit2: window of 32 KiB, g
 
 struct GunzipStream::State {
   z_stream stream{};
-  bool is_open{false};    // inflateInit2() worked
-  bool is_within{false};  // a member has begun and not ended
+  bool is_open{false};     // inflateInit2() worked
+  bool is_within{false};   // a member has begun and not ended
+  bool has_member{false};  // one has ended
 };
 
 GunzipStream::GunzipStream(BufferedSource& packed)
@@ -65,6 +68,9 @@ Result<std::size_t> GunzipStream::read(std::span<std::byte> out) {
     done += room - stream.avail_out;
     if (code == Z_STREAM_END) {
       state_->is_within = false;
+      state_->has_member = true;
+    } else if (code == Z_DATA_ERROR && state_->has_member && stream.total_in <= kMagicBytes) {
+      return fail(Errc::Malformed, "data: gzip: other bytes follow behind its end");
     } else if (code != Z_OK) {
       return refused(code, stream.msg);
     }

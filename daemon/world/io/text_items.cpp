@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <string>
 #include <string_view>
 
@@ -53,9 +55,24 @@ constexpr std::size_t kMaxWordBytes = 64;
   return word;
 }
 
+[[nodiscard]] int bits_of(ItemType type) noexcept { return static_cast<int>(8 * type.bytes); }
+
+// As NRRD writes it, and what it can hold.
+[[nodiscard]] std::string name_of(ItemType type) {
+  if (type.kind == ItemKind::Float) return type.bytes == 8 ? "a double" : "a float";
+  const int bits = bits_of(type);
+  if (type.kind == ItemKind::Signed) {
+    const std::int64_t high = std::numeric_limits<std::int64_t>::max() >> (64 - bits);
+    return "an int" + std::to_string(bits) + ", whole from " + std::to_string(-high - 1) + " to " +
+           std::to_string(high);
+  }
+  const std::uint64_t high = std::numeric_limits<std::uint64_t>::max() >> (64 - bits);
+  return "a uint" + std::to_string(bits) + ", whole from 0 to " + std::to_string(high);
+}
+
 [[nodiscard]] bool can_hold(ItemType type, double value) noexcept {
   if (type.kind == ItemKind::Float) return true;
-  const auto bits = static_cast<int>(8 * type.bytes);
+  const int bits = bits_of(type);
   const bool is_signed = type.kind == ItemKind::Signed;
   const double low = is_signed ? -std::ldexp(1.0, bits - 1) : 0;
   // The largest 64-bit numbers are rounded up to a power of two.
@@ -79,7 +96,8 @@ Result<void> read_text_items(BufferedSource& text, ItemType type, VolumeWriter& 
     std::array<double, 1> value{};
     if (word->size() > kMaxWordBytes || !parse_number(*word, value[0]) ||
         !can_hold(type, value[0])) {
-      return fail(Errc::Malformed, place() + ": " + quoted(*word) + " is none of its type");
+      return fail(Errc::Malformed,
+                  place() + ": expected " + name_of(type) + ", found " + quoted(*word));
     }
     if (auto put = writer.put(value); !put) return put;
   }

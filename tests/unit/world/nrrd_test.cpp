@@ -130,7 +130,7 @@ TEST(Nrrd, SkipsLinesBeforeAndBytesAfterUnpacking) {
   expect_one_cell(load(bytes.file()));
   bytes.more = "byte skip: 1000\n";
   bytes.data = gzipped("short") + std::string(8, 'x');
-  EXPECT_EQ(error_of(load(bytes.file())), "data: gzip: incorrect header check");
+  EXPECT_EQ(error_of(load(bytes.file())), "data: gzip: other bytes follow behind its end");
   bytes.data = gzipped("short");
   EXPECT_EQ(error_of(load(bytes.file())), "byte skip: the data has 5 bytes to skip, expected 1000");
 }
@@ -176,14 +176,17 @@ TEST(Nrrd, SaysWhatTheDataLacks) {
   EXPECT_EQ(error_of(load(bytes.file())),
             "data: the file has 23 bytes for it, sizes ask for at least 47");
   bytes.data = std::string(50, ' ') + "0 1 1.5";
-  EXPECT_EQ(error_of(load(bytes.file())), "data: number 3: '1.5' is none of its type");
+  EXPECT_EQ(error_of(load(bytes.file())),
+            "data: number 3: expected a uint8, whole from 0 to 255, found '1.5'");
   bytes.data = std::string(50, ' ') + "0 1 256";
-  EXPECT_EQ(error_of(load(bytes.file())), "data: number 3: '256' is none of its type");
+  EXPECT_EQ(error_of(load(bytes.file())),
+            "data: number 3: expected a uint8, whole from 0 to 255, found '256'");
   bytes.data = std::string(50, ' ') + "0 1";
   EXPECT_EQ(error_of(load(bytes.file())), "data: number 3 of 24 is missing");
   bytes.data = std::string(50, ' ') + std::string(200000, '1');
-  EXPECT_EQ(error_of(load(bytes.file())),
-            "data: number 1: '111111111111111111111111...' is none of its type");
+  EXPECT_EQ(
+      error_of(load(bytes.file())),
+      "data: number 1: expected a uint8, whole from 0 to 255, found '111111111111111111111111...'");
 }
 
 TEST(Nrrd, SaysWhatPackedDataLack) {
@@ -234,6 +237,39 @@ TEST(Nrrd, ABombIsUnpackedNoFurtherThanItsSizes) {
   bytes.encoding = "gzip";
   bytes.data = gzipped(std::string(10000000, '\0'));
   EXPECT_EQ(error_of(load(bytes.file())), "data: holds more than the 24 bytes that sizes ask for");
+}
+
+TEST(Nrrd, SaysThatOtherBytesFollowPackedData) {
+  NrrdBytes bytes = one_cell();
+  bytes.encoding = "gzip";
+  const std::string packed = gzipped(bytes.data);
+  for (const std::string& rest :
+       {std::string(600, '\0'), std::string("\x1f \x8b"), std::string("PK\3\4")}) {
+    bytes.data = packed + rest;
+    EXPECT_EQ(error_of(load(bytes.file())), "data: gzip: other bytes follow behind its end")
+        << rest;
+  }
+}
+
+TEST(Nrrd, SaysWhatATypeCanHold) {
+  struct Case {
+    const char* type;
+    const char* number;
+    const char* says;
+  };
+  for (const auto& [type, number, says] :
+       {Case{"int8", "128", "an int8, whole from -128 to 127"},
+        Case{"uint16", "-1", "a uint16, whole from 0 to 65535"},
+        Case{"int64", "1e19", "an int64, whole from -9223372036854775808 to 9223372036854775807"},
+        Case{"uint64", "2e19", "a uint64, whole from 0 to 18446744073709551615"},
+        Case{"float", "one", "a float"}, Case{"double", "1,5", "a double"}}) {
+    NrrdBytes bytes = one_cell();
+    bytes.type = type;
+    bytes.encoding = "text";
+    bytes.data = std::string(50, ' ') + number;
+    EXPECT_EQ(error_of(load(bytes.file())),
+              std::string("data: number 1: expected ") + says + ", found '" + number + "'");
+  }
 }
 
 TEST(Nrrd, DamagedGzipIsAnError) {
