@@ -8,6 +8,7 @@
 #include <cerrno>
 
 #include "cli/text.hpp"
+#include "daemon/config/socket_place.hpp"
 
 namespace thimble::cli {
 namespace {
@@ -69,6 +70,14 @@ Result<std::unique_ptr<Client>> Client::connect(const std::string& socket_path,
     return fail(Errc::InvalidArgument,
                 "a socket cannot have the path \"" + plain(socket_path) + "\"");
   }
+  // What is sent to a stranger they may tell otherwise, and what they answer is no arm's.
+  const auto place = config::check_socket_place(socket_path);
+  if (!place && place.error().code == Errc::NotFound) {
+    return refusal(
+        boost::system::errc::make_error_code(boost::system::errc::no_such_file_or_directory),
+        socket_path);
+  }
+  if (!place) return fail(place.error().code, plain(place.error().message));
   std::unique_ptr<Client> out(new Client);
   boost::system::error_code error;
   const boost::asio::local::stream_protocol::endpoint endpoint(socket_path);

@@ -28,7 +28,8 @@ struct Reply {
 //
 // Thread: one. Not RT; every call ends within its timeout.
 // Errors: connect() says NotFound when no daemon listens at the path, Timeout when it does not
-//         accept; request() says Disconnected when it has ended, Timeout when it does not answer,
+//         accept, Permission where the place is a stranger's (check_socket_place): nobody is asked
+//         there; request() says Disconnected when it has ended, Timeout when it does not answer,
 //         Malformed when what it answers is no HTTP, or longer than a daemon's answer.
 class Client {
  public:

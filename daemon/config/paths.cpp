@@ -7,6 +7,8 @@
 #include <optional>
 #include <string_view>
 
+#include "daemon/config/socket_place.hpp"
+
 namespace thimble::config {
 namespace {
 
@@ -56,10 +58,12 @@ std::string client_socket_path(const Environment& environment,
   return is_there(kServiceFolder) ? std::string(kServiceFolder).append(kSocketName) : own;
 }
 
+bool is_there_and_no_strangers(const std::string& path) {
+  return ::access(path.c_str(), F_OK) == 0 && check_socket_place(path);
+}
+
 std::string client_socket_path() {
-  return client_socket_path(process_environment(), [](const std::string& path) {
-    return ::access(path.c_str(), F_OK) == 0;
-  });
+  return client_socket_path(process_environment(), is_there_and_no_strangers);
 }
 
 std::string default_flight_directory(const Environment& environment) {

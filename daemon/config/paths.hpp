@@ -27,6 +27,8 @@ struct Environment {
 // and so the folder is asked for, which the service manager removes with the service.
 [[nodiscard]] std::string client_socket_path(
     const Environment& environment, const std::function<bool(const std::string&)>& is_there);
+// The `is_there` of this machine: what a stranger may have put there is not (check_socket_place).
+[[nodiscard]] bool is_there_and_no_strangers(const std::string& path);
 // For the calling process. Thread: as process_environment().
 [[nodiscard]] std::string client_socket_path();
 

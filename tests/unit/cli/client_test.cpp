@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <boost/asio/write.hpp>
 #include <thread>
@@ -74,6 +76,21 @@ TEST_F(ClientTest, BringsTheSentenceOfARefusal) {
   ASSERT_TRUE(reply);
   EXPECT_EQ(reply->http_status, 409U);
   EXPECT_EQ(parse_error_message(reply->body, ""), "the stop is still pressed");
+}
+
+TEST_F(ClientTest, AsksNobodyInAPlaceThatAStrangerMayHaveTaken) {
+  ASSERT_EQ(::chmod(folder_.path().c_str(), 01777), 0);
+  EXPECT_TRUE(Client::connect(path_)) << "the socket is the caller's own";
+  const auto missing = Client::connect(folder_ / "none.sock");
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.error().code, Errc::NotFound);
+  EXPECT_THAT(missing.error().message, HasSubstr("no daemon is running at"));
+  if (::geteuid() != 0) GTEST_SKIP() << "only root can give a socket to somebody else";
+  ASSERT_EQ(::chown(path_.c_str(), 1001, 1001), 0);
+  const auto theirs = Client::connect(path_);
+  ASSERT_FALSE(theirs);
+  EXPECT_EQ(theirs.error().code, Errc::Permission);
+  EXPECT_THAT(theirs.error().message, HasSubstr(path_ + " belongs to another user"));
 }
 
 TEST_F(ClientTest, NoticesTheEndOfTheDaemon) {

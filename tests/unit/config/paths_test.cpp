@@ -1,11 +1,14 @@
 #include "daemon/config/paths.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <set>
 #include <string>
 
 #include "daemon/config/endpoint.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace thimble::config {
 namespace {
@@ -50,6 +53,23 @@ TEST_F(ClientSocketPath, IsTheServicesWhereNobodysDaemonRuns) {
 
 TEST_F(ClientSocketPath, IsTheOwnWhereNothingRuns) {
   EXPECT_EQ(path(), "/run/user/7/thimble.sock");
+}
+
+// Anybody may make /tmp/thimble-UID before its user does.
+TEST_F(ClientSocketPath, IsTheServicesWhereAStrangerTookTheOwn) {
+  if (::geteuid() != 0) GTEST_SKIP() << "only root can give a folder to somebody else";
+  const testing_support::TemporaryFolder folder;
+  ASSERT_EQ(::chmod(folder.path().c_str(), 01777), 0);
+  const std::string own = folder.write("thimble-7/thimble.sock", "");
+  sut_.variables["XDG_RUNTIME_DIR"] = folder / "thimble-7";
+  const auto chosen = [&] {
+    return client_socket_path(sut_, [](const std::string& path) {
+      return path == "/run/thimble" || is_there_and_no_strangers(path);
+    });
+  };
+  EXPECT_EQ(chosen(), own);
+  ASSERT_EQ(::chown((folder / "thimble-7").c_str(), 1001, 1001), 0);
+  EXPECT_EQ(chosen(), "/run/thimble/thimble.sock");
 }
 
 TEST_F(ClientSocketPath, IsWhatThePersonSaysWhateverIsThere) {
