@@ -1,13 +1,14 @@
 #include "drivers/falcon/firmware_image.hpp"
 
+#include <fcntl.h>
 #include <sodium.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
-#include <fstream>
+#include <cerrno>
 #include <string_view>
-#include <system_error>
 
 #include "drivers/falcon/falcon_wire.hpp"
 
@@ -37,27 +38,54 @@ bool is_known(std::string_view sha256) {
                      [&](const wire::FirmwareImage& image) { return image.sha256 == sha256; });
 }
 
-// A file only: a pipe would be waited for.
-Result<std::vector<std::uint8_t>> read_file(const std::string& path) {
-  std::error_code error;
-  const std::filesystem::file_status status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) {
+// Closed at the end of its life.
+class OpenFile {
+ public:
+  explicit OpenFile(const std::string& path)
+      : descriptor_(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY)) {}
+  ~OpenFile() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+  [[nodiscard]] int descriptor() const { return descriptor_; }
+
+ private:
+  int descriptor_;
+};
+
+tl::unexpected<Error> fail_to_open(const std::string& path, int code) {
+  if (code == ENOENT || code == ENOTDIR) {
     return fail(Errc::NotFound,
                 "there is no firmware at '" + path + "'" + std::string(kHowToGetIt));
   }
-  if (!std::filesystem::is_regular_file(status)) {
-    return fail(Errc::InvalidArgument, "'" + path + "' is not a regular file");
+  if (code == ENXIO) return fail(Errc::InvalidArgument, "'" + path + "' is not a regular file");
+  return fail(Errc::Permission, "'" + path + "' cannot be read by this process");
+}
+
+// A file only: a pipe would be waited for. What is opened is looked at, and not its name, at which
+// something else may be in the meantime; open() itself waits for no pipe with O_NONBLOCK (open(2)).
+Result<std::vector<std::uint8_t>> read_file(const std::string& path) {
+  const OpenFile file(path);
+  if (file.descriptor() < 0) return fail_to_open(path, errno);
+  struct stat info {};
+  if (::fstat(file.descriptor(), &info) != 0 || !S_ISREG(info.st_mode)) {
+    return fail_to_open(path, ENXIO);
   }
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return fail(Errc::Permission, "'" + path + "' cannot be read by this process");
   std::vector<std::uint8_t> bytes(kMaxImageBytes + 1);
-  file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  if (file.bad()) return fail(Errc::System, "reading '" + path + "' failed");
-  bytes.resize(static_cast<std::size_t>(file.gcount()));
-  if (bytes.size() > kMaxImageBytes) {
+  std::size_t size = 0;
+  while (size < bytes.size()) {
+    const ssize_t got = ::read(file.descriptor(), bytes.data() + size, bytes.size() - size);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return fail(Errc::System, "reading '" + path + "' failed");
+    if (got == 0) break;
+    size += static_cast<std::size_t>(got);
+  }
+  if (size > kMaxImageBytes) {
     return fail(Errc::TooLarge,
                 "'" + path + "' is longer than 64 KiB and so no firmware of a Falcon");
   }
+  bytes.resize(size);
   return bytes;
 }
 

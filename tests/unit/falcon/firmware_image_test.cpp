@@ -1,12 +1,16 @@
 #include "drivers/falcon/firmware_image.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cctype>
+#include <cstdio>
 #include <string>
 #include <string_view>
+#include <thread>
 
 #include "drivers/falcon/falcon_wire.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -86,6 +90,29 @@ TEST(FirmwareImage, OnlyARegularFileIsRead) {
     ASSERT_FALSE(image) << path;
     EXPECT_EQ(image.error().code, Errc::InvalidArgument) << path;
   }
+}
+
+// Whoever may write the folder can put a pipe there after any look at the name: then opening it
+// would never return.
+TEST(FirmwareImage, IsNotWaitedForWhereAPipeTakesItsPlace) {
+  const TemporaryFolder folder;
+  const std::string text = image_text();
+  const std::string path = folder.write("falcon.bin", text);
+  const std::string sum = sha256_of(bytes_of(text));
+  const std::string pipe = folder / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  std::atomic<bool> is_done{false};
+  std::thread stranger([&] {
+    while (!is_done) ::renameat2(AT_FDCWD, path.c_str(), AT_FDCWD, pipe.c_str(), RENAME_EXCHANGE);
+  });
+  for (int i = 0; i < 20000; ++i) {
+    const auto image = load_image(path, sum);
+    if (!image) {
+      EXPECT_EQ(image.error().code, Errc::InvalidArgument) << image.error().message;
+    }
+  }
+  is_done = true;
+  stranger.join();
 }
 
 TEST(FirmwareImage, NoMoreThanItsBoundIsRead) {
