@@ -96,8 +96,10 @@ inline constexpr std::size_t kUsbQueuedPackets = 64;
 // then the servo); counters() from any.
 // RT: all THIMBLE_RT_IO: an exchange with the bus's mailboxes, at most one non-blocking system
 //     call (a wake-up of the bus's thread), never a wait, no allocation.
-// Ownership: closing is the destructor's: it cancels what is pending, and the device ends silent;
-//     the enumerator must outlive it.
+// Ownership: closing is the destructor's. Of what was submitted before it the newest packet of each
+//     OUT pipe is still sent, if the device takes it within 20 ms; a simulated bus, on which no
+//     time passes meanwhile, drops it. Then what is pending is cancelled, and the device ends
+//     silent. The enumerator must outlive it.
 // Errors: IoStatus::Disconnected latches; unplugging shows here, whatever the enumerator says and
 //     when. What arrived before it and was not read is lost.
 class UsbDevice {

@@ -56,6 +56,9 @@ void UsbDevice::run() noexcept {
     wake_->drain();
     transfers_->handle_events();
   }
+  // The last is the newest that the servo wanted, zero after a fault: the arm must not be left with
+  // an older one.
+  transfers_->send_last();
 }
 
 }  // namespace thimble::linux

@@ -16,7 +16,8 @@ namespace thimble::linux {
 // A USB device of this machine, with a bus I/O thread of its own that does whatever may block.
 //
 // Thread, RT: as bus::UsbDevice: submit() and start_control() write to one eventfd, read() and
-// read_control() make no system call. Ownership: as UsbTransfers; closing joins the thread.
+// read_control() make no system call. Ownership: as UsbTransfers; closing joins the thread, which
+// sends the newest of what was submitted first: see UsbTransfers::send_last().
 // Errors: as bus::UsbDevice and UsbTransfers::open(); those of RealtimeThread::start().
 class UsbDevice final : public bus::UsbMailboxes {
  public:

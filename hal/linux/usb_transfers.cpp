@@ -23,6 +23,9 @@ constexpr Duration kInputHaltRest = std::chrono::milliseconds(50);
 // A cancelled transfer comes back within a frame; the rest is patience with a bad hub.
 constexpr int kClosingPolls = 100;
 constexpr int kClosingPoll_ms = 10;
+// How long closing waits for a write, twice: one that the device takes ends within a frame or two.
+constexpr int kLastPolls = 20;
+constexpr int kLastPoll_ms = 1;
 constexpr std::size_t kMostDescriptors = 8;  // libusb has three: node, wake-up, timer
 
 Error usb_error(const char* what, int code) {
@@ -359,6 +362,26 @@ void UsbTransfers::wait(int wake) noexcept {
   for (std::size_t i = 1; i < count; ++i) {
     // What usbfs says of a device that is gone, also when no transfer is there to tell.
     if ((polled[i].revents & POLLERR) != 0) mail_->disconnect();
+  }
+}
+
+void UsbTransfers::send_last() noexcept {
+  await_outputs();
+  for (const std::unique_ptr<Pipe>& pipe : pipes_) {
+    if (!mail_->is_disconnected() && !bus::is_usb_in(pipe->info.address)) serve_pipe(*pipe);
+  }
+  await_outputs();
+}
+
+void UsbTransfers::await_outputs() noexcept {
+  const auto is_any_under_way = [&] {
+    return std::any_of(pipes_.begin(), pipes_.end(), [](const std::unique_ptr<Pipe>& pipe) {
+      return !bus::is_usb_in(pipe->info.address) && !pipe->is_idle();
+    });
+  };
+  for (int i = 0; i < kLastPolls && is_any_under_way(); ++i) {
+    handle_events();
+    if (is_any_under_way()) ::poll(nullptr, 0, kLastPoll_ms);
   }
 }
 

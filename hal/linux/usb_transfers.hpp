@@ -52,6 +52,10 @@ class UsbTransfers {
   void wait(int wake) noexcept;
   // Brings home what has ended. Never waits.
   void handle_events() noexcept;
+  // Before closing: the newest packet that waits for each OUT pipe, once what is under way has
+  // ended. Waits at most 20 ms for that and as long for the end of the last; a pipe that still has
+  // one under way then gets no other. A halt of an OUT pipe is cleared, which may block.
+  void send_last() noexcept;
 
  private:
   class Transfer;
@@ -77,6 +81,7 @@ class UsbTransfers {
   void ended_out(Transfer& transfer, bus::UsbOutcome outcome) noexcept;
   void ended_control(Transfer& transfer, bus::UsbOutcome outcome) noexcept;
   void cancel_all() noexcept;
+  void await_outputs() noexcept;
   [[nodiscard]] bool has_to_try_again() const noexcept;
 
   int node_;

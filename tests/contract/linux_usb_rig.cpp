@@ -17,7 +17,7 @@ using std::chrono::milliseconds;
 
 class LinuxUsbBench;
 
-// linux::UsbDevice without its thread.
+// linux::UsbDevice without its thread, but with its way of closing.
 class ThreadlessDevice final : public bus::UsbMailboxes {
  public:
   ThreadlessDevice(LinuxUsbBench& bench, std::span<const bus::UsbOpenPipe> pipes)
@@ -96,7 +96,10 @@ class LinuxUsbBench final : public bus::BusEnumerator {
   ThreadlessDevice* open_{nullptr};
 };
 
-ThreadlessDevice::~ThreadlessDevice() { bench_->forget(*this); }
+ThreadlessDevice::~ThreadlessDevice() {
+  bench_->forget(*this);
+  if (transfers_ != nullptr) transfers_->send_last();
+}
 
 class LinuxUsbRig final : public UsbRig {
  public:
@@ -239,6 +242,37 @@ TEST_F(UsbTransfersTest, ASubmissionThatIsRefusedIsCountedAndInputGoesOn) {
   run_frames(10);
   EXPECT_EQ(bench.wire.pending(), 2U);
   EXPECT_EQ(read_all(), 2);
+  EXPECT_EQ(bench.script->received[kOut].size(), 1U);
+}
+
+TEST_F(UsbTransfersTest, ClosingSendsTheNewestAfterWhatIsUnderWay) {
+  sut->submit(kOut, pattern(16, 1));
+  bench.run_frame_without_turns_after();
+  sut->submit(kOut, pattern(16, 2));
+  sut->submit(kOut, pattern(16, 3));
+  bench.wire.run_frames_by_events();
+  sut.reset();
+  EXPECT_EQ(bench.script->received[kOut],
+            (std::vector<UsbRig::Packet>{pattern(16, 1), pattern(16, 3)}));
+}
+
+TEST_F(UsbTransfersTest, ClosingSendsTheNewestAfterOneThatStalled) {
+  bench.script->stalls_to_come.insert(kOut);
+  sut->submit(kOut, pattern(16, 1));
+  bench.run_frame_without_turns_after();
+  sut->submit(kOut, pattern(16, 2));
+  bench.wire.run_frames_by_events();
+  sut.reset();
+  EXPECT_EQ(bench.script->received[kOut], std::vector<UsbRig::Packet>{pattern(16, 2)});
+}
+
+TEST_F(UsbTransfersTest, ClosingSendsNothingTwiceAndNothingToADeviceThatIsGone) {
+  sut->submit(kOut, pattern(16, 1));
+  run_frames(2);
+  bench.wire.run_frames_by_events();
+  bench.wire.unplug();
+  sut->submit(kOut, pattern(16, 2));
+  sut.reset();
   EXPECT_EQ(bench.script->received[kOut].size(), 1U);
 }
 

@@ -111,12 +111,36 @@ TEST_F(UsbDeviceTest, AnUnplugShowsInBandAndClosingJoins) {
 }
 
 TEST_F(UsbDeviceTest, OpeningAndClosingInAHurryLeaksNothing) {
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < 50; ++i) {
     const auto sut = open().value();
     sut->submit(kOut, Packet(16, 1));
     if (i % 2 == 0) wire.run_frame();
   }
   EXPECT_EQ(FakeUsbWire::alive(), 0);
+}
+
+TEST_F(UsbDeviceTest, TheNewestThatWasSubmittedStillReachesTheDeviceWhenItIsClosed) {
+  wire.run_frames_by_events();
+  for (std::uint8_t i = 0; i < 100; ++i) {
+    auto sut = open().value();
+    sut->submit(kOut, Packet(16, 200));
+    sut->submit(kOut, Packet(16, i));
+    sut.reset();
+    ASSERT_FALSE(script->received[kOut].empty());
+    ASSERT_EQ(script->received[kOut].back(), Packet(16, i));
+  }
+}
+
+// The device takes nothing, or refuses: closing does not wait for ever, and is silent afterwards.
+TEST_F(UsbDeviceTest, ClosingDoesNotWaitForADeviceThatTakesNothing) {
+  wire.run_frames_by_events();
+  script->deaf.insert(kOut);
+  auto sut = open().value();
+  sut->submit(kOut, Packet(16, 1));
+  sut.reset();
+  script->deaf.clear();
+  wire.run_frame();
+  EXPECT_TRUE(script->received[kOut].empty());
 }
 
 TEST_F(UsbDeviceTest, ARefusalNamesTheDevice) {

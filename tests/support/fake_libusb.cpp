@@ -75,6 +75,7 @@ struct FakeLibusb {
   static void handle_events(libusb_context& context) {
     if (context.wire == nullptr) return;
     FakeUsbWire& wire = *context.wire;
+    if (wire.is_run_by_events_) wire.run_frame();
     eventfd_t events = 0;
     ::eventfd_read(wire.event_, &events);
     // Not at once: the kernel gives a cancelled transfer back in its own time.
@@ -199,6 +200,11 @@ void FakeUsbWire::unplug() {
   const Guard guard(fake().lock);
   is_gone_ = true;
   while (!pending_.empty()) end(*pending_.front(), LIBUSB_TRANSFER_NO_DEVICE, 0);
+}
+
+void FakeUsbWire::run_frames_by_events() {
+  const Guard guard(fake().lock);
+  is_run_by_events_ = true;
 }
 
 void FakeUsbWire::spoil_next_reads(int reads) {

@@ -32,6 +32,9 @@ class FakeUsbWire {
   [[nodiscard]] int open_node();
   // One millisecond: each pending transfer meets the device.
   void run_frame();
+  // From now on whoever handles libusb's events passes a frame first: for what waits in the
+  // product.
+  void run_frames_by_events();
   // Those that are pending come back with NO_DEVICE, and so does everything later.
   void unplug();
   // The next reads end so: spoilt on the wire.
@@ -68,6 +71,7 @@ class FakeUsbWire {
   int submissions_to_refuse_{0};
   int halts_cleared_{0};
   std::size_t outputs_at_last_clearing_{0};
+  bool is_run_by_events_{false};
   bool is_claimed_{false};
   bool is_gone_{false};
 };
