@@ -1,6 +1,7 @@
 #include "hal/linux/bus_enumerator.hpp"
 
 #include <fcntl.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -65,10 +66,19 @@ Result<FoundDevice> BusEnumerator::find(const bus::DeviceAddress& address, bus::
   return fail(Errc::NotFound, "no device at " + address.text);
 }
 
+Result<void> BusEnumerator::check_same(const FoundDevice& opened) const {
+  if (is_among(opened, scan_.devices())) return {};
+  return fail(Errc::NotFound, opened.info.address.text + ": it was unplugged while it was opened");
+}
+
 Result<std::unique_ptr<bus::HidDevice>> BusEnumerator::open_hid(const bus::DeviceAddress& address) {
   const Result<FoundDevice> found = find(address, bus::BusKind::Hid);
   if (!found.has_value()) return tl::unexpected(found.error());
-  return hids_.open(found->node, found->info);
+  Result<std::unique_ptr<bus::HidDevice>> device = hids_.open(found->node, found->info);
+  if (!device.has_value()) return device;
+  const Result<void> same = check_same(found.value());
+  if (!same.has_value()) return tl::unexpected(same.error());
+  return device;
 }
 
 Result<std::unique_ptr<bus::UsbDevice>> BusEnumerator::open_usb(const bus::DeviceAddress& address,
@@ -77,6 +87,10 @@ Result<std::unique_ptr<bus::UsbDevice>> BusEnumerator::open_usb(const bus::Devic
   if (!found.has_value()) return tl::unexpected(found.error());
   const int node = ::open(found->node.c_str(), O_RDWR | O_CLOEXEC);
   if (node < 0) return tl::unexpected(node_error(found->node, errno).in(address.text));
+  if (const Result<void> same = check_same(found.value()); !same.has_value()) {
+    ::close(node);
+    return tl::unexpected(same.error());
+  }
   return UsbDevice::open(node, found->info, claim, settings_.clock, settings_.thread,
                          settings_.process);
 }

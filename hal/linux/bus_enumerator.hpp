@@ -34,6 +34,8 @@ class BusEnumerator final : public bus::BusEnumerator {
  private:
   void note_changes();
   [[nodiscard]] Result<FoundDevice> find(const bus::DeviceAddress& address, bus::BusKind kind);
+  // NotFound when what was opened by the name of its node is no longer what it was.
+  [[nodiscard]] Result<void> check_same(const FoundDevice& opened) const;
 
   BusSettings settings_;
   UdevScan scan_;

@@ -196,6 +196,27 @@ TEST_F(LinuxEnumerator, WhatIsToldAddsUpToWhatIsListed) {
   }
 }
 
+// The kernel gives the name of a node that is free to whatever comes next.
+TEST_F(LinuxEnumerator, ANodeThatBecameAnotherDevicesWhileItWasOpenedIsRefused) {
+  FakeHidWire wire;
+  wire.attach("/dev/hidraw0");
+  const std::string arm = plug_arm("1-4", "X", 0);
+  wire.at_next_opening([&] {
+    machine.unplug(arm);
+    machine.plug(Usb{.port = "1-5", .number = 5});
+    machine.plug(Hid{.port = "1-5",
+                     .instance = "0200",
+                     .serial_number = "Y",
+                     .report_descriptor = plain_report_descriptor(14, 14)});
+  });
+  const auto opened = sut->open_hid({"hid:X"});
+  ASSERT_FALSE(opened.has_value());
+  EXPECT_EQ(opened.error().code, Errc::NotFound);
+  EXPECT_NE(opened.error().message.find("hid:X"), std::string::npos) << opened.error().message;
+  EXPECT_TRUE(wire.received_by_device().empty()) << "nothing was sent to the other one";
+  EXPECT_TRUE(sut->open_hid({"hid:Y"}).has_value()) << "and it is not held";
+}
+
 TEST_F(LinuxEnumerator, RefusalsAreToldApart) {
   plug_arm("1-4", "X", 0);
   EXPECT_EQ(sut->open_hid({"hid:Y"}).error().code, Errc::NotFound);

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
 // hidapi's own name of a handle.
 struct hid_device_ {
@@ -32,10 +33,15 @@ struct FakeHidapi {
   using Guard = std::unique_lock<std::mutex>;
 
   hid_device_* open(const std::string& path) {
-    const Guard guard(lock);
+    Guard guard(lock);
     const auto found = nodes.find(path);
     if (found == nodes.end() || found->second->is_gone_) return nullptr;
     FakeHidWire& wire = *found->second;
+    if (const auto happening = std::exchange(wire.at_next_opening_, nullptr)) {
+      guard.unlock();
+      happening();
+      guard.lock();
+    }
     if (wire.openings_to_refuse_ > 0) {
       --wire.openings_to_refuse_;
       return nullptr;
@@ -157,6 +163,9 @@ void FakeHidWire::cut_next_writes(int writes) {
 }
 void FakeHidWire::refuse_next_opening(int openings) {
   fake().with([&] { openings_to_refuse_ = openings; });
+}
+void FakeHidWire::at_next_opening(std::function<void()> happening) {
+  fake().with([&] { at_next_opening_ = std::move(happening); });
 }
 std::vector<std::string> FakeHidWire::breaches() const {
   return fake().with([&] { return breaches_; });

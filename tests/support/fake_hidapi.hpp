@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -48,6 +49,8 @@ class FakeHidWire {
   void fail_next_writes(int writes);
   void cut_next_writes(int writes);
   void refuse_next_opening(int openings);
+  // Happens once, when somebody opens a node that leads here, and in their thread.
+  void at_next_opening(std::function<void()> happening);
 
   [[nodiscard]] std::vector<std::string> breaches() const;
   // Handles that exist, of all wires.
@@ -64,6 +67,7 @@ class FakeHidWire {
   int writes_to_fail_{0};
   int writes_to_cut_{0};
   int openings_to_refuse_{0};
+  std::function<void()> at_next_opening_;
   int blocked_writes_{0};
   bool is_blocking_{false};
   bool is_gone_{false};
