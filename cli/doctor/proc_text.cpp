@@ -188,11 +188,12 @@ std::optional<HidIds> parse_hid_ids(std::string_view uevent) {
   const std::size_t first = id.find(':');
   const std::size_t second = id.rfind(':');
   if (first == std::string_view::npos || second == first) return std::nullopt;
+  const auto bus = number<std::uint16_t>(id.substr(0, first), 16);
   const auto vendor = number<std::uint32_t>(id.substr(first + 1, second - first - 1), 16);
   const auto product = number<std::uint32_t>(id.substr(second + 1), 16);
-  if (!vendor || !product || *vendor > 0xFFFF || *product > 0xFFFF) return std::nullopt;
+  if (!bus || !vendor || !product || *vendor > 0xFFFF || *product > 0xFFFF) return std::nullopt;
   return HidIds{static_cast<std::uint16_t>(*vendor), static_cast<std::uint16_t>(*product),
-                std::string(value_of(uevent, "HID_UNIQ="))};
+                std::string(value_of(uevent, "HID_UNIQ=")), *bus};
 }
 
 }  // namespace thimble::doctor

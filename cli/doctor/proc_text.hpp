@@ -53,6 +53,7 @@ struct HidIds {
   std::uint16_t vendor{0};
   std::uint16_t product{0};
   std::string serial_number;
+  std::uint16_t bus{0};  // BUS_USB and others of linux/input.h
 };
 // HID_ID and HID_UNIQ of a HID device's uevent file; nothing when it has no HID_ID.
 [[nodiscard]] std::optional<HidIds> parse_hid_ids(std::string_view uevent);

@@ -54,16 +54,28 @@ void read_device(const FileTree& tree, const fs::path& folder, Controller& contr
   info.product = trimmed(tree.text(folder / "product"));
 }
 
+// Whether the USB device is the HID device itself, whose ids usbhid_probe() of the kernel takes
+// from it. A dongle of Bluetooth, or a receiver for several devices, has others.
+bool is_the_same(const FileTree& tree, const fs::path& usb_device, const HidIds& ids) {
+  return parse_hexadecimal(tree.text(usb_device / "idVendor")) == ids.vendor &&
+         parse_hexadecimal(tree.text(usb_device / "idProduct")) == ids.product;
+}
+
 // Goes up from the HID device over its interface to the USB device.
-void read_usb_above(const FileTree& tree, fs::path folder, Controller& controller,
-                    bus::BusDeviceInfo& info) {
+void read_usb_above(const FileTree& tree, fs::path folder, const HidIds& ids,
+                    Controller& controller, bus::BusDeviceInfo& info) {
+  constexpr std::uint16_t kBusUsb = 3;  // BUS_USB of linux/input.h
+  if (ids.bus != kBusUsb) return;
+  std::vector<Node> nodes;
   for (; folder.has_relative_path(); folder = folder.parent_path()) {
     for (const std::string& name : tree.names_in(folder / "usbmisc")) {
-      controller.raw_nodes.push_back(tree.node("/dev/usb/" + name));
+      nodes.push_back(tree.node("/dev/usb/" + name));
     }
     auto raw = raw_usb_node(tree, folder);
     if (!raw) continue;
-    controller.raw_nodes.push_back(*std::move(raw));
+    if (!is_the_same(tree, folder, ids)) return;
+    nodes.push_back(*std::move(raw));
+    controller.raw_nodes = std::move(nodes);
     read_device(tree, folder, controller, info);
     return;
   }
@@ -118,7 +130,7 @@ std::optional<Controller> read_hid(const FileTree& tree, const plugin::DriverReg
   Controller controller;
   controller.node = tree.node("/dev/" + name);
   bus::BusDeviceInfo info;
-  read_usb_above(tree, tree.resolved(fs::path(kHidraw) / name), controller, info);
+  read_usb_above(tree, tree.resolved(fs::path(kHidraw) / name), *ids, controller, info);
   describe(bus::BusKind::Hid, *ids, controller, info);
   info.input_report_bytes = reports->input_bytes;
   info.output_report_bytes = reports->output_bytes;
@@ -138,7 +150,7 @@ std::optional<Controller> read_usb(const FileTree& tree, const plugin::DriverReg
   controller.node = *node;
   bus::BusDeviceInfo info;
   read_device(tree, folder, controller, info);
-  describe(bus::BusKind::Usb, {*vendor, *product, trimmed(tree.text(folder / "serial"))},
+  describe(bus::BusKind::Usb, {*vendor, *product, trimmed(tree.text(folder / "serial")), 0},
            controller, info);
   info.endpoints = read_endpoints(tree, folder);
   if (!is_an_arm(drivers, info)) return std::nullopt;

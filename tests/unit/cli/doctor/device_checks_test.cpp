@@ -287,5 +287,33 @@ TEST_F(Doctor, LooksAtAnArmThatAPluginKnows) {
                    "0-thimble-fff0-6a17.rules");
 }
 
+// What is behind a dongle is in no port of its own, and the dongle's nodes are not its.
+TEST_F(Doctor, TakesNoDongleForTheArmBehindIt) {
+  ASSERT_EQ(facts().controllers.at(0).usb_port, "1-4");
+  ASSERT_THAT(facts().controllers[0].raw_nodes, SizeIs(2));
+  const auto expect_no_usb = [&](const char* why) {
+    const Facts found = facts();
+    ASSERT_THAT(found.controllers, SizeIs(1)) << why;
+    EXPECT_EQ(found.controllers[0].node.path, "/dev/hidraw0") << why;
+    EXPECT_EQ(found.controllers[0].usb_port, "") << why;
+    EXPECT_EQ(found.controllers[0].power_control, "") << why;
+    EXPECT_THAT(found.controllers[0].raw_nodes, SizeIs(0)) << why;
+    expect_one(complaints(found), Level::Warn, "usb-speed /dev/hidraw0", "not known");
+  };
+  for (const char* bus : {"0005", "0006", "0018", "0000"}) {
+    machine_.plant_hid_ids(bus, "00001234", "00000006");
+    expect_no_usb(bus);
+  }
+  machine_.plant_ids("00001234", "00000006");
+  for (const char* file : {"idVendor", "idProduct"}) {
+    machine_.plant(PlantedMachine::kUsb + file, "c52b\n");
+    expect_no_usb(file);
+    machine_.remove(PlantedMachine::kUsb + file);
+    expect_no_usb(file);
+    machine_.plant_ids("00001234", "00000006");
+  }
+  EXPECT_EQ(facts().controllers.at(0).usb_port, "1-4");
+}
+
 }  // namespace
 }  // namespace thimble::doctor

@@ -65,8 +65,15 @@ class PlantedMachine {
                                           "\x81\x02\x95" + output_bytes + "\x91\x02\xc0");
   }
   void plant_ids(const std::string& vendor, const std::string& product) const {
+    plant_hid_ids("0003", vendor, product);
+    plant(kUsb + "idVendor", vendor.substr(4) + "\n");
+    plant(kUsb + "idProduct", product.substr(4) + "\n");
+  }
+  // Of the HID device only, on any bus: 0003 is USB, 0005 Bluetooth (linux/input.h).
+  void plant_hid_ids(const std::string& bus, const std::string& vendor,
+                     const std::string& product) const {
     plant(kHid + "uevent",
-          "DRIVER=hid-generic\nHID_ID=0003:" + vendor + ":" + product +
+          "DRIVER=hid-generic\nHID_ID=" + bus + ":" + vendor + ":" + product +
               "\nHID_NAME=mbed\nHID_PHYS=usb-0000:00:14.0-4/input0\nHID_UNIQ=A7\n");
   }
   void plant_process(int pid, const std::string& name, const std::string& open_file) const {

@@ -81,11 +81,13 @@ TEST(ProcText, TakesNumbersOfDescriptors) {
 TEST(ProcText, TakesHidIdsThatAreIds) {
   const auto ids = parse_hid_ids("HID_ID=0003:000016C0:00000486\nHID_UNIQ=12 34\n");
   ASSERT_TRUE(ids);
+  EXPECT_EQ(ids->bus, 3);
   EXPECT_EQ(ids->vendor, 0x16c0);
   EXPECT_EQ(ids->product, 0x0486);
   EXPECT_EQ(ids->serial_number, "12 34");
-  for (const char* odd : {"", "HID_ID=", "HID_ID=0003:1", "HID_ID=3:12345678:1", "HID_ID=3::1",
-                          "HID_ID=3:1:-1", "HID_NAME=0003:1:1"}) {
+  for (const char* odd :
+       {"", "HID_ID=", "HID_ID=0003:1", "HID_ID=:1:1", "HID_ID=10000:1:1", "HID_ID=3:12345678:1",
+        "HID_ID=3::1", "HID_ID=3:1:-1", "HID_NAME=0003:1:1"}) {
     EXPECT_FALSE(parse_hid_ids(odd)) << odd;
   }
 }
