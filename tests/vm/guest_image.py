@@ -22,7 +22,7 @@ RECIPE = 1  # to be counted up when make_tree() or make_disk() does something el
 SUITE = "bookworm"
 KERNELS = {"amd64": "linux-image-amd64", "rt-amd64": "linux-image-rt-amd64"}
 PACKAGES = sorted({
-    "systemd", "systemd-sysv", "udev", "dbus", "kmod", "procps", "iproute2", "python3", "adduser", "usbip", "strace",
+    "systemd", "systemd-sysv", "udev", "dbus", "kmod", "procps", "iproute2", "python3", "acl", "adduser", "usbip", "strace",
     # What the packages under test depend on: the guest has no network.
     "libboost-json1.81.0", "libspdlog1.10-fmt9", "libusb-1.0-0", "libhidapi-hidraw0", "libgpiod2", "libsodium23",
     "libudev1", "zlib1g",
