@@ -100,9 +100,11 @@ IoStatus FaultyUsbOut::submit(bus::UsbDevice& device, std::span<const std::uint8
   waiting_.size = bytes.size();
   waiting_.number = ++submitted_;
   if (dice_.is_on(FaultKind::Stall, now)) dice_.tally().add(FaultKind::Stall);
+  const bool has_last_failed = has_last_failed_;
   const IoStatus status = serve(device, now);
   const bool is_under_way = taken_.size != 0 || waiting_.size != 0;
-  return status == IoStatus::Ok && is_under_way ? IoStatus::Backlogged : status;
+  const bool is_free = !is_under_way && !has_last_failed;
+  return status == IoStatus::Ok && !is_free ? IoStatus::Backlogged : status;
 }
 
 IoStatus FaultyUsbOut::serve(bus::UsbDevice& device, MonotonicTime now) noexcept {
@@ -133,12 +135,14 @@ bool FaultyUsbOut::is_idle(const bus::UsbDevice& device) const noexcept {
 }
 
 IoStatus FaultyUsbOut::pass(bus::UsbDevice& device, MonotonicTime now) noexcept {
+  has_last_failed_ = false;
   if (dice_.injects(FaultKind::DropOut, now, taken_.number)) {
     count(swallowed_);
     return IoStatus::Ok;
   }
   if (dice_.injects(FaultKind::Halt, now, taken_.number)) {
     count(halted_);
+    has_last_failed_ = true;
     return IoStatus::Ok;
   }
   const std::span<std::uint8_t> bytes(taken_.bytes.data(), taken_.size);
@@ -149,6 +153,7 @@ IoStatus FaultyUsbOut::pass(bus::UsbDevice& device, MonotonicTime now) noexcept 
   if (dice_.strikes(FaultKind::TruncateOut, now, taken_.number)) {
     size = dice_.cut(size, FaultKind::TruncateOut, taken_.number);
     count(cut_);
+    has_last_failed_ = true;
   }
   if (size == 0) {
     count(swallowed_);

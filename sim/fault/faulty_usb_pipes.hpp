@@ -80,6 +80,7 @@ class FaultyUsbOut {
   Packet taken_{};
   Packet waiting_{};
   bool is_behind_late_one_{false};
+  bool has_last_failed_{false};  // by a fault, and the sender is told
   std::uint64_t submitted_{0};
   std::uint64_t passed_{0};
   // What correct() needs.

@@ -125,6 +125,21 @@ TEST(FaultyUsb, BabbleLosesThePacketAndCounts) {
   EXPECT_EQ(bench.sut->counters(kIn).packets_in, 1U);
 }
 
+TEST(FaultyUsb, AWayOutThatFailsEveryTimeNeverLooksFree) {
+  for (const FaultKind kind : {FaultKind::Halt, FaultKind::TruncateOut}) {
+    UsbBench bench(plan_of(kind, 1, 20));
+    for (std::uint8_t i = 0; i < 20; ++i) {
+      const IoStatus expected = i == 0 ? IoStatus::Ok : IoStatus::Backlogged;
+      EXPECT_EQ(bench.sut->submit(kOut, Packet(8, i)), expected) << int{i};
+      bench.clock.run_for(milliseconds(1));
+    }
+    EXPECT_EQ(bench.injected(kind), 20U);
+    EXPECT_EQ(bench.sut->submit(kOut, Packet(8, 50)), IoStatus::Backlogged) << "the last failed";
+    bench.clock.run_for(milliseconds(1));
+    EXPECT_EQ(bench.sut->submit(kOut, Packet(8, 51)), IoStatus::Ok);
+  }
+}
+
 TEST(FaultyUsb, ADroppedWriteLooksSent) {
   UsbBench bench(plan_of(FaultKind::DropOut, 1));
   EXPECT_EQ(bench.submit(2), std::vector<Packet>{Packet(8, 2)});
