@@ -42,6 +42,7 @@ class InstantDevice final : public HapticDevice {
   }
   [[nodiscard]] std::string_view calibration_instruction() const noexcept override { return ""; }
   [[nodiscard]] DeviceCounters counters() const noexcept override { return {}; }
+  [[nodiscard]] std::optional<ZeroCommand> zero_command() const noexcept override { return {}; }
   void forget_calibration() noexcept override {}
   IoStatus read(HapticState& out) noexcept override {
     state_.sampled_at = clock_.now();

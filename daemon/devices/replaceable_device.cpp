@@ -23,6 +23,7 @@ class GoneDevice final : public HapticDevice {
     return instruction_;
   }
   [[nodiscard]] DeviceCounters counters() const noexcept override { return counters_; }
+  [[nodiscard]] std::optional<ZeroCommand> zero_command() const noexcept override { return {}; }
   void forget_calibration() noexcept override {}
   IoStatus read(HapticState& /*out*/) noexcept override { return IoStatus::Disconnected; }
   IoStatus write(const LimitedWrench& /*wrench*/) noexcept override {
@@ -75,6 +76,10 @@ std::string_view ReplaceableDevice::calibration_instruction() const noexcept {
 }
 
 DeviceCounters ReplaceableDevice::counters() const noexcept { return known_->counters(); }
+
+std::optional<ZeroCommand> ReplaceableDevice::zero_command() const noexcept {
+  return known_->zero_command();
+}
 
 IoStatus ReplaceableDevice::read(HapticState& out) noexcept {
   HapticDevice* const fresh = incoming_.load(std::memory_order_acquire);

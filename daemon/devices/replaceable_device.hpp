@@ -36,6 +36,7 @@ class ReplaceableDevice final : public HapticDevice {
   [[nodiscard]] const HapticCapabilities& capabilities() const noexcept override;
   [[nodiscard]] std::string_view calibration_instruction() const noexcept override;
   [[nodiscard]] DeviceCounters counters() const noexcept override;
+  [[nodiscard]] std::optional<ZeroCommand> zero_command() const noexcept override;
   THIMBLE_RT void forget_calibration() noexcept override { current_->forget_calibration(); }
   THIMBLE_RT_IO IoStatus read(HapticState& out) noexcept override;
   THIMBLE_RT_IO IoStatus write(const LimitedWrench& wrench) noexcept override {

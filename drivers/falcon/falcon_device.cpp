@@ -101,6 +101,13 @@ std::string_view FalconDevice::calibration_instruction() const noexcept {
   return "Pull the Falcon's grip fully out and push it fully in, until it is calibrated";
 }
 
+// Dark, and motors at rest; to a boot-loader these bytes are noise.
+std::optional<ZeroCommand> FalconDevice::zero_command() const noexcept {
+  ZeroCommand zero{.endpoint = wire::kBulkOut};
+  for (const std::uint8_t byte : encode_run_command({})) zero.bytes.push_back(byte);
+  return zero;
+}
+
 DeviceCounters FalconDevice::counters() const noexcept {
   const bus::UsbCounters out = bus_->counters(wire::kBulkOut);
   DeviceCounters counters;

@@ -63,6 +63,12 @@ std::string_view PhantomDevice::calibration_instruction() const noexcept {
   return {};
 }
 
+std::optional<ZeroCommand> PhantomDevice::zero_command() const noexcept {
+  ZeroCommand zero;
+  for (const std::uint8_t byte : encode_currents({}, form_).payload()) zero.bytes.push_back(byte);
+  return zero;
+}
+
 DeviceCounters PhantomDevice::counters() const noexcept {
   const bus::HidCounters on_bus = bus_->counters();
   DeviceCounters counters;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -11,6 +12,7 @@
 #include "hal/base/result.hpp"
 #include "hal/base/time.hpp"
 #include "hal/device/limited_wrench.hpp"
+#include "hal/device/zero_command.hpp"
 #include "hal/rt/annotations.hpp"
 
 namespace thimble {
@@ -85,6 +87,9 @@ class HapticDevice {
   // What a person must do now, one sentence; empty when calibrated.
   [[nodiscard]] virtual std::string_view calibration_instruction() const noexcept = 0;
   [[nodiscard]] virtual DeviceCounters counters() const noexcept = 0;
+  // Constant while the device is open. Nothing: this arm cannot be guarded, and one that needs a
+  // guard is then refused.
+  [[nodiscard]] virtual std::optional<ZeroCommand> zero_command() const noexcept = 0;
 
   // Discards the old reference; the arm must be calibrated again (a returned arm always).
   THIMBLE_RT virtual void forget_calibration() noexcept = 0;

@@ -169,7 +169,9 @@ struct thimble_driver {
    * next one or its own watchdog. Called once a tick, also with zero, also before the first
    * report; not while the arm is unplugged, nor any more once a stop has been answered by zero for
    * a while: then the arm's watchdog ends it. `bytes` comes zeroed. OK, or PROTOCOL_ERROR: nothing
-   * is sent. RT. */
+   * is sent. RT.
+   * The first call after open() is for no force, and is not sent but kept: it is what the guard of
+   * this arm writes when the daemon stops, so it must take the force away at any time. */
   int32_t (*encode)(void* device, const struct thimble_wrench* wrench,
                     uint8_t bytes[THIMBLE_REPORT_BYTES]);
 };

@@ -45,7 +45,8 @@ PluginDevice::PluginDevice(Parts parts, HapticCapabilities capabilities, std::st
     : parts_(std::move(parts)),
       capabilities_(std::move(capabilities)),
       instruction_(instruction.empty() ? "Calibrate the arm as its maker says"
-                                       : std::move(instruction)) {}
+                                       : std::move(instruction)),
+      zero_(ask_for_zero()) {}
 
 PluginDevice::~PluginDevice() {
   static_cast<void>(write(LimitedWrench::zero()));
@@ -64,6 +65,18 @@ std::string_view PluginDevice::calibration_instruction() const noexcept {
       return {};
   }
   return {};
+}
+
+std::optional<ZeroCommand> PluginDevice::zero_command() const noexcept { return zero_; }
+
+// What the plugin sends for no force before it has heard of the arm must do at any time.
+std::optional<ZeroCommand> PluginDevice::ask_for_zero() noexcept {
+  const thimble_wrench nothing{sizeof(thimble_wrench), 0, {0, 0, 0}};
+  std::array<std::uint8_t, THIMBLE_REPORT_BYTES> bytes{};
+  if (parts_.driver->encode(parts_.device, &nothing, bytes.data()) != THIMBLE_OK) return {};
+  ZeroCommand zero;
+  for (std::size_t i = 0; i < parts_.output_report_bytes; ++i) zero.bytes.push_back(bytes[i]);
+  return zero;
 }
 
 DeviceCounters PluginDevice::counters() const noexcept {

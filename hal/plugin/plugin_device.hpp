@@ -36,17 +36,20 @@ class PluginDevice final : public HapticDevice {
   [[nodiscard]] const HapticCapabilities& capabilities() const noexcept override;
   [[nodiscard]] std::string_view calibration_instruction() const noexcept override;
   [[nodiscard]] DeviceCounters counters() const noexcept override;
+  [[nodiscard]] std::optional<ZeroCommand> zero_command() const noexcept override;
   THIMBLE_RT void forget_calibration() noexcept override;
   THIMBLE_RT_IO IoStatus read(HapticState& out) noexcept override;
   THIMBLE_RT_IO IoStatus write(const LimitedWrench& wrench) noexcept override;
 
  private:
+  [[nodiscard]] std::optional<ZeroCommand> ask_for_zero() noexcept;
   IoStatus count_malformed() noexcept;
   void doubt(thimble_sample& sample) noexcept;
 
   Parts parts_;
   HapticCapabilities capabilities_;
   std::string instruction_;
+  std::optional<ZeroCommand> zero_;
   bus::HidReport report_{};
   bool is_done_doubted_{false};  // the reference was forgotten, and the plugin has not said so yet
   // Read from any thread.

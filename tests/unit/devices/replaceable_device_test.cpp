@@ -29,6 +29,7 @@ class CountingDevice final : public HapticDevice {
     counters.reports_in = static_cast<std::uint64_t>(id_);
     return counters;
   }
+  [[nodiscard]] std::optional<ZeroCommand> zero_command() const noexcept override { return {}; }
   void forget_calibration() noexcept override {}
   IoStatus read(HapticState& out) noexcept override {
     EXPECT_FALSE(is_dead_);

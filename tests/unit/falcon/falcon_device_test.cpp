@@ -307,6 +307,17 @@ TEST_F(FalconDeviceTest, LeavesZeroAndDarknessBehind) {
   EXPECT_EQ(sent_flags(), 0);
 }
 
+TEST_F(FalconDeviceTest, TellsItsGuardThePacketOfZeroAndDarkness) {
+  home();
+  const auto zero = sut_->zero_command();
+  ASSERT_TRUE(zero.has_value());
+  EXPECT_EQ(zero->endpoint, 0x02);
+  write(0, 0, -5);
+  sut_.reset();
+  EXPECT_EQ(std::vector<std::uint8_t>(zero->bytes.begin(), zero->bytes.end()),
+            script_.submitted.back());
+}
+
 TEST_F(FalconDeviceTest, AnArmThatNeverRanIsLeftInSilence) {
   pass();
   write();

@@ -40,6 +40,17 @@ TEST_F(PhantomDeviceTest, SendsNothingByItselfUntilItIsClosed) {
   EXPECT_EQ(script_.submitted.back(), std::vector<std::uint8_t>(14, 0));
 }
 
+TEST_F(PhantomDeviceTest, TellsItsGuardTheReportWithoutCurrent) {
+  open();
+  const auto zero = sut_->zero_command();
+  ASSERT_TRUE(zero.has_value());
+  EXPECT_EQ(zero->endpoint, 0);
+  ASSERT_EQ(sut_->write(wrench(0, 0, 0)), IoStatus::Ok);
+  EXPECT_EQ(std::vector<std::uint8_t>(zero->bytes.begin(), zero->bytes.end()),
+            script_.submitted.back());
+  EXPECT_EQ(script_.sent(wire::kCommand), wire::kCommandCurrents);
+}
+
 TEST_F(PhantomDeviceTest, TellsAPersonWhatToDo) {
   open();
   EXPECT_NE(sut_->calibration_instruction().find("first report"), std::string_view::npos);

@@ -35,6 +35,7 @@ class PluginDriverTest : public testing::Test {
     auto opened = open();
     ASSERT_TRUE(opened) << opened.error().message;
     sut_ = *std::move(opened);
+    script_.forces_x.clear();  // it was asked what no force is
   }
   // A frame in which the arm sends a report.
   IoStatus report(std::vector<std::uint8_t> bytes = std::vector<std::uint8_t>(14)) {
@@ -259,6 +260,26 @@ TEST_F(PluginDriverTest, AReportHasJustTheLengthOfTheDevice) {
   EXPECT_THAT(wire_->received, SizeIs(1)) << "nothing is sent";
   EXPECT_EQ(sut_->counters().malformed, 1U);
   EXPECT_EQ(sut_->counters().commands_out, 1U);
+}
+
+TEST_F(PluginDriverTest, IsAskedAtItsOpeningWhatItsGuardMayWrite) {
+  auto opened = open();
+  ASSERT_TRUE(opened.has_value());
+  EXPECT_THAT(script_.forces_x, ElementsAre(0));
+  clock_.run_for(milliseconds(2));
+  EXPECT_THAT(wire_->received, IsEmpty()) << "it is kept, not sent";
+  sut_ = *std::move(opened);
+  ASSERT_TRUE(sut_->zero_command().has_value());
+  EXPECT_EQ(sut_->zero_command()->endpoint, 0);
+  const std::vector<std::uint8_t> expected{0xAB, 0, 0, 0, 0, 0, 0, 0};
+  const auto zero = sut_->zero_command()->bytes;
+  EXPECT_EQ(std::vector<std::uint8_t>(zero.begin(), zero.end()), expected);
+
+  sut_.reset();
+  script_.encode = THIMBLE_PROTOCOL_ERROR;
+  open_or_fail();
+  EXPECT_EQ(sut_->zero_command(), std::nullopt);
+  EXPECT_EQ(sut_->counters().malformed, 0U) << "nothing was to be sent";
 }
 
 TEST_F(PluginDriverTest, SaysWhatAPersonMustDo) {

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "hal/rt/static_vector.hpp"
+
+namespace thimble {
+
+// What takes the force away from an arm when written to its bus, whatever the arm is doing and
+// whoever writes it: for the guard, which knows no device.
+struct ZeroCommand {
+  // The longest full-speed packet (USB 2.0, 5.7.3 and 5.8.3), which bounds a HID report here, too.
+  static constexpr std::size_t kMaxBytes = 64;
+
+  std::uint8_t endpoint{0};  // OUT pipe of a USB device; 0: an output report of a HID device
+  rt::StaticVector<std::uint8_t, kMaxBytes> bytes{};
+  bool operator==(const ZeroCommand&) const = default;
+};
+
+}  // namespace thimble
