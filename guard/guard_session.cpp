@@ -35,26 +35,19 @@ bool GuardSession::has_ended() noexcept {
 }
 
 bool GuardSession::step(MonotonicTime now) noexcept {
-  if (!is_ended_ && has_ended()) {
-    is_ended_ = true;
-    ended_at_ = now;
-  }
-  if (is_ended_) {
-    (void)writer_.write();
-    return now - ended_at_ < WatchSettings{}.zero_for;
-  }
+  is_ended_ = is_ended_ || has_ended();
   rt::Heartbeat& heart = page_.heartbeat();
   const std::uint64_t beats = heart.beats.load(std::memory_order_acquire);
+  const bool is_driven = heart.is_driven.load(std::memory_order_acquire) != 0;
   const std::uint32_t before = watch_.interventions();
-  const std::uint32_t acknowledged =
-      heart.acknowledged.load(std::memory_order_relaxed) - told_before_;
-  const bool must_write = watch_.look(now, beats, acknowledged);
+  const bool must_write =
+      is_ended_ ? watch_.look_alone(now, is_driven) : watch_.look(now, beats, is_driven);
   // Told before it is done: a servo that wakes in between must not drive on.
   if (watch_.interventions() != before) {
     heart.interventions.store(told_before_ + watch_.interventions(), std::memory_order_release);
   }
-  if (must_write) (void)writer_.write();
-  return true;
+  if (must_write) watch_.wrote(now, writer_.write());
+  return !is_ended_ || must_write;
 }
 
 }  // namespace thimble::guard

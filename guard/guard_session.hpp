@@ -42,7 +42,6 @@ class GuardSession {
   ZeroWriter writer_;
   Watch watch_{WatchSettings{}};
   std::uint32_t told_before_;  // interventions of the guards before this one
-  MonotonicTime ended_at_{};
   bool is_ended_{false};
 };
 

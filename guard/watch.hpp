@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 
 #include "hal/base/time.hpp"
 
@@ -11,36 +12,45 @@ struct WatchSettings {
   // As long as an arm may be without a fresh command (DESIGN section 4, "servo late"). The guard
   // cuts at the same age at which the servo would stop by itself.
   Duration patience{std::chrono::milliseconds(20)};
-  // Zero is written for so long, then the arm hears nothing and its own watchdog, if it has one,
-  // takes the power away: as the servo does after a fault.
+  // Zero is written for so long after the first that the arm took; then it hears nothing and its
+  // own watchdog, if it has one, takes the power away: as the servo does after a fault.
   Duration zero_for{std::chrono::milliseconds(100)};
+  // Who is gone for good is not asked again: an arm that takes no zero for so long takes none.
+  Duration gives_up_after{std::chrono::seconds(10)};
 };
 
 // Decides when an arm must be let go: pure, no clock, no system call.
 //
-// Nothing is watched before the first beat: a servo that never ticked never asked for a force.
-// When the beats stop, the arm is let go until they go on *and* the servo says that it has taken
-// notice and written zero itself: what a stopped process had on its way to the arm may leave it
-// after the guard's first zeros.
+// Only an arm that is driven is watched: bytes for nobody could fall into a firmware that is being
+// uploaded. When the beats stop, zero is written until the arm has taken it for a while; when they
+// go on, until the servo says that it took the force away itself: what a stopped process had on its
+// way to the arm may leave it after the guard's first zeros.
 //
 // Thread: one. Ownership: none. Errors: none; any numbers are allowed.
 class Watch {
  public:
   explicit Watch(const WatchSettings& settings) noexcept : settings_(settings) {}
 
-  // What is seen of the servo at `now`, which never goes backwards. True: write zero now.
-  [[nodiscard]] bool look(MonotonicTime now, std::uint64_t beats,
-                          std::uint32_t acknowledged) noexcept;
-  // How often it began to let the arm go; what Heartbeat::interventions is to say.
+  // What is seen of the servo at `now`, which never goes backwards. True: write zero now, and say
+  // with wrote() what became of it.
+  [[nodiscard]] bool look(MonotonicTime now, std::uint64_t beats, bool is_driven) noexcept;
+  // The same when the daemon is gone: what it said last of its arm stays.
+  [[nodiscard]] bool look_alone(MonotonicTime now, bool was_driven) noexcept;
+  void wrote(MonotonicTime now, bool is_taken) noexcept;
+
+  // How often it began to let the arm go.
   [[nodiscard]] std::uint32_t interventions() const noexcept { return interventions_; }
 
  private:
+  [[nodiscard]] bool must_write(MonotonicTime now) const noexcept;
+
   WatchSettings settings_;
   std::uint64_t beats_{0};
   MonotonicTime last_beat_{};
-  MonotonicTime zero_since_{};
+  std::optional<MonotonicTime> alone_since_;
+  std::optional<MonotonicTime> taken_since_;  // the first zero of this stop that the arm took
   std::uint32_t interventions_{0};
-  bool is_armed_{false};
+  bool is_driven_{false};
   bool is_letting_go_{false};
 };
 

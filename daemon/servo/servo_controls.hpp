@@ -21,6 +21,8 @@ struct ServoControls {
   // Safety inputs, as the safety thread last saw them. Without wiring they stay as they are.
   std::atomic<bool> is_estop_healthy{true};
   std::atomic<bool> is_deadman_held{true};
+  // Of an arm that needs a guard: it watches. Without one the arm is not driven.
+  std::atomic<bool> is_guarded{true};
 
   // Asks once that fault number `fault` be cleared; the id with which the servo answers in
   // ServoSnapshot::clear_answered. A newer request takes the place of one not answered yet.

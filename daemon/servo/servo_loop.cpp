@@ -22,7 +22,8 @@ ServoLoop::ServoLoop(const ServoParts& parts, const ServoSettings& settings)
       limiter_(settings.limiter),
       freshness_(settings.freshness),
       gain_(settings.activation_ramp, settings.release_ramp),
-      recorder_(frames_for(settings)) {
+      recorder_(frames_for(settings)),
+      has_watchdog_(parts.device.capabilities().device_watchdog > Duration::zero()) {
   previous_now_ = parts_.clock.now() - settings_.period();
   snapshot_.clear_answered = parts_.controls.clear_request.load(std::memory_order_relaxed).id;
   publish(ServoFrame{});
@@ -79,22 +80,22 @@ ServoFrame ServoLoop::begin_frame(Duration lateness) noexcept {
 // for too long, whatever this thread's clock says.
 void ServoLoop::ask_guard(const ServoFrame& frame) noexcept {
   if (parts_.heartbeat == nullptr) return;
-  interventions_ = parts_.heartbeat->interventions.load(std::memory_order_acquire);
-  const bool is_let_go =
-      interventions_ != parts_.heartbeat->acknowledged.load(std::memory_order_relaxed);
+  const std::uint32_t now = parts_.heartbeat->interventions.load(std::memory_order_acquire);
+  const bool is_let_go = now != interventions_;
+  interventions_ = now;
   if (is_let_go && state_ == OperatingState::Active) fail(FaultCode::ServoLate, frame);
 }
 
-// The guard stops writing only when the arm has taken zero from here, too, or is past that: silent
-// after a stop, or gone. The beat comes last, so that it carries the answer.
+// The guard watches from the first force on, and until the arm has taken nothing but zero for so
+// long that an earlier force cannot be under way any more. It sees no beat of a servo whose
+// commands do not leave: its own way to the arm may be free.
 void ServoLoop::answer_guard(const ServoFrame& frame) noexcept {
   if (parts_.heartbeat == nullptr) return;
-  const bool is_taken =
-      frame.write_status == IoStatus::Ok || frame.write_status == IoStatus::NoData;
-  if (state_ != OperatingState::Active && is_taken) {
-    parts_.heartbeat->acknowledged.store(interventions_, std::memory_order_relaxed);
-  }
-  parts_.heartbeat->beat();
+  const bool is_let_go = zero_since_ && frame.now - *zero_since_ >= settings_.command_gap_limit;
+  if (is_let_go || state_ == OperatingState::Lost) is_driven_ = false;
+  parts_.heartbeat->is_driven.store(is_driven_ ? 1 : 0, std::memory_order_release);
+  const bool is_stuck = is_driven_ && frame.now - last_write_ > settings_.command_gap_limit;
+  if (!is_stuck) parts_.heartbeat->beat();
 }
 
 void ServoLoop::take_state(ServoFrame& frame) noexcept {
@@ -128,6 +129,8 @@ void ServoLoop::check_freshness(ServoFrame& frame) noexcept {
 void ServoLoop::check_safety_inputs(ServoFrame& frame) noexcept {
   const bool is_estop_healthy = parts_.controls.is_estop_healthy.load(std::memory_order_relaxed);
   if (!is_estop_healthy && state_ != OperatingState::Lost) fail(FaultCode::Estop, frame);
+  const bool is_guarded = parts_.controls.is_guarded.load(std::memory_order_relaxed);
+  if (!is_guarded && state_ == OperatingState::Active) fail(FaultCode::GuardLost, frame);
 
   answer_clear_request(is_estop_healthy);
 }
@@ -141,7 +144,9 @@ void ServoLoop::answer_clear_request(bool is_healthy) noexcept {
   const bool is_known = state_ == OperatingState::Fault && latch_.fault().tick != tick_;
   snapshot_.clear_outcome =
       is_known ? latch_.clear(request.fault, is_healthy) : ClearOutcome::NotLatched;
-  if (snapshot_.clear_outcome == ClearOutcome::Cleared) apply(LifecycleEvent::ClearFault);
+  if (snapshot_.clear_outcome != ClearOutcome::Cleared) return;
+  is_driven_ = false;  // whoever cleared it has seen the arm
+  apply(LifecycleEvent::ClearFault);
 }
 
 void ServoLoop::advance_lifecycle(ServoFrame& frame) noexcept {
@@ -158,7 +163,8 @@ void ServoLoop::advance_lifecycle(ServoFrame& frame) noexcept {
     apply(LifecycleEvent::Configure);
     if (latch_.is_latched()) apply(LifecycleEvent::Fail);
   }
-  const bool wants_active = parts_.controls.want_active.load(std::memory_order_relaxed);
+  const bool wants_active = parts_.controls.want_active.load(std::memory_order_relaxed) &&
+                            parts_.controls.is_guarded.load(std::memory_order_relaxed);
   const bool is_homed = arm_.calibration == CalibrationState::Ok;
   switch (state_) {
     case OperatingState::Configured:
@@ -279,17 +285,31 @@ void ServoLoop::observe_energy(ServoFrame& frame) noexcept {
   frame.generated_energy_j = energy_.given_joule();
 }
 
+bool ServoLoop::is_silent(MonotonicTime now) const noexcept {
+  if (!latch_.is_latched() || !zero_since_ || !has_watchdog_) return false;
+  return now - std::max(latched_at_, *zero_since_) > settings_.zero_before_silence;
+}
+
 void ServoLoop::write(ServoFrame& frame, const LimitedWrench& wrench) noexcept {
   frame.state = state_;
   frame.fault = latch_.fault().code;
   if (state_ == OperatingState::Lost) return;
-  const bool is_silent =
-      latch_.is_latched() && frame.now - latched_at_ > settings_.zero_before_silence;
-  if (is_silent) return;
+  if (is_silent(frame.now)) return;
+  if (is_driving()) {
+    is_driven_ = true;
+    // Before the force: the guard must know of it whenever this process ends.
+    if (parts_.heartbeat != nullptr)
+      parts_.heartbeat->is_driven.store(1, std::memory_order_release);
+  }
   frame.write_status = parts_.device.write(wrench);
+  const bool is_taken = frame.write_status == IoStatus::Ok;
+  if (is_driving() || !is_taken) {
+    zero_since_.reset();
+  } else if (!zero_since_) {
+    zero_since_ = frame.now;
+  }
   // Only a command that the bus took is one: a stuck way out must not look fresh.
-  if (frame.write_status != IoStatus::Ok) return;
-  last_write_ = frame.now;
+  if (is_taken) last_write_ = frame.now;
 }
 
 void ServoLoop::record(ServoFrame& frame) noexcept {

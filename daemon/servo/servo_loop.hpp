@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <optional>
 
 #include "daemon/coupling/arm_coupling.hpp"
 #include "daemon/coupling/arm_link.hpp"
@@ -35,8 +36,9 @@ struct ServoSettings {
   Duration activation_ramp{std::chrono::milliseconds(500)};
   Duration release_ramp{std::chrono::milliseconds(20)};
   Duration command_gap_limit{std::chrono::milliseconds(20)};
-  // After a latched fault zero is still written for this long (so that it surely arrives),
-  // then the arm hears nothing and its own watchdog takes the power away.
+  // After a latched fault zero is still written until the arm has taken it for this long (so that
+  // it surely arrives); then it hears nothing and its own watchdog takes the power away. One
+  // without a watchdog hears zero for good.
   Duration zero_before_silence{std::chrono::milliseconds(100)};
   bool is_realtime_required{false};
   Duration recording{std::chrono::seconds(2)};
@@ -106,6 +108,7 @@ class ServoLoop {
   void apply(LifecycleEvent event) noexcept;
   void restart_coupling(MonotonicTime now) noexcept;
   [[nodiscard]] bool is_driving() const noexcept;
+  [[nodiscard]] bool is_silent(MonotonicTime now) const noexcept;
   [[nodiscard]] bool may_drive() const noexcept;
 
   ServoParts parts_;
@@ -122,6 +125,7 @@ class ServoLoop {
   TickHistogram exchange_;
   rt::WordSeqlock<ServoSnapshot> published_;
 
+  const bool has_watchdog_;  // the arm's own
   OperatingState state_{OperatingState::Configured};
   HapticState arm_{};                // the newest sample
   coupling::ConstraintSet reply_{};  // scratch of one tick: clearing half a kilobyte costs time
@@ -131,7 +135,9 @@ class ServoLoop {
   MonotonicTime previous_now_{};
   MonotonicTime last_write_{};  // that the bus took; before any, the first tick
   MonotonicTime latched_at_{};
-  std::uint32_t interventions_{0};  // of the guard, as of this tick
+  std::uint32_t interventions_{0};           // of the guard, as of this tick
+  std::optional<MonotonicTime> zero_since_;  // since when the arm takes nothing but zero
+  bool is_driven_{false};                    // it may hold a force, as far as is known
   // Of this tick: what latched, what was unplugged, and what latched again after a clear.
   rt::StaticVector<Fault, 3> stops_;
   bool is_outage_over_{false};

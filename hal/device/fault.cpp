@@ -24,6 +24,8 @@ std::string_view to_string(FaultCode code) noexcept {
       return "estop";
     case FaultCode::LostReference:
       return "lost-reference";
+    case FaultCode::GuardLost:
+      return "guard-lost";
   }
   return "unknown";
 }
@@ -55,6 +57,9 @@ std::string_view explain(FaultCode code) noexcept {
       return "the emergency stop is pressed; release it, then clear the fault";
     case FaultCode::LostReference:
       return "the arm lost its calibration while it was driven; clear the fault and calibrate it";
+    case FaultCode::GuardLost:
+      return "the guard of this arm ended while it was driven; another is started, then clear the "
+             "fault";
   }
   return "unknown fault";
 }

@@ -20,8 +20,9 @@ enum class FaultCode : std::uint8_t {
   ServoLate,        // the arm had no fresh command for too long
   Estop,
   LostReference,  // the arm lost its calibration while it was driven
+  GuardLost,      // the arm's guard ended while it was driven
 };
-inline constexpr std::size_t kFaultCodeCount = 10;
+inline constexpr std::size_t kFaultCodeCount = 11;
 
 // Short name for status and recordings, e.g. "overspeed".
 std::string_view to_string(FaultCode code) noexcept;

@@ -15,11 +15,10 @@ namespace thimble::rt {
 // Errors: what the other side writes is hostile at worst: numbers are compared, never used as
 //     sizes or places.
 struct Heartbeat {
-  std::atomic<std::uint64_t> beats{0};          // servo: +1 at the end of every tick
+  std::atomic<std::uint64_t> beats{0};  // servo: +1 at the end of a tick whose commands leave
+  // Servo: 1 from before a force is written until the arm has taken nothing but zero for a while.
+  std::atomic<std::uint32_t> is_driven{0};
   std::atomic<std::uint32_t> interventions{0};  // guard: +1 whenever it began to let the arm go
-  std::atomic<std::uint32_t> acknowledged{0};  // servo: the interventions after which it wrote zero
-
-  // What was written before it is seen by whoever reads this beat (acquire).
   THIMBLE_RT void beat() noexcept {
     beats.store(beats.load(std::memory_order_relaxed) + 1, std::memory_order_release);
   }

@@ -26,6 +26,7 @@ class Rig {
     node_ = Descriptor(ends[1]);
   }
   Result<GuardSession> accept() {
+    page.heartbeat().is_driven = 1;
     const Handover handover{ZeroRoute::Write, 0, 3, {0, 7, 9}};
     EXPECT_TRUE(send_handover(daemon.get(), handover, node_.get(), page.descriptor()).has_value());
     return GuardSession::accept(guard_.get(), 1000);
@@ -77,8 +78,8 @@ TEST(GuardSession, LetsTheArmGoWhenTheBeatsStopAndTellsTheServo) {
   EXPECT_EQ(rig.page.heartbeat().interventions.load(), 0U);
   EXPECT_EQ(rig.run(*guard, 1000, false), 51);
   EXPECT_EQ(rig.page.heartbeat().interventions.load(), 1U);
-  EXPECT_EQ(rig.run(*guard, 100, true), 50) << "until the servo took notice";
-  rig.page.heartbeat().acknowledged = 1;
+  EXPECT_EQ(rig.run(*guard, 100, true), 50) << "until the servo took the force away";
+  rig.page.heartbeat().is_driven = 0;
   EXPECT_EQ(rig.run(*guard, 100, true), 0);
 }
 
@@ -89,6 +90,26 @@ TEST(GuardSession, LetsTheArmGoAndEndsWhenTheDaemonIsGone) {
   rig.daemon = Descriptor();
   EXPECT_EQ(rig.run(*guard, 1000, false), 51);
   EXPECT_TRUE(rig.is_over);
+}
+
+TEST(GuardSession, OfADaemonThatIsGoneAndDidNotDriveLeavesTheArmAlone) {
+  Rig rig;
+  auto guard = rig.accept();
+  rig.page.heartbeat().is_driven = 0;
+  rig.run(*guard, 10, true);
+  rig.daemon = Descriptor();
+  EXPECT_EQ(rig.run(*guard, 1000, false), 0);
+  EXPECT_TRUE(rig.is_over);
+}
+
+TEST(GuardSession, BelievesWhatTheDaemonSaidLastWhenItIsGone) {
+  Rig rig;
+  auto guard = rig.accept();
+  rig.page.heartbeat().is_driven = 0;
+  rig.run(*guard, 10, true);
+  rig.page.heartbeat().is_driven = 1;  // and wrote a force, and died between two looks
+  rig.daemon = Descriptor();
+  EXPECT_EQ(rig.run(*guard, 1000, false), 51);
 }
 
 TEST(GuardSession, TakesAPeerThatTalksForTheEndOfIt) {
@@ -104,12 +125,11 @@ TEST(GuardSession, TakesAPeerThatTalksForTheEndOfIt) {
 TEST(GuardSession, CountsOnWhereTheGuardBeforeItEnded) {
   Rig rig;
   rig.page.heartbeat().interventions = 5;
-  rig.page.heartbeat().acknowledged = 5;
   auto guard = rig.accept();
   EXPECT_EQ(rig.run(*guard, 100, true), 0);
   EXPECT_EQ(rig.run(*guard, 50, false), 15);
   EXPECT_EQ(rig.page.heartbeat().interventions.load(), 6U);
-  rig.page.heartbeat().acknowledged = 6;
+  rig.page.heartbeat().is_driven = 0;
   EXPECT_EQ(rig.run(*guard, 100, true), 0);
 }
 
@@ -125,12 +145,12 @@ TEST(GuardSession, OfAnArmThatIsGoneGoesOnAndCountsWhatWasRefused) {
         send_handover(daemon.get(), {route, 2, 16, {}}, null.get(), page.descriptor()).has_value());
     auto session = GuardSession::accept(guard.get(), 1000);
     ASSERT_TRUE(session.has_value());
+    page.heartbeat().is_driven = 1;
     page.heartbeat().beat();
     EXPECT_TRUE(session->step(MonotonicTime{milliseconds(2)}));
     EXPECT_TRUE(session->step(MonotonicTime{milliseconds(30)}));
     EXPECT_EQ(session->zeros().refused(), 1U);
     EXPECT_EQ(session->zeros().written(), 0U);
-    page.heartbeat().acknowledged = page.heartbeat().interventions.load();
   }
 }
 

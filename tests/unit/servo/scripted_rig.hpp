@@ -30,6 +30,7 @@ class ScriptedDevice final : public HapticDevice {
   explicit ScriptedDevice(const Clock& clock) : clock_(clock) {
     capabilities_.model = "scripted";
     capabilities_.peak_force_newton = 8;
+    capabilities_.device_watchdog = std::chrono::milliseconds(500);
     capabilities_.peak_current_a = {3, 3, 3};
     capabilities_.continuous_current_a = {1, 1, 1};
     state.calibration = CalibrationState::Ok;
@@ -40,6 +41,7 @@ class ScriptedDevice final : public HapticDevice {
   }
   [[nodiscard]] std::string_view calibration_instruction() const noexcept override { return ""; }
   [[nodiscard]] DeviceCounters counters() const noexcept override { return {}; }
+  [[nodiscard]] std::optional<ZeroCommand> zero_command() const noexcept override { return {}; }
   void forget_calibration() noexcept override { state.calibration = CalibrationState::Unknown; }
   IoStatus read(HapticState& out) noexcept override {
     if (next_status != IoStatus::Ok) return next_status;
