@@ -65,7 +65,8 @@ Result<std::unique_ptr<ArmRig>> ArmRig::create(const config::ArmConfig& arm,
   const Clock& stopwatch = parts.stopwatch != nullptr ? *parts.stopwatch : *rig->clock_;
   const ArmSessionParts session_parts{
       *rig->buses_, parts.drivers, arm_end,
-      *rig->clock_, stopwatch,     world != nullptr ? world->world().info().cell_m : 0};
+      *rig->clock_, stopwatch,     world != nullptr ? world->world().info().cell_m : 0,
+      parts.guards};
   Result<std::unique_ptr<ArmSession>> session = ArmSession::create(arm, servo, session_parts);
   if (!session) return tl::unexpected(session.error());
   rig->session_ = *std::move(session);

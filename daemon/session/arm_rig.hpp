@@ -18,11 +18,12 @@ struct RigParts {
   const plugin::SimModelRegistry& models;
   const plugin::DriverRegistry& drivers;
   bus::BusEnumerator* real_buses{nullptr};  // nullptr: only "sim:" devices can be opened
-  Clock* real_clock{nullptr};               // nullptr: virtual time, nothing sleeps
-  const Clock* stopwatch{nullptr};          // nullptr: the arm's own clock
-  rt::WakeSignal* wake{nullptr};            // of the net plane
-  boost::asio::io_context* io{nullptr};     // for links to other hosts
-  std::uint32_t first_session{1};           // of the world halves: see GhostPointWorld
+  devices::ArmGuards* guards{nullptr};   // of real arms; nullptr: those that need one are refused
+  Clock* real_clock{nullptr};            // nullptr: virtual time, nothing sleeps
+  const Clock* stopwatch{nullptr};       // nullptr: the arm's own clock
+  rt::WakeSignal* wake{nullptr};         // of the net plane
+  boost::asio::io_context* io{nullptr};  // for links to other hosts
+  std::uint32_t first_session{1};        // of the world halves: see GhostPointWorld
   // Puts something between a simulated arm's bus and its session, such as a bad cable.
   std::function<std::unique_ptr<bus::BusEnumerator>(bus::BusEnumerator&, const Clock&)>
       wrap_sim_bus{};

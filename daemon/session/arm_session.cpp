@@ -20,7 +20,11 @@ Result<std::unique_ptr<HapticDevice>> open_device(const config::ArmConfig& arm,
 ArmSession::ArmSession(const config::ArmConfig& arm, const ArmSessionParts& parts,
                        std::unique_ptr<HapticDevice> device,
                        std::unique_ptr<coupling::ArmCoupling> coupling)
-    : arm_(arm), parts_(parts), device_(std::move(device)), coupling_(std::move(coupling)) {
+    : arm_(arm),
+      parts_(parts),
+      device_(std::move(device)),
+      coupling_(std::move(coupling)),
+      guard_("arm '" + arm.name + "'", {arm.device}, parts.guards, controls_) {
   controls_.want_active = arm.activate;
 }
 
@@ -42,9 +46,11 @@ Result<std::unique_ptr<ArmSession>> ArmSession::create(const config::ArmConfig& 
   std::unique_ptr<ArmSession> session(
       new ArmSession(arm, parts, *std::move(device), *std::move(coupling)));
   session->identity_ = info.value_or(bus::BusDeviceInfo{});
+  const Result<void> guarded = session->guard_.begin(session->device_);
+  if (!guarded) return tl::unexpected(guarded.error());
   session->loop_ = std::make_unique<servo::ServoLoop>(
       servo::ServoParts{session->device_, *session->coupling_, parts.link, session->controls_,
-                        parts.clock, parts.stopwatch},
+                        parts.clock, parts.stopwatch, session->guard_.heartbeat()},
       *settings);
   return session;
 }
@@ -81,7 +87,9 @@ Result<void> ArmSession::follow(MonotonicTime now) {
     trouble_.clear();
     // One that dies before its first report was never had: the tries go on as rare as they were.
     if (device_.counters().reports_in > 0) look_at_once();
-    return {};
+    Result<void> guarded = guard_.follow(now);
+    if (!guarded) trouble_ = guarded.error().message;
+    return guarded;
   }
   // The dead handle goes first: decision 0150.
   if (device_.retire()) {
@@ -114,6 +122,8 @@ Result<void> ArmSession::reopen() {
   const Result<void> is_alike =
       devices::check_same_limits(device_.capabilities(), (*device)->capabilities());
   if (!is_alike) return tl::unexpected(is_alike.error().in(refusal));
+  Result<void> guarded = guard_.begin(**device);
+  if (!guarded) return guarded;
   (*device)->forget_calibration();
   if (!device_.offer(*device)) return fail(Errc::Busy, "arm '" + arm_.name + "' is being replaced");
   offered_at_tick_ = snapshot().frame.tick;

@@ -11,6 +11,7 @@
 #include "daemon/devices/replaceable_device.hpp"
 #include "daemon/servo/flight_file.hpp"
 #include "daemon/servo/servo_loop.hpp"
+#include "daemon/session/guarded_arm.hpp"
 #include "hal/base/result.hpp"
 #include "hal/bus/bus_enumerator.hpp"
 #include "hal/plugin/driver_registry.hpp"
@@ -22,9 +23,10 @@ struct ArmSessionParts {
   bus::BusEnumerator& buses;
   const plugin::DriverRegistry& drivers;
   coupling::ArmLink& link;
-  Clock& clock;            // of the servo and of the arm's bus
-  const Clock& stopwatch;  // measures only
-  double cell_m{0};        // of the world at the other end, where it is known
+  Clock& clock;                         // of the servo and of the arm's bus
+  const Clock& stopwatch;               // measures only
+  double cell_m{0};                     // of the world at the other end, where it is known
+  devices::ArmGuards* guards{nullptr};  // nullptr: an arm that needs a guard is refused
 };
 
 // One stop of the servo, to be written to a file by whoever may block.
@@ -39,7 +41,8 @@ struct Recording {
 // Thread: loop() is ticked by the servo thread; all else belongs to one control thread.
 class ArmSession {
  public:
-  // Errors: as devices::open_arm() and make_limiter_settings(), with the arm's name in front.
+  // Errors: as devices::open_arm(), make_limiter_settings() and GuardedArm::begin(), with the
+  // arm's name in front.
   [[nodiscard]] static Result<std::unique_ptr<ArmSession>> create(const config::ArmConfig& arm,
                                                                   const config::ServoConfig& servo,
                                                                   const ArmSessionParts& parts);
@@ -81,6 +84,7 @@ class ArmSession {
   devices::ReplaceableDevice device_;
   std::unique_ptr<coupling::ArmCoupling> coupling_;
   servo::ServoControls controls_;
+  GuardedArm guard_;
   std::unique_ptr<servo::ServoLoop> loop_;
   servo::ServoSnapshot snapshot_{};
   std::string trouble_;

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <memory>
+
+#include "hal/base/result.hpp"
+#include "hal/bus/device_address.hpp"
+#include "hal/device/haptic_device.hpp"
+#include "hal/device/zero_command.hpp"
+#include "hal/rt/heartbeat.hpp"
+
+namespace thimble::devices {
+
+// DESIGN section 4: an arm whose own watchdog is slower than the 20 ms of "servo late", or unknown,
+// has a guard. One that cannot push needs none.
+inline constexpr Duration kQuickWatchdog = std::chrono::milliseconds(20);
+[[nodiscard]] constexpr bool needs_guard(const HapticCapabilities& arm) noexcept {
+  const bool is_quick =
+      arm.device_watchdog > Duration::zero() && arm.device_watchdog <= kQuickWatchdog;
+  return arm.peak_force_newton > 0 && !is_quick;
+}
+
+// What lets one arm go when its servo stops: a process of its own in the daemon.
+//
+// Thread: control plane; heartbeat() is the servo's and the guard's. Not RT.
+// Ownership: must outlive the servo that beats on it. When it ends, the arm is let go.
+class ArmGuard {
+ public:
+  virtual ~ArmGuard() = default;
+  [[nodiscard]] virtual rt::Heartbeat& heartbeat() noexcept = 0;
+  // From now on it watches the device at `address`, just opened, and no other. Waits until it says
+  // so. Errors: why it does not; then nothing watches.
+  [[nodiscard]] virtual Result<void> watch(const bus::DeviceAddress& address,
+                                           const ZeroCommand& zero) = 0;
+  [[nodiscard]] virtual bool is_watching() noexcept = 0;
+};
+
+// Makes guards. Thread: control plane. Ownership: must outlive them. Errors: System.
+class ArmGuards {
+ public:
+  virtual ~ArmGuards() = default;
+  [[nodiscard]] virtual Result<std::unique_ptr<ArmGuard>> make() = 0;
+};
+
+}  // namespace thimble::devices

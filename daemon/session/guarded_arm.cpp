@@ -1,0 +1,44 @@
+#include "daemon/session/guarded_arm.hpp"
+
+#include <algorithm>
+
+namespace thimble::session {
+
+Result<void> GuardedArm::begin(const HapticDevice& device) {
+  const bool is_simulated = address_.text.starts_with("sim:");
+  if (is_simulated || !devices::needs_guard(device.capabilities())) return {};
+  const std::optional<ZeroCommand> zero = device.zero_command();
+  if (!zero) {
+    return fail(Errc::Unsupported,
+                name_ + " needs a guard, but its driver does not say what takes its force away");
+  }
+  if (guards_ == nullptr) {
+    return fail(Errc::Unsupported, name_ + " needs a guard, and this program has none");
+  }
+  zero_ = *zero;
+  if (!guard_) {
+    auto made = guards_->make();
+    if (!made) return tl::unexpected(made.error().in(name_ + ": guard"));
+    guard_ = *std::move(made);
+  }
+  return watch();
+}
+
+Result<void> GuardedArm::watch() {
+  const Result<void> watched = guard_->watch(address_, zero_);
+  controls_.is_guarded.store(watched.has_value(), std::memory_order_relaxed);
+  if (!watched) return tl::unexpected(watched.error().in(name_ + ": guard"));
+  retry_ = kFirstRetry;
+  return {};
+}
+
+Result<void> GuardedArm::follow(MonotonicTime now) {
+  if (!guard_ || guard_->is_watching()) return {};
+  controls_.is_guarded.store(false, std::memory_order_relaxed);
+  if (now < next_try_) return {};
+  next_try_ = now + retry_;
+  retry_ = std::min(2 * retry_, kLongestRetry);
+  return watch();
+}
+
+}  // namespace thimble::session

@@ -1,0 +1,162 @@
+#include "daemon/session/guarded_arm.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace thimble::session {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+class FakeDevice final : public HapticDevice {
+ public:
+  [[nodiscard]] const HapticCapabilities& capabilities() const noexcept override { return able; }
+  [[nodiscard]] std::string_view calibration_instruction() const noexcept override { return ""; }
+  [[nodiscard]] DeviceCounters counters() const noexcept override { return {}; }
+  [[nodiscard]] std::optional<ZeroCommand> zero_command() const noexcept override { return zero; }
+  void forget_calibration() noexcept override {}
+  IoStatus read(HapticState& /*out*/) noexcept override { return IoStatus::NoData; }
+  IoStatus write(const LimitedWrench& /*wrench*/) noexcept override { return IoStatus::Ok; }
+
+  HapticCapabilities able;
+  std::optional<ZeroCommand> zero{ZeroCommand{.endpoint = 2}};
+};
+
+struct GuardScript {
+  bool can_make{true};
+  bool can_watch{true};
+  bool is_watching{false};
+  int made{0};
+  std::vector<std::string> watched;
+};
+
+class FakeGuard final : public devices::ArmGuard {
+ public:
+  explicit FakeGuard(GuardScript& script) : script_(script) {}
+  [[nodiscard]] rt::Heartbeat& heartbeat() noexcept override { return heartbeat_; }
+  Result<void> watch(const bus::DeviceAddress& address, const ZeroCommand& zero) override {
+    script_.watched.push_back(address.text + ' ' + std::to_string(zero.endpoint));
+    script_.is_watching = script_.can_watch;
+    if (!script_.can_watch) return fail(Errc::System, "it cannot be started");
+    return {};
+  }
+  [[nodiscard]] bool is_watching() noexcept override { return script_.is_watching; }
+
+ private:
+  GuardScript& script_;
+  rt::Heartbeat heartbeat_;
+};
+
+class FakeGuards final : public devices::ArmGuards {
+ public:
+  explicit FakeGuards(GuardScript& script) : script_(script) {}
+  Result<std::unique_ptr<devices::ArmGuard>> make() override {
+    if (!script_.can_make) return fail(Errc::System, "no memory");
+    ++script_.made;
+    return std::make_unique<FakeGuard>(script_);
+  }
+
+ private:
+  GuardScript& script_;
+};
+
+class GuardedArmTest : public testing::Test {
+ protected:
+  GuardedArmTest() {
+    device_.able.peak_force_newton = 8;
+    device_.able.device_watchdog = milliseconds(500);
+  }
+  static std::string refusal(const Result<void>& result) {
+    return result ? "" : result.error().message;
+  }
+  MonotonicTime at(Duration since) const { return MonotonicTime{since}; }
+
+  GuardScript script_;
+  FakeGuards guards_{script_};
+  servo::ServoControls controls_;
+  FakeDevice device_;
+  GuardedArm sut_{"arm 'right'", {"hid:42"}, &guards_, controls_};
+};
+
+TEST_F(GuardedArmTest, HasItsDeviceWatchedWithTheZeroOfItsDriver) {
+  ASSERT_EQ(sut_.heartbeat(), nullptr);
+  EXPECT_EQ(refusal(sut_.begin(device_)), "");
+  EXPECT_EQ(script_.watched, (std::vector<std::string>{"hid:42 2"}));
+  EXPECT_NE(sut_.heartbeat(), nullptr);
+  EXPECT_TRUE(controls_.is_guarded);
+}
+
+TEST_F(GuardedArmTest, OneThatReturnsIsWatchedAnewOnTheSameHeartbeat) {
+  ASSERT_TRUE(sut_.begin(device_));
+  rt::Heartbeat* const heartbeat = sut_.heartbeat();
+  ASSERT_TRUE(sut_.begin(device_));
+  EXPECT_EQ(script_.watched.size(), 2U);
+  EXPECT_EQ(script_.made, 1);
+  EXPECT_EQ(sut_.heartbeat(), heartbeat);
+}
+
+TEST_F(GuardedArmTest, NeedsNoneWhoseOwnWatchdogIsAsQuick) {
+  device_.able.device_watchdog = milliseconds(20);
+  EXPECT_TRUE(sut_.begin(device_));
+  EXPECT_EQ(script_.made, 0);
+  device_.able.device_watchdog = milliseconds(21);
+  EXPECT_TRUE(sut_.begin(device_));
+  EXPECT_EQ(script_.made, 1);
+}
+
+TEST_F(GuardedArmTest, NeedsOneWhoseWatchdogIsUnknown) {
+  device_.able.device_watchdog = {};
+  EXPECT_TRUE(sut_.begin(device_));
+  EXPECT_EQ(script_.made, 1);
+}
+
+TEST_F(GuardedArmTest, NeedsNoneThatCannotPushOrIsSimulated) {
+  GuardedArm simulated("arm 'left'", {"sim:falcon"}, nullptr, controls_);
+  EXPECT_TRUE(simulated.begin(device_));
+  device_.able.peak_force_newton = 0;
+  EXPECT_TRUE(sut_.begin(device_));
+  EXPECT_EQ(script_.made, 0);
+  EXPECT_TRUE(controls_.is_guarded);
+}
+
+TEST_F(GuardedArmTest, IsRefusedWhereNoneCanBeHad) {
+  GuardedArm alone("arm 'right'", {"usb:1-4"}, nullptr, controls_);
+  EXPECT_EQ(refusal(alone.begin(device_)), "arm 'right' needs a guard, and this program has none");
+  script_.can_make = false;
+  EXPECT_EQ(refusal(sut_.begin(device_)), "arm 'right': guard: no memory");
+  script_.can_make = true;
+  script_.can_watch = false;
+  EXPECT_EQ(refusal(sut_.begin(device_)), "arm 'right': guard: it cannot be started");
+  EXPECT_FALSE(controls_.is_guarded);
+  device_.zero.reset();
+  EXPECT_EQ(refusal(sut_.begin(device_)),
+            "arm 'right' needs a guard, but its driver does not say what takes its force away");
+}
+
+TEST_F(GuardedArmTest, AGuardThatEndsStopsTheArmAtOnceAndIsReplaced) {
+  ASSERT_TRUE(sut_.begin(device_));
+  script_.is_watching = false;
+  script_.can_watch = false;
+  EXPECT_NE(refusal(sut_.follow(at(seconds(1)))), "");
+  EXPECT_FALSE(controls_.is_guarded);
+  script_.can_watch = true;
+  EXPECT_EQ(refusal(sut_.follow(at(seconds(1) + milliseconds(49)))), "");
+  EXPECT_FALSE(controls_.is_guarded) << "the next try is due 50 ms after the last";
+  EXPECT_EQ(refusal(sut_.follow(at(seconds(1) + milliseconds(50)))), "");
+  EXPECT_TRUE(controls_.is_guarded);
+  EXPECT_EQ(script_.watched.size(), 3U);
+}
+
+TEST_F(GuardedArmTest, AGuardThatCannotBeHadIsTriedLessAndLessOften) {
+  ASSERT_TRUE(sut_.begin(device_));
+  script_.is_watching = false;
+  script_.can_watch = false;
+  for (int ms = 0; ms < 60'000; ms += 10) (void)sut_.follow(at(seconds(1) + milliseconds(ms)));
+  // At 0, 0.05, 0.15 … 3.15 s, and then every 2 s.
+  EXPECT_EQ(script_.watched.size(), 1U + 7U + 28U);
+}
+
+}  // namespace
+}  // namespace thimble::session
