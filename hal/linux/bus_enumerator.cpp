@@ -91,8 +91,28 @@ Result<std::unique_ptr<bus::UsbDevice>> BusEnumerator::open_usb(const bus::Devic
     ::close(node);
     return tl::unexpected(same.error());
   }
+  // Whoever shares it shares the claim, which belongs to what is open, not to its number.
+  usb_nodes_.insert_or_assign(address, OpenNode(::fcntl(node, F_DUPFD_CLOEXEC, 0)));
   return UsbDevice::open(node, found->info, claim, settings_.clock, settings_.thread,
                          settings_.process);
+}
+
+Result<int> BusEnumerator::share(const bus::DeviceAddress& address) {
+  const auto usb = usb_nodes_.find(address);
+  if (usb != usb_nodes_.end()) {
+    const int shared = ::fcntl(usb->second.get(), F_DUPFD_CLOEXEC, 0);
+    if (shared < 0) return tl::unexpected(node_error(address.text, errno));
+    return shared;
+  }
+  const Result<FoundDevice> found = find(address, bus::BusKind::Hid);
+  if (!found.has_value()) return tl::unexpected(found.error());
+  const int node = ::open(found->node.c_str(), O_WRONLY | O_CLOEXEC);
+  if (node < 0) return tl::unexpected(node_error(found->node, errno).in(address.text));
+  if (const Result<void> same = check_same(found.value()); !same.has_value()) {
+    ::close(node);
+    return tl::unexpected(same.error());
+  }
+  return node;
 }
 
 }  // namespace thimble::linux

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <deque>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "hal/bus/bus_enumerator.hpp"
 #include "hal/linux/bus_settings.hpp"
 #include "hal/linux/hid_device.hpp"
+#include "hal/linux/open_node.hpp"
 #include "hal/linux/udev_scan.hpp"
 
 namespace thimble::linux {
@@ -30,6 +32,10 @@ class BusEnumerator final : public bus::BusEnumerator {
       const bus::DeviceAddress& address) override;
   [[nodiscard]] Result<std::unique_ptr<bus::UsbDevice>> open_usb(
       const bus::DeviceAddress& address, const bus::UsbClaim& claim) override;
+  // Another descriptor of a device that this opened, for a process that may have to let the arm go
+  // when this one cannot: of a USB device with the same claim. The caller closes it.
+  // NotFound, Permission or System.
+  [[nodiscard]] Result<int> share(const bus::DeviceAddress& address);
 
  private:
   void note_changes();
@@ -42,6 +48,7 @@ class BusEnumerator final : public bus::BusEnumerator {
   std::vector<FoundDevice> known_;  // what poll_event() has told of
   std::deque<bus::BusEvent> events_;
   HidHost hids_;
+  std::map<bus::DeviceAddress, OpenNode> usb_nodes_;  // of the newest opening of each
 };
 
 }  // namespace thimble::linux

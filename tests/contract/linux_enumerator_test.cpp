@@ -1,5 +1,7 @@
 // What the enumerator of the machine says of devices that udev knows, however they lie.
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <map>
@@ -215,6 +217,25 @@ TEST_F(LinuxEnumerator, ANodeThatBecameAnotherDevicesWhileItWasOpenedIsRefused) 
   EXPECT_NE(opened.error().message.find("hid:X"), std::string::npos) << opened.error().message;
   EXPECT_TRUE(wire.received_by_device().empty()) << "nothing was sent to the other one";
   EXPECT_TRUE(sut->open_hid({"hid:Y"}).has_value()) << "and it is not held";
+}
+
+TEST_F(LinuxEnumerator, SharesTheNodeOfAHidDeviceWithWhoMayHaveToLetItGo) {
+  plug_arm("1-4", "X", 0);
+  const auto shared = sut->share({"hid:X"});
+  ASSERT_TRUE(shared.has_value()) << shared.error().message;
+  EXPECT_EQ(::write(*shared, "zero", 4), 4);
+  EXPECT_EQ(::close(*shared), 0);
+  std::string written(4, ' ');
+  const int node = ::open("/dev/hidraw0", O_RDONLY | O_CLOEXEC);
+  EXPECT_EQ(::read(node, written.data(), written.size()), 4);
+  EXPECT_EQ(written, "zero");
+  EXPECT_EQ(::close(node), 0);
+}
+
+TEST_F(LinuxEnumerator, SharesNoUsbDeviceThatItDidNotOpen) {
+  plug_arm("1-4", "X", 0);
+  EXPECT_EQ(sut->share({"usb:1-4"}).error().code, Errc::NotFound);
+  EXPECT_EQ(sut->share({"hid:Y"}).error().code, Errc::NotFound);
 }
 
 TEST_F(LinuxEnumerator, RefusalsAreToldApart) {
