@@ -67,9 +67,13 @@ Result<void> Daemon::start(const linux::RealtimeProcess& process) {
   if (has_real_arm(config_)) {
     buses_ = std::make_unique<linux::BusEnumerator>(
         linux::BusSettings{clock_, bus_thread_settings(config_.servo), process.report()});
+    GuardSettings guards = default_guard_settings();
+    guards.share = [this](const bus::DeviceAddress& address) { return buses_->share(address); };
+    guards_ = std::make_unique<GuardKeeper>(std::move(guards));
   }
   session::RigParts parts{plugins_.models, plugins_.drivers};
   parts.real_buses = buses_.get();
+  parts.guards = guards_.get();
   parts.real_clock = &clock_;
   parts.stopwatch = &clock_;
   parts.wake = wake_.get();

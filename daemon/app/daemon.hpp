@@ -11,6 +11,7 @@
 #include "daemon/api/server.hpp"
 #include "daemon/api/status_view.hpp"
 #include "daemon/app/arm_commands.hpp"
+#include "daemon/app/guard_keeper.hpp"
 #include "daemon/app/lateness_watch.hpp"
 #include "daemon/app/leases.hpp"
 #include "daemon/app/options.hpp"
@@ -79,6 +80,7 @@ class Daemon final : private api::StatusView {
 
   std::unique_ptr<RecordingWriter> recorder_;
   std::unique_ptr<linux::BusEnumerator> buses_;  // nullptr: every arm is simulated
+  std::unique_ptr<GuardKeeper> guards_;          // of its devices
   std::unique_ptr<session::Runtime> runtime_;
   std::optional<ArmCommands> commands_;
   std::unique_ptr<api::Server> server_;

@@ -1,0 +1,163 @@
+#include "daemon/app/guard_keeper.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <string>
+#include <utility>
+
+#include "guard/guard_session.hpp"
+#include "guard/handover.hpp"
+#include "guard/shared_page.hpp"
+
+extern char** environ;  // NOLINT: what a child is given; posix_spawn asks for it
+
+namespace thimble::app {
+namespace {
+
+using guard::Descriptor;
+
+constexpr const char* kEnded =
+    "it ended; the journal has its word, journalctl -u 'thimble-guard@*'";
+
+Error system_error(const std::string& what, int code) {
+  const bool is_denied = code == EACCES || code == EPERM;
+  return {is_denied ? Errc::Permission : Errc::System, what + ": " + std::strerror(code)};
+}
+
+// USB devices take the bytes as they are; hidraw wants the report's number first, 0 for none.
+guard::Handover handover_of(const ZeroCommand& zero) {
+  guard::Handover handover;
+  handover.endpoint = zero.endpoint;
+  const bool is_hid = zero.endpoint == 0;
+  handover.route = is_hid ? guard::ZeroRoute::Write : guard::ZeroRoute::UsbBulk;
+  static_assert(ZeroCommand::kMaxBytes + 1 <= guard::kMaxZeroBytes);
+  const std::size_t first = is_hid ? 1 : 0;
+  std::copy(zero.bytes.begin(), zero.bytes.end(), handover.bytes.begin() + first);
+  handover.size = first + zero.bytes.size();
+  return handover;
+}
+
+Result<void> wait_for_answer(int socket) {
+  pollfd answered{socket, POLLIN, 0};
+  const int ready = ::poll(&answered, 1, GuardKeeper::kPatience_ms);
+  if (ready == 0) return fail(Errc::Timeout, "it does not answer");
+  char answer = 0;
+  if (ready < 0 || ::recv(socket, &answer, 1, MSG_DONTWAIT) != 1 || answer != guard::kWatching) {
+    return fail(Errc::System, kEnded);
+  }
+  return {};
+}
+
+}  // namespace
+
+// One arm's: the page stays for the life of the session, a connection for that of a device.
+class GuardProcess final : public devices::ArmGuard {
+ public:
+  GuardProcess(GuardKeeper& keeper, guard::SharedPage page)
+      : keeper_(keeper), page_(std::move(page)) {}
+
+  [[nodiscard]] rt::Heartbeat& heartbeat() noexcept override { return page_.heartbeat(); }
+
+  Result<void> watch(const bus::DeviceAddress& address, const ZeroCommand& zero) override {
+    connection_ = Descriptor();  // the guard of the device before ends
+    auto shared = keeper_.settings_.share(address);
+    if (!shared) return tl::unexpected(shared.error());
+    const Descriptor node(*shared);
+    auto connection = keeper_.connect();
+    if (!connection) return tl::unexpected(connection.error());
+    const Result<void> sent =
+        guard::send_handover(connection->get(), handover_of(zero), node.get(), page_.descriptor());
+    if (!sent) return fail(Errc::System, kEnded);
+    Result<void> answered = wait_for_answer(connection->get());
+    if (answered) connection_ = *std::move(connection);
+    return answered;
+  }
+
+  // A guard never says a second word: what can be read is its end.
+  [[nodiscard]] bool is_watching() noexcept override {
+    if (connection_.get() < 0) return false;
+    pollfd ended{connection_.get(), POLLIN, 0};
+    if (::poll(&ended, 1, 0) == 0) return true;
+    connection_ = Descriptor();
+    keeper_.reap();
+    return false;
+  }
+
+ private:
+  GuardKeeper& keeper_;
+  guard::SharedPage page_;
+  Descriptor connection_;
+};
+
+GuardSettings default_guard_settings() {
+  std::error_code error;
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
+  return {"/run/thimble-guard.sock", self.parent_path() / "thimble-guard", {}};
+}
+
+GuardKeeper::~GuardKeeper() { reap(); }
+
+Result<std::unique_ptr<devices::ArmGuard>> GuardKeeper::make() {
+  reap();
+  auto page = guard::SharedPage::create();
+  if (!page) return tl::unexpected(page.error());
+  return std::make_unique<GuardProcess>(*this, *std::move(page));
+}
+
+Result<Descriptor> GuardKeeper::connect() {
+  sockaddr_un name{};
+  name.sun_family = AF_UNIX;
+  const std::string path = settings_.socket.string();
+  if (path.empty() || path.size() >= sizeof(name.sun_path)) return start();
+  std::copy(path.begin(), path.end(), static_cast<char*>(name.sun_path));
+  Descriptor socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
+  if (socket.get() < 0) return tl::unexpected(system_error("no socket for a guard", errno));
+  if (::connect(socket.get(), reinterpret_cast<const sockaddr*>(&name), sizeof(name)) == 0) {
+    return socket;
+  }
+  if (errno == ENOENT) return start();
+  return tl::unexpected(system_error(path + " (systemctl status thimble-guard.socket)", errno));
+}
+
+Result<Descriptor> GuardKeeper::start() {
+  reap();
+  std::array<int, 2> ends{};
+  if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) != 0) {
+    return tl::unexpected(system_error("no socket for a guard", errno));
+  }
+  Descriptor ours(ends[0]);
+  const Descriptor its(ends[1]);
+  posix_spawn_file_actions_t files;
+  posix_spawnattr_t attributes;
+  ::posix_spawn_file_actions_init(&files);
+  ::posix_spawn_file_actions_adddup2(&files, its.get(), STDIN_FILENO);
+  ::posix_spawnattr_init(&attributes);
+  // Signals of the terminal, and of a group, are the daemon's.
+  ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID);
+  std::string program = settings_.program.string();
+  const std::array<char*, 2> arguments{program.data(), nullptr};
+  pid_t pid = 0;
+  const int code =
+      ::posix_spawn(&pid, program.c_str(), &files, &attributes, arguments.data(), environ);
+  ::posix_spawnattr_destroy(&attributes);
+  ::posix_spawn_file_actions_destroy(&files);
+  if (code != 0) return tl::unexpected(system_error(program + " cannot be started", code));
+  started_.push_back(pid);
+  return ours;
+}
+
+void GuardKeeper::reap() noexcept {
+  std::erase_if(started_, [](pid_t pid) { return ::waitpid(pid, nullptr, WNOHANG) != 0; });
+}
+
+}  // namespace thimble::app

@@ -1,0 +1,144 @@
+#include "daemon/app/guard_keeper.hpp"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <array>
+#include <thread>
+
+#include "guard/handover.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+// Guards that are real processes, of an arm that is a pipe. Nothing here waits for a time; what a
+// guard does when is told by unit_guard.
+namespace thimble::app {
+namespace {
+
+using guard::Descriptor;
+
+constexpr int kPatience_ms = 30'000;
+
+class GuardKeeperTest : public testing::Test {
+ protected:
+  GuardKeeperTest() {
+    std::array<int, 2> ends{};
+    EXPECT_EQ(::pipe2(ends.data(), O_CLOEXEC), 0);
+    arm_ = Descriptor(ends[0]);
+    node_ = Descriptor(ends[1]);
+    settings_.program = THIMBLE_GUARD;
+    settings_.share = [this](const bus::DeviceAddress& address) -> Result<int> {
+      asked_for_ = address.text;
+      if (is_gone_) return fail(Errc::NotFound, "no device at " + address.text);
+      return ::fcntl(node_.get(), F_DUPFD_CLOEXEC, 0);
+    };
+    zero_.bytes.push_back(7);
+    zero_.bytes.push_back(9);
+  }
+  // The arm's next report; empty when none came.
+  std::string next_report() {
+    pollfd readable{arm_.get(), POLLIN, 0};
+    if (::poll(&readable, 1, kPatience_ms) != 1) return "";
+    std::array<char, 3> report{};
+    const ssize_t size = ::read(arm_.get(), report.data(), report.size());
+    return {report.data(), static_cast<std::size_t>(std::max<ssize_t>(size, 0))};
+  }
+  std::unique_ptr<devices::ArmGuard> make() { return std::move(keeper().make().value()); }
+  GuardKeeper& keeper() {
+    if (!keeper_) keeper_ = std::make_unique<GuardKeeper>(settings_);
+    return *keeper_;
+  }
+  std::string refusal(devices::ArmGuard& guard) {
+    const Result<void> watched = guard.watch({"hid:42"}, zero_);
+    return watched ? "" : watched.error().message;
+  }
+
+  Descriptor arm_;
+  Descriptor node_;
+  GuardSettings settings_;
+  std::string asked_for_;
+  bool is_gone_{false};
+  ZeroCommand zero_;
+  std::unique_ptr<GuardKeeper> keeper_;
+};
+
+const std::string kZeroOfHidraw{"\0\7\11", 3};
+
+TEST_F(GuardKeeperTest, StartsAGuardThatLetsTheArmGoWhenTheBeatsStop) {
+  const auto guard = make();
+  EXPECT_FALSE(guard->is_watching());
+  ASSERT_EQ(refusal(*guard), "");
+  EXPECT_EQ(asked_for_, "hid:42");
+  EXPECT_TRUE(guard->is_watching());
+  guard->heartbeat().is_driven = 1;
+  EXPECT_EQ(next_report(), kZeroOfHidraw);
+  EXPECT_EQ(guard->heartbeat().interventions.load(), 1U);
+  EXPECT_TRUE(guard->is_watching());
+}
+
+TEST_F(GuardKeeperTest, AGuardThatIsGivenUpLetsTheArmGo) {
+  auto guard = make();
+  ASSERT_EQ(refusal(*guard), "");
+  guard->heartbeat().is_driven = 1;
+  guard.reset();
+  EXPECT_EQ(next_report(), kZeroOfHidraw);
+}
+
+TEST_F(GuardKeeperTest, TheNextDeviceHasAnotherGuardOnTheSameHeartbeat) {
+  const auto guard = make();
+  ASSERT_EQ(refusal(*guard), "");
+  rt::Heartbeat* const heartbeat = &guard->heartbeat();
+  heartbeat->is_driven = 1;
+  ASSERT_EQ(refusal(*guard), "");
+  EXPECT_EQ(next_report(), kZeroOfHidraw) << "of the first, which ended";
+  EXPECT_TRUE(guard->is_watching());
+  EXPECT_EQ(&guard->heartbeat(), heartbeat);
+}
+
+TEST_F(GuardKeeperTest, SaysWhyThereIsNone) {
+  is_gone_ = true;
+  EXPECT_EQ(refusal(*make()), "no device at hid:42");
+  is_gone_ = false;
+  keeper_.reset();
+  settings_.program = "/nowhere/thimble-guard";
+  EXPECT_EQ(refusal(*make()),
+            "/nowhere/thimble-guard cannot be started: No such file or directory");
+  keeper_.reset();
+  settings_.program = "/bin/true";
+  EXPECT_EQ(refusal(*make()),
+            "it ended; the journal has its word, journalctl -u 'thimble-guard@*'");
+}
+
+// As systemd's socket: whoever accepts is told everything.
+TEST_F(GuardKeeperTest, PrefersTheSocketOfTheServiceAndSeesItsGuardEnd) {
+  const testing_support::TemporaryFolder folder;
+  settings_.socket = folder.path() / "guard.sock";
+  settings_.program = "/nowhere/thimble-guard";
+  Descriptor listener(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
+  sockaddr_un name{};
+  name.sun_family = AF_UNIX;
+  settings_.socket.string().copy(static_cast<char*>(name.sun_path), sizeof(name.sun_path) - 1);
+  ASSERT_EQ(::bind(listener.get(), reinterpret_cast<sockaddr*>(&name), sizeof(name)), 0);
+  const auto guard = make();
+  EXPECT_NE(refusal(*guard).find("thimble-guard.socket): Connection refused"), std::string::npos);
+
+  ASSERT_EQ(::listen(listener.get(), 4), 0);
+  Descriptor connection;
+  std::thread service([&] {
+    connection = Descriptor(::accept4(listener.get(), nullptr, nullptr, SOCK_CLOEXEC));
+    const auto received = guard::receive_handover(connection.get(), kPatience_ms);
+    EXPECT_TRUE(received.has_value());
+    EXPECT_EQ(::send(connection.get(), "W", 1, 0), 1);
+  });
+  EXPECT_EQ(refusal(*guard), "");
+  service.join();
+  EXPECT_TRUE(guard->is_watching());
+  connection = Descriptor();
+  EXPECT_FALSE(guard->is_watching());
+}
+
+}  // namespace
+}  // namespace thimble::app
