@@ -35,7 +35,8 @@ constexpr double kHomeReach_m = 0.002;
 // excused until the next report: no software can help that.
 class ArmForce final : public Invariant {
  public:
-  explicit ArmForce(const Bounds& bounds) : limits_(bounds.servo.limiter) {}
+  explicit ArmForce(const Bounds& bounds)
+      : limits_(bounds.servo.limiter), workspace_radius_m_(bounds.workspace_radius_m) {}
 
   void see(const Observation& now, Findings& findings) override {
     const servo::ServoFrame& frame = now.servo.frame;
@@ -46,6 +47,8 @@ class ArmForce final : public Invariant {
     const double newton = norm(now.truth.motor_force);
     const double speed_m_per_s = norm(now.truth.tip_velocity);
     if (!is_spoilt_) see_currents(now, findings);
+    // Out there the same current is another force a millimetre on; the currents keep their bounds.
+    if (norm(now.truth.tip - Position3{}) > workspace_radius_m_) doubted_at_ = frame.now;
     const bool is_pose_known = frame.now - doubted_at_ > kDoubt && is_reference_true_;
     const bool is_late = now.late_out_at == frame.now;
     if (is_late || frame.now - now.wire.last_report > kFresh) deaf_at_ = frame.now;
@@ -110,6 +113,7 @@ class ArmForce final : public Invariant {
   }
 
   servo::LimiterSettings limits_;
+  double workspace_radius_m_;
   std::uint64_t spoilt_in_{0};
   std::uint64_t spoilt_out_{0};
   std::uint64_t right_again_at_report_{0};

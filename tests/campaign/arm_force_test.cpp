@@ -79,6 +79,23 @@ TEST(ArmForce, ExcusesAnArmThatWasHeldAwayFromHomeAtItsReferenceUntilTheNext) {
   EXPECT_THAT(course.broken(), HasSubstr("norm of the force at the arm"));
 }
 
+// Near an arm's stretched and folded poses a millimetre is another force.
+TEST(ArmForce, ExcusesTheNormOfATipThatIsOutOfTheWorkSpaceButNoCurrent) {
+  GoodCourse course(&make_arm_force);
+  double newton = 1;
+  const auto outside = [&](Observation& now) {
+    now.truth.tip = {0, 0.07, -0.07};
+    now.truth.motor_force = {0, newton = std::min(newton + 0.1, 5.5), 0};
+  };
+  course.run(100, outside);
+  EXPECT_EQ(course.broken(), "");
+  course.run(1, [&](Observation& now) {
+    outside(now);
+    now.truth.motor_current_a[0] = 3.01;
+  });
+  EXPECT_THAT(course.broken(), HasSubstr("current of a motor"));
+}
+
 TEST(ArmForce, SeesARiseThatOnlyTheArmShows) {
   GoodCourse course(&make_arm_force, 100);
   course.run(1, [](Observation& now) { now.truth.motor_force = {4.9, 0, 0}; });

@@ -43,6 +43,7 @@ Bounds bounds_of(const Setup& setup, test::ClosedLoop& loop) {
   Bounds bounds;
   bounds.servo = loop.settings();
   if (setup.has_bystander) bounds.other_servo = loop.arm(1).session().loop().settings();
+  bounds.workspace_radius_m = loop.arm().session().device().capabilities().workspace_radius_m;
   bounds.stiffness_newton_per_m = setup.is_thesis_literal ? 800 : setup.stiffness_newton_per_m;
   bounds.damping_newton_s_per_m = setup.is_thesis_literal ? 10 : 5;
   for (const Material& material : materials_of(setup)) {

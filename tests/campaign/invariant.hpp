@@ -46,6 +46,7 @@ struct Bounds {
   double damping_newton_s_per_m{5};
   double friction{0};
   double hysteresis_m{0.0005};
+  double workspace_radius_m{0.08};
   double coordinate_spring_newton_per_m{50};
   Duration round_trip{};           // injected, at its longest
   bool is_network_lossless{true};  // every sample is answered
