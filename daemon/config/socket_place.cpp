@@ -33,7 +33,7 @@ Result<void> check_socket_place(const std::string& socket_path) {
     struct stat folder {};
     if (::stat(path.parent_path().c_str(), &folder) != 0) continue;
     if ((folder.st_mode & S_IWOTH) == 0) continue;
-    const auto done = check_owner(path, (folder.st_mode & S_ISVTX) != 0);
+    auto done = check_owner(path, (folder.st_mode & S_ISVTX) != 0);
     if (!done) return done;
   }
   return {};

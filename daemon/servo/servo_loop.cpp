@@ -303,11 +303,10 @@ void ServoLoop::write(ServoFrame& frame, const LimitedWrench& wrench) noexcept {
   }
   frame.write_status = parts_.device.write(wrench);
   const bool is_taken = frame.write_status == IoStatus::Ok;
-  if (is_driving() || !is_taken) {
-    zero_since_.reset();
-  } else if (!zero_since_) {
-    zero_since_ = frame.now;
-  }
+  // A servo that is faster than the bus finds it busy now and then: that breaks no row of zeros.
+  const bool is_row_broken = frame.now - last_write_ > settings_.command_gap_limit;
+  if (is_driving() || is_row_broken) zero_since_.reset();
+  if (!is_driving() && is_taken && !zero_since_) zero_since_ = frame.now;
   // Only a command that the bus took is one: a stuck way out must not look fresh.
   if (is_taken) last_write_ = frame.now;
 }

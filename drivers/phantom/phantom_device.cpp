@@ -65,7 +65,8 @@ std::string_view PhantomDevice::calibration_instruction() const noexcept {
 
 std::optional<ZeroCommand> PhantomDevice::zero_command() const noexcept {
   ZeroCommand zero;
-  for (const std::uint8_t byte : encode_currents({}, form_).payload()) zero.bytes.push_back(byte);
+  const HostReport report = encode_currents({}, form_);
+  for (const std::uint8_t byte : report.payload()) zero.bytes.push_back(byte);
   return zero;
 }
 

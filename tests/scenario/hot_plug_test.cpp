@@ -7,6 +7,7 @@
 #include "daemon/session/runtime.hpp"
 #include "drivers/phantom/phantom_driver.hpp"
 #include "sim/model/arm/register_arm_models.hpp"
+#include "tests/support/willing_guards.hpp"
 
 namespace thimble {
 namespace {
@@ -128,6 +129,7 @@ class HotPlug : public testing::Test {
     if (!config) throw std::runtime_error(to_string(config.error().front()));
     session::RigParts parts{models_, drivers_};
     parts.real_buses = &bus_;
+    parts.guards = &guards_;
     parts.real_clock = &clock_;
     auto runtime = session::Runtime::create(*config, parts);
     if (!runtime) throw std::runtime_error(runtime.error().message);
@@ -156,6 +158,7 @@ class HotPlug : public testing::Test {
   sim::VirtualClock clock_;
   sim::SimEnumerator plugs_{clock_};
   ReluctantBus bus_{plugs_};
+  test::WillingGuards guards_;
   std::unique_ptr<session::Runtime> sut_;
   std::vector<Error> troubles_;
 };

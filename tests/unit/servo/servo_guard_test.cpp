@@ -66,6 +66,32 @@ TEST(ServoGuard, IsToldOfAnArmThatTakesNoZeroAsLongAsItDoesNot) {
   EXPECT_EQ(rig.heartbeat.is_driven.load(), 0U);
 }
 
+TEST(ServoGuard, IsNotPutOffByABusThatIsBusyNowAndThen) {
+  DrivenRig rig;
+  rig.device.on_write = [&] {
+    const bool is_busy = rig.device.written.size() % 4 != 0;
+    rig.device.write_status = is_busy ? IoStatus::Backlogged : IoStatus::Ok;
+  };
+  rig.press_estop();
+  rig.tick(30);
+  EXPECT_EQ(rig.heartbeat.is_driven.load(), 0U);
+  rig.tick(200);
+  const std::size_t written = rig.device.written.size();
+  rig.tick(100);
+  EXPECT_EQ(rig.device.written.size(), written) << "silent, and its watchdog takes the power away";
+}
+
+// It may never have heard one.
+TEST(ServoGuard, AnArmThatTakesNoZeroIsNotLeftInSilence) {
+  DrivenRig rig;
+  rig.device.write_status = IoStatus::Backlogged;
+  rig.press_estop();
+  rig.tick(1000);
+  const std::size_t written = rig.device.written.size();
+  rig.tick(100);
+  EXPECT_EQ(rig.device.written.size(), written + 100);
+}
+
 // The guard's own way to the arm may be free.
 TEST(ServoGuard, SeesNoBeatOfAServoWhoseCommandsDoNotLeave) {
   DrivenRig rig;
