@@ -9,16 +9,14 @@
 #include <optional>
 #include <string>
 
+#include "hal/linux/system_error.hpp"
+
 namespace thimble::guard {
 namespace {
 
 constexpr std::array<std::uint8_t, 3> kMark{'T', 'G', 0};
 constexpr std::size_t kHead = kMark.size() + 2;
 constexpr std::size_t kDescriptors = 2;
-
-Error system_error(const char* what) {
-  return {Errc::System, std::string(what) + ": " + std::strerror(errno)};
-}
 
 // Room for one packet and one more byte, so that a longer one is seen to be longer.
 struct Packet {
@@ -39,8 +37,8 @@ struct Packet {
 };
 
 // The kernel hands over as many as fit, and closes the rest.
-std::vector<Descriptor> take_descriptors(msghdr& message) {
-  std::vector<Descriptor> all;
+std::vector<linux::Descriptor> take_descriptors(msghdr& message) {
+  std::vector<linux::Descriptor> all;
   for (cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr;
        part = CMSG_NXTHDR(&message, part)) {
     if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SCM_RIGHTS) continue;
@@ -97,7 +95,7 @@ Result<void> send_handover(int socket, const Handover& handover, int node, int p
   const std::array<int, kDescriptors> descriptors{node, page};
   std::memcpy(CMSG_DATA(rights), descriptors.data(), sizeof(descriptors));
   if (::sendmsg(socket, &packet.message, MSG_NOSIGNAL | MSG_DONTWAIT) < 0) {
-    return tl::unexpected(system_error("cannot hand the arm over"));
+    return tl::unexpected(linux::system_error("cannot hand the arm over", errno));
   }
   return {};
 }
@@ -105,13 +103,13 @@ Result<void> send_handover(int socket, const Handover& handover, int node, int p
 Result<Received> receive_handover(int socket, int timeout_ms) {
   pollfd readable{socket, POLLIN, 0};
   const int ready = ::poll(&readable, 1, timeout_ms);
-  if (ready < 0) return tl::unexpected(system_error("cannot wait for an arm"));
+  if (ready < 0) return tl::unexpected(linux::system_error("cannot wait for an arm", errno));
   if (ready == 0) return fail(Errc::Timeout, "no arm was handed over");
   Packet packet;
   const ssize_t size = ::recvmsg(socket, &packet.message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
-  if (size < 0) return tl::unexpected(system_error("cannot be handed an arm"));
+  if (size < 0) return tl::unexpected(linux::system_error("cannot be handed an arm", errno));
   if (size == 0) return fail(Errc::Disconnected, "no arm was handed over");
-  std::vector<Descriptor> descriptors = take_descriptors(packet.message);
+  std::vector<linux::Descriptor> descriptors = take_descriptors(packet.message);
   auto handover = parse_handover({packet.bytes.data(), static_cast<std::size_t>(size)});
   if (!handover) return tl::unexpected(handover.error());
   if (descriptors.size() != kDescriptors || (packet.message.msg_flags & MSG_CTRUNC) != 0) {

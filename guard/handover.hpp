@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "guard/descriptor.hpp"
 #include "hal/base/result.hpp"
+#include "hal/linux/descriptor.hpp"
 
 namespace thimble::guard {
 
@@ -41,8 +41,8 @@ struct Handover {
 // a packet that is refused are closed.
 struct Received {
   Handover handover;
-  Descriptor node;
-  Descriptor page;
+  linux::Descriptor node;
+  linux::Descriptor page;
 };
 [[nodiscard]] Result<void> send_handover(int socket, const Handover& handover, int node, int page);
 [[nodiscard]] Result<Received> receive_handover(int socket, int timeout_ms);

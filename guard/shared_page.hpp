@@ -1,7 +1,7 @@
 #pragma once
 
-#include "guard/descriptor.hpp"
 #include "hal/base/result.hpp"
+#include "hal/linux/descriptor.hpp"
 #include "hal/rt/heartbeat.hpp"
 
 namespace thimble::guard {
@@ -17,7 +17,7 @@ class SharedPage {
  public:
   [[nodiscard]] static Result<SharedPage> create();
   // Of a page that another process made.
-  [[nodiscard]] static Result<SharedPage> map(Descriptor page);
+  [[nodiscard]] static Result<SharedPage> map(linux::Descriptor page);
   SharedPage(SharedPage&& other) noexcept;
   SharedPage& operator=(SharedPage&&) = delete;
   ~SharedPage();
@@ -26,10 +26,10 @@ class SharedPage {
   [[nodiscard]] int descriptor() const noexcept { return page_.get(); }
 
  private:
-  SharedPage(Descriptor page, rt::Heartbeat* heartbeat) noexcept
+  SharedPage(linux::Descriptor page, rt::Heartbeat* heartbeat) noexcept
       : page_(std::move(page)), heartbeat_(heartbeat) {}
 
-  Descriptor page_;
+  linux::Descriptor page_;
   rt::Heartbeat* heartbeat_;
 };
 

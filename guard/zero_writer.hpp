@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-#include "guard/descriptor.hpp"
 #include "guard/handover.hpp"
+#include "hal/linux/descriptor.hpp"
 
 namespace thimble::guard {
 
@@ -17,7 +17,7 @@ class ZeroWriter {
  public:
   static constexpr unsigned kBulkTimeout_ms = 20;
 
-  ZeroWriter(const Handover& handover, Descriptor node) noexcept
+  ZeroWriter(const Handover& handover, linux::Descriptor node) noexcept
       : handover_(handover), node_(std::move(node)) {}
 
   bool write() noexcept;
@@ -28,7 +28,7 @@ class ZeroWriter {
   bool try_once() noexcept;
 
   Handover handover_;
-  Descriptor node_;
+  linux::Descriptor node_;
   std::uint64_t written_{0};
   std::uint64_t refused_{0};
 };

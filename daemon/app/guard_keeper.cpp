@@ -11,28 +11,23 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstring>
 #include <string>
 #include <utility>
 
 #include "guard/guard_session.hpp"
 #include "guard/handover.hpp"
 #include "guard/shared_page.hpp"
+#include "hal/linux/system_error.hpp"
 
 extern char** environ;  // NOLINT: what a child is given; posix_spawn asks for it
 
 namespace thimble::app {
 namespace {
 
-using guard::Descriptor;
+using linux::Descriptor;
 
 constexpr const char* kEnded =
     "it ended; the journal has its word, journalctl -u 'thimble-guard@*'";
-
-Error system_error(const std::string& what, int code) {
-  const bool is_denied = code == EACCES || code == EPERM;
-  return {is_denied ? Errc::Permission : Errc::System, what + ": " + std::strerror(code)};
-}
 
 // USB devices take the bytes as they are; hidraw wants the report's number first, 0 for none.
 guard::Handover handover_of(const ZeroCommand& zero) {
@@ -70,13 +65,12 @@ class GuardProcess final : public devices::ArmGuard {
 
   Result<void> watch(const bus::DeviceAddress& address, const ZeroCommand& zero) override {
     connection_ = Descriptor();  // the guard of the device before ends
-    auto shared = keeper_.settings_.share(address);
-    if (!shared) return tl::unexpected(shared.error());
-    const Descriptor node(*shared);
+    const Result<Descriptor> node = keeper_.settings_.share(address);
+    if (!node) return tl::unexpected(node.error());
     auto connection = keeper_.connect();
     if (!connection) return tl::unexpected(connection.error());
     const Result<void> sent =
-        guard::send_handover(connection->get(), handover_of(zero), node.get(), page_.descriptor());
+        guard::send_handover(connection->get(), handover_of(zero), node->get(), page_.descriptor());
     if (!sent) return fail(Errc::System, kEnded);
     Result<void> answered = wait_for_answer(connection->get());
     if (answered) connection_ = *std::move(connection);
@@ -121,19 +115,20 @@ Result<Descriptor> GuardKeeper::connect() {
   if (path.empty() || path.size() >= sizeof(name.sun_path)) return start();
   std::copy(path.begin(), path.end(), static_cast<char*>(name.sun_path));
   Descriptor socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
-  if (socket.get() < 0) return tl::unexpected(system_error("no socket for a guard", errno));
+  if (socket.get() < 0) return tl::unexpected(linux::system_error("no socket for a guard", errno));
   if (::connect(socket.get(), reinterpret_cast<const sockaddr*>(&name), sizeof(name)) == 0) {
     return socket;
   }
   if (errno == ENOENT) return start();
-  return tl::unexpected(system_error(path + " (systemctl status thimble-guard.socket)", errno));
+  return tl::unexpected(
+      linux::system_error(path + " (systemctl status thimble-guard.socket)", errno));
 }
 
 Result<Descriptor> GuardKeeper::start() {
   reap();
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) != 0) {
-    return tl::unexpected(system_error("no socket for a guard", errno));
+    return tl::unexpected(linux::system_error("no socket for a guard", errno));
   }
   Descriptor ours(ends[0]);
   const Descriptor its(ends[1]);
@@ -151,7 +146,7 @@ Result<Descriptor> GuardKeeper::start() {
       ::posix_spawn(&pid, program.c_str(), &files, &attributes, arguments.data(), environ);
   ::posix_spawnattr_destroy(&attributes);
   ::posix_spawn_file_actions_destroy(&files);
-  if (code != 0) return tl::unexpected(system_error(program + " cannot be started", code));
+  if (code != 0) return tl::unexpected(linux::system_error(program + " cannot be started", code));
   started_.push_back(pid);
   return ours;
 }

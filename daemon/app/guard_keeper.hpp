@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "daemon/devices/arm_guard.hpp"
-#include "guard/descriptor.hpp"
 #include "hal/base/result.hpp"
+#include "hal/linux/descriptor.hpp"
 
 namespace thimble::app {
 
@@ -21,7 +21,7 @@ struct GuardSettings {
   std::filesystem::path program;
   // A descriptor of its own of the device's node that may be written:
   // linux::BusEnumerator::share().
-  std::function<Result<int>(const bus::DeviceAddress&)> share;
+  std::function<Result<linux::Descriptor>(const bus::DeviceAddress&)> share;
 };
 // As they are on this machine: /run/thimble-guard.sock, and thimble-guard beside this program.
 [[nodiscard]] GuardSettings default_guard_settings();
@@ -45,8 +45,8 @@ class GuardKeeper final : public devices::ArmGuards {
  private:
   friend class GuardProcess;
   // A socket with a guard at its other end.
-  [[nodiscard]] Result<guard::Descriptor> connect();
-  [[nodiscard]] Result<guard::Descriptor> start();
+  [[nodiscard]] Result<linux::Descriptor> connect();
+  [[nodiscard]] Result<linux::Descriptor> start();
   // Guards that this process started, and that ended, leave the list of processes.
   void reap() noexcept;
 

@@ -1,13 +1,12 @@
 #include "hal/linux/bus_enumerator.hpp"
 
 #include <fcntl.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <cstring>
 #include <utility>
 
+#include "hal/linux/system_error.hpp"
 #include "hal/linux/usb_device.hpp"
 
 namespace thimble::linux {
@@ -15,18 +14,13 @@ namespace {
 
 using bus::BusEvent;
 
+constexpr const char* kRefused = " cannot be opened";
+
 // The same device, under the same address, and described alike.
 bool is_among(const FoundDevice& wanted, const std::vector<FoundDevice>& devices) {
   return std::any_of(devices.begin(), devices.end(), [&](const FoundDevice& device) {
     return device.identity == wanted.identity && device.info == wanted.info;
   });
-}
-
-Error node_error(const std::string& node, int code) {
-  Errc errc = Errc::System;
-  if (code == EACCES || code == EPERM) errc = Errc::Permission;
-  if (code == ENOENT || code == ENODEV || code == ENXIO) errc = Errc::NotFound;
-  return {errc, node + " cannot be opened: " + std::strerror(code)};
 }
 
 }  // namespace
@@ -71,6 +65,17 @@ Result<void> BusEnumerator::check_same(const FoundDevice& opened) const {
   return fail(Errc::NotFound, opened.info.address.text + ": it was unplugged while it was opened");
 }
 
+Result<Descriptor> BusEnumerator::open_node(const FoundDevice& device, int flags) const {
+  Descriptor node(::open(device.node.c_str(), flags | O_CLOEXEC));
+  if (node.get() < 0) {
+    return tl::unexpected(system_error(device.node + kRefused, errno).in(device.info.address.text));
+  }
+  if (Result<void> same = check_same(device); !same.has_value()) {
+    return tl::unexpected(same.error());
+  }
+  return node;
+}
+
 Result<std::unique_ptr<bus::HidDevice>> BusEnumerator::open_hid(const bus::DeviceAddress& address) {
   const Result<FoundDevice> found = find(address, bus::BusKind::Hid);
   if (!found.has_value()) return tl::unexpected(found.error());
@@ -85,34 +90,24 @@ Result<std::unique_ptr<bus::UsbDevice>> BusEnumerator::open_usb(const bus::Devic
                                                                 const bus::UsbClaim& claim) {
   const Result<FoundDevice> found = find(address, bus::BusKind::Usb);
   if (!found.has_value()) return tl::unexpected(found.error());
-  const int node = ::open(found->node.c_str(), O_RDWR | O_CLOEXEC);
-  if (node < 0) return tl::unexpected(node_error(found->node, errno).in(address.text));
-  if (const Result<void> same = check_same(found.value()); !same.has_value()) {
-    ::close(node);
-    return tl::unexpected(same.error());
-  }
+  Result<Descriptor> node = open_node(found.value(), O_RDWR);
+  if (!node.has_value()) return tl::unexpected(node.error());
   // Whoever shares it shares the claim, which belongs to what is open, not to its number.
-  usb_nodes_.insert_or_assign(address, OpenNode(::fcntl(node, F_DUPFD_CLOEXEC, 0)));
-  return UsbDevice::open(node, found->info, claim, settings_.clock, settings_.thread,
+  usb_nodes_.insert_or_assign(address, Descriptor(::fcntl(node->get(), F_DUPFD_CLOEXEC, 0)));
+  return UsbDevice::open(node->release(), found->info, claim, settings_.clock, settings_.thread,
                          settings_.process);
 }
 
-Result<int> BusEnumerator::share(const bus::DeviceAddress& address) {
+Result<Descriptor> BusEnumerator::share(const bus::DeviceAddress& address) {
   const auto usb = usb_nodes_.find(address);
   if (usb != usb_nodes_.end()) {
-    const int shared = ::fcntl(usb->second.get(), F_DUPFD_CLOEXEC, 0);
-    if (shared < 0) return tl::unexpected(node_error(address.text, errno));
+    Descriptor shared(::fcntl(usb->second.get(), F_DUPFD_CLOEXEC, 0));
+    if (shared.get() < 0) return tl::unexpected(system_error(address.text + kRefused, errno));
     return shared;
   }
   const Result<FoundDevice> found = find(address, bus::BusKind::Hid);
   if (!found.has_value()) return tl::unexpected(found.error());
-  const int node = ::open(found->node.c_str(), O_WRONLY | O_CLOEXEC);
-  if (node < 0) return tl::unexpected(node_error(found->node, errno).in(address.text));
-  if (const Result<void> same = check_same(found.value()); !same.has_value()) {
-    ::close(node);
-    return tl::unexpected(same.error());
-  }
-  return node;
+  return open_node(found.value(), O_WRONLY);
 }
 
 }  // namespace thimble::linux

@@ -8,8 +8,8 @@
 
 #include "hal/bus/bus_enumerator.hpp"
 #include "hal/linux/bus_settings.hpp"
+#include "hal/linux/descriptor.hpp"
 #include "hal/linux/hid_device.hpp"
-#include "hal/linux/open_node.hpp"
 #include "hal/linux/udev_scan.hpp"
 
 namespace thimble::linux {
@@ -33,22 +33,22 @@ class BusEnumerator final : public bus::BusEnumerator {
   [[nodiscard]] Result<std::unique_ptr<bus::UsbDevice>> open_usb(
       const bus::DeviceAddress& address, const bus::UsbClaim& claim) override;
   // Another descriptor of a device that this opened, for a process that may have to let the arm go
-  // when this one cannot: of a USB device with the same claim. The caller closes it.
-  // NotFound, Permission or System.
-  [[nodiscard]] Result<int> share(const bus::DeviceAddress& address);
+  // when this one cannot: of a USB device with the same claim. NotFound, Permission or System.
+  [[nodiscard]] Result<Descriptor> share(const bus::DeviceAddress& address);
 
  private:
   void note_changes();
   [[nodiscard]] Result<FoundDevice> find(const bus::DeviceAddress& address, bus::BusKind kind);
   // NotFound when what was opened by the name of its node is no longer what it was.
   [[nodiscard]] Result<void> check_same(const FoundDevice& opened) const;
+  [[nodiscard]] Result<Descriptor> open_node(const FoundDevice& device, int flags) const;
 
   BusSettings settings_;
   UdevScan scan_;
   std::vector<FoundDevice> known_;  // what poll_event() has told of
   std::deque<bus::BusEvent> events_;
   HidHost hids_;
-  std::map<bus::DeviceAddress, OpenNode> usb_nodes_;  // of the newest opening of each
+  std::map<bus::DeviceAddress, Descriptor> usb_nodes_;  // of the newest opening of each
 };
 
 }  // namespace thimble::linux

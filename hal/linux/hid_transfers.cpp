@@ -9,18 +9,13 @@
 #include <array>
 #include <cerrno>
 #include <cstdint>
-#include <cstring>
+
+#include "hal/linux/system_error.hpp"
 
 namespace thimble::linux {
 namespace {
 
-Error open_error(const std::string& node, int code) {
-  Errc errc = Errc::System;
-  if (code == EACCES || code == EPERM) errc = Errc::Permission;
-  if (code == ENOENT || code == ENODEV || code == ENXIO) errc = Errc::NotFound;
-  if (code == EBUSY || code == EWOULDBLOCK) errc = Errc::Busy;
-  return {errc, node + " cannot be opened: " + std::strerror(code)};
-}
+constexpr const char* kRefused = " cannot be opened";
 
 }  // namespace
 
@@ -29,10 +24,10 @@ Result<std::unique_ptr<HidTransfers>> HidTransfers::open(const std::string& node
                                                          bus::HidMailboxes& mail,
                                                          const Clock& clock) {
   const int lock = ::open(node.c_str(), O_RDWR | O_CLOEXEC | O_NONBLOCK);
-  if (lock < 0) return tl::unexpected(open_error(node, errno));
+  if (lock < 0) return tl::unexpected(system_error(node + kRefused, errno));
   std::unique_ptr<HidTransfers> transfers(new HidTransfers(lock, has_report_ids, mail, clock));
   if (::flock(lock, LOCK_EX | LOCK_NB) != 0) {
-    if (errno != EWOULDBLOCK) return tl::unexpected(open_error(node, errno));
+    if (errno != EWOULDBLOCK) return tl::unexpected(system_error(node + kRefused, errno));
     return fail(Errc::Busy, node + " is held by another daemon");
   }
   transfers->reading_ = ::hid_open_path(node.c_str());

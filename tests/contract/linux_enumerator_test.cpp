@@ -223,8 +223,7 @@ TEST_F(LinuxEnumerator, SharesTheNodeOfAHidDeviceWithWhoMayHaveToLetItGo) {
   plug_arm("1-4", "X", 0);
   const auto shared = sut->share({"hid:X"});
   ASSERT_TRUE(shared.has_value()) << shared.error().message;
-  EXPECT_EQ(::write(*shared, "zero", 4), 4);
-  EXPECT_EQ(::close(*shared), 0);
+  EXPECT_EQ(::write(shared->get(), "zero", 4), 4);
   std::string written(4, ' ');
   const int node = ::open("/dev/hidraw0", O_RDONLY | O_CLOEXEC);
   EXPECT_EQ(::read(node, written.data(), written.size()), 4);

@@ -18,7 +18,7 @@
 namespace thimble::app {
 namespace {
 
-using guard::Descriptor;
+using linux::Descriptor;
 
 constexpr int kPatience_ms = 30'000;
 
@@ -30,10 +30,10 @@ class GuardKeeperTest : public testing::Test {
     arm_ = Descriptor(ends[0]);
     node_ = Descriptor(ends[1]);
     settings_.program = THIMBLE_GUARD;
-    settings_.share = [this](const bus::DeviceAddress& address) -> Result<int> {
+    settings_.share = [this](const bus::DeviceAddress& address) -> Result<Descriptor> {
       asked_for_ = address.text;
       if (is_gone_) return fail(Errc::NotFound, "no device at " + address.text);
-      return ::fcntl(node_.get(), F_DUPFD_CLOEXEC, 0);
+      return Descriptor(::fcntl(node_.get(), F_DUPFD_CLOEXEC, 0));
     };
     zero_.bytes.push_back(7);
     zero_.bytes.push_back(9);

@@ -12,6 +12,8 @@
 namespace thimble::guard {
 namespace {
 
+using linux::Descriptor;
+
 using std::chrono::milliseconds;
 
 class Rig {

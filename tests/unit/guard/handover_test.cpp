@@ -11,6 +11,8 @@
 namespace thimble::guard {
 namespace {
 
+using linux::Descriptor;
+
 Handover some_handover(std::mt19937& random) {
   Handover handover;
   handover.route = random() % 2 == 0 ? ZeroRoute::Write : ZeroRoute::UsbBulk;

@@ -4,7 +4,7 @@
 
 #include <utility>
 
-namespace thimble::guard {
+namespace thimble::linux {
 
 // An open file that closes itself.
 // Thread: one owner at a time. Errors: none; -1 is no file.
@@ -12,7 +12,7 @@ class Descriptor {
  public:
   Descriptor() noexcept = default;
   explicit Descriptor(int fd) noexcept : fd_(fd) {}
-  Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  Descriptor(Descriptor&& other) noexcept : fd_(other.release()) {}
   Descriptor& operator=(Descriptor&& other) noexcept {
     std::swap(fd_, other.fd_);
     return *this;
@@ -21,9 +21,11 @@ class Descriptor {
     if (fd_ >= 0) ::close(fd_);
   }
   [[nodiscard]] int get() const noexcept { return fd_; }
+  // The caller closes it.
+  [[nodiscard]] int release() noexcept { return std::exchange(fd_, -1); }
 
  private:
   int fd_{-1};
 };
 
-}  // namespace thimble::guard
+}  // namespace thimble::linux
