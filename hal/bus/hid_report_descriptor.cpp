@@ -92,7 +92,40 @@ std::size_t longest(const std::array<std::uint64_t, kIds>& bits, bool has_ids) {
   return static_cast<std::size_t>((most + 7) / 8) + (has_ids ? 1 : 0);
 }
 
+// A field of `count` bytes; `item` says which way.
+void append_bytes(std::vector<std::uint8_t>& bytes, std::uint8_t item, std::size_t count) {
+  if (count == 0) return;
+  constexpr std::uint8_t kUsage = 0x09;
+  constexpr std::uint8_t kVariable = 0x02;  // data, variable, absolute
+  const auto low = static_cast<std::uint8_t>(count & 0xFFU);
+  const auto high = static_cast<std::uint8_t>(count >> 8U & 0xFFU);
+  const std::array<std::uint8_t, 7> field{
+      kReportCount | 2U, low, high, kUsage, 1, static_cast<std::uint8_t>(item | 1U), kVariable};
+  bytes.insert(bytes.end(), field.begin(), field.end());
+}
+
 }  // namespace
+
+std::vector<std::uint8_t> plain_report_descriptor(const HidReportLengths& lengths) {
+  std::vector<std::uint8_t> bytes{0x06,
+                                  0x00,
+                                  0xFF,  // usage page: vendor-defined
+                                  0x09,
+                                  0x01,  // usage
+                                  0xA1,
+                                  0x01,  // collection: application
+                                  0x15,
+                                  0x00,  // logical minimum
+                                  0x26,
+                                  0xFF,
+                                  0x00,  // logical maximum
+                                  kReportSize | 1U,
+                                  0x08};  // fields of one byte
+  append_bytes(bytes, kInput, lengths.input_bytes);
+  append_bytes(bytes, kOutput, lengths.output_bytes);
+  bytes.push_back(0xC0);  // end of the collection
+  return bytes;
+}
 
 std::optional<HidReportLengths> parse_report_descriptor(std::string_view bytes) {
   Reader reader;

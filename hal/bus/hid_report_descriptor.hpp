@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 namespace thimble::bus {
 
@@ -18,5 +20,10 @@ struct HidReportLengths {
 // bytes that are no descriptor, or tell of reports beyond 8 KiB, are nothing.
 // Thread: any. Not RT. Pure.
 [[nodiscard]] std::optional<HidReportLengths> parse_report_descriptor(std::string_view bytes);
+
+// The plainest descriptor of a device with such reports: vendor-defined bytes, one report each way
+// (none for a length of 0), of at most 65,535 bytes. Reports without numbers: `has_report_ids` is
+// not looked at. Thread: any. Not RT. Pure.
+[[nodiscard]] std::vector<std::uint8_t> plain_report_descriptor(const HidReportLengths& lengths);
 
 }  // namespace thimble::bus

@@ -1,5 +1,7 @@
 #include "hal/plugin/sim_model.hpp"
 
+#include "hal/bus/hid_report_descriptor.hpp"
+
 namespace thimble::plugin {
 namespace {
 
@@ -15,6 +17,11 @@ Result<SimModel> ask(
 }
 
 }  // namespace
+
+std::vector<std::uint8_t> SimHidModel::report_descriptor() const {
+  const bus::BusDeviceInfo info = describe();
+  return bus::plain_report_descriptor({info.input_report_bytes, info.output_report_bytes});
+}
 
 Result<SimModel> SimModelEntry::create(const SimModelSettings& settings) const {
   return create_usb ? ask(create_usb, settings) : ask(create_hid, settings);

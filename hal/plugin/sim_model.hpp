@@ -18,9 +18,13 @@
 
 namespace thimble::plugin {
 
+enum class HidReportKind : std::uint8_t { Input, Output, Feature };
+
 // Bus face of a simulated HID device: what its firmware and USB interface do.
 // The bus calls, in virtual time and from one thread, once per frame: advance(t), then
-// out_report() if the host had one queued before the frame began, then in_report().
+// out_report() if the host had one queued before the frame began, then in_report(). Requests to the
+// control pipe come between frames, from a kernel that it is offered to (sim/export); no driver
+// here makes any.
 class SimHidModel {
  public:
   virtual ~SimHidModel() = default;
@@ -31,6 +35,19 @@ class SimHidModel {
   virtual void out_report(std::span<const std::uint8_t> bytes) noexcept = 0;
   // Fills `out` (at most kMaxHidReportBytes) and returns its length; 0: the device NAKs.
   virtual std::size_t in_report(std::span<std::uint8_t> out) noexcept = 0;
+  // Its HID report descriptor (HID 1.11, 6.2.2). Unless a model has its own: plain bytes of the
+  // lengths that describe() tells. Not RT.
+  [[nodiscard]] virtual std::vector<std::uint8_t> report_descriptor() const;
+  // GET_REPORT and SET_REPORT (HID 1.11, 7.2): the first byte is the report's number, if the device
+  // numbers its reports (`number` is 0 else). get: fills `out` and returns the length, 0: refused.
+  // set: false: refused.
+  virtual std::size_t get_report(HidReportKind, std::uint8_t /*number*/,
+                                 std::span<std::uint8_t> /*out*/) noexcept {
+    return 0;
+  }
+  virtual bool set_report(HidReportKind, std::span<const std::uint8_t> /*bytes*/) noexcept {
+    return false;
+  }
   // Power cut and restored, as on unplug and replug: counters and state are lost.
   virtual void power_cycle() noexcept = 0;
   [[nodiscard]] virtual ArmBackend* arm_backend() noexcept = 0;  // nullptr: not an arm

@@ -41,6 +41,16 @@ TEST(HidReportDescriptor, SkipsLongItems) {
             (HidReportLengths{3, 0}));
 }
 
+TEST(HidReportDescriptor, OfPlainReportsSaysTheirLengthsWhateverTheyAre) {
+  for (const std::size_t in : {0U, 1U, 14U, 64U, 255U, 256U, 8192U}) {
+    for (const std::size_t out : {0U, 1U, 14U, 64U, 255U, 256U, 8192U}) {
+      const std::vector<std::uint8_t> bytes = plain_report_descriptor({in, out});
+      EXPECT_EQ(parse_report_descriptor(std::string(bytes.begin(), bytes.end())),
+                (HidReportLengths{in, out}));
+    }
+  }
+}
+
 TEST(HidReportDescriptor, IsNothingWhenItCannotBe) {
   for (const std::string& odd :
        {"\x75"s, "\x97\x01\x02\x03"s, "\xfe\x02"s, "\xfe\x02\x10\x01"s, "\xb4"s, "\x85\x00"s,
