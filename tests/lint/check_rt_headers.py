@@ -1,5 +1,8 @@
 #!/usr/bin/env python3
-"""Code that the tick runs, the `servo` files of rt_headers.txt, may include only the headers of that list."""
+"""Code that the tick runs, the `servo` files of rt_headers.txt, may include only the headers of that list.
+
+A file that marks functions THIMBLE_RT is of them, or exempt by name.
+"""
 
 import fnmatch
 import re
@@ -8,20 +11,21 @@ import cpp_source
 
 LIST = "tests/lint/rt_headers.txt"
 _INCLUDE = re.compile(r"^[ \t]*#[ \t]*include[ \t]*<([^>\n]+)>", re.MULTILINE)
+_MARK = re.compile(r"^(?![ \t]*#).*\bTHIMBLE_RT(_IO)?\b", re.MULTILINE)
 
 
 def rules(text):
-    """(patterns of servo files, headers free everywhere, {file pattern: headers free only there})."""
-    servo, everywhere, special = [], set(), {}
+    """({"servo" and "exempt": file patterns}, headers free everywhere, {file pattern: headers free only there})."""
+    files, everywhere, special = {"servo": [], "exempt": []}, set(), {}
     for line in text.splitlines():
         words = line.split("#", 1)[0].split()
-        if words and words[0] == "servo":
-            servo += words[1:]
+        if words and words[0] in files:
+            files[words[0]] += words[1:]
         elif words and words[0].endswith(":"):
             special[words[0][:-1]] = set(words[1:])
         else:
             everywhere.update(words)
-    return servo, everywhere, special
+    return files, everywhere, special
 
 
 def fits(path, patterns):
@@ -29,21 +33,34 @@ def fits(path, patterns):
 
 
 def check(root):
-    servo, everywhere, special = rules(cpp_source.read(root, LIST))
-    paths = [path for path in cpp_source.cpp_files(root, cpp_source.PRODUCT_FOLDERS) if fits(path, servo)]
-    breaches = [f"{LIST}: no file of the servo plane is {pattern}; mend or remove the pattern"
-                for pattern in servo + list(special) if not any(fits(path, [pattern]) for path in paths)]
+    files, everywhere, special = rules(cpp_source.read(root, LIST))
+    paths = cpp_source.cpp_files(root, cpp_source.PRODUCT_FOLDERS)
+    named = files["servo"] + files["exempt"]
+    breaches = [f"{LIST}: no file is {pattern}; mend or remove the pattern"
+                for pattern in named + list(special) if not any(fits(path, [pattern]) for path in paths)]
     for path in paths:
-        allowed = everywhere.union(*(headers for pattern, headers in special.items() if fits(path, [pattern])))
         code = cpp_source.without_comments(cpp_source.read(root, path))
-        for match in _INCLUDE.finditer(code):
-            if match.group(1) not in allowed:
-                breaches.append(
-                    f"{path}:{cpp_source.line_of(code, match.start(1))}: <{match.group(1)}> is not "
-                    "allowed on the servo plane. Use hal/rt (static_vector, triple_buffer, "
-                    "spsc_ring) or do the work before the loop starts; a header that is harmless "
-                    f"there goes into {LIST} with a reason")
+        if fits(path, files["servo"]):
+            allowed = everywhere.union(*(headers for pattern, headers in special.items() if fits(path, [pattern])))
+            breaches += _foreign_headers(path, code, allowed)
+        elif not fits(path, files["exempt"]):
+            breaches += _unnamed_marks(path, code)
     return breaches
+
+
+def _foreign_headers(path, code, allowed):
+    return [f"{path}:{cpp_source.line_of(code, match.start(1))}: <{match.group(1)}> is not allowed on the servo "
+            "plane. Use hal/rt (static_vector, triple_buffer, spsc_ring) or do the work before the loop starts; "
+            f"a header that is harmless there goes into {LIST} with a reason"
+            for match in _INCLUDE.finditer(code) if match.group(1) not in allowed]
+
+
+def _unnamed_marks(path, code):
+    match = _MARK.search(code)
+    if match is None:
+        return []
+    return [f"{path}:{cpp_source.line_of(code, match.start(0))}: THIMBLE_RT marks what a tick may run, and no "
+            f"`servo` pattern of {LIST} names this file; add one, or exempt it with a reason"]
 
 
 if __name__ == "__main__":
