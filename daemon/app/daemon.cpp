@@ -99,6 +99,9 @@ Result<void> Daemon::start(const linux::RealtimeProcess& process) {
   if (!threads) return tl::unexpected(threads.error());
   threads_ = *std::move(threads);
   for (const std::string& right : threads_->missing()) spdlog::warn("degraded: {}", right);
+  for (const auto& host : runtime_->worlds()) {
+    if (host->loss()) spdlog::warn("degraded: {}", *host->loss());
+  }
   return {};
 }
 

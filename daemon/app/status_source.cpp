@@ -181,6 +181,7 @@ api::Status collect_status(session::Runtime& runtime, const StatusContext& conte
   }
   for (const auto& host : runtime.worlds()) {
     status.worlds.push_back(world_status(*host));
+    if (host->loss()) status.degraded.push_back(*host->loss());
     status.worlds.back().probes = probes_in(status, host->name());
     if (!host->listener_status()) continue;
     api::LinkStatus link = link_status(*host->listener_status());

@@ -34,6 +34,22 @@ void check_worlds(std::vector<Entry<ArmConfig>>& arms,
   }
 }
 
+// The printed callback has its stiffness printed, too: it would feel every material alike.
+void check_materials(std::vector<Entry<ArmConfig>>& arms,
+                     const std::vector<Entry<WorldConfig>>& worlds) {
+  for (auto& [reader, arm] : arms) {
+    if (!arm.world || arm.coupling.scheme != CouplingScheme::ThesisLiteral) continue;
+    const auto world = std::find_if(worlds.begin(), worlds.end(), [&](const auto& entry) {
+      return entry.value.name == *arm.world;
+    });
+    if (world == worlds.end() || world->value.materials.empty()) continue;
+    // The arm's own table knows "coupling", not what is below it.
+    reader.reject("coupling", "\"thesis-literal\" feels no materials, and world " +
+                                  in_quotes(*arm.world) +
+                                  " has some; use \"ghost-point\", or leave the materials out");
+  }
+}
+
 // One piece of hardware serves one arm; of simulated models there are as many as wanted.
 void check_devices(std::vector<Entry<ArmConfig>>& arms) {
   for (std::size_t i = 0; i < arms.size(); ++i) {
@@ -67,6 +83,7 @@ void check_relations(std::vector<Entry<ArmConfig>>& arms, std::vector<Entry<Worl
   check_names(arms);
   check_names(worlds);
   check_worlds(arms, worlds);
+  check_materials(arms, worlds);
   check_devices(arms);
   check_listeners(worlds);
 }

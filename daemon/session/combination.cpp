@@ -41,4 +41,11 @@ Result<void> check_combination(const world::World& world, const config::Coupling
   return as_result(find_refusal(world, arm));
 }
 
+std::optional<std::string> find_loss(const config::WorldConfig& said) {
+  if (!said.listen || said.materials.empty()) return std::nullopt;
+  return "world '" + said.name +
+         "': arms of other hosts feel none of its materials: the datagrams of 1999 carry no "
+         "surface";
+}
+
 }  // namespace thimble::session

@@ -30,4 +30,8 @@ struct Refusal {
 [[nodiscard]] Result<void> check_combination(const world::World& world,
                                              const config::CouplingConfig& arm);
 
+// What goes together, though somebody who touches this world feels less than it says: words for the
+// person who reads the log, or none.
+[[nodiscard]] std::optional<std::string> find_loss(const config::WorldConfig& said);
+
 }  // namespace thimble::session

@@ -56,6 +56,7 @@ Result<std::unique_ptr<WorldHost>> WorldHost::create(const config::WorldConfig& 
   std::unique_ptr<WorldHost> host(new WorldHost());
   host->name_ = said.name;
   host->model_ = said.constraint_model;
+  host->loss_ = find_loss(said);
   Result<std::unique_ptr<world::World>> world = make_world(said);
   if (!world) return tl::unexpected(world.error().in(name));
   host->world_ = *std::move(world);

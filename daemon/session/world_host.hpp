@@ -48,6 +48,8 @@ class WorldHost {
   // One slice of them, no sooner than kEditPace after the last, however often it is called.
   // Returns when the next is due; none while none wait.
   std::optional<MonotonicTime> pump_edits(MonotonicTime now);
+  // What somebody who touches it does not feel, though the configuration says it: a sentence.
+  [[nodiscard]] const std::optional<std::string>& loss() const noexcept { return loss_; }
   // Nothing where the world does not listen.
   [[nodiscard]] std::optional<link::LinkStatus> listener_status() const;
 
@@ -57,6 +59,7 @@ class WorldHost {
 
   std::string name_;
   config::ConstraintModel model_{config::ConstraintModel::GhostPoint};
+  std::optional<std::string> loss_;
   std::unique_ptr<world::World> world_;
   std::optional<world::EditQueue> edits_;
   std::optional<MonotonicTime> next_slice_;  // none: at once

@@ -242,6 +242,17 @@ class Places(ProcessTest):
         self.assert_one_sentence(result.stderr, "phantom-of-the-opera", "phantom-vintage")
 
 
+class Materials(ProcessTest):
+    def test_a_daemon_says_who_does_not_feel_them(self):
+        zeros(self.folder / "scan.npy", 8)
+        daemon = self.start("--set", "world.listen=udp://127.0.0.1:0", name="scan",
+                            config=session_in(self.folder / "scan.npy", materials=1))
+        sentence = "arms of other hosts feel none of its materials"
+        self.assertTrue(any(sentence in line for line in daemon.status()["degraded"]))
+        self.assertEqual(daemon.stop(), 0)
+        self.assertIn(sentence, daemon.log())
+
+
 class Memory(ProcessTest):
     def peak_of(self, source, name, materials=0):
         """Bytes of memory that a daemon in this world had at most, until it was ready."""

@@ -28,6 +28,20 @@ TEST(ConfigCoupling, ThePrintedCallbackTakesNoNumbersOfOnesOwn) {
   }
 }
 
+TEST(ConfigCoupling, ThePrintedCallbackRefusesAWorldWithMaterials) {
+  const std::string arms =
+      "[[arm]]\nname = \"left\"\ndevice = \"sim:phantom-vintage\"\nworld = \"scan\"\n"
+      "[[arm]]\nname = \"right\"\ndevice = \"sim:phantom-vintage\"\nworld = \"scan\"\n";
+  const std::string scheme = "coupling.scheme = \"thesis-literal\"\n";
+  const std::string scan = "[[world]]\nname = \"scan\"\nsource = \"scan.nrrd\"\n";
+  const std::string bone = "[[world.material]]\nname = \"bone\"\nfrom = 2\nfriction = 0.1\n";
+  EXPECT_THAT(mistakes(arms + scan + bone), IsEmpty());
+  EXPECT_THAT(mistakes(arms + scheme + scan), IsEmpty());
+  EXPECT_THAT(mistakes(arms + scheme + scan + bone),
+              ElementsAre(AllOf(HasSubstr("arm.1.coupling: \"thesis-literal\" feels no materials"),
+                                HasSubstr("world \"scan\" has some"))));
+}
+
 TEST(ConfigCoupling, AnUnknownConstraintModelIsNamedWithThoseThereAre) {
   EXPECT_THAT(mistakes(hello_with_world("constraint_model = \"naive\"\n")),
               ElementsAre(AllOf(HasSubstr("world.0.constraint_model"), HasSubstr("ghost-point"),

@@ -90,5 +90,19 @@ TEST(Combination, IsAcceptedOrRefusedWithItsReasonAsTheMatrixSays) {
   }
 }
 
+TEST(Combination, TellsWhatAListenerDoesNotFeel) {
+  config::WorldConfig said;
+  said.name = "scan";
+  EXPECT_FALSE(find_loss(said));
+  said.materials.push_back({"bone", 1, 2, 1500, std::nullopt, std::nullopt});
+  EXPECT_FALSE(find_loss(said)) << "an arm of this configuration feels them";
+  said.listen = config::UdpEndpoint{"127.0.0.1", 5001};
+  ASSERT_TRUE(find_loss(said));
+  EXPECT_NE(find_loss(said)->find("world 'scan': arms of other hosts feel none of its materials"),
+            std::string::npos);
+  said.materials.clear();
+  EXPECT_FALSE(find_loss(said));
+}
+
 }  // namespace
 }  // namespace thimble::session
