@@ -1,0 +1,69 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <optional>
+
+#include "hal/bus/gpio_lines.hpp"
+#include "hal/rt/annotations.hpp"
+#include "hal/rt/spsc_ring.hpp"
+#include "hal/rt/word_seqlock.hpp"
+
+namespace thimble::bus {
+
+// The end of opened lines that every implementation has in common, and the mailboxes between it and
+// the thread that talks to the chip.
+//
+// Thread: GpioLines' functions from one, those of the bus from one other.
+// RT: all THIMBLE_RT: no allocation, no system call but the wake's.
+class GpioMailboxes : public GpioLines {
+ public:
+  // `wake` may be nullptr.
+  GpioMailboxes(std::size_t inputs, std::size_t outputs, rt::WakeSignal* wake) noexcept
+      : inputs_(inputs), outputs_(outputs), wake_(wake) {}
+
+  IoStatus next_edge(GpioEdge& out) noexcept override;
+  IoStatus levels(GpioLevels& out) noexcept override;
+  IoStatus set(std::size_t output, bool is_high) noexcept override;
+
+  // Of the bus. One that repeats the level before it comes after one that was lost.
+  THIMBLE_RT void deliver_edge(std::size_t input, bool is_high, MonotonicTime at) noexcept;
+  THIMBLE_RT void deliver_levels(const GpioLevels& levels) noexcept;
+  // The levels that the outputs shall have (bit i: output i), until they are written.
+  [[nodiscard]] THIMBLE_RT std::optional<std::uint32_t> wanted() const noexcept;
+  // The chip has taken these.
+  THIMBLE_RT void written(std::uint32_t high) noexcept;
+  THIMBLE_RT void disconnect() noexcept;
+
+  [[nodiscard]] bool is_disconnected() const noexcept { return is_gone_.load(); }
+  [[nodiscard]] std::size_t inputs() const noexcept { return inputs_; }
+  [[nodiscard]] std::size_t outputs() const noexcept { return outputs_; }
+
+ private:
+  static constexpr std::size_t kWaitingEdges = 256;  // ours: 16 of each line wait in Linux 6.1
+
+  struct InputMemory {
+    std::uint64_t sequence{0};
+    bool is_high{false};
+  };
+
+  void wake() const noexcept {
+    if (wake_ != nullptr) wake_->signal();
+  }
+
+  std::size_t inputs_;
+  std::size_t outputs_;
+  rt::WakeSignal* wake_;
+  std::array<InputMemory, kMaxGpioLines> memory_{};  // of the bus
+  std::uint32_t high_{0};                            // of the bus: the levels before
+  rt::SpscRing<GpioEdge, kWaitingEdges> edges_;
+  std::uint64_t refusals_told_{0};  // of the user
+  rt::WordSeqlock<GpioLevels> levels_;
+  std::atomic<bool> has_levels_{false};
+  std::atomic<std::uint32_t> wanted_{0};
+  std::atomic<std::uint32_t> written_{0};
+  std::atomic<bool> is_gone_{false};
+};
+
+}  // namespace thimble::bus
