@@ -1,0 +1,64 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hal/base/result.hpp"
+#include "hal/base/time.hpp"
+#include "hal/bus/gpio_mailboxes.hpp"
+
+struct gpiod_chip;
+struct gpiod_line;
+
+namespace thimble::linux {
+
+// What the bus does with the lines of one GPIO chip: all calls of libgpiod, of its interface 1
+// (1.6, Debian 12).
+//
+// Its events carry no numbers: that one was lost shows as an edge that repeats the level before it
+// (GpioMailboxes counts so), or as a level that the chip tells otherwise. A chip that is pulled out
+// wakes nobody (Linux 6.1, gpiolib-cdev.c): asking for the levels finds out.
+//
+// Thread: one at a time. Not RT: behind USB or I2C each call is a transfer that may last seconds.
+// Ownership: the mailboxes and the clock must outlive it. Outputs go low before it closes.
+// Errors: Result when opening; a chip that is gone shows in the mailboxes.
+class GpioTransfers {
+ public:
+  // `folder` has the nodes, "gpiochip0" and so on. Looking for the chip opens those that it may,
+  // which changes nothing in them. Errors: as bus::GpioChips::open().
+  [[nodiscard]] static Result<std::unique_ptr<GpioTransfers>> open(const std::string& folder,
+                                                                   const bus::GpioClaim& claim,
+                                                                   bus::GpioMailboxes& mail,
+                                                                   const Clock& clock);
+  ~GpioTransfers();
+  GpioTransfers(const GpioTransfers&) = delete;
+  GpioTransfers& operator=(const GpioTransfers&) = delete;
+
+  // Until an edge waits, `wake` is readable, or levels are to be read.
+  void wait(int wake) noexcept;
+  // Brings the edges and the levels that are due, and takes the outputs.
+  void serve() noexcept;
+
+ private:
+  GpioTransfers(gpiod_chip* chip, bus::GpioMailboxes& mail, const Clock& clock) noexcept
+      : chip_(chip), mail_(&mail), clock_(&clock) {}
+  [[nodiscard]] Result<gpiod_line*> find(const std::string& name);
+  [[nodiscard]] Result<void> request(const bus::GpioClaim& claim);
+  void take_edges() noexcept;
+  bool take_edges_of(std::size_t input) noexcept;
+  void read_levels() noexcept;
+  void write_outputs() noexcept;
+  void note(int code) noexcept;
+
+  gpiod_chip* chip_;
+  bus::GpioMailboxes* mail_;
+  const Clock* clock_;
+  std::vector<gpiod_line*> inputs_;
+  std::vector<gpiod_line*> outputs_;
+  std::uint32_t written_{0};
+  MonotonicTime next_read_{};
+};
+
+}  // namespace thimble::linux

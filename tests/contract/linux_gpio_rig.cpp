@@ -1,0 +1,158 @@
+// What the real bus does with libgpiod, under the GPIO contract suite. In place of libgpiod and the
+// kernel stands tests/support/fake_libgpiod.cpp, in place of the thread the test.
+#include <fcntl.h>
+#include <gpiod.h>
+
+#include <vector>
+
+#include "hal/linux/event_fd.hpp"
+#include "hal/linux/gpio_transfers.hpp"
+#include "sim/time/virtual_clock.hpp"
+#include "tests/contract/gpio_rig.hpp"
+#include "tests/support/fake_libgpiod.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace thimble::test {
+namespace {
+
+using std::chrono::milliseconds;
+
+const std::vector<std::string> kNames{"", "", "ESTOP-A", "", "", "ENABLE", "", ""};
+
+class LinuxGpioRig final : public GpioRig {
+ public:
+  ~LinuxGpioRig() override { EXPECT_EQ(FakeGpioChip::alive(), 0) << "every chip must be closed"; }
+  Result<std::unique_ptr<bus::GpioLines>> open(const bus::GpioClaim& claim,
+                                               rt::WakeSignal* wake) override {
+    auto lines = std::make_unique<Lines>(*this, claim, wake);
+    auto transfers = linux::GpioTransfers::open(folder_.path(), claim, *lines, clock_);
+    if (!transfers) return tl::unexpected(transfers.error());
+    lines->transfers = *std::move(transfers);
+    open_.push_back(lines.get());
+    return lines;
+  }
+  void run_for(Duration duration) override {
+    serve();
+    for (Duration run{}; run < duration; run += milliseconds(1)) {
+      clock_.run_for(milliseconds(1));
+      serve();
+    }
+  }
+  MonotonicTime now() const override { return clock_.now(); }
+  void set_wire(std::size_t line, bool is_high) override { chip_.set_wire(line, is_high); }
+  bool wire(std::size_t line) const override { return chip_.wire(line); }
+  void lose_chip() override { chip_.unplug(); }
+  void restore_chip() override { chip_.replug(); }
+  void lose_line(std::size_t line) override { chip_.end_request(line); }
+  void lose_edges(int edges) override { chip_.lose_next_edges(edges); }
+  void hang(bool is_hanging) override { chip_.fail_transfers(is_hanging); }
+
+ private:
+  struct Lines final : bus::GpioMailboxes {
+    Lines(LinuxGpioRig& rig, const bus::GpioClaim& claim, rt::WakeSignal* wake)
+        : GpioMailboxes(claim.inputs.size(), claim.outputs.size(), wake), owner(&rig) {}
+    ~Lines() override { std::erase(owner->open_, this); }
+    Lines(const Lines&) = delete;
+    Lines& operator=(const Lines&) = delete;
+    LinuxGpioRig* owner;
+    std::unique_ptr<linux::GpioTransfers> transfers;
+  };
+  void serve() {
+    for (Lines* lines : open_) lines->transfers->serve();
+  }
+
+  sim::VirtualClock clock_;
+  testing_support::TemporaryFolder folder_;
+  FakeGpioChip other_{folder_.path() / "gpiochip0", "other", {"a"}};
+  FakeGpioChip chip_{folder_.path() / "gpiochip1", kLabel, kNames};
+  std::vector<Lines*> open_;
+};
+
+std::unique_ptr<GpioRig> make() { return std::make_unique<LinuxGpioRig>(); }
+
+INSTANTIATE_TEST_SUITE_P(Linux, GpioLinesContract,
+                         testing::Values(GpioRigFactory{"GpioTransfers", &make}), gpio_rig_name);
+
+struct GpioTransfersTest : testing::Test {
+  sim::VirtualClock clock;
+  testing_support::TemporaryFolder folder;
+  bus::GpioMailboxes mail{1, 1, nullptr};
+  bus::GpioClaim claim{"bench", {"2"}, {"5"}};
+
+  Result<std::unique_ptr<linux::GpioTransfers>> open() {
+    return linux::GpioTransfers::open(folder.path(), claim, mail, clock);
+  }
+  ~GpioTransfersTest() override { EXPECT_EQ(FakeGpioChip::alive(), 0); }
+};
+
+TEST_F(GpioTransfersTest, AChipThatMayNotBeOpenedIsNoObstacleOnTheWayToAnother) {
+  FakeGpioChip first(folder.path() / "gpiochip0", "soc", kNames);
+  FakeGpioChip second(folder.path() / "gpiochip7", "bench", kNames);
+  first.forbid(true);
+  EXPECT_TRUE(open().has_value());
+  second.forbid(true);
+  const auto refused = open();
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error().code, Errc::Permission);
+}
+
+TEST_F(GpioTransfersTest, TwoChipsOfOneLabelAreRefusedInsteadOfGuessed) {
+  FakeGpioChip first(folder.path() / "gpiochip0", "bench", kNames);
+  FakeGpioChip second(folder.path() / "gpiochip1", "bench", kNames);
+  EXPECT_EQ(open().error().code, Errc::InvalidArgument);
+}
+
+TEST_F(GpioTransfersTest, AFolderThatIsNotThereHasNoChips) {
+  const auto opened = linux::GpioTransfers::open(folder.path() / "none", claim, mail, clock);
+  EXPECT_EQ(opened.error().code, Errc::NotFound);
+}
+
+TEST_F(GpioTransfersTest, ThePullIsAskedForOfTheInputs) {
+  FakeGpioChip chip(folder.path() / "gpiochip0", "bench", kNames);
+  claim.pull = bus::GpioPull::Up;
+  EXPECT_TRUE(open().has_value());
+  EXPECT_EQ(chip.flags(2), GPIOD_LINE_REQUEST_FLAG_BIAS_PULL_UP);
+  EXPECT_EQ(chip.flags(5), 0);
+  claim.pull = bus::GpioPull::Down;
+  EXPECT_TRUE(open().has_value());
+  EXPECT_EQ(chip.flags(2), GPIOD_LINE_REQUEST_FLAG_BIAS_PULL_DOWN);
+}
+
+TEST_F(GpioTransfersTest, TheOldestEdgesOfABurstAreKeptAndTheHoleIsSeen) {
+  FakeGpioChip chip(folder.path() / "gpiochip0", "bench", kNames);
+  const auto sut = open().value();
+  for (int i = 0; i < 20; ++i) chip.set_wire(2, i % 2 == 0);
+  chip.set_wire(2, true);  // the kernel kept 16: the last told was low
+  sut->serve();
+  bus::GpioEdge edge;
+  for (std::uint64_t i = 1; i <= 16; ++i) {
+    ASSERT_EQ(mail.next_edge(edge), IoStatus::Ok);
+    EXPECT_EQ(edge.sequence, i);
+    EXPECT_EQ(edge.is_high, i % 2 != 0);
+  }
+  EXPECT_EQ(mail.next_edge(edge), IoStatus::NoData);
+  chip.set_wire(2, false);
+  sut->serve();
+  ASSERT_EQ(mail.next_edge(edge), IoStatus::Ok);
+  EXPECT_EQ(edge.sequence, 18U) << "low after low: one between was lost";
+}
+
+TEST_F(GpioTransfersTest, WaitingEndsWithTheNextLevelsAndWithAWake) {
+  FakeGpioChip chip(folder.path() / "gpiochip0", "bench", kNames);
+  const auto sut = open().value();
+  const auto wake = linux::EventFd::create().value();
+  clock.run_for(bus::kGpioReadPeriod);
+  sut->wait(wake->fd());  // would wait for ever if it waited at all: time stands still
+  sut->serve();
+  wake->signal();
+  sut->wait(wake->fd());
+  wake->drain();
+  chip.set_wire(2, true);
+  sut->wait(wake->fd());
+  sut->serve();
+  bus::GpioEdge edge;
+  EXPECT_EQ(mail.next_edge(edge), IoStatus::Ok);
+}
+
+}  // namespace
+}  // namespace thimble::test

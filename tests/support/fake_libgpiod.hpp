@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <string>
+#include <vector>
+
+struct gpiod_line;
+
+namespace thimble::test {
+
+// What a node of a GPIO chip leads to when a test links fake_libgpiod.cpp: the functions of
+// libgpiod 1.6 that hal/linux uses, and behind them not a kernel but what the test says. As the
+// kernel (6.1) does, it keeps 16 events of each line and loses the newest beyond them, tells
+// nothing to who waits on a chip that is pulled out, and holds a line for one request.
+//
+// Thread: any.
+class FakeGpioChip {
+ public:
+  // Makes the file `node`.
+  FakeGpioChip(std::string node, std::string label, std::vector<std::string> names);
+  ~FakeGpioChip();
+  FakeGpioChip(const FakeGpioChip&) = delete;
+  FakeGpioChip& operator=(const FakeGpioChip&) = delete;
+
+  void set_wire(std::size_t line, bool is_high);
+  [[nodiscard]] bool wire(std::size_t line) const;
+  void lose_next_edges(int edges);
+  // Pulled out; what was opened stays dead. And back.
+  void unplug();
+  void replug();
+  // The request of one line ends: who waits for its edges is told.
+  void end_request(std::size_t line);
+  // Every transfer fails.
+  void fail_transfers(bool is_failing);
+  // Nobody may open it, or anybody again.
+  void forbid(bool is_forbidden);
+  // Flags of the newest request of a line.
+  [[nodiscard]] int flags(std::size_t line) const;
+
+  // Chips that are open, of all nodes.
+  [[nodiscard]] static int alive();
+
+ private:
+  friend struct FakeLibgpiod;
+  struct Line;
+
+  void tell(Line& line, bool is_high);
+
+  std::string node_;
+  std::string label_;
+  std::vector<Line> lines_;
+  std::uint64_t generation_{1};  // +1 with each unplug
+  int edges_to_lose_{0};
+  bool is_plugged_{true};
+  bool is_failing_{false};
+  bool is_forbidden_{false};
+};
+
+}  // namespace thimble::test
