@@ -12,7 +12,7 @@ import sys
 import tomllib
 
 CERTAINTIES = ("sheet:", "source:", "ours:")
-KINDS = ("text", "real", "positive", "real3", "positive3", "sign3", "zero_or_more3")
+KINDS = ("text", "id", "real", "positive", "real3", "positive3", "sign3", "zero_or_more3")
 
 
 class ModelsError(Exception):
@@ -41,6 +41,9 @@ def check_scalar(kind, value):
 def check_value(kind, value):
     if kind == "text":
         return None if isinstance(value, str) and value else "expected a text that is not empty"
+    if kind == "id":
+        is_whole = isinstance(value, int) and not isinstance(value, bool)
+        return None if is_whole and 0 <= value <= 0xFFFF else f"{value!r} is no USB id (0 to 0xffff)"
     if not kind.endswith("3"):
         return check_scalar(kind, value)
     if not isinstance(value, list) or len(value) != 3:
@@ -102,6 +105,8 @@ def text_literal(text):
 def literal(kind, value):
     if kind == "text":
         return text_literal(value)
+    if kind == "id":
+        return f"0x{value:04x}"
     if kind.endswith("3"):
         return "{" + ", ".join(repr(float(item)) for item in value) + "}"
     return repr(float(value))

@@ -8,13 +8,14 @@ import tempfile
 import unittest
 
 COMPILER = sys.argv.pop(1)
-SCHEMA = '[schema]\nnote = "text"\nlink_m = "positive3"\ndirection = "sign3"\nforce_newton = "positive"\ncounts = "zero_or_more3"\n'
+SCHEMA = '[schema]\nnote = "text"\nlink_m = "positive3"\ndirection = "sign3"\nforce_newton = "positive"\ncounts = "zero_or_more3"\nproduct = "id"\n'
 MODEL = {
     "note": '{ value = "an \\"arm\\"", from = "ours: a test" }',
     "link_m": '{ value = [0.1, 2, 3e-1], from = "sheet: 1" }',
     "direction": '{ value = [1, -1, 1], from = "source: 2" }',
     "force_newton": '{ value = 5, from = "sheet: 3" }',
     "counts": '{ value = [0, 1024, 0], from = "sheet: 4" }',
+    "product": '{ value = 0xc62b, from = "sheet: 5" }',
 }
 
 
@@ -53,7 +54,12 @@ class CompileModels(unittest.TestCase):
         self.assertIn("// sheet: 1\n        .link_m = {0.1, 2.0, 0.3},", header)
         self.assertIn(".direction = {1.0, -1.0, 1.0},", header)
         self.assertIn(".counts = {0.0, 1024.0, 0.0},", header)
+        self.assertIn(".product = 0xc62b,", header)
         self.assertIn("std::array<S, 1> kTable", header)
+
+    def test_names_an_id_that_is_none(self):
+        for wrong in ("65536", "-1", "1.0", "true"):
+            self.refuses(table(product=f'{{ value = {wrong}, from = "sheet: 5" }}'), "'product'", "USB id")
 
     def test_names_a_missing_key(self):
         self.refuses(table(force_newton=None), "'arm-1'", "'force_newton'", "missing")
