@@ -16,7 +16,7 @@ inline constexpr Duration kQuickWatchdog = std::chrono::milliseconds(20);
 [[nodiscard]] constexpr bool needs_guard(const HapticCapabilities& arm) noexcept {
   const bool is_quick =
       arm.device_watchdog > Duration::zero() && arm.device_watchdog <= kQuickWatchdog;
-  return arm.peak_force_newton > 0 && !is_quick;
+  return arm.is_actuated && !is_quick;
 }
 
 // What lets one arm go when its servo stops: a process of its own in the daemon.

@@ -44,7 +44,8 @@ Result<LimiterSettings> make_limiter_settings(const HapticCapabilities& arm,
   if (!std::isfinite(request.force_newton) || request.force_newton < 0) {
     return fail(Errc::InvalidArgument, "limits.force_newton must be a number of at least 0");
   }
-  if (request.force_newton == 0 && !(arm.peak_force_newton > 0)) {
+  const bool is_force_known = !arm.is_actuated || arm.peak_force_newton > 0;
+  if (request.force_newton == 0 && !is_force_known) {
     return fail(Errc::InvalidArgument,
                 "the arm's peak force is not known: set limits.force_newton in the configuration");
   }
@@ -58,6 +59,12 @@ Result<LimiterSettings> make_limiter_settings(const HapticCapabilities& arm,
                 "limits.rise_newton_per_s must be above 0 and at most 1000 (it can only tighten)");
   }
   settings.max_rise_newton_per_s = request.rise_newton_per_s;
+  if (!arm.is_actuated) {
+    settings.max_force_newton = 0;
+    // No current flows; heat is counted in shares of something.
+    settings.peak_current_a = settings.continuous_current_a = {1, 1, 1};
+    return settings;
+  }
   for (std::size_t joint = 0; joint < 3; ++joint) {
     const double peak_a = arm.peak_current_a[joint];
     const double continuous_a = arm.continuous_current_a[joint];

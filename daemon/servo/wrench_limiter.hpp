@@ -31,8 +31,8 @@ struct LimiterSettings {
   Duration motor_time_constant{std::chrono::seconds(10)};
 };
 
-// Joins the arm's limits and the request. InvalidArgument when a limit is neither told by the
-// arm nor configured, or when the request would loosen one.
+// Joins the arm's limits and the request; an arm without motors gets no force. InvalidArgument when
+// a limit is neither told by the arm nor configured, or when the request would loosen one.
 [[nodiscard]] Result<LimiterSettings> make_limiter_settings(const HapticCapabilities& arm,
                                                             const LimitRequest& request);
 

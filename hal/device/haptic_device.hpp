@@ -33,6 +33,7 @@ std::string_view to_string(CalibrationState state) noexcept;
 struct HapticCapabilities {
   std::string model;
   std::size_t joint_count{3};  // 3: the tip only; 6: a gimbal, too, whose angles are measured
+  bool is_actuated{true};      // false: it has no motors, and the limits below are not there
   double peak_force_newton{0};
   double continuous_force_newton{0};
   double max_stiffness_newton_per_m{0};  // at 1 kHz

@@ -15,6 +15,7 @@ TEST(HapticCapabilities, OfTwoArmsDifferWhereverOneNumberDoes) {
   const std::vector<Change> changes{
       [](HapticCapabilities& arm) { arm.model = "other"; },
       [](HapticCapabilities& arm) { arm.joint_count = 6; },
+      [](HapticCapabilities& arm) { arm.is_actuated = false; },
       [](HapticCapabilities& arm) { arm.peak_force_newton = 1; },
       [](HapticCapabilities& arm) { arm.continuous_force_newton = 1; },
       [](HapticCapabilities& arm) { arm.max_stiffness_newton_per_m = 1; },

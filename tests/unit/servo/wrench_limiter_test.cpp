@@ -225,5 +225,22 @@ TEST(MakeLimiterSettings, RefusesAnArmWithoutKnownLimits) {
   EXPECT_NE(refused.error().message.find("motor 2"), std::string::npos);
 }
 
+TEST(MakeLimiterSettings, AnArmWithoutMotorsGetsNoForceWhateverIsAsked) {
+  HapticCapabilities puck;
+  puck.is_actuated = false;
+  for (const double configured_newton : {0.0, 3.0}) {
+    const auto settings = make_limiter_settings(puck, {.force_newton = configured_newton});
+    ASSERT_TRUE(settings);
+    WrenchLimiter sut(*settings);
+    for (const double wish_newton : {1e-300, 1.0, 1e300}) {
+      const LimiterOutput out =
+          sut.limit({{wish_newton, 0, -wish_newton}, {}, 1.0, std::chrono::milliseconds(1)});
+      EXPECT_EQ(norm(out.wrench.force()), 0);
+      EXPECT_EQ(out.fault, FaultCode::None);
+      EXPECT_EQ(sut.motor_heat(), (std::array{0.0, 0.0, 0.0}));
+    }
+  }
+}
+
 }  // namespace
 }  // namespace thimble::servo

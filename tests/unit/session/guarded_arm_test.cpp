@@ -115,7 +115,7 @@ TEST_F(GuardedArmTest, NeedsOneWhoseWatchdogIsUnknown) {
 TEST_F(GuardedArmTest, NeedsNoneThatCannotPushOrIsSimulated) {
   GuardedArm simulated("arm 'left'", {"sim:falcon"}, nullptr, controls_);
   EXPECT_TRUE(simulated.begin(device_));
-  device_.able.peak_force_newton = 0;
+  device_.able.is_actuated = false;
   EXPECT_TRUE(sut_.begin(device_));
   EXPECT_EQ(script_.made, 0);
   EXPECT_TRUE(controls_.is_guarded);
