@@ -12,7 +12,9 @@ namespace {
 
 Result<std::unique_ptr<HapticDevice>> open_device(const config::ArmConfig& arm,
                                                   const ArmSessionParts& parts) {
-  return devices::open_arm(parts.buses, parts.drivers, {arm.device}, driver_settings(arm));
+  plugin::DriverSettings settings = driver_settings(arm);
+  settings.clock = &parts.clock;
+  return devices::open_arm(parts.buses, parts.drivers, {arm.device}, settings);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "hal/base/result.hpp"
+#include "hal/base/time.hpp"
 #include "hal/bus/bus_enumerator.hpp"
 #include "hal/device/haptic_device.hpp"
 
@@ -20,6 +21,9 @@ struct DriverSettings {
   std::string firmware;            // file for an arm that forgets its own; "" = none
   std::string firmware_sha256;     // of that file, hexadecimal; "" = whatever the driver knows
   std::optional<double> newton_per_count;  // measured force of an arm that is told counts
+  // That of the servo and of the bus, for a device whose state goes on while it says nothing; it
+  // must outlive the device.
+  const Clock* clock{nullptr};
 };
 
 // Finds and opens devices of one family.
