@@ -1,0 +1,54 @@
+#include "drivers/spacemouse/spacemouse_driver.hpp"
+
+#include "drivers/spacemouse/find_model.hpp"
+#include "drivers/spacemouse/spacemouse_device.hpp"
+#include "drivers/spacemouse/spacemouse_wire.hpp"
+
+namespace thimble::spacemouse {
+namespace {
+
+Result<const SpaceMouseModel*> match(const bus::BusDeviceInfo& info) {
+  const SpaceMouseModel* model = find_model(info.vendor_id, info.product_id);
+  if (info.kind != bus::BusKind::Hid || model == nullptr) {
+    return fail(Errc::NotMine, "not the ids of a 3Dconnexion puck");
+  }
+  // A receiver has more faces than one, such as a keyboard's.
+  if (!info.has_report_ids || info.input_report_bytes < wire::kSeparateBytes) {
+    return fail(Errc::NotMine, "has no reports of axes");
+  }
+  return model;
+}
+
+class SpaceMouseDriver final : public plugin::Driver {
+ public:
+  [[nodiscard]] std::string_view name() const noexcept override { return "spacemouse"; }
+
+  [[nodiscard]] Result<void> probe(const bus::BusDeviceInfo& info,
+                                   const plugin::DriverSettings&) const override {
+    const auto found = match(info);
+    if (!found) return tl::unexpected<Error>(found.error());
+    return {};
+  }
+
+  [[nodiscard]] Result<std::unique_ptr<HapticDevice>> open(
+      bus::BusEnumerator& buses, const bus::BusDeviceInfo& info,
+      const plugin::DriverSettings& settings) const override {
+    const auto found = match(info);
+    if (!found) return tl::unexpected<Error>(found.error());
+    if (settings.clock == nullptr) {
+      return fail(Errc::InvalidArgument,
+                  "a puck at rest says nothing, so its driver needs a clock");
+    }
+    auto hid = buses.open_hid(info.address);
+    if (!hid) return tl::unexpected<Error>(hid.error().in("spacemouse"));
+    return std::make_unique<SpaceMouseDevice>(std::move(*hid), **found, *settings.clock);
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<plugin::Driver> make_spacemouse_driver() {
+  return std::make_unique<SpaceMouseDriver>();
+}
+
+}  // namespace thimble::spacemouse

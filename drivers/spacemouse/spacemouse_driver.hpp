@@ -1,0 +1,18 @@
+#pragma once
+
+#include <memory>
+
+#include "hal/plugin/driver.hpp"
+
+namespace thimble::spacemouse {
+
+// Finds 3Dconnexion's pucks on HID and opens them as SpaceMouseDevice.
+//
+// probe(): NotMine for other ids and buses, and for devices that do not number their reports. The
+// ids are 3Dconnexion's own and nothing is sent, so no device need be named.
+// open() wants DriverSettings::clock: InvalidArgument without it.
+//
+// Thread: control plane. Not RT.
+[[nodiscard]] std::unique_ptr<plugin::Driver> make_spacemouse_driver();
+
+}  // namespace thimble::spacemouse
