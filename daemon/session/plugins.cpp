@@ -2,17 +2,21 @@
 
 #include "drivers/falcon/falcon_driver.hpp"
 #include "drivers/phantom/phantom_driver.hpp"
+#include "drivers/spacemouse/spacemouse_driver.hpp"
 #include "hal/plugin/plugin_loader.hpp"
 #include "sim/model/arm/register_arm_models.hpp"
 #include "sim/model/falcon/register_falcon_model.hpp"
+#include "sim/model/spacemouse/register_spacemouse_models.hpp"
 
 namespace thimble::session {
 
 Plugins::Plugins() {
   drivers.add(phantom::make_phantom_driver());
   drivers.add(falcon::make_falcon_driver());
+  drivers.add(spacemouse::make_spacemouse_driver());
   sim::register_arm_models(models);
   sim::register_falcon_model(models);
+  sim::register_spacemouse_models(models);
 }
 
 std::vector<Error> Plugins::load(const std::vector<std::string>& paths) {

@@ -7,6 +7,7 @@ udevadm of Debian 12 cannot check a file of rules; whether the kernel's events m
 
 import pathlib
 import re
+import tomllib
 
 import cpp_source
 
@@ -126,8 +127,10 @@ class Covered:
         self.untagged = set()
         self.awake = set()
         self.unprobed = set()
+        self.pucks = set()  # (vendor, product)
 
     def add(self, rule, place):
+        self.pucks.update(pair for pair in rule.ids() or () if pair in PUCKS)
         keys = [(rule.parent(), *pair) for pair in rule.ids() or () if pair not in PUCKS]
         if rule.gives_rights():
             self.closed.update({key: place for key in keys})
@@ -168,10 +171,19 @@ def check_file(path, text, covered, breaches):
             covered.add(rule, f"{path}:{number}")
 
 
+def table_ids(text):
+    """(vendor, product) of each model of a table that has them."""
+    for model in tomllib.loads(text).values():
+        if isinstance(model.get("vendor_id"), dict):
+            yield tuple(f"{model[half]['value']:04x}" for half in ("vendor_id", "product_id"))
+
+
 def driver_ids(root, paths):
     """{(vendor, product): file} that the drivers' facts name."""
     ids = {}
     for path in paths:
+        if re.fullmatch(r"drivers/\w+/\w+_models\.toml", path):
+            ids.update({pair: path for pair in table_ids(cpp_source.read(root, path))})
         if not re.fullmatch(r"drivers/\w+/\w+_wire\.hpp", path):
             continue
         halves = {}
@@ -194,7 +206,7 @@ def check(root):
         covered.check(breaches)
     closed = {key[1:] for key in covered.closed}
     for pair, path in sorted(driver_ids(root, paths).items()):
-        if pair not in closed and pair not in PUCKS:
+        if pair not in closed and pair not in covered.pucks:
             breaches.append(f"{path}: {':'.join(pair)} has no rule; add it to both files of {FOLDER}")
     return breaches
 

@@ -45,7 +45,8 @@ class CheckUdev(PlantedTreeTest):
         self.assertEqual(self.breaches(), [])
 
     def test_accepts_the_rules_of_this_tree(self):
-        for path in ("udev/0-thimble.rules", "udev/73-seat-ignores-thimble.rules", "drivers/phantom/phantom_wire.hpp"):
+        for path in ("udev/0-thimble.rules", "udev/73-seat-ignores-thimble.rules", "drivers/phantom/phantom_wire.hpp",
+                     "drivers/spacemouse/spacemouse_models.toml"):
             self.plant_copy(path)
         self.assertEqual(check_udev.check(self.root), [])
 
@@ -116,3 +117,10 @@ class CheckUdev(PlantedTreeTest):
     def test_refuses_an_id_of_a_driver_without_a_rule(self):
         self.plant("drivers/gantry/gantry_wire.hpp", "constexpr int kVendorId = 0x16D0;\nconstexpr int kProductId = 0x0483;\n")
         self.assert_one_breach(self.breaches(), "gantry_wire.hpp", "16d0:0483")
+
+    def test_refuses_a_puck_of_a_drivers_table_without_a_rule(self):
+        row = '[schema]\nvendor_id = "id"\n[one]\nvendor_id = {{ value = 0x256f }}\nproduct_id = {{ value = 0x{} }}\n'
+        self.plant("drivers/puck/puck_models.toml", row.format("c636"))
+        self.assertEqual(self.breaches(), [])
+        self.plant("drivers/puck/puck_models.toml", row.format("c633"))
+        self.assert_one_breach(self.breaches(), "puck_models.toml", "256f:c633")
