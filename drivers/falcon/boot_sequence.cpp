@@ -72,6 +72,12 @@ void BootSequence::on_packet(std::span<const std::uint8_t> serial, MonotonicTime
   for (const std::uint8_t byte : serial) on_byte(byte);
 }
 
+void BootSequence::find_again() noexcept {
+  restart();
+  requests_done_ = settings_of(stage_).size();
+  is_search_ = true;
+}
+
 // While the bridge is being set, what comes is from before.
 void BootSequence::on_byte(std::uint8_t byte) noexcept {
   if (is_request_open_ || requests_done_ < settings_of(stage_).size()) return;
@@ -171,12 +177,17 @@ Duration BootSequence::patience() const noexcept {
   return is_echo ? kEchoPatience : kPatience;
 }
 
+int BootSequence::detect_rounds() const noexcept {
+  return is_search_ ? static_cast<int>(kSearch / kPatience) : wire::kDetectRounds;
+}
+
 std::size_t BootSequence::chunk_bytes() const noexcept {
   return std::min(wire::kUploadChunkBytes, image_.size() - sent_bytes_);
 }
 
 void BootSequence::enter(BootStage stage) noexcept {
   stage_ = stage;
+  is_search_ = false;
   requests_done_ = 0;
   wants_to_talk_ = stage != BootStage::Resting;
   repetitions_ = 0;
@@ -195,7 +206,7 @@ void BootSequence::on_silence() noexcept {
   parser_.forget();
   switch (stage_) {
     case BootStage::Detecting:
-      if (repetitions_ < wire::kDetectRounds) break;
+      if (repetitions_ < detect_rounds()) break;
       return image_.empty() ? rest(BootTrouble::NoImage) : enter(BootStage::Asking);
     case BootStage::Asking:
       if (repetitions_ < wire::kBootQuestions) break;

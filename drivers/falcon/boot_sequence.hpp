@@ -62,6 +62,9 @@ class BootSequence {
 
   // From the beginning; whoever asks knows of no trouble yet.
   THIMBLE_RT void restart() noexcept { *this = BootSequence(image_); }
+  // Of an arm that ran and has fallen silent, maybe with force on its motors: its bridge is set, so
+  // a zero goes out at once, and again and again for kSearch before anything else is tried.
+  THIMBLE_RT void find_again() noexcept;
   // What a packet of the bridge carried, maybe nothing, and when it came.
   THIMBLE_RT void on_packet(std::span<const std::uint8_t> serial, MonotonicTime at) noexcept;
   // The end of the request that next() ordered.
@@ -78,6 +81,8 @@ class BootSequence {
   static constexpr Duration kPatience = std::chrono::milliseconds(50);
   static constexpr Duration kEchoPatience = std::chrono::milliseconds(250);
   static constexpr Duration kRest = std::chrono::seconds(5);
+  // Ours: a cable that is bad for so long is found again by the first zero that passes it.
+  static constexpr Duration kSearch = std::chrono::seconds(5);
 
  private:
   void enter(BootStage stage) noexcept;
@@ -90,6 +95,7 @@ class BootSequence {
   void rest(BootTrouble trouble) noexcept;
   [[nodiscard]] BootOrder talk() const noexcept;
   [[nodiscard]] Duration patience() const noexcept;
+  [[nodiscard]] int detect_rounds() const noexcept;
   [[nodiscard]] std::size_t chunk_bytes() const noexcept;
 
   std::span<const std::uint8_t> image_;
@@ -98,7 +104,8 @@ class BootSequence {
   std::size_t requests_done_{0};  // of those that the stage begins with
   bool is_request_open_{false};
   bool wants_to_talk_{true};
-  int repetitions_{0};  // of what the stage says, so far without an answer
+  bool is_search_{false};  // Detecting: it ran a moment ago
+  int repetitions_{0};     // of what the stage says, so far without an answer
   int uploads_{0};
   std::size_t sent_bytes_{0};     // of the image, echoed all
   std::size_t echoed_bytes_{0};   // of the chunk under way

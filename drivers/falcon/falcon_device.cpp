@@ -145,7 +145,10 @@ IoStatus FalconDevice::read(HapticState& out) noexcept {
     start_over();
     return IoStatus::Disconnected;
   }
-  if (boot_.is_running() && pacer_.is_deserted(now_)) start_over();
+  if (boot_.is_running() && pacer_.is_deserted(now_)) {
+    start_over();
+    boot_.find_again();
+  }
   if (fresh_ && reference_.is_known() && !take_pose(*fresh_)) lose_reference();
   publish();
   const bool is_disturbed = parser_.lost_bytes() != lost_bytes_seen_;

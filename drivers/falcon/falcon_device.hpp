@@ -22,8 +22,8 @@ namespace thimble::falcon {
 // write() sends everything: while the arm boots the next step of that, and no force; then a request
 // whenever the last one is answered, with zero until the arm is homed. A request that takes the
 // force away does not wait for the answer to the last. read() takes what came; before the firmware
-// runs that is NoData, so that the arm stays Configured. Nobody answers for half a second: from the
-// boot on again.
+// runs that is NoData, so that the arm stays Configured. Nobody answers for half a second: zeros,
+// and then from the boot on again.
 //
 // Until homed the state carries the middle of the workspace: a made-up place had better be a known
 // one. The reference is forgotten as ArmReference says, when a crank is beyond its stops, when no

@@ -214,6 +214,27 @@ TEST(BootSequence, RestartsFromTheBeginning) {
 
 // Nothing that a device does makes an order that cannot be, or an upload that leaves a byte out:
 // each chunk is sent only when all before it came back.
+TEST(BootSequence, AnArmThatRanIsFoundAgainByAZeroAtOnce) {
+  Boot boot({});
+  ASSERT_TRUE(boot.runs_within(milliseconds(2000)));
+  const std::size_t settings = boot.arm.requests.size();
+  boot.sut.find_again();
+  EXPECT_FALSE(boot.sut.is_running());
+  EXPECT_TRUE(boot.runs_within(milliseconds(20)));
+  EXPECT_EQ(boot.arm.requests.size(), settings) << "nothing is set anew";
+  EXPECT_EQ(boot.arm.uploads, 1);
+}
+
+TEST(BootSequence, AnArmThatRanAndForgotItsFirmwareGetsItAgain) {
+  Boot boot({});
+  ASSERT_TRUE(boot.runs_within(milliseconds(2000)));
+  boot.arm = ScriptedLoader({}, boot.image.size());
+  boot.sut.find_again();
+  EXPECT_FALSE(boot.runs_within(BootSequence::kSearch - milliseconds(10)));
+  EXPECT_TRUE(boot.runs_within(milliseconds(2000)));
+  EXPECT_EQ(boot.arm.uploads, 1);
+}
+
 TEST(BootSequence, AnyDeviceGetsOrdersThatCanBe) {
   std::mt19937 random(4);
   for (int round = 0; round < 60; ++round) {

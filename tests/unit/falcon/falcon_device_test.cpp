@@ -196,9 +196,34 @@ TEST_F(FalconDeviceTest, TakingTheForceAwayWaitsForNothing) {
   EXPECT_EQ(write(0, 0, 0), IoStatus::Backlogged) << "once is enough";
 }
 
+// It has no watchdog: what it holds while nothing passes the cable is taken away by a zero alone.
+TEST_F(FalconDeviceTest, AnArmThatFellSilentIsSentZerosBeforeAnythingElseIsTried) {
+  home();
+  int ms = 0;
+  for (write(1, 0, 0); ms < 1000 && sent() != Counts{0, 0, 0}; ++ms) {
+    pass();
+    write(1, 0, 0);
+  }
+  EXPECT_EQ(ms, 500) << "when nobody answered for so long";
+  const std::size_t before = packets();
+  for (; ms < 5400; ++ms) {
+    pass();
+    write(1, 0, 0);
+    ASSERT_EQ(sent(), (Counts{0, 0, 0}));
+  }
+  EXPECT_EQ(packets() - before, 98U) << "one each 50 ms";
+  EXPECT_EQ(script_.requests.size(), 4U) << "its bridge is set";
+  home();
+}
+
 TEST_F(FalconDeviceTest, NobodyWhoAnswersIsLookedForFromTheBoot) {
   home();
-  for (int ms = 0; ms < 600; ++ms) {
+  for (int ms = 0; ms < 5800; ++ms) {
+    write(1, 0, 0);
+    pass();
+  }
+  EXPECT_EQ(script_.requests.size(), 4U);
+  for (int ms = 0; ms < 5000; ++ms) {  // it rests without an image
     write(1, 0, 0);
     pass();
   }
