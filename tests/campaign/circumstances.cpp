@@ -133,7 +133,8 @@ bool Circumstances::is_cable_disturbed() const noexcept {
        kind = static_cast<EventKind>(static_cast<int>(kind) + 1)) {
     if (has_been_on(kind)) return true;
   }
-  return has_been_on(EventKind::Unplug);
+  return has_been_on(EventKind::Unplug) || has_been_on(EventKind::Halt) ||
+         has_been_on(EventKind::Babble);
 }
 
 bool Circumstances::look_at_reports(Observation& observation) {

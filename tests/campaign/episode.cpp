@@ -4,15 +4,21 @@
 #include <bit>
 #include <stdexcept>
 
+#include "drivers/falcon/firmware_image.hpp"
 #include "tests/campaign/circumstances.hpp"
 #include "tests/campaign/hostile_link.hpp"
 #include "tests/campaign/tapped_arm.hpp"
 #include "tests/campaign/worlds.hpp"
 #include "tests/support/closed_loop.hpp"
+#include "tests/support/falcon_image.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace thimble::campaign {
 namespace {
+
+// A Falcon that was not heard is asked whether it runs, and else gets its firmware again: 5 s of
+// rest after what failed (BootSequence::kRest), a hundred questions of 50 ms, and the upload.
+constexpr Duration kFalconBoot = std::chrono::seconds(12);
 
 // A word at a time; sim::TraceHash goes by bytes, too slow for every tick of a billion.
 class Trace {
@@ -61,9 +67,12 @@ Bounds bounds_of(const Setup& setup, test::ClosedLoop& loop) {
   // A harder wall is not passive behind the milliseconds of this bus (teleop.md 2(a)).
   // It speaks of one stiffness and of flat walls.
   const bool is_plain = setup.world != "sphere" && setup.materials == 0 && !setup.is_hostile;
-  bounds.is_energy_bounded =
-      !setup.is_thesis_literal && is_plain && setup.stiffness_newton_per_m <= 800;
+  bounds.is_energy_bounded = !setup.is_thesis_literal && is_plain &&
+                             setup.stiffness_newton_per_m <= 800 && !setup.is_bare_usb();
   bounds.is_world_honest = !setup.is_hostile;
+  if (!setup.is_bare_usb()) return bounds;
+  bounds.is_tapped = false;
+  bounds.boot = bounds.silence = kFalconBoot;
   return bounds;
 }
 
@@ -92,6 +101,15 @@ void count(const Before& before, const servo::ServoSnapshot& now, bool& is_down,
   ++tally.recoveries;
 }
 
+std::vector<std::string> firmware_in(const testing_support::TemporaryFolder& folder) {
+  constexpr int kBlocks = 2;  // short, so that an episode has time for more than its upload
+  const std::vector<std::uint8_t> image = test::falcon_image(1, kBlocks);
+  const auto file =
+      folder.write("image", {reinterpret_cast<const char*>(image.data()), image.size()});
+  return {"arm.right.firmware=" + file.string(),
+          "arm.right.firmware_sha256=" + falcon::sha256_of(image)};
+}
+
 // The session of a programme, and what stands between its first arm and its world.
 struct Stage {
   std::unique_ptr<test::ClosedLoop> loop;
@@ -103,8 +121,11 @@ Stage make_stage(const Programme& programme, const Planted& planted) {
   Stage stage;
   std::vector<std::string> settings = overrides(setup);
   std::optional<testing_support::TemporaryFolder> folder;
+  if (setup.world == "volume" || setup.is_bare_usb()) folder.emplace();
+  if (setup.is_bare_usb()) {
+    for (const std::string& line : firmware_in(*folder)) settings.push_back(line);
+  }
   if (setup.world == "volume") {
-    folder.emplace();
     const auto file = folder->write("volume.nrrd", volume_of(setup));
     settings.push_back("world.source=" + file.string());
   }
@@ -128,6 +149,7 @@ void finish_setup(const Setup& setup, const Stage& stage, Tally& tally) {
   tally.in_spheres = setup.world == "sphere" ? 1 : 0;
   tally.in_volumes = setup.world == "volume" ? 1 : 0;
   tally.with_bystander = setup.has_bystander ? 1 : 0;
+  tally.on_bare_usb = setup.is_bare_usb() ? 1 : 0;
   if (setup.has_bystander) tally.played_s += seconds(stage.loop->frame(1).now.since_epoch);
 }
 
@@ -137,7 +159,7 @@ void finish(test::ClosedLoop& loop, const Circumstances& circumstances, std::uin
   tally.events = circumstances.happened();
   tally.edits = circumstances.edits_applied();
   tally.reports = loop.injected();
-  tally.reports.by_kind[static_cast<std::size_t>(sim::FaultKind::TruncateOut)] = cut;
+  tally.reports.by_kind[static_cast<std::size_t>(sim::FaultKind::TruncateOut)] += cut;
   const link::LinkStatus link = loop.arm().link_status();
   tally.messages_lost = link.counters.injected.lost;
   tally.messages_duplicated = link.counters.injected.duplicated;
@@ -171,6 +193,7 @@ void Tally::add(const Tally& other) noexcept {
   in_spheres += other.in_spheres;
   in_volumes += other.in_volumes;
   with_bystander += other.with_bystander;
+  on_bare_usb += other.on_bare_usb;
   contacts += other.contacts;
   judged.touches += other.judged.touches;
   judged.excused_touches += other.judged.excused_touches;
@@ -181,8 +204,8 @@ Ending play(const Programme& programme, const Planted& planted) {
   const Stage stage = make_stage(programme, planted);
   test::ClosedLoop& loop = *stage.loop;
   auto* const tap = dynamic_cast<TappedArm*>(&loop.sim_arm().backend());
-  if (tap == nullptr) throw std::logic_error("an arm without a tap");
-  tap->set_cable(cables_of(programme));
+  if ((tap == nullptr) != programme.setup.is_bare_usb()) throw std::logic_error("a tap too few");
+  if (tap != nullptr) tap->set_cable(cables_of(programme));
   const Bounds bounds = bounds_of(programme.setup, loop);
   const auto invariants = planted.invariants ? planted.invariants(bounds) : make_invariants(bounds);
 
@@ -198,7 +221,7 @@ Ending play(const Programme& programme, const Planted& planted) {
     loop.tick(circumstances.prepare(loop.now()));
     observation.servo = loop.snapshot();
     observation.truth = loop.truth();
-    observation.wire = tap->look();
+    if (tap != nullptr) observation.wire = tap->look();
     if (has_other) observation.other = &loop.snapshot(1);
     circumstances.describe(observation);
     findings.look_at(observation.servo.frame);

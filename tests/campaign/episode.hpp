@@ -36,6 +36,7 @@ struct Tally {
   std::uint64_t in_spheres{0};
   std::uint64_t in_volumes{0};
   std::uint64_t with_bystander{0};
+  std::uint64_t on_bare_usb{0};
   Judged judged{};  // of its touches that ended
   double peak_newton{0};
 
@@ -50,7 +51,7 @@ struct Ending {
 
 // What a test may put in place of the real thing, to see the campaign find it.
 struct Planted {
-  std::vector<plugin::SimModelEntry> models{};  // empty: tapped_arms()
+  std::vector<plugin::SimModelEntry> models{};  // empty: tapped_arms(), and others
   std::function<std::vector<std::unique_ptr<Invariant>>(const Bounds&)> invariants{};
 };
 

@@ -16,10 +16,14 @@ std::string to_text(const Breach& breach) {
 std::vector<std::unique_ptr<Invariant>> make_invariants(const Bounds& bounds) {
   std::vector<std::unique_ptr<Invariant>> all;
   all.push_back(make_sent_force(bounds));
-  all.push_back(make_arm_force(bounds));
-  all.push_back(make_zero_after_stop(bounds));
+  if (bounds.is_tapped) {
+    all.push_back(make_arm_force(bounds));
+    all.push_back(make_zero_after_stop(bounds));
+    all.push_back(make_arm_truth(bounds));
+  } else {
+    all.push_back(make_untapped_arm(bounds));
+  }
   all.push_back(make_let_go(bounds));
-  all.push_back(make_arm_truth(bounds));
   all.push_back(make_latch(bounds));
   all.push_back(make_recovery(bounds));
   all.push_back(make_energy(bounds));

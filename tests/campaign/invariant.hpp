@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -52,6 +53,10 @@ struct Bounds {
   bool is_network_lossless{true};  // every sample is answered
   bool is_energy_bounded{true};    // the scheme promises it
   bool is_world_honest{true};      // what answers the arm is a world
+  bool is_tapped{true};            // Observation::wire is there, of an arm with a watchdog
+  // From power to the first sample, and from a cable that is well again to the next one.
+  Duration boot{std::chrono::seconds(1)};  // the LEDs of the PHANToM board's firmware
+  Duration silence{};
 };
 
 struct Breach {
@@ -105,6 +110,8 @@ class Invariant {
 [[nodiscard]] std::unique_ptr<Invariant> make_zero_after_stop(const Bounds& bounds);
 [[nodiscard]] std::unique_ptr<Invariant> make_let_go(const Bounds& bounds);
 [[nodiscard]] std::unique_ptr<Invariant> make_arm_truth(const Bounds& bounds);
+// In place of the three that need the tap.
+[[nodiscard]] std::unique_ptr<Invariant> make_untapped_arm(const Bounds& bounds);
 [[nodiscard]] std::unique_ptr<Invariant> make_latch(const Bounds& bounds);
 [[nodiscard]] std::unique_ptr<Invariant> make_recovery(const Bounds& bounds);
 [[nodiscard]] std::unique_ptr<Invariant> make_energy(const Bounds& bounds);

@@ -16,7 +16,7 @@ constexpr std::array<std::string_view, kEventKindCount> kNames{
     "truncate-in",  "truncate-out", "stall",        "disconnect",   "refuse-open", "lose-events",
     "delay-events", "unplug",       "estop",        "deadman-open", "withdraw",    "clear",
     "clear-other",  "late-servo",   "network-down", "shove",        "fill-cell",   "edit-fill",
-    "edit-clear",   "edit-box",     "edit-paint",   "edit-all"};
+    "edit-clear",   "edit-box",     "edit-paint",   "edit-all",     "halt",        "babble"};
 
 // How long an event of each kind lasts: about as long as its limits of DESIGN section 4 and
 // longer, so that both sides of each are met.
@@ -53,7 +53,12 @@ constexpr std::array<Spread, kEventKindCount> kSpreads{{
     {0.05, 2.0},     // edit-box
     {0.05, 2.0},     // edit-paint
     {0.01, 0.5},     // edit-all
+    {0.001, 0.03},   // halt
+    {0.001, 0.03},   // babble
 }};
+
+// As the simulated arm has it, so that limits are felt where they are meant.
+constexpr double kFalconNewtonPerCount = 10.0 / 4095;
 
 // Long ones are rarer: the square of the chance.
 Duration length_of(EventKind kind, Dice& dice) {
@@ -88,8 +93,8 @@ void add_clears(Duration end, Dice& dice, std::vector<Event>& events) {
 
 void add_events(Duration end, double per_s, bool is_edited, Dice& dice,
                 std::vector<Event>& events) {
-  const std::size_t kinds =
-      is_edited ? kEventKindCount : static_cast<std::size_t>(EventKind::EditFill);
+  const auto kinds =
+      static_cast<std::size_t>(is_edited ? EventKind::EditAll : EventKind::FillCell) + 1;
   // In the first two seconds the person calibrates and the force ramps up: mostly left alone.
   Duration at = dice.chance(0.8) ? milliseconds(1800) : Duration{};
   while (true) {
@@ -130,6 +135,27 @@ void draw_link(Dice& dice, Setup& setup) {
   if (dice.chance(0.2)) setup.reorder = dice.uniform(0, 0.1);
 }
 
+// On another bus, with another way to home and no watchdog that anybody knows of.
+void draw_falcon(Dice dice, Setup& setup) {
+  if (!dice.chance(1.0 / 12)) return;
+  setup.device = "sim:falcon-loaded";
+  if (dice.chance(0.8)) setup.newton_per_count = kFalconNewtonPerCount;
+  const double level = dice.chance(0.3) ? 0.02 : 0.002;
+  for (double* chance : {&setup.noise.halt, &setup.noise.babble}) {
+    if (dice.chance(0.3)) *chance = dice.uniform(0, level);
+  }
+}
+
+void add_usb_events(Duration end, Dice dice, std::vector<Event>& events) {
+  Duration at{};
+  while (true) {
+    at += milliseconds(500 + dice.below(4000));
+    if (at >= end) return;
+    const auto kind = dice.chance(0.5) ? EventKind::Halt : EventKind::Babble;
+    events.push_back(some_event(kind, at, dice));
+  }
+}
+
 // A world without cells knows neither the simple model nor the scheme of the thesis.
 void draw_world(Dice& dice, Setup& setup) {
   if (dice.chance(0.1)) {
@@ -138,8 +164,9 @@ void draw_world(Dice& dice, Setup& setup) {
   } else if (dice.chance(0.15)) {
     setup.world = "volume";
     setup.world_seed = dice.below(1'000'000);
-    // The simple model tells no surface.
+    // The simple model tells no surface, and the printed callback feels none.
     if (!setup.is_simple_model) setup.materials = static_cast<int>(dice.below(4));
+    if (setup.is_thesis_literal) setup.materials = 0;
   }
   setup.is_edited = dice.chance(0.35);
   setup.is_hostile = dice.chance(0.1);
@@ -206,6 +233,13 @@ std::string_view to_string(EventKind kind) noexcept {
   return kNames[static_cast<std::size_t>(kind)];
 }
 
+std::optional<sim::FaultKind> fault_of(EventKind kind) noexcept {
+  if (kind == EventKind::Halt) return sim::FaultKind::Halt;
+  if (kind == EventKind::Babble) return sim::FaultKind::Babble;
+  if (static_cast<std::size_t>(kind) >= sim::kHidFaultKindCount) return std::nullopt;
+  return static_cast<sim::FaultKind>(kind);
+}
+
 std::vector<std::string> overrides(const Setup& setup) {
   std::vector<std::string> all;
   const auto set = [&all](const char* key, const auto& value) {
@@ -234,6 +268,7 @@ std::vector<std::string> overrides(const Setup& setup) {
   set("arm.right.limits.rise_newton_per_s", setup.rise_newton_per_s);
   set("arm.right.limits.ramp_s", setup.ramp_s);
   set("arm.right.amplifier_max_a", setup.amplifier_a);
+  if (setup.newton_per_count > 0) set("arm.right.newton_per_count", setup.newton_per_count);
   if (setup.is_realtime_required) set("servo.realtime", "required");
   set("arm.right.impairment.delay_s", setup.delay_s);
   set("arm.right.impairment.jitter_s", setup.jitter_s);
@@ -250,6 +285,7 @@ Programme draw(std::uint64_t seed, std::uint64_t episode) {
   Dice dice(programme.seed);
   programme.setup = some_setup(dice);
   draw_slow_rise(Dice(derive(programme.seed, 2)), programme.setup);
+  draw_falcon(Dice(derive(programme.seed, 3)), programme.setup);
   // Calibration takes 1.2 s of any; what a faster servo adds are ticks, not events.
   const auto rate_hz = static_cast<std::uint64_t>(programme.setup.rate_hz);
   programme.ticks = rate_hz * (rate_hz <= 1000 ? 10 + dice.below(31) : 5 + dice.below(6));
@@ -258,6 +294,9 @@ Programme draw(std::uint64_t seed, std::uint64_t episode) {
   const Duration end = from_seconds(static_cast<double>(programme.ticks) / programme.setup.rate_hz);
   add_events(end, per_s, programme.setup.is_edited, dice, programme.events);
   add_clears(end, dice, programme.events);
+  if (programme.setup.is_bare_usb()) {
+    add_usb_events(end, Dice(derive(programme.seed, 4)), programme.events);
+  }
   // Servos of one process wake late together: that would be something done to the bystander.
   if (programme.setup.has_bystander) {
     std::erase_if(programme.events,
@@ -289,9 +328,10 @@ sim::FaultPlan cables_of(const Programme& programme) {
   plan.seed = programme.seed;
   plan.random = programme.setup.noise;
   for (const Event& event : programme.events) {
-    if (static_cast<std::size_t>(event.kind) >= sim::kHidFaultKindCount) continue;
+    const std::optional<sim::FaultKind> kind = fault_of(event.kind);
+    if (!kind) continue;
     sim::ScriptedFault fault;
-    fault.kind = static_cast<sim::FaultKind>(event.kind);
+    fault.kind = *kind;
     fault.from = MonotonicTime{event.at};
     fault.lasts = event.lasts;
     fault.delay = event.lasts;  // of a delay: as much as it lasts

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -46,11 +47,16 @@ enum class EventKind : std::uint8_t {
   EditBox,    // the outer layers of some
   EditPaint,  // those about a point
   EditAll,    // no cell is left free
+  // Of an arm that is a bare USB device: sim::FaultKind again.
+  Halt,
+  Babble,
 };
-inline constexpr std::size_t kEventKindCount = 28;
+inline constexpr std::size_t kEventKindCount = 30;
 [[nodiscard]] constexpr bool is_edit(EventKind kind) noexcept {
-  return kind >= EventKind::EditFill;
+  return kind >= EventKind::EditFill && kind <= EventKind::EditAll;
 }
+// What the cable does meanwhile; none of what others do.
+[[nodiscard]] std::optional<sim::FaultKind> fault_of(EventKind kind) noexcept;
 [[nodiscard]] std::string_view to_string(EventKind kind) noexcept;
 
 struct Event {
@@ -82,6 +88,7 @@ struct Setup {
   double force_newton{0};  // 0: the arm's own
   double rise_newton_per_s{1000};
   double amplifier_a{3};
+  double newton_per_count{0};  // of a Falcon; 0: nobody measured it
   double ramp_s{0.5};
   bool is_realtime_required{false};
   bool is_edited{false};      // clients edit the world
@@ -94,6 +101,9 @@ struct Setup {
   double reorder{0};
   sim::RandomFaults noise{};  // of the cable
   bool operator==(const Setup&) const = default;
+
+  // On HID otherwise.
+  [[nodiscard]] bool is_bare_usb() const noexcept { return device.starts_with("sim:falcon"); }
 };
 // As --set takes them.
 [[nodiscard]] std::vector<std::string> overrides(const Setup& setup);

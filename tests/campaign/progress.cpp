@@ -11,8 +11,6 @@ constexpr Duration kPatience = milliseconds(50);
 // A lost arm is looked for at least so often (daemon/session/arm_session.hpp), and what was opened
 // is taken with the next tick.
 constexpr Duration kLookedFor = std::chrono::seconds(2) + kPatience;
-// From power to the first report: the LEDs of the board's firmware.
-constexpr Duration kBoot = std::chrono::seconds(1);
 
 // Nothing stands still for longer than 50 ms once nothing stands in its way: ticks advance, samples
 // are taken, the world's replies are used, a lost arm is opened again.
@@ -40,8 +38,9 @@ class Progress final : public Invariant {
         frame.state != OperatingState::Lost && frame.state != OperatingState::Fault;
     if (!is_expected || frame.read_status == IoStatus::Ok) expected_since_ = frame.now;
     // The firmware of an arm that lost its power is not there at once.
-    const MonotonicTime from =
-        std::max(std::max(expected_since_, now.cable_ok_since), now.opening_ok_since + kBoot);
+    const MonotonicTime from = std::max(
+        expected_since_,
+        std::max(now.cable_ok_since + bounds_.silence, now.opening_ok_since + bounds_.boot));
     findings.at_most("no sample taken for, s", seconds(frame.now - from), seconds(kPatience));
   }
 
@@ -61,7 +60,7 @@ class Progress final : public Invariant {
     if (frame.state != OperatingState::Lost) there_ = frame.now;
     const MonotonicTime from = std::max(std::max(there_, now.opening_ok_since), now.cable_ok_since);
     findings.at_most("an arm that is there stays lost for, s", seconds(frame.now - from),
-                     seconds(kLookedFor));
+                     seconds(kLookedFor + bounds_.silence));
   }
 
   Bounds bounds_;

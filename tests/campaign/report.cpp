@@ -17,10 +17,10 @@ std::string count(std::string_view name, std::uint64_t n) {
   return format("  %-20s %12llu\n", std::string(name).c_str(), static_cast<unsigned long long>(n));
 }
 
-constexpr std::array<const char*, sim::kHidFaultKindCount> kReportNames{
-    "dropped in",      "dropped out",  "delayed in",    "delayed out", "corrupted in",
-    "corrupted out",   "truncated in", "truncated out", "stalled",     "handles killed",
-    "opening refused", "events lost",  "events delayed"};
+constexpr std::array<const char*, sim::kFaultKindCount> kReportNames{
+    "dropped in",      "dropped out",  "delayed in",     "delayed out", "corrupted in",
+    "corrupted out",   "truncated in", "truncated out",  "stalled",     "handles killed",
+    "opening refused", "events lost",  "events delayed", "halted",      "babbled"};
 
 }  // namespace
 
@@ -29,13 +29,14 @@ std::string to_text(const Tally& tally) {
                             static_cast<unsigned long long>(tally.episodes),
                             static_cast<unsigned long long>(tally.ticks), tally.played_s);
   text += count("in a sphere", tally.in_spheres) + count("in volumes", tally.in_volumes) +
-          count("beside another arm", tally.with_bystander);
+          count("beside another arm", tally.with_bystander) +
+          count("on bare USB", tally.on_bare_usb);
   text += "events\n";
   for (std::size_t i = 0; i < kEventKindCount; ++i) {
     text += count(to_string(static_cast<EventKind>(i)), tally.events[i]);
   }
   text += "faults of the bus\n";
-  for (std::size_t i = 0; i < sim::kHidFaultKindCount; ++i) {
+  for (std::size_t i = 0; i < sim::kFaultKindCount; ++i) {
     text += count(kReportNames[i], tally.reports.by_kind[i]);
   }
   text += "messages on the link\n" + count("lost", tally.messages_lost) +
@@ -68,7 +69,7 @@ std::vector<std::string> never_struck(const Tally& tally) {
     const auto kind = static_cast<EventKind>(i);
     if (!is_edit(kind)) look(to_string(kind), tally.events[i]);
   }
-  for (std::size_t i = 0; i < sim::kHidFaultKindCount; ++i) {
+  for (std::size_t i = 0; i < sim::kFaultKindCount; ++i) {
     look(kReportNames[i], tally.reports.by_kind[i]);
   }
   look("messages lost", tally.messages_lost);

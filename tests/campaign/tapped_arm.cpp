@@ -6,6 +6,7 @@
 
 #include "drivers/phantom/phantom_wire.hpp"
 #include "sim/model/arm/register_arm_models.hpp"
+#include "sim/model/falcon/register_falcon_model.hpp"
 
 namespace thimble::campaign {
 namespace {
@@ -65,7 +66,11 @@ void TappedArm::out_report(std::span<const std::uint8_t> bytes) noexcept {
 
 std::vector<plugin::SimModelEntry> tapped_arms() {
   constexpr std::size_t kArms = 5;
-  return tapped(std::make_index_sequence<kArms>());
+  std::vector<plugin::SimModelEntry> all = tapped(std::make_index_sequence<kArms>());
+  plugin::SimModelRegistry others;
+  sim::register_falcon_model(others);
+  all.insert(all.end(), others.entries().begin(), others.entries().end());
+  return all;
 }
 
 }  // namespace thimble::campaign

@@ -71,7 +71,7 @@ class TappedArm final : public plugin::SimHidModel, public plugin::ArmBackend {
   WireSeen seen_{};
 };
 
-// The arms of sim/model/arm, each with a tap.
+// The arms of sim/model/arm, each with a tap, and the Falcons, without one.
 [[nodiscard]] std::vector<plugin::SimModelEntry> tapped_arms();
 
 }  // namespace thimble::campaign
