@@ -4,12 +4,13 @@
 #include <memory>
 #include <vector>
 
-#include "daemon/servo/wrench_limiter.hpp"
 #include "drivers/falcon/falcon_driver.hpp"
 #include "drivers/falcon/firmware_image.hpp"
 #include "sim/bus/sim_enumerator.hpp"
 #include "sim/model/falcon/falcon_arm_model.hpp"
 #include "tests/support/falcon_image.hpp"
+#include "tests/support/open_limiter.hpp"
+#include "tests/support/steady_grip.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 // What a faster and a slower servo than usual see of the arm.
@@ -19,18 +20,6 @@ namespace {
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
-
-// A hand that holds the tip at a place.
-class Grip final : public plugin::TipLoad {
- public:
-  Force3 force_on_tip(MonotonicTime, Duration, Position3 tip,
-                      Velocity3 velocity) noexcept override {
-    return Stiffness{800} * (place - tip) - Damping{15} * velocity;
-  }
-  [[nodiscard]] bool is_button_pressed(MonotonicTime) const noexcept override { return is_pressed; }
-  Position3 place;
-  bool is_pressed{false};
-};
 
 class FalconAtEachRate : public testing::TestWithParam<Duration> {
  protected:
@@ -59,7 +48,7 @@ class FalconAtEachRate : public testing::TestWithParam<Duration> {
     for (Duration passed{}; passed < time; passed += GetParam()) {
       clock_.run_for(GetParam());
       if (sut_->read(state_) == IoStatus::Ok) ++samples_;
-      static_cast<void>(sut_->write(wrench_for(force_)));
+      static_cast<void>(sut_->write(test::wrench_for(force_, *sut_, state_)));
     }
   }
   bool runs_within(Duration time) {
@@ -82,17 +71,6 @@ class FalconAtEachRate : public testing::TestWithParam<Duration> {
     ASSERT_EQ(state_.calibration, CalibrationState::Ok) << sut_->calibration_instruction();
     carry_to({0, 0, 0});
   }
-  // A limiter that lets everything below the arm's limits through at once.
-  LimitedWrench wrench_for(Force3 force) const {
-    servo::LimiterSettings open;
-    open.max_force_newton = 8;
-    open.max_rise_newton_per_s = 1e9;
-    open.peak_current_a = sut_->capabilities().peak_current_a;
-    open.continuous_current_a = open.peak_current_a;
-    return servo::WrenchLimiter(open)
-        .limit({force, state_.motor_current_per_force, 1.0, milliseconds(1)})
-        .wrench;
-  }
 
   sim::VirtualClock clock_;
   sim::SimEnumerator buses_{clock_};
@@ -101,7 +79,7 @@ class FalconAtEachRate : public testing::TestWithParam<Duration> {
   plugin::DriverSettings settings_;
   std::unique_ptr<HapticDevice> sut_;
   sim::FalconArmModel* arm_{nullptr};
-  Grip grip_;
+  test::SteadyGrip grip_;
   HapticState state_;
   Force3 force_{};
   int samples_{0};

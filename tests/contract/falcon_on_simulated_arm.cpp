@@ -5,12 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "daemon/servo/wrench_limiter.hpp"
 #include "drivers/falcon/falcon_driver.hpp"
 #include "drivers/falcon/firmware_image.hpp"
 #include "sim/bus/sim_enumerator.hpp"
 #include "sim/model/falcon/falcon_arm_model.hpp"
 #include "tests/support/falcon_image.hpp"
+#include "tests/support/open_limiter.hpp"
+#include "tests/support/steady_grip.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 // Driver and simulated arm were written apart from the same sheet: bytes, their order, signs,
@@ -23,17 +24,6 @@ using std::chrono::seconds;
 
 // What the model's motors are worth, as a kitchen scale would have told.
 constexpr double kTrueNewtonPerCount = 10.0 / 4095;
-
-// A hand that holds the grip at a place.
-class Grip final : public plugin::TipLoad {
- public:
-  Force3 force_on_tip(MonotonicTime, Duration, Position3 tip,
-                      Velocity3 velocity) noexcept override {
-    return Stiffness{800} * (place - tip) - Damping{15} * velocity;
-  }
-  [[nodiscard]] bool is_button_pressed(MonotonicTime) const noexcept override { return false; }
-  Position3 place;
-};
 
 class FalconOnSimulatedArm : public testing::Test {
  protected:
@@ -64,7 +54,7 @@ class FalconOnSimulatedArm : public testing::Test {
     for (Duration passed{}; passed < time; passed += milliseconds(1)) {
       clock_.run_for(milliseconds(1));
       if (sut_->read(state_) == IoStatus::Ok) ++samples_;
-      static_cast<void>(sut_->write(wrench_for(force_)));
+      static_cast<void>(sut_->write(test::wrench_for(force_, *sut_, state_)));
     }
   }
   // False: not within `time`.
@@ -77,7 +67,7 @@ class FalconOnSimulatedArm : public testing::Test {
   }
   void carry_to(Position3 place) {
     for (int step = 0; step < 400; ++step) {
-      grip_.place = grip_.place + 0.02 * (place - grip_.place);
+      grip_.creep_to(place);
       run_for(milliseconds(1));
     }
     run_for(milliseconds(200));
@@ -87,17 +77,6 @@ class FalconOnSimulatedArm : public testing::Test {
     carry_to(arm_->calibration_start());
     carry_to(arm_->home_position());
     ASSERT_EQ(state_.calibration, CalibrationState::Ok);
-  }
-  // A limiter that lets everything below the arm's limits through at once.
-  [[nodiscard]] LimitedWrench wrench_for(Force3 force) const {
-    servo::LimiterSettings open;
-    open.max_force_newton = 5;
-    open.max_rise_newton_per_s = 1e9;
-    open.peak_current_a = sut_->capabilities().peak_current_a;
-    open.continuous_current_a = open.peak_current_a;
-    return servo::WrenchLimiter(open)
-        .limit({force, state_.motor_current_per_force, 1.0, milliseconds(1)})
-        .wrench;
   }
   Force3 felt(Force3 asked) {
     force_ = asked;
@@ -114,7 +93,7 @@ class FalconOnSimulatedArm : public testing::Test {
   testing_support::TemporaryFolder folder_;
   sim::FalconArmModel* arm_{nullptr};
   std::unique_ptr<HapticDevice> sut_;
-  Grip grip_;
+  test::SteadyGrip grip_;
   HapticState state_;
   Force3 force_{};
   int samples_{0};

@@ -8,12 +8,12 @@
 #include <memory>
 
 #include "daemon/devices/arm_opener.hpp"
-#include "daemon/servo/wrench_limiter.hpp"
 #include "drivers/phantom/phantom_driver.hpp"
 #include "hal/linux/bus_enumerator.hpp"
 #include "sim/model/arm/register_arm_models.hpp"
 #include "tests/support/fake_hidapi.hpp"
 #include "tests/support/mock_machine.hpp"
+#include "tests/support/open_limiter.hpp"
 
 namespace thimble::test {
 namespace {
@@ -71,21 +71,11 @@ class PhantomOnLinuxHid : public testing::Test {
       wire_.device_sends({bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)});
       ASSERT_TRUE(wait_until([&] { return sut_->read(state_) == IoStatus::Ok; }));
     }
-    ASSERT_EQ(sut_->write(wrench_for(force_)), IoStatus::Ok);
+    ASSERT_EQ(sut_->write(test::wrench_for(force_, *sut_, state_)), IoStatus::Ok);
     ASSERT_TRUE(wait_until([&] { return wire_.received_by_device().size() > seen_; }));
   }
   void run_for(milliseconds time) {
     for (milliseconds passed{}; passed < time && !HasFatalFailure(); ++passed) run_frame();
-  }
-  LimitedWrench wrench_for(Force3 force) const {
-    servo::LimiterSettings open;
-    open.max_force_newton = 5;
-    open.max_rise_newton_per_s = 1e9;
-    open.peak_current_a = sut_->capabilities().peak_current_a;
-    open.continuous_current_a = open.peak_current_a;
-    return servo::WrenchLimiter(open)
-        .limit({force, state_.motor_current_per_force, 1.0, milliseconds(1)})
-        .wrench;
   }
 
   FrameClock clock_;
@@ -145,7 +135,7 @@ TEST_F(PhantomOnLinuxHid, CalibratesAndPushesAsAskedAndStopsWhenUnplugged) {
 
   wire_.unplug();
   EXPECT_TRUE(wait_until([&] { return sut_->read(state_) == IoStatus::Disconnected; }));
-  EXPECT_EQ(sut_->write(wrench_for({})), IoStatus::Disconnected);
+  EXPECT_EQ(sut_->write(wrench_for({}, *sut_, state_)), IoStatus::Disconnected);
 }
 
 }  // namespace

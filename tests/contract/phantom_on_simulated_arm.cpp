@@ -6,10 +6,11 @@
 #include <numbers>
 #include <string>
 
-#include "daemon/servo/wrench_limiter.hpp"
 #include "drivers/phantom/phantom_driver.hpp"
 #include "sim/bus/sim_enumerator.hpp"
 #include "sim/model/arm/register_arm_models.hpp"
+#include "tests/support/open_limiter.hpp"
+#include "tests/support/steady_grip.hpp"
 
 // Driver and simulated arm were written apart from the same sheet: bytes, signs, frames and
 // units must come out the same at both ends.
@@ -18,17 +19,6 @@ namespace {
 
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
-
-// A hand that holds the tip at a place.
-class Grip final : public plugin::TipLoad {
- public:
-  Force3 force_on_tip(MonotonicTime, Duration, Position3 tip,
-                      Velocity3 velocity) noexcept override {
-    return Stiffness{800} * (place - tip) - Damping{15} * velocity;
-  }
-  [[nodiscard]] bool is_button_pressed(MonotonicTime) const noexcept override { return false; }
-  Position3 place;
-};
 
 struct Setting {
   const char* model;
@@ -59,7 +49,8 @@ class PhantomOnSimulatedArm : public testing::TestWithParam<Setting> {
     for (Duration passed{}; passed < time; passed += GetParam().tick) {
       clock_.run_for(GetParam().tick);
       static_cast<void>(sut_->read(state_));
-      static_cast<void>(sut_->write(wrench_for(force_)));  // Backlogged when ticks outrun frames
+      static_cast<void>(sut_->write(
+          test::wrench_for(force_, *sut_, state_)));  // Backlogged when ticks outrun frames
     }
   }
   void calibrate() {
@@ -73,21 +64,10 @@ class PhantomOnSimulatedArm : public testing::TestWithParam<Setting> {
   }
   void carry_to(Position3 place) {
     for (int step = 0; step < 400; ++step) {
-      grip_.place = grip_.place + 0.02 * (place - grip_.place);
+      grip_.creep_to(place);
       run_for(milliseconds(1));
     }
     run_for(milliseconds(200));
-  }
-  // A limiter that lets everything below the arm's limits through at once.
-  LimitedWrench wrench_for(Force3 force) const {
-    servo::LimiterSettings open;
-    open.max_force_newton = 5;
-    open.max_rise_newton_per_s = 1e9;
-    open.peak_current_a = sut_->capabilities().peak_current_a;
-    open.continuous_current_a = open.peak_current_a;
-    return servo::WrenchLimiter(open)
-        .limit({force, state_.motor_current_per_force, 1.0, milliseconds(1)})
-        .wrench;
   }
 
   sim::VirtualClock clock_;
@@ -95,7 +75,7 @@ class PhantomOnSimulatedArm : public testing::TestWithParam<Setting> {
   bus::DeviceAddress address_{std::string("sim:") + GetParam().model};
   std::unique_ptr<HapticDevice> sut_;
   plugin::ArmBackend* arm_{nullptr};
-  Grip grip_;
+  test::SteadyGrip grip_;
   HapticState state_;
   Force3 force_{};
 };
