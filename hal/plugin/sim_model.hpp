@@ -18,6 +18,21 @@
 
 namespace thimble::plugin {
 
+// What a person can press and read of a simulated device that is no arm, or beside an arm's verbs.
+// Thread: that of the bus. Ownership: a face of the model; valid as long as that is.
+class ModelPanel {
+ public:
+  struct Reading {
+    std::string name;  // with its unit, as in "line_4" or "latency_s"
+    double value{0};
+  };
+  virtual ~ModelPanel() = default;
+  // False: it has no such button, switch or input.
+  virtual bool press(unsigned number, bool pressed) noexcept = 0;
+  // Not RT.
+  [[nodiscard]] virtual std::vector<Reading> readings() const = 0;
+};
+
 enum class HidReportKind : std::uint8_t { Input, Output, Feature };
 
 // Bus face of a simulated HID device: what its firmware and USB interface do.
@@ -51,6 +66,7 @@ class SimHidModel {
   // Power cut and restored, as on unplug and replug: counters and state are lost.
   virtual void power_cycle() noexcept = 0;
   [[nodiscard]] virtual ArmBackend* arm_backend() noexcept = 0;  // nullptr: not an arm
+  [[nodiscard]] virtual ModelPanel* panel() noexcept { return nullptr; }
 };
 
 struct SimModelSettings {

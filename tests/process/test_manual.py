@@ -49,7 +49,7 @@ class Manual(ProcessTest):
 
     def completed(self, program, *words, environment=None):
         script = (f". {MAN}/{program}.bash; COMP_WORDS=({program} {' '.join(words)} ''); "
-                  f"COMP_CWORD={len(words) + 1}; _{program}; printf '%s\\n' \"${{COMPREPLY[@]}}\"")
+                  f"COMP_CWORD={len(words) + 1}; _{program.replace('-', '_')}; printf '%s\\n' \"${{COMPREPLY[@]}}\"")
         if words and words[-1] == "--":
             script = script.replace(" '')", ")").replace(f"COMP_CWORD={len(words) + 1}",
                                                          f"COMP_CWORD={len(words)}")
@@ -72,6 +72,16 @@ class Manual(ProcessTest):
     def test_the_page_of_thimbled_tells_every_option(self):
         defined = re.findall(r"^\.TP\n\.\w+ .*", troff("thimbled.8"), re.MULTILINE)
         self.assertEqual(options_of("\n".join(defined)), options_of_help(self.help("thimbled")))
+
+    def test_the_page_of_thimble_simdev_tells_every_option_and_verb(self):
+        page = troff("thimble-simdev.1")
+        options, verbs = page.split(".SH VERBS")
+        defined = re.findall(r"^\.TP\n\.\w+ .*", options, re.MULTILINE)
+        self.assertEqual(options_of("\n".join(defined)), options_of_help(self.help("thimble-simdev")))
+        self.assertEqual(self.completed("thimble-simdev", "--"), options_of_help(self.help("thimble-simdev")))
+        source = (ROOT / "sim/export/verb.cpp").read_text()
+        words = re.findall(r'^    \{"([a-z-]+)", VerbKind::', source, re.MULTILINE)
+        self.assertEqual(re.findall(r"^\.T[PQ]\n\.BI? ([a-z-]+)", verbs.split(".SH EXIT")[0], re.MULTILINE), words)
 
     def test_completion_offers_every_subcommand_and_option(self):
         commands = self.commands()

@@ -1,0 +1,13 @@
+# Completion of thimble-simdev(1) for bash; bash-completion loads it by its name.
+
+_thimble_simdev() {
+  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]}
+  COMPREPLY=()
+  case $before in
+    --socket) mapfile -t COMPREPLY < <(compgen -f -- "$word"); return ;;
+    --serial | --amplifier-max-a | --seed) return ;;
+  esac
+  mapfile -t COMPREPLY < <(compgen -W "--help --version --uhid --socket --serial --amplifier-max-a --seed" -- "$word")
+}
+
+complete -o filenames -F _thimble_simdev thimble-simdev

@@ -1,0 +1,35 @@
+#include "sim/export/misbehaviour.hpp"
+
+#include <algorithm>
+
+namespace thimble::sim {
+namespace {
+
+// True for as long as there is something left to do.
+bool count_down(std::uint32_t& left) noexcept {
+  if (left == 0) return false;
+  --left;
+  return true;
+}
+
+}  // namespace
+
+std::size_t Misbehaviour::spoil(std::span<std::uint8_t> room, std::size_t size) noexcept {
+  if (size == 0 || size > room.size()) return size;
+  if (count_down(corrupt_)) {
+    const std::uint64_t flips = 1 + random_() % 8;
+    for (std::uint64_t i = 0; i < flips; ++i) {
+      const std::uint64_t bit = random_() % (size * 8);
+      room[bit / 8] = static_cast<std::uint8_t>(room[bit / 8] ^ (1U << bit % 8));
+    }
+  }
+  if (count_down(short_)) size /= 2;
+  if (count_down(babble_)) {
+    const std::size_t more = std::min(2 * size + 1, room.size());
+    for (std::size_t i = size; i < more; ++i) room[i] = static_cast<std::uint8_t>(random_());
+    size = more > size ? more : room.size() + 1;
+  }
+  return size;
+}
+
+}  // namespace thimble::sim

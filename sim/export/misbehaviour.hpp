@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <random>
+#include <span>
+
+#include "hal/base/time.hpp"
+
+namespace thimble::sim {
+
+// What a device that is offered to a kernel does wrong on demand.
+//
+// Thread: one, that of its port. Errors: none.
+class Misbehaviour {
+ public:
+  explicit Misbehaviour(std::uint64_t seed) noexcept : random_(seed) {}
+
+  // Refuses everything: endpoints and requests stall, what is written is lost.
+  void stall_until(MonotonicTime t) noexcept { stalls_until_ = t; }
+  // Neither takes nor gives anything, and refuses nothing: it says NAK.
+  void be_silent_until(MonotonicTime t) noexcept { silent_until_ = t; }
+  // The next `reports` that it sends have bits turned over; are cut to half; are longer than they
+  // may be.
+  void corrupt(std::uint32_t reports) noexcept { corrupt_ = reports; }
+  void shorten(std::uint32_t reports) noexcept { short_ = reports; }
+  void babble(std::uint32_t reports) noexcept { babble_ = reports; }
+
+  [[nodiscard]] bool is_stalled(MonotonicTime now) const noexcept { return now < stalls_until_; }
+  [[nodiscard]] bool is_silent(MonotonicTime now) const noexcept { return now < silent_until_; }
+  // Does to the report in the first `size` bytes of `room` what is due. Returns its new size; more
+  // than `room` for one that babbles beyond it.
+  [[nodiscard]] std::size_t spoil(std::span<std::uint8_t> room, std::size_t size) noexcept;
+
+ private:
+  MonotonicTime stalls_until_{};
+  MonotonicTime silent_until_{};
+  std::uint32_t corrupt_{0};
+  std::uint32_t short_{0};
+  std::uint32_t babble_{0};
+  std::mt19937_64 random_;
+};
+
+}  // namespace thimble::sim

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+
+#include "hal/base/result.hpp"
+#include "hal/base/time.hpp"
+#include "sim/export/misbehaviour.hpp"
+#include "sim/export/model_log.hpp"
+#include "sim/time/virtual_clock.hpp"
+
+namespace thimble::sim {
+
+struct PlugCounters {
+  std::uint64_t to_host{0};    // reports or packets that the kernel was given
+  std::uint64_t from_host{0};  // that the model was given
+  std::uint64_t superseded{
+      0};  // came from the host in the same frame as a newer one: not given to the model
+  std::uint64_t lost{
+      0};  // the other way: what the kernel did not take, or a stalled device refused
+  std::uint64_t requests{0};   // to the control pipe
+  std::uint64_t malformed{0};  // what came over the connection and is none of its messages
+  bool operator==(const PlugCounters&) const = default;
+};
+
+// The plug by which a model hangs on a real kernel.
+// Thread: that which runs the model's clock. Not RT. Ownership: see those that derive from it.
+class Plug {
+ public:
+  virtual ~Plug() = default;
+  // Busy when it is plugged in already, System when the kernel refuses.
+  virtual Result<void> plug() = 0;
+  // NotFound when it is not plugged in, System as above. The model's power is cut.
+  virtual Result<void> unplug() = 0;
+  [[nodiscard]] virtual bool is_plugged() const noexcept = 0;
+  // Somebody on the kernel's side uses it.
+  [[nodiscard]] virtual bool is_open() const noexcept = 0;
+  // The connection to the kernel is gone for good.
+  [[nodiscard]] virtual bool is_broken() const noexcept = 0;
+  [[nodiscard]] virtual PlugCounters counters() const noexcept = 0;
+};
+
+// What a plug has around it; all must outlive it.
+struct PlugSurroundings {
+  VirtualClock* clock{nullptr};   // the model's
+  const Clock* machine{nullptr};  // only read, for the log
+  ModelLog* log{nullptr};
+  Misbehaviour* misbehaviour{nullptr};
+
+  [[nodiscard]] LogTime time(MonotonicTime now) const noexcept { return {now, machine->now()}; }
+};
+
+}  // namespace thimble::sim

@@ -1,0 +1,45 @@
+#include "sim/export/simdev/options.hpp"
+
+#include <CLI/CLI.hpp>
+
+namespace thimble::sim {
+namespace {
+
+constexpr int kExitUsage = 2;
+constexpr std::string_view kScheme = "sim:";
+constexpr double kMostAmpere = 32.767;  // what a board's report can say
+
+}  // namespace
+
+tl::expected<SimdevOptions, int> parse_simdev_options(int argc, const char* const* argv) {
+  SimdevOptions options;
+  CLI::App cli{
+      "thimble-simdev offers a simulated device to this machine's kernel, as if it were plugged "
+      "in.\n"
+      "SIGTERM or Ctrl-C unplugs it."};
+  cli.add_option("model", options.model, "the device, as in the configuration: sim:phantom-vintage")
+      ->required()
+      ->type_name("MODEL");
+  cli.add_flag("--uhid", options.is_uhid, "through /dev/uhid, as a HID device (needs root)");
+  cli.add_option("--socket", options.socket, "where verbs are taken: move, press, unplug, log …")
+      ->type_name("FILE");
+  cli.add_option("--serial", options.serial_number,
+                 "its serial number, so that two can be told apart")
+      ->type_name("TEXT");
+  cli.add_option("--amplifier-max-a", options.amplifier_max_a,
+                 "full scale of its motor amplifiers, A")
+      ->type_name("A")
+      ->check(CLI::Range(0.0, kMostAmpere));
+  cli.add_option("--seed", options.seed, "of what is left to chance in it")->type_name("NUMBER");
+  cli.set_version_flag("--version", std::string("thimble-simdev " THIMBLE_VERSION));
+  try {
+    cli.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int code = cli.exit(error);
+    return tl::unexpected(code == 0 ? 0 : kExitUsage);
+  }
+  if (options.model.starts_with(kScheme)) options.model.erase(0, kScheme.size());
+  return options;
+}
+
+}  // namespace thimble::sim

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <tl/expected.hpp>
+
+namespace thimble::sim {
+
+struct SimdevOptions {
+  std::string model;  // "phantom-vintage"; "sim:" in front is taken off
+  bool is_uhid{false};
+  std::string socket;         // of the verbs; empty: none
+  std::string serial_number;  // empty: as the model says
+  double amplifier_max_a{0};  // 0: as the model says
+  std::uint64_t seed{0};
+};
+
+// What the command line says, or the exit status where that ends the program: 0 after --help or
+// --version, 2 after a mistake, which is printed. Thread: the main one. Not RT.
+[[nodiscard]] tl::expected<SimdevOptions, int> parse_simdev_options(int argc,
+                                                                    const char* const* argv);
+
+}  // namespace thimble::sim

@@ -1,0 +1,130 @@
+#include "sim/export/simdev/run.hpp"
+
+#include <fcntl.h>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "hal/linux/monotonic_clock.hpp"
+#include "hal/linux/system_error.hpp"
+#include "hal/plugin/sim_model.hpp"
+#include "sim/export/device_verbs.hpp"
+#include "sim/export/uhid_plug.hpp"
+#include "sim/export/verb_server.hpp"
+#include "sim/model/arm/register_arm_models.hpp"
+#include "sim/model/falcon/register_falcon_model.hpp"
+#include "sim/time/real_time_brake.hpp"
+
+namespace thimble::sim {
+namespace {
+
+constexpr const char* kUhidNode = "/dev/uhid";
+
+Result<plugin::SimModel> make_model(const SimdevOptions& options) {
+  plugin::SimModelRegistry models;
+  register_arm_models(models);
+  register_falcon_model(models);
+  const plugin::SimModelEntry* entry = models.find(options.model);
+  if (entry == nullptr) {
+    std::string known;
+    for (const plugin::SimModelEntry& model : models.entries()) known += " sim:" + model.name;
+    return fail(Errc::NotFound, "no simulated device " + options.model + "; there are:" + known);
+  }
+  return entry->create({.amplifier_max_a = options.amplifier_max_a, .seed = options.seed});
+}
+
+Result<linux::Descriptor> open_uhid() {
+  linux::Descriptor node(::open(kUhidNode, O_RDWR | O_CLOEXEC | O_NONBLOCK));
+  if (node.get() < 0) {
+    return tl::unexpected(
+        linux::system_error(std::string(kUhidNode) + " cannot be opened (modprobe uhid?)", errno));
+  }
+  return node;
+}
+
+// All that one device needs, in the order in which it may go.
+class Simdev {
+ public:
+  Simdev(plugin::SimModel model, const SimdevOptions& options)
+      : misbehaviour_(options.seed), model_(std::move(model)), info_(plugin::describe(model_)) {
+    if (!options.serial_number.empty()) info_.serial_number = options.serial_number;
+  }
+
+  Result<void> plug_in() {
+    auto* hid = std::get_if<std::unique_ptr<plugin::SimHidModel>>(&model_);
+    if (hid == nullptr)
+      return fail(Errc::InvalidArgument, info_.address.text + " is no HID device");
+    Result<linux::Descriptor> node = open_uhid();
+    if (!node) return tl::unexpected(node.error());
+    plug_ = std::make_unique<UhidPlug>(*std::move(node), **hid, info_, surroundings());
+    step_ = (*hid)->frame_period();
+    panel_ = (*hid)->panel();
+    return plug_->plug();
+  }
+  Result<void> take_verbs_at(const std::string& path) {
+    verbs_ = std::make_unique<DeviceVerbs>(
+        info_, *plug_, DeviceVerbs::Faces{plugin::arm_backend(model_), panel_}, surroundings());
+    if (path.empty()) return {};
+    auto server = VerbServer::listen(
+        io_, path, [this](std::string_view line) { return verbs_->execute(line); });
+    if (!server) return tl::unexpected(server.error());
+    server_ = *std::move(server);
+    return {};
+  }
+  // Until a signal, or until the kernel let go of it.
+  void run() {
+    boost::asio::signal_set signals(io_, SIGTERM, SIGINT);
+    bool is_over = false;
+    signals.async_wait([&](auto, int) { is_over = true; });
+    RealTimeBrake brake(clock_, machine_);
+    while (!is_over && !plug_->is_broken()) {
+      brake.sleep_until(clock_.now() + step_);
+      io_.poll();
+    }
+    server_.reset();
+  }
+  [[nodiscard]] const bus::BusDeviceInfo& info() const noexcept { return info_; }
+
+ private:
+  [[nodiscard]] PlugSurroundings surroundings() noexcept {
+    return {&clock_, &machine_, &log_, &misbehaviour_};
+  }
+
+  linux::MonotonicClock machine_;
+  VirtualClock clock_;
+  boost::asio::io_context io_;
+  ModelLog log_;
+  Misbehaviour misbehaviour_;
+  plugin::SimModel model_;
+  bus::BusDeviceInfo info_;
+  plugin::ModelPanel* panel_{nullptr};
+  Duration step_{};
+  std::unique_ptr<Plug> plug_;
+  std::unique_ptr<DeviceVerbs> verbs_;
+  std::unique_ptr<VerbServer> server_;
+};
+
+}  // namespace
+
+Result<void> run_simdev(const SimdevOptions& options) {
+  if (!options.is_uhid) return fail(Errc::InvalidArgument, "say how it is to be offered: --uhid");
+  Result<plugin::SimModel> model = make_model(options);
+  if (!model) return tl::unexpected(model.error());
+  Simdev device(*std::move(model), options);
+  Result<void> done = device.plug_in();
+  if (done) done = device.take_verbs_at(options.socket);
+  if (!done) return done;
+  std::printf("thimble-simdev: %s is plugged in, serial number %s\n",
+              device.info().address.text.c_str(), device.info().serial_number.c_str());
+  std::fflush(stdout);
+  device.run();
+  return {};
+}
+
+}  // namespace thimble::sim

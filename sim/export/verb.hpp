@@ -1,0 +1,42 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "hal/base/result.hpp"
+
+namespace thimble::sim {
+
+enum class VerbKind : std::uint8_t {
+  Move,   // X Y Z [SECONDS]: the hand brings the tip there, m in the arm's base frame, and holds it
+  Home,   // [SECONDS]: to the pose in which the arm is calibrated, by the way that it needs
+  LetGo,  // the hand leaves the tip
+  Push,   // X Y Z: a constant force on the tip, N
+  Press,  // N: button 0 is that of the calibration, 1 that of the stylus
+  Release,  // N
+  Unplug,
+  Plug,
+  Stall,    // SECONDS: it refuses everything
+  Nak,      // SECONDS: it neither takes nor gives anything
+  Corrupt,  // [N]: bits of the next N reports are turned over
+  Short,    // [N]: the next N reports are cut to half
+  Babble,   // [N]: the next N reports are longer than they may be
+  Status,
+  Log,  // [SECONDS]: what happened in the last ones
+};
+
+struct Verb {
+  VerbKind kind{};
+  std::array<double, 4> numbers{};  // those that are not said have their default
+  bool operator==(const Verb&) const = default;
+};
+
+inline constexpr std::size_t kMaxVerbBytes = 256;  // ours; of one line
+
+// Total. InvalidArgument for a line that is no verb, names those there are; or for numbers that are
+// missing, too many or beyond what an arm could do. Thread: any. Pure.
+[[nodiscard]] Result<Verb> parse_verb(std::string_view line);
+
+}  // namespace thimble::sim

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "hal/base/result.hpp"
+
+namespace thimble::sim {
+
+// Answers lines on a Unix socket: each line is given to `answer`, what that returns goes back.
+//
+// One who sends more than kMaxVerbBytes without a line break, or more than kMostConnections at
+// once, are cut off; while somebody takes no replies, no more of his lines are read. Thread: that
+// which runs the io_context. Not RT. Ownership: has its socket file, which goes with it. The
+// io_context must outlive it.
+class VerbServer {
+ public:
+  static constexpr std::size_t kMostConnections = 8;
+  using Answer = std::function<std::string(std::string_view line)>;
+
+  // Errors: Busy when somebody listens there, else System. A file that nobody listens at is
+  // replaced.
+  [[nodiscard]] static Result<std::unique_ptr<VerbServer>> listen(boost::asio::io_context& io,
+                                                                  const std::string& path,
+                                                                  Answer answer);
+  ~VerbServer();
+  VerbServer(const VerbServer&) = delete;
+  VerbServer& operator=(const VerbServer&) = delete;
+
+ private:
+  class Connection;
+  struct Shared;
+  VerbServer(boost::asio::io_context& io, std::string path, Answer answer);
+  void accept();
+
+  std::string path_;
+  std::shared_ptr<Shared> shared_;
+  boost::asio::local::stream_protocol::acceptor acceptor_;
+};
+
+}  // namespace thimble::sim

@@ -1,0 +1,80 @@
+#include "sim/export/misbehaviour.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+namespace thimble::sim {
+namespace {
+
+using Room = std::array<std::uint8_t, 64>;
+
+TEST(MisbehaviourTest, LeavesReportsAloneUnlessTold) {
+  Misbehaviour sut(1);
+  Room room{1, 2, 3};
+  EXPECT_EQ(sut.spoil(room, 3), 3U);
+  EXPECT_EQ(room, (Room{1, 2, 3}));
+  EXPECT_FALSE(sut.is_stalled({}));
+  EXPECT_FALSE(sut.is_silent({}));
+}
+
+TEST(MisbehaviourTest, CorruptsSoManyReportsAndNoMore) {
+  Misbehaviour sut(1);
+  sut.corrupt(3);
+  int spoiled = 0;
+  for (int i = 0; i < 10; ++i) {
+    Room room{};
+    EXPECT_EQ(sut.spoil(room, 14), 14U);
+    if (room != Room{}) ++spoiled;
+    for (std::size_t byte = 14; byte < room.size(); ++byte) EXPECT_EQ(room[byte], 0);
+  }
+  EXPECT_LE(spoiled, 3);
+  EXPECT_GE(spoiled, 2) << "two flips may meet";
+}
+
+TEST(MisbehaviourTest, TheSameSeedSpoilsAlike) {
+  Misbehaviour one(7);
+  Misbehaviour other(7);
+  one.corrupt(5);
+  other.corrupt(5);
+  for (int i = 0; i < 5; ++i) {
+    Room a{};
+    Room b{};
+    (void)one.spoil(a, 20);
+    (void)other.spoil(b, 20);
+    EXPECT_EQ(a, b);
+  }
+}
+
+TEST(MisbehaviourTest, CutsToHalfAndBabbles) {
+  Misbehaviour sut(1);
+  Room room{};
+  sut.shorten(1);
+  EXPECT_EQ(sut.spoil(room, 14), 7U);
+  sut.babble(2);
+  EXPECT_EQ(sut.spoil(room, 14), 29U);
+  EXPECT_GT(sut.spoil(room, room.size()), room.size()) << "beyond its room";
+  EXPECT_EQ(sut.spoil(room, 14), 14U);
+}
+
+TEST(MisbehaviourTest, ANakIsNotSpoiled) {
+  Misbehaviour sut(1);
+  sut.babble(1);
+  Room room{};
+  EXPECT_EQ(sut.spoil(room, 0), 0U);
+  EXPECT_EQ(sut.spoil(room, 1), 3U) << "the next report is";
+}
+
+TEST(MisbehaviourTest, StallsAndIsSilentUntilItsTime) {
+  Misbehaviour sut(1);
+  const MonotonicTime t{std::chrono::seconds(1)};
+  sut.stall_until(t);
+  EXPECT_TRUE(sut.is_stalled({}));
+  EXPECT_FALSE(sut.is_stalled(t));
+  sut.be_silent_until(t);
+  EXPECT_TRUE(sut.is_silent({}));
+  EXPECT_FALSE(sut.is_silent(t));
+}
+
+}  // namespace
+}  // namespace thimble::sim
