@@ -35,9 +35,8 @@ api::ServerSettings server_settings(const config::Config& config) {
 }
 
 bool has_real_arm(const config::Config& config) {
-  return std::any_of(config.arms.begin(), config.arms.end(), [](const config::ArmConfig& arm) {
-    return !std::string_view(arm.device).starts_with("sim:");
-  });
+  return std::any_of(config.arms.begin(), config.arms.end(),
+                     [](const config::ArmConfig& arm) { return !bus::is_simulated(arm.device); });
 }
 
 }  // namespace

@@ -7,21 +7,13 @@
 #include "daemon/session/world_host.hpp"
 
 namespace thimble::session {
-namespace {
-
-bool is_simulated(const config::ArmConfig& arm) {
-  return std::string_view(arm.device).starts_with("sim:");
-}
-
-}  // namespace
-
 Result<std::unique_ptr<ArmRig>> ArmRig::create(const config::ArmConfig& arm,
                                                const config::ServoConfig& servo, WorldHost* world,
                                                const RigParts& parts) {
   const std::string name = "arm '" + arm.name + "'";
   // The constructor is private, so make_unique cannot reach it.
   std::unique_ptr<ArmRig> rig(new ArmRig());
-  if (is_simulated(arm)) {
+  if (bus::is_simulated(arm.device)) {
     Result<std::unique_ptr<SimArm>> sim_arm = SimArm::create(parts.models, arm);
     if (!sim_arm) return tl::unexpected(sim_arm.error().in(name));
     rig->sim_arm_ = *std::move(sim_arm);

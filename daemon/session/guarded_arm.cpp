@@ -5,8 +5,7 @@
 namespace thimble::session {
 
 Result<void> GuardedArm::begin(const HapticDevice& device) {
-  const bool is_simulated = address_.text.starts_with("sim:");
-  if (is_simulated || !devices::needs_guard(device.capabilities())) return {};
+  if (bus::is_simulated(address_.text) || !devices::needs_guard(device.capabilities())) return {};
   const std::optional<ZeroCommand> zero = device.zero_command();
   if (!zero) {
     return fail(Errc::Unsupported,

@@ -16,7 +16,6 @@ namespace {
 
 using config::Objection;
 
-constexpr std::string_view kSimScheme = "sim:";
 // Any that every driver takes; to learn whether it is the current that a driver dislikes.
 constexpr double kHarmlessCurrent_a = 1;
 
@@ -38,14 +37,14 @@ class ArmInspection {
   void inspect_device() {
     const std::string_view address = arm_.device;
     if (address.starts_with("hid:") || address.starts_with("usb:")) return;  // plugged in or not
-    if (!address.starts_with(kSimScheme)) {
+    if (!bus::is_simulated(address)) {
       const std::string bus = arm_.device.substr(0, arm_.device.find(':'));
       return object("device",
                     "expected a device such as \"sim:phantom-vintage\" or \"hid:SERIAL\", since " +
                         ("this version has no " + bus) + " bus yet; found " +
                         config::in_quotes(arm_.device));
     }
-    const plugin::SimModelEntry* entry = parts_.models.find(arm_.device.substr(kSimScheme.size()));
+    const plugin::SimModelEntry* entry = parts_.models.find(bus::simulated_model(address));
     if (entry == nullptr) {
       std::string known;
       for (const auto& model : parts_.models.entries()) known += " sim:" + model.name;

@@ -5,8 +5,6 @@
 namespace thimble::session {
 namespace {
 
-constexpr std::string_view kScheme = "sim:";
-
 sim::HandMotion motion_of(config::HandMotion motion) {
   switch (motion) {
     case config::HandMotion::Still:
@@ -44,11 +42,10 @@ sim::HandSettings hand_settings(const config::HandConfig& said) {
 Result<std::unique_ptr<SimArm>> SimArm::create(const plugin::SimModelRegistry& models,
                                                const config::ArmConfig& arm) {
   const std::string_view address = arm.device;
-  if (!address.starts_with(kScheme)) {
+  if (!bus::is_simulated(address)) {
     return fail(Errc::InvalidArgument, arm.device + " is no simulated device (sim:MODEL)");
   }
-  const std::string_view name = address.substr(kScheme.size());
-  const plugin::SimModelEntry* entry = models.find(name);
+  const plugin::SimModelEntry* entry = models.find(bus::simulated_model(address));
   if (entry == nullptr) {
     std::string known;
     for (const plugin::SimModelEntry& model : models.entries()) known += " sim:" + model.name;

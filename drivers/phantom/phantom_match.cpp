@@ -10,20 +10,14 @@
 namespace thimble::phantom {
 namespace {
 
-constexpr std::string_view kSimScheme = "sim:";
-
 bool has_known_ids(const bus::BusDeviceInfo& info) noexcept {
   return (info.vendor_id == wire::kMbedVendorId && info.product_id == wire::kMbedProductId) ||
          (info.vendor_id == wire::kTeensyVendorId && info.product_id == wire::kTeensyProductId);
 }
 
-bool is_simulated(const bus::BusDeviceInfo& info) noexcept {
-  return info.address.text.starts_with(kSimScheme);
-}
-
 Result<void> check_permission(const bus::BusDeviceInfo& info,
                               const plugin::DriverSettings& settings) {
-  if (is_simulated(info) || settings.is_named_by_person) return {};
+  if (bus::is_simulated(info.address.text) || settings.is_named_by_person) return {};
   return fail(Errc::Permission,
               "'" + info.address.text +
                   "' has USB ids that many other devices share, so nothing is sent to it before a "
@@ -53,7 +47,7 @@ Result<double> checked_amplifier(const plugin::DriverSettings& settings) {
 Result<const PhantomModel*> chosen_model(const bus::BusDeviceInfo& info,
                                          const plugin::DriverSettings& settings) {
   std::string name = settings.model;
-  if (name.empty() && is_simulated(info)) name = info.address.text.substr(kSimScheme.size());
+  if (name.empty()) name = bus::simulated_model(info.address.text);
   if (const PhantomModel* model = find_model(name)) return model;
   std::string known;
   for (const PhantomModel& model : kPhantomModels) {

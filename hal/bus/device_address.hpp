@@ -2,6 +2,7 @@
 
 #include <compare>
 #include <string>
+#include <string_view>
 
 namespace thimble::bus {
 
@@ -12,5 +13,15 @@ struct DeviceAddress {
   std::string text;
   auto operator<=>(const DeviceAddress&) const = default;
 };
+
+// The scheme of models on buses in virtual time; what follows it is the model's name.
+inline constexpr std::string_view kSimScheme = "sim:";
+[[nodiscard]] constexpr bool is_simulated(std::string_view address) noexcept {
+  return address.starts_with(kSimScheme);
+}
+// Empty for other addresses.
+[[nodiscard]] constexpr std::string_view simulated_model(std::string_view address) noexcept {
+  return is_simulated(address) ? address.substr(kSimScheme.size()) : std::string_view{};
+}
 
 }  // namespace thimble::bus

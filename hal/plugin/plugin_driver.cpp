@@ -10,8 +10,6 @@
 namespace thimble::plugin {
 namespace {
 
-constexpr std::string_view kSimScheme = "sim:";
-
 thimble_hid_info info_for(const bus::BusDeviceInfo& info) {
   thimble_hid_info out{};
   out.struct_bytes = sizeof(out);
@@ -40,13 +38,9 @@ tl::unexpected<Error> refusal(const thimble_reason& reason) {
               text.empty() ? "the plugin refuses it and does not say why" : text);
 }
 
-bool is_simulated(const bus::BusDeviceInfo& info) {
-  return info.address.text.starts_with(kSimScheme);
-}
-
 // When the daemon dies with the plugin that it runs, nothing but the arm itself ends the force.
 Result<HapticCapabilities> stoppable_on(const bus::BusDeviceInfo& info, HapticCapabilities arm) {
-  if (arm.device_watchdog > Duration::zero() || is_simulated(info)) return arm;
+  if (arm.device_watchdog > Duration::zero() || bus::is_simulated(info.address.text)) return arm;
   return fail(Errc::Unsupported,
               "has an arm without a watchdog: it would keep its last force when the daemon ends");
 }
@@ -70,7 +64,7 @@ class PluginDriver final : public Driver {
     const std::int32_t status = driver_->match(&hid, &said, &reason);
     if (status == THIMBLE_NOT_MINE) return fail(Errc::NotMine, "not a device of this plugin");
     if (status != THIMBLE_OK) return refusal(reason);
-    if (!settings.is_named_by_person && !is_simulated(info)) {
+    if (!settings.is_named_by_person && !bus::is_simulated(info.address.text)) {
       return fail(Errc::Permission,
                   "a plugin's device must be named by the configuration: set "
                   "the arm's device to \"" +

@@ -33,7 +33,7 @@ class PluginModel final : public SimHidModel, public ArmBackend {
 
   [[nodiscard]] bus::BusDeviceInfo describe() const override {
     bus::BusDeviceInfo info;
-    info.address = {"sim:" + text_of(model_->name)};
+    info.address = {std::string(bus::kSimScheme) + text_of(model_->name)};
     info.kind = bus::BusKind::Hid;
     info.vendor_id = facts_.info.vendor_id;
     info.product_id = facts_.info.product_id;
