@@ -24,8 +24,7 @@ Result<GuardSession> GuardSession::accept(int socket, int timeout_ms) {
 GuardSession::GuardSession(int socket, Received received, SharedPage page) noexcept
     : socket_(socket),
       page_(std::move(page)),
-      writer_(received.handover, std::move(received.node)),
-      told_before_(page_.heartbeat().interventions.load(std::memory_order_relaxed)) {}
+      writer_(received.handover, std::move(received.node)) {}
 
 // Nothing is ever said after the handover: whatever can be read is the end, or no daemon of ours.
 bool GuardSession::has_ended() noexcept {
@@ -42,10 +41,9 @@ bool GuardSession::step(MonotonicTime now) noexcept {
   const std::uint32_t before = watch_.interventions();
   const bool must_write =
       is_ended_ ? watch_.look_alone(now, is_driven) : watch_.look(now, beats, is_driven);
-  // Told before it is done: a servo that wakes in between must not drive on.
-  if (watch_.interventions() != before) {
-    heart.interventions.store(told_before_ + watch_.interventions(), std::memory_order_release);
-  }
+  // Told before it is done: a servo that wakes in between must not drive on. Guards before this one
+  // have counted there, too.
+  heart.interventions.fetch_add(watch_.interventions() - before, std::memory_order_release);
   if (must_write) watch_.wrote(now, writer_.write());
   return !is_ended_ || must_write;
 }

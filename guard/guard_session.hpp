@@ -41,7 +41,6 @@ class GuardSession {
   SharedPage page_;
   ZeroWriter writer_;
   Watch watch_{WatchSettings{}};
-  std::uint32_t told_before_;  // interventions of the guards before this one
   bool is_ended_{false};
 };
 
