@@ -3,32 +3,22 @@
 #include <chrono>
 #include <cmath>
 
-#include "tests/campaign/invariant.hpp"
+#include "tests/campaign/at_the_arm.hpp"
 
 namespace thimble::campaign {
 namespace {
 
 using std::chrono::milliseconds;
 
-// A current travels in milliampere.
-constexpr double kQuantum_a = 0.001;
 constexpr double kQuantum_newton = 0.02;
 // The motors show a force in another pose than the one it was worked out for: a hand's own motion,
 // and what a tip that is shoved goes on its way over the lever of the force. 0.1 m is less than
 // the reach of any of the arms in the middle of its work space.
 constexpr double kPoseShare = 0.03;
 constexpr double kLever_m = 0.1;
-// From the servo's write to the motors: two frames of the bus and a PWM period.
-constexpr Duration kReach = milliseconds(4);
 constexpr Duration kRiseWindow = milliseconds(20);
-// An arm that heard nothing for longer shows a force of long ago in the pose of today; so does one
-// whose reports are late.
-constexpr Duration kFresh = milliseconds(6);
 // A pose that was read wrong is forgotten after so long: the hold of the freshness rules.
 constexpr Duration kDoubt = milliseconds(50);
-// Who lets an arm find its reference away from home, shoved or not, has it calculate in a pose that
-// it is not in; nothing can tell from the counts. Ten times what a hand at rest sags.
-constexpr double kHomeReach_m = 0.002;
 
 // What reaches the arm and what its motors then do: current of each motor at the wire and in the
 // windings, norm and rise of the force. Bytes that were changed after they left the servo are
@@ -43,13 +33,13 @@ class ArmForce final : public Invariant {
     findings.require("everything at the arm is finite",
                      is_finite(now.truth.motor_force) && is_finite(now.truth.tip));
     note_spoilt(now);
-    note_reference(now);
+    reference_.see(now);
     const double newton = norm(now.truth.motor_force);
     const double speed_m_per_s = norm(now.truth.tip_velocity);
     if (!is_spoilt_) see_currents(now, findings);
     // Out there the same current is another force a millimetre on; the currents keep their bounds.
     if (norm(now.truth.tip - Position3{}) > workspace_radius_m_) doubted_at_ = frame.now;
-    const bool is_pose_known = frame.now - doubted_at_ > kDoubt && is_reference_true_;
+    const bool is_pose_known = frame.now - doubted_at_ > kDoubt && reference_.is_true();
     const bool is_late = now.late_out_at == frame.now;
     if (is_late || frame.now - now.wire.last_report > kFresh) deaf_at_ = frame.now;
     const bool is_heard = frame.now - deaf_at_ > kReach;
@@ -84,14 +74,6 @@ class ArmForce final : public Invariant {
     if (is_spoilt_ && t - right_since_ > kReach) is_spoilt_ = false;
   }
 
-  void note_reference(const Observation& now) noexcept {
-    const CalibrationState calibration = now.servo.frame.calibration;
-    if (calibration == CalibrationState::Ok && calibration_ != CalibrationState::Ok) {
-      is_reference_true_ = norm(now.servo.frame.tip - now.truth.tip) < kHomeReach_m;
-    }
-    calibration_ = calibration;
-  }
-
   void see_currents(const Observation& now, Findings& findings) const {
     for (std::size_t motor = 0; motor < 3; ++motor) {
       const double peak_a = limits_.peak_current_a[motor] + kQuantum_a;
@@ -118,8 +100,7 @@ class ArmForce final : public Invariant {
   std::uint64_t spoilt_out_{0};
   std::uint64_t right_again_at_report_{0};
   bool is_spoilt_{false};
-  bool is_reference_true_{true};
-  CalibrationState calibration_{CalibrationState::Unknown};
+  ReferenceWatch reference_;
   MonotonicTime spoilt_at_{Duration::min() / 2};
   MonotonicTime right_since_{Duration::min() / 2};
   MonotonicTime doubted_at_{Duration::min() / 2};

@@ -1,25 +1,16 @@
 #include <chrono>
 #include <cmath>
 
-#include "tests/campaign/invariant.hpp"
+#include "tests/campaign/at_the_arm.hpp"
 
 namespace thimble::campaign {
 namespace {
 
 using std::chrono::milliseconds;
 
-// A current travels in milliampere.
-constexpr double kQuantum_a = 0.001;
-// From the servo's write to the motors: two frames of the bus and a PWM period; a report is that
-// old at most where the arm hears.
-constexpr Duration kReach = milliseconds(4);
-constexpr Duration kFresh = milliseconds(6);
 // Counts, their age and the velocity filter hide so much of a speed, and for so long.
 constexpr double kSpeedShare = 1.25;
 constexpr Duration kSpeedSeen = milliseconds(20);
-// Who lets an arm find its reference away from home has the servo reckon in a pose that it is not
-// in. Ten times what a hand at rest sags.
-constexpr double kHomeReach_m = 0.002;
 
 // What the servo says of itself, held against what the arm does: motors of which it asks nothing
 // are dead, whatever the reason, and a tip that truly runs away is not driven.
@@ -37,7 +28,7 @@ class ArmTruth final : public Invariant {
                          kQuantum_a);
       }
     }
-    if (frame.state != OperatingState::Active || !is_reference_true_) return;
+    if (frame.state != OperatingState::Active || !reference_.is_true()) return;
     findings.at_most("driven though its tip runs away for, s", seconds(frame.now - slow_at_),
                      seconds(kSpeedSeen + 2 * tick_));
   }
@@ -54,10 +45,7 @@ class ArmTruth final : public Invariant {
     const bool is_blind = frame.now < now.cable_ok_since + kSpeedSeen || frame.dt > 2 * tick_;
     const bool is_slow = norm(now.truth.tip_velocity) < fast_m_per_s_;
     if (is_blind || is_slow || frame.state != OperatingState::Active) slow_at_ = frame.now;
-    if (frame.calibration == CalibrationState::Ok && calibration_ != CalibrationState::Ok) {
-      is_reference_true_ = norm(frame.tip - now.truth.tip) < kHomeReach_m;
-    }
-    calibration_ = frame.calibration;
+    reference_.see(now);
   }
 
   Duration tick_;
@@ -66,8 +54,7 @@ class ArmTruth final : public Invariant {
   MonotonicTime unheard_at_{};
   MonotonicTime slow_at_{};
   std::uint64_t spoilt_out_{0};
-  bool is_reference_true_{true};
-  CalibrationState calibration_{CalibrationState::Unknown};
+  ReferenceWatch reference_;
 };
 
 }  // namespace
