@@ -1,6 +1,5 @@
 #include "sim/export/device_verbs.hpp"
 
-#include <algorithm>
 #include <boost/json.hpp>
 #include <utility>
 
@@ -13,6 +12,11 @@ std::string line_of(const json::object& reply) { return json::serialize(reply) +
 
 std::string refused(const Error& error) {
   return line_of({{"ok", false}, {"error", error.message}});
+}
+
+// In one piece.
+DeviceVerbs::Reply whole(std::string text) {
+  return [text = std::move(text)]() mutable { return std::exchange(text, {}); };
 }
 
 template <class Three>
@@ -43,13 +47,13 @@ DeviceVerbs::DeviceVerbs(bus::BusDeviceInfo info, Plug& plug, const Faces& faces
   if (faces_.arm != nullptr) hand_.emplace(*faces_.arm);
 }
 
-std::string DeviceVerbs::execute(std::string_view line) {
+DeviceVerbs::Reply DeviceVerbs::execute(std::string_view line) {
   const Result<Verb> verb = parse_verb(line);
-  if (!verb) return refused(verb.error());
-  if (verb->kind == VerbKind::Status) return status();
+  if (!verb) return whole(refused(verb.error()));
+  if (verb->kind == VerbKind::Status) return whole(status());
   if (verb->kind == VerbKind::Log) return log_of_last(from_seconds(verb->numbers[0]));
   const Result<void> done = apply(*verb);
-  return done ? line_of({{"ok", true}}) : refused(done.error());
+  return whole(done ? line_of({{"ok", true}}) : refused(done.error()));
 }
 
 Result<void> DeviceVerbs::apply(const Verb& verb) {
@@ -128,10 +132,13 @@ std::string DeviceVerbs::status() const {
   return line_of(reply);
 }
 
-std::string DeviceVerbs::log_of_last(Duration duration) const {
-  std::string lines = around_.log->lines_since(around_.clock->now() - duration);
-  const auto entries = std::count(lines.begin(), lines.end(), '\n');
-  return lines + line_of({{"ok", true}, {"entries", entries}});
+DeviceVerbs::Reply DeviceVerbs::log_of_last(Duration duration) const {
+  const ModelLog& log = *around_.log;
+  return [&log, cursor = log.since(around_.clock->now() - duration), is_over = false]() mutable {
+    std::string piece = log.lines(cursor, kLogLinesOfAPiece);
+    if (!piece.empty() || std::exchange(is_over, true)) return piece;
+    return line_of({{"ok", true}, {"entries", cursor.told}});
+  };
 }
 
 }  // namespace thimble::sim

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -26,16 +27,20 @@ class DeviceVerbs {
   DeviceVerbs(bus::BusDeviceInfo info, Plug& plug, const Faces& faces,
               const PlugSurroundings& surroundings);
 
-  // One line of a verb, any bytes. Returns lines, the last of which is {"ok":true,…} or
-  // {"ok":false,"error":"…"}; only `log` has others before it.
-  [[nodiscard]] std::string execute(std::string_view line);
+  // One line of a verb, any bytes. The reply comes in pieces, so that a long one does not hold up
+  // the device: each call gives the next one, an empty one is the end. It is lines, the last of
+  // which is {"ok":true,…} or {"ok":false,"error":"…"}; only `log` has others before it. This must
+  // outlive the reply.
+  using Reply = std::function<std::string()>;
+  [[nodiscard]] Reply execute(std::string_view line);
+  static constexpr std::size_t kLogLinesOfAPiece = 32;
 
  private:
   [[nodiscard]] Result<void> apply(const Verb& verb);
   [[nodiscard]] Result<void> apply_to_arm(const Verb& verb);
   [[nodiscard]] Result<void> press(const Verb& verb);
   [[nodiscard]] std::string status() const;
-  [[nodiscard]] std::string log_of_last(Duration duration) const;
+  [[nodiscard]] Reply log_of_last(Duration duration) const;
 
   bus::BusDeviceInfo info_;
   Plug* plug_;

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
+#include <charconv>
+#include <cmath>
 #include <string_view>
 
 namespace thimble::sim {
@@ -10,13 +11,36 @@ namespace {
 
 constexpr std::array<std::string_view, 3> kDirections{"out", "in", "request"};
 
-// Enough digits for 0.1 um, 0.1 mN and 0.1 us.
+// Seven digits behind the point: 0.1 um, 0.1 mN, 0.1 us. By whole numbers, which cost a tenth of
+// what printf takes: the log is told between the frames of a device that must not be late. JSON
+// knows no NaN; what is beyond all sense is cut.
+void append_number(std::string& text, double value) {
+  constexpr std::int64_t kScale = 10'000'000;
+  constexpr double kMost = 1e9;
+  if (!std::isfinite(value)) {
+    text += "null";
+    return;
+  }
+  const double cut = std::clamp(value, -kMost, kMost);
+  const auto scaled = static_cast<std::int64_t>(std::llround(cut * static_cast<double>(kScale)));
+  const std::int64_t size = scaled < 0 ? -scaled : scaled;
+  std::array<char, 32> digits{};
+  const auto whole = std::to_chars(digits.data(), digits.data() + digits.size(), size / kScale);
+  // A one in front keeps the zeros behind the point.
+  const auto end = std::to_chars(whole.ptr, digits.data() + digits.size(), kScale + size % kScale);
+  *whole.ptr = '.';
+  if (scaled < 0) text += '-';
+  text.append(digits.data(), end.ptr);
+}
+
 template <class Three>
-void append_triple(std::string& text, const char* name, const Three& value) {
-  std::array<char, 128> buffer{};
-  const int size = std::snprintf(buffer.data(), buffer.size(), R"(,"%s":[%.7f,%.7f,%.7f])", name,
-                                 value[0], value[1], value[2]);
-  text.append(buffer.data(), static_cast<std::size_t>(std::max(size, 0)));
+void append_triple(std::string& text, std::string_view name, const Three& value) {
+  text += name;
+  for (std::size_t i = 0; i < 3; ++i) {
+    text += i == 0 ? '[' : ',';
+    append_number(text, value[i]);
+  }
+  text += ']';
 }
 
 void append_hex(std::string& text, std::span<const std::uint8_t> bytes) {
@@ -50,26 +74,40 @@ void ModelLog::note_bytes(const LogTime& time, Direction direction,
   std::copy_n(bytes.begin(), entry.size, entry.bytes.begin());
 }
 
-std::string ModelLog::lines_since(MonotonicTime from) const {
+std::uint64_t ModelLog::oldest() const noexcept {
+  return noted_ - std::min<std::uint64_t>(noted_, entries_.size());
+}
+
+const ModelLog::Entry& ModelLog::at(std::uint64_t number) const noexcept {
+  return entries_[static_cast<std::size_t>(number % entries_.size())];
+}
+
+ModelLog::Cursor ModelLog::since(MonotonicTime from) const noexcept {
+  std::uint64_t first = noted_;
+  while (first > oldest() && at(first - 1).time.model >= from) --first;
+  return {first, noted_};
+}
+
+std::string ModelLog::lines(Cursor& cursor, std::size_t most) const {
   std::string lines;
-  const std::uint64_t kept = std::min<std::uint64_t>(noted_, entries_.size());
-  for (std::uint64_t i = noted_ - kept; i < noted_; ++i) {
-    const Entry& entry = entries_[static_cast<std::size_t>(i % entries_.size())];
-    if (entry.time.model >= from) append_line(lines, entry);
+  cursor.next = std::max(cursor.next, oldest());
+  for (; most > 0 && cursor.next < cursor.end; --most) {
+    append_line(lines, at(cursor.next));
+    ++cursor.next;
+    ++cursor.told;
   }
   return lines;
 }
 
 void ModelLog::append_line(std::string& lines, const Entry& entry) {
-  std::array<char, 96> buffer{};
-  const int size =
-      std::snprintf(buffer.data(), buffer.size(), R"({"t_s":%.7f,"machine_s":%.7f)",
-                    seconds(entry.time.model.since_epoch), seconds(entry.time.machine.since_epoch));
-  lines.append(buffer.data(), static_cast<std::size_t>(std::max(size, 0)));
+  lines += R"({"t_s":)";
+  append_number(lines, seconds(entry.time.model.since_epoch));
+  lines += R"(,"machine_s":)";
+  append_number(lines, seconds(entry.time.machine.since_epoch));
   if (entry.is_sample) {
-    append_triple(lines, "tip_m", entry.truth.tip);
-    append_triple(lines, "force_newton", entry.truth.motor_force);
-    append_triple(lines, "current_a", entry.truth.motor_current_a);
+    append_triple(lines, R"(,"tip_m":)", entry.truth.tip);
+    append_triple(lines, R"(,"force_newton":)", entry.truth.motor_force);
+    append_triple(lines, R"(,"current_a":)", entry.truth.motor_current_a);
     lines += entry.truth.is_amplifier_on ? R"(,"amplifier_on":true})" : R"(,"amplifier_on":false})";
   } else {
     lines += R"(,")";

@@ -40,11 +40,19 @@ class ModelLog {
   void note_bytes(const LogTime& time, Direction direction,
                   std::span<const std::uint8_t> bytes) noexcept;
 
-  // One JSON object a line for everything since `from`, of the model's time, oldest first:
+  // A way through what was noted since `from`, of the model's time, until now; what is overwritten
+  // meanwhile is left out.
+  struct Cursor {
+    std::uint64_t next{0};
+    std::uint64_t end{0};
+    std::uint64_t told{0};
+  };
+  [[nodiscard]] Cursor since(MonotonicTime from) const noexcept;
+  // Up to `most` entries, one JSON object a line, oldest first; empty when there are no more:
   //   {"t_s":1.5,"machine_s":90.1,"tip_m":[x,y,z],"force_newton":[x,y,z],"current_a":[a,b,c],"amplifier_on":true}
   //   {"t_s":1.5,"machine_s":90.1,"out":"HEX"}     ("in", "request" for the other directions)
   // Base frame of the arm; force_newton is what the motors exert at the tip.
-  [[nodiscard]] std::string lines_since(MonotonicTime from) const;
+  [[nodiscard]] std::string lines(Cursor& cursor, std::size_t most) const;
 
  private:
   struct Entry {
@@ -56,6 +64,8 @@ class ModelLog {
     plugin::ArmTruth truth{};
   };
   [[nodiscard]] Entry& next() noexcept;
+  [[nodiscard]] const Entry& at(std::uint64_t number) const noexcept;
+  [[nodiscard]] std::uint64_t oldest() const noexcept;
   static void append_line(std::string& lines, const Entry& entry);
 
   std::vector<Entry> entries_;  // a ring

@@ -54,16 +54,23 @@ class VerbServer::Connection : public std::enable_shared_from_this<Connection> {
     if (shared_->answer == nullptr) return;  // the server is gone
     reply_ = shared_->answer(std::string_view(received_).substr(0, bytes - 1));
     received_.erase(0, bytes);
-    asio::async_write(socket_, asio::buffer(reply_),
+    write();
+  }
+  void write() {
+    if (shared_->answer == nullptr) return;
+    piece_ = reply_();
+    if (piece_.empty()) return read();
+    asio::async_write(socket_, asio::buffer(piece_),
                       [self = shared_from_this()](error_code error, std::size_t) {
-                        if (!error) self->read();
+                        if (!error) self->write();
                       });
   }
 
   Local::socket socket_;
   std::shared_ptr<Shared> shared_;
   std::string received_;
-  std::string reply_;
+  Reply reply_;
+  std::string piece_;
 };
 
 VerbServer::VerbServer(asio::io_context& io, std::string path, Answer answer)

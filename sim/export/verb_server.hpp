@@ -11,7 +11,9 @@
 
 namespace thimble::sim {
 
-// Answers lines on a Unix socket: each line is given to `answer`, what that returns goes back.
+// Answers lines on a Unix socket: each line is given to `answer`, and the pieces of the reply that
+// it returns go back, until an empty one. A piece is asked for when the last one has gone, in a
+// handler of its own, so whoever runs one handler at a time is never held up for long.
 //
 // One who sends more than kMaxVerbBytes without a line break, or more than kMostConnections at
 // once, are cut off; while somebody takes no replies, no more of his lines are read. Thread: that
@@ -20,7 +22,8 @@ namespace thimble::sim {
 class VerbServer {
  public:
   static constexpr std::size_t kMostConnections = 8;
-  using Answer = std::function<std::string(std::string_view line)>;
+  using Reply = std::function<std::string()>;
+  using Answer = std::function<Reply(std::string_view line)>;
 
   // Errors: Busy when somebody listens there, else System. A file that nobody listens at is
   // replaced.

@@ -85,7 +85,7 @@ class Simdev {
     RealTimeBrake brake(clock_, machine_);
     while (!is_over && !plug_->is_broken()) {
       brake.sleep_until(clock_.now() + step_);
-      io_.poll();
+      io_.poll_one();  // one piece of a reply, and the next frame is due
     }
     server_.reset();
   }

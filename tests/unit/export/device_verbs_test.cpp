@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <boost/json.hpp>
 #include <memory>
 #include <sstream>
@@ -36,8 +37,14 @@ class DeviceVerbsTest : public ::testing::Test {
  protected:
   DeviceVerbsTest() { EXPECT_TRUE(plug_.plug()); }
 
+  static std::string whole(const DeviceVerbs::Reply& reply) {
+    std::string text;
+    for (std::string piece = reply(); !piece.empty(); piece = reply()) text += piece;
+    EXPECT_TRUE(reply().empty());
+    return text;
+  }
   json::object say(std::string_view line) {
-    std::istringstream lines(sut_.execute(line));
+    std::istringstream lines(whole(sut_.execute(line)));
     std::string last;
     for (std::string one; std::getline(lines, one);) last = one;
     return json::parse(last).as_object();
@@ -124,6 +131,19 @@ TEST_F(DeviceVerbsTest, TellsTheLogWithItsEntriesCounted) {
   EXPECT_NEAR(end.at("entries").to_number<double>(), 100, 2);
 }
 
+TEST_F(DeviceVerbsTest, ALongLogComesInPieces) {
+  bench_.run_frames(500);
+  const DeviceVerbs::Reply reply = sut_.execute("log 0.4");
+  int pieces = 0;
+  for (std::string piece = reply(); !piece.empty(); piece = reply()) {
+    EXPECT_LE(static_cast<std::size_t>(std::count(piece.begin(), piece.end(), '\n')),
+              DeviceVerbs::kLogLinesOfAPiece);
+    ++pieces;
+    bench_.run_frames(1);
+  }
+  EXPECT_GT(pieces, 10);
+}
+
 TEST_F(DeviceVerbsTest, RefusesWithASentence) {
   const json::object refused = say("jump");
   EXPECT_FALSE(refused.at("ok").as_bool());
@@ -132,9 +152,9 @@ TEST_F(DeviceVerbsTest, RefusesWithASentence) {
 
 TEST_F(DeviceVerbsTest, WhatIsNoArmCannotBeHeld) {
   DeviceVerbs lines(arm_.describe(), plug_, {nullptr, &panel_}, bench_.surroundings());
-  EXPECT_NE(lines.execute("move 0 0 0").find("no arm"), std::string::npos);
-  EXPECT_NE(lines.execute("press 0").find("no button 0"), std::string::npos);
-  EXPECT_EQ(lines.execute("status").find("tip_m"), std::string::npos);
+  EXPECT_NE(whole(lines.execute("move 0 0 0")).find("no arm"), std::string::npos);
+  EXPECT_NE(whole(lines.execute("press 0")).find("no button 0"), std::string::npos);
+  EXPECT_EQ(whole(lines.execute("status")).find("tip_m"), std::string::npos);
 }
 
 }  // namespace

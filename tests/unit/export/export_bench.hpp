@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "sim/export/plug.hpp"
 #include "sim/time/virtual_clock.hpp"
 
@@ -13,6 +15,10 @@ struct ExportBench {
   Misbehaviour misbehaviour{1};
 
   [[nodiscard]] PlugSurroundings surroundings() { return {&clock, &machine, &log, &misbehaviour}; }
+  [[nodiscard]] std::string lines() const {
+    ModelLog::Cursor cursor = log.since({});
+    return log.lines(cursor, 1'000'000);
+  }
   void run_frames(int frames) {
     for (int i = 0; i < frames; ++i) clock.run_for(std::chrono::milliseconds(1));
   }

@@ -22,7 +22,11 @@ class VerbServerTest : public ::testing::Test {
   VerbServerTest() {
     auto server = VerbServer::listen(io_, path_, [this](std::string_view line) {
       asked_.emplace_back(line);
-      return "to " + std::string(line) + "\n";
+      return [pieces = std::vector<std::string>{"\n", std::string(line), "to "}]() mutable {
+        const std::string piece = pieces.empty() ? "" : pieces.back();
+        if (!pieces.empty()) pieces.pop_back();
+        return piece;
+      };
     });
     EXPECT_TRUE(server);
     sut_ = *std::move(server);
