@@ -21,6 +21,10 @@ tl::expected<SimdevOptions, int> parse_simdev_options(int argc, const char* cons
       ->required()
       ->type_name("MODEL");
   cli.add_flag("--uhid", options.is_uhid, "through /dev/uhid, as a HID device (needs root)");
+  cli.add_option(
+         "--usbip", options.usbip_port,
+         "as a USB/IP server on this port of the loopback: usbip attach -r 127.0.0.1 -b 1-1")
+      ->type_name("PORT");
   cli.add_option("--socket", options.socket, "where verbs are taken: move, press, unplug, log …")
       ->type_name("FILE");
   cli.add_option("--serial", options.serial_number,

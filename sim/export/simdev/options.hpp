@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <tl/expected.hpp>
 
@@ -9,6 +10,7 @@ namespace thimble::sim {
 struct SimdevOptions {
   std::string model;  // "phantom-vintage"; "sim:" in front is taken off
   bool is_uhid{false};
+  std::optional<std::uint16_t> usbip_port;
   std::string socket;         // of the verbs; empty: none
   std::string serial_number;  // empty: as the model says
   double amplifier_max_a{0};  // 0: as the model says

@@ -15,7 +15,9 @@
 #include "hal/linux/system_error.hpp"
 #include "hal/plugin/sim_model.hpp"
 #include "sim/export/device_verbs.hpp"
+#include "sim/export/hid_on_usb.hpp"
 #include "sim/export/uhid_plug.hpp"
+#include "sim/export/usbip_plug.hpp"
 #include "sim/export/verb_server.hpp"
 #include "sim/model/arm/register_arm_models.hpp"
 #include "sim/model/falcon/register_falcon_model.hpp"
@@ -56,16 +58,12 @@ class Simdev {
     if (!options.serial_number.empty()) info_.serial_number = options.serial_number;
   }
 
-  Result<void> plug_in() {
+  Result<void> plug_in(const SimdevOptions& options) {
     auto* hid = std::get_if<std::unique_ptr<plugin::SimHidModel>>(&model_);
-    if (hid == nullptr)
-      return fail(Errc::InvalidArgument, info_.address.text + " is no HID device");
-    Result<linux::Descriptor> node = open_uhid();
-    if (!node) return tl::unexpected(node.error());
-    plug_ = std::make_unique<UhidPlug>(*std::move(node), **hid, info_, surroundings());
-    step_ = (*hid)->frame_period();
-    panel_ = (*hid)->panel();
-    return plug_->plug();
+    if (hid != nullptr) panel_ = (*hid)->panel();
+    if (options.usbip_port)
+      return offer_by_usbip(hid == nullptr ? nullptr : hid->get(), *options.usbip_port);
+    return offer_through_uhid(hid == nullptr ? nullptr : hid->get());
   }
   Result<void> take_verbs_at(const std::string& path) {
     verbs_ = std::make_unique<DeviceVerbs>(
@@ -92,6 +90,31 @@ class Simdev {
   [[nodiscard]] const bus::BusDeviceInfo& info() const noexcept { return info_; }
 
  private:
+  Result<void> offer_through_uhid(plugin::SimHidModel* hid) {
+    if (hid == nullptr) {
+      return fail(Errc::InvalidArgument, info_.address.text + " is no HID device");
+    }
+    Result<linux::Descriptor> node = open_uhid();
+    if (!node) return tl::unexpected(node.error());
+    plug_ = std::make_unique<UhidPlug>(*std::move(node), *hid, info_, surroundings());
+    step_ = hid->frame_period();
+    return plug_->plug();
+  }
+  Result<void> offer_by_usbip(plugin::SimHidModel* hid, std::uint16_t port) {
+    UsbPersona persona{info_, {}};
+    if (hid != nullptr) {
+      wrapped_ = std::make_unique<HidOnUsb>(*hid);
+      persona.info.endpoints = wrapped_->describe().endpoints;
+      persona.report_descriptor = hid->report_descriptor();
+    }
+    auto* usb = std::get_if<std::unique_ptr<plugin::SimUsbModel>>(&model_);
+    auto plug = UsbipPlug::listen(io_, port, usb == nullptr ? *wrapped_ : **usb, std::move(persona),
+                                  surroundings());
+    if (!plug) return tl::unexpected(plug.error());
+    step_ = (*plug)->round_period();
+    plug_ = *std::move(plug);
+    return plug_->plug();
+  }
   [[nodiscard]] PlugSurroundings surroundings() noexcept {
     return {&clock_, &machine_, &log_, &misbehaviour_};
   }
@@ -105,6 +128,7 @@ class Simdev {
   bus::BusDeviceInfo info_;
   plugin::ModelPanel* panel_{nullptr};
   Duration step_{};
+  std::unique_ptr<HidOnUsb> wrapped_;  // a HID device on USB/IP
   std::unique_ptr<Plug> plug_;
   std::unique_ptr<DeviceVerbs> verbs_;
   std::unique_ptr<VerbServer> server_;
@@ -113,11 +137,13 @@ class Simdev {
 }  // namespace
 
 Result<void> run_simdev(const SimdevOptions& options) {
-  if (!options.is_uhid) return fail(Errc::InvalidArgument, "say how it is to be offered: --uhid");
+  if (options.is_uhid == options.usbip_port.has_value()) {
+    return fail(Errc::InvalidArgument, "say how it is to be offered: --uhid, or --usbip PORT");
+  }
   Result<plugin::SimModel> model = make_model(options);
   if (!model) return tl::unexpected(model.error());
   Simdev device(*std::move(model), options);
-  Result<void> done = device.plug_in();
+  Result<void> done = device.plug_in(options);
   if (done) done = device.take_verbs_at(options.socket);
   if (!done) return done;
   std::printf("thimble-simdev: %s is plugged in, serial number %s\n",

@@ -1,0 +1,161 @@
+#include "sim/export/usbip_plug.hpp"
+
+#include <algorithm>
+#include <array>
+#include <boost/asio/buffer.hpp>
+#include <iterator>
+#include <utility>
+
+#include "sim/bus/sim_usb_port.hpp"
+
+namespace thimble::sim {
+namespace {
+
+namespace asio = boost::asio;
+using boost::system::error_code;
+
+// Ours: what a connection may bring in one round.
+constexpr int kMostReadsOfARound = 4;
+
+bool is_for_later(const error_code& error) {
+  return error == asio::error::would_block || error == asio::error::try_again;
+}
+
+unsigned rounds_for(const UsbPersona& persona) {
+  const auto& endpoints = persona.info.endpoints;
+  const bool has_bulk = std::any_of(endpoints.begin(), endpoints.end(), [](const auto& endpoint) {
+    return endpoint.kind == bus::UsbTransferKind::Bulk;
+  });
+  return has_bulk ? kUsbRoundsPerFrame : 1;
+}
+
+void add(PlugCounters& sum, const PlugCounters& more) noexcept {
+  sum.to_host += more.to_host;
+  sum.from_host += more.from_host;
+  sum.superseded += more.superseded;
+  sum.lost += more.lost;
+  sum.requests += more.requests;
+  sum.malformed += more.malformed;
+}
+
+}  // namespace
+
+UsbipPlug::UsbipPlug(asio::io_context& io, plugin::SimUsbModel& model, UsbPersona persona,
+                     const PlugSurroundings& surroundings)
+    : model_(&model),
+      persona_(std::move(persona)),
+      around_(surroundings),
+      rounds_per_frame_(rounds_for(persona_)),
+      io_(&io),
+      acceptor_(io) {
+  around_.clock->events().schedule_at(*this, around_.clock->now() + round_period());
+}
+
+Result<std::unique_ptr<UsbipPlug>> UsbipPlug::listen(asio::io_context& io, std::uint16_t port,
+                                                     plugin::SimUsbModel& model, UsbPersona persona,
+                                                     const PlugSurroundings& surroundings) {
+  std::unique_ptr<UsbipPlug> plug(new UsbipPlug(io, model, std::move(persona), surroundings));
+  error_code error;
+  Tcp::acceptor& acceptor = plug->acceptor_;
+  acceptor.open(Tcp::v4(), error);
+  if (!error) acceptor.set_option(Tcp::acceptor::reuse_address(true), error);
+  if (!error) acceptor.bind({asio::ip::address_v4::loopback(), port}, error);
+  if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
+  if (!error) acceptor.non_blocking(true, error);
+  if (error) {
+    const bool is_taken = error == asio::error::address_in_use;
+    return fail(is_taken ? Errc::Busy : Errc::System,
+                "port " + std::to_string(port) + ": " + error.message());
+  }
+  return plug;
+}
+
+std::uint16_t UsbipPlug::port() const { return acceptor_.local_endpoint().port(); }
+
+Duration UsbipPlug::round_period() const noexcept { return kUsbFrame / rounds_per_frame_; }
+
+Result<void> UsbipPlug::plug() {
+  if (is_plugged_) return fail(Errc::Busy, "it is plugged in already");
+  model_->power_cycle();
+  is_plugged_ = true;
+  return {};
+}
+
+Result<void> UsbipPlug::unplug() {
+  if (!is_plugged_) return fail(Errc::NotFound, "it is not plugged in");
+  while (!connections_.empty()) drop(connections_.begin());
+  model_->power_cycle();
+  is_plugged_ = false;
+  return {};
+}
+
+bool UsbipPlug::is_open() const noexcept {
+  return std::any_of(connections_.begin(), connections_.end(),
+                     [](const Connection& connection) { return connection.session.is_attached(); });
+}
+
+PlugCounters UsbipPlug::counters() const noexcept {
+  PlugCounters sum = closed_;
+  for (const Connection& connection : connections_) add(sum, connection.session.counters());
+  return sum;
+}
+
+void UsbipPlug::fire(MonotonicTime now) noexcept {
+  ++round_;
+  model_->advance(now);
+  accept();
+  for (auto connection = connections_.begin(); connection != connections_.end();) {
+    const auto next = std::next(connection);
+    connection->session.set_available(is_plugged_ && !is_open());
+    const bool is_up = receive(*connection);
+    if (connection->session.is_attached()) connection->session.serve(now);
+    if (!send(*connection) || !is_up) drop(connection);
+    connection = next;
+  }
+  plugin::ArmBackend* arm = model_->arm_backend();
+  if (arm != nullptr && round_ % rounds_per_frame_ == 0) {
+    around_.log->note_sample(around_.time(now), arm->truth());
+  }
+  around_.clock->events().schedule_at(*this, now + round_period());
+}
+
+void UsbipPlug::accept() {
+  error_code error;
+  Tcp::socket socket = acceptor_.accept(*io_, error);
+  if (error || connections_.size() >= kMostConnections) return;
+  socket.non_blocking(true, error);
+  if (!error) socket.set_option(Tcp::no_delay(true), error);
+  if (error) return;
+  connections_.push_back(
+      {std::move(socket), UsbipSession(*model_, persona_, rounds_per_frame_, around_)});
+}
+
+bool UsbipPlug::receive(Connection& connection) {
+  std::array<std::uint8_t, 16384> buffer;
+  for (int i = 0; i < kMostReadsOfARound; ++i) {
+    error_code error;
+    const std::size_t size = connection.socket.read_some(asio::buffer(buffer), error);
+    if (error) return is_for_later(error);
+    if (!connection.session.take(std::span(buffer).first(size))) return false;
+  }
+  return true;
+}
+
+bool UsbipPlug::send(Connection& connection) {
+  std::vector<std::uint8_t>& outbox = connection.session.outbox();
+  while (connection.sent < outbox.size()) {
+    error_code error;
+    connection.sent += connection.socket.write_some(asio::buffer(outbox) + connection.sent, error);
+    if (error) return is_for_later(error);
+  }
+  outbox.clear();
+  connection.sent = 0;
+  return true;
+}
+
+void UsbipPlug::drop(std::list<Connection>::iterator connection) {
+  add(closed_, connection->session.counters());
+  connections_.erase(connection);
+}
+
+}  // namespace thimble::sim

@@ -1,0 +1,96 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <list>
+#include <span>
+#include <vector>
+
+#include "hal/plugin/sim_usb_model.hpp"
+#include "sim/export/plug.hpp"
+#include "sim/export/usb_descriptors.hpp"
+#include "sim/export/usbip_wire.hpp"
+
+namespace thimble::sim {
+
+// One connection of a host that speaks USB/IP to one simulated device: the bytes of both sides, and
+// the bus between them. It knows no socket: what came is given to take(), what is to go is in
+// outbox().
+//
+// Every transfer waits for a round of the bus (serve()), in order for each endpoint, and is
+// answered there: as it is taken or given by the model, with -EPIPE for a STALL, -EOVERFLOW for
+// babble, -EREMOTEIO for less than the host insisted on; NAK leaves it waiting. A transfer that is
+// unlinked is answered by that alone, with -ECONNRESET; one that had ended before with 0: each
+// unlink has one answer.
+//
+// Bounded: a transfer has at most kMaxTransferBytes, and kMaxTransfers wait; who asks for more, or
+// says what is no message, has to be cut off, and so has one that does not take its answers
+// (kMaxOutboxBytes). Thread: one. RT: no. Ownership: model, log and misbehaviour must outlive it.
+// Errors: take() says so.
+class UsbipSession {
+ public:
+  static constexpr std::size_t kMaxTransferBytes = 65536;
+  static constexpr std::size_t kMaxTransfers = 256;
+  static constexpr std::size_t kMaxOutboxBytes = 4U << 20U;
+  static constexpr const char* kBusId = "1-1";
+
+  // Full speed has 1500 bytes in a frame of 1 ms: they are divided among its rounds.
+  UsbipSession(plugin::SimUsbModel& model, const UsbPersona& persona, unsigned rounds_per_frame,
+               const PlugSurroundings& surroundings);
+
+  // Whether a host may attach the device now, and sees it listed; it may not at first.
+  void set_available(bool is_available) noexcept { is_available_ = is_available; }
+  // False: the connection has to end.
+  [[nodiscard]] bool take(std::span<const std::uint8_t> bytes);
+  void serve(MonotonicTime now);
+  [[nodiscard]] std::vector<std::uint8_t>& outbox() noexcept { return outbox_; }
+
+  [[nodiscard]] bool is_attached() const noexcept { return is_attached_; }
+  [[nodiscard]] std::size_t waiting() const noexcept { return transfers_.size(); }
+  [[nodiscard]] const PlugCounters& counters() const noexcept { return counters_; }
+
+ private:
+  struct Transfer {
+    usbip::Submit submit;
+    std::vector<std::uint8_t> data;  // that goes out
+    std::vector<std::uint8_t> in;    // that came
+    std::size_t done{0};             // of data
+  };
+  // What a look at a transfer led to.
+  enum class Progress : std::uint8_t { Waits, Ended };
+
+  [[nodiscard]] std::size_t message_bytes() const;  // of the first one in inbox_; 0: unknown yet
+  [[nodiscard]] bool take_message(std::span<const std::uint8_t> message);
+  [[nodiscard]] bool take_op(std::span<const std::uint8_t> message);
+  [[nodiscard]] bool take_submit(const usbip::Submit& submit, std::span<const std::uint8_t> data);
+  void take_unlink(const usbip::Unlink& unlink);
+  [[nodiscard]] usbip::DeviceRecord record() const;
+
+  void serve_kind(bus::UsbTransferKind kind, MonotonicTime now);
+  [[nodiscard]] const bus::UsbEndpointInfo* endpoint_of(const Transfer& transfer) const noexcept;
+  [[nodiscard]] bool is_due(const bus::UsbEndpointInfo& endpoint) const noexcept;
+  Progress control(Transfer& transfer, MonotonicTime now);
+  Progress class_request(Transfer& transfer, const bus::UsbControlRequest& request,
+                         MonotonicTime now);
+  Progress send(Transfer& transfer, const bus::UsbEndpointInfo& endpoint, MonotonicTime now);
+  Progress fetch(Transfer& transfer, const bus::UsbEndpointInfo& endpoint, MonotonicTime now);
+  Progress end(const Transfer& transfer, std::int32_t status);
+  bool take_budget(std::size_t bytes) noexcept;
+
+  plugin::SimUsbModel* model_;
+  const UsbPersona* persona_;
+  PlugSurroundings around_;
+  unsigned rounds_per_frame_;
+  std::uint64_t round_{0};
+  std::size_t bytes_left_{0};
+  bool is_available_{false};
+  bool is_attached_{false};
+  std::uint8_t configuration_{0};
+  std::vector<std::uint8_t> inbox_;
+  std::vector<std::uint8_t> outbox_;
+  std::list<Transfer> transfers_;  // as they came
+  PlugCounters counters_{};
+};
+
+}  // namespace thimble::sim

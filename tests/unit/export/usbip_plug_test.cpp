@@ -1,0 +1,159 @@
+#include "sim/export/usbip_plug.hpp"
+
+#include <gtest/gtest.h>
+
+#include <boost/asio/write.hpp>
+#include <memory>
+
+#include "sim/export/hid_on_usb.hpp"
+#include "tests/support/scripted_hid_model.hpp"
+#include "tests/support/scripted_usb_model.hpp"
+#include "tests/unit/export/export_bench.hpp"
+#include "tests/unit/export/usbip_host.hpp"
+
+namespace thimble::sim {
+namespace {
+
+using Bytes = UsbipHost::Bytes;
+using Tcp = boost::asio::ip::tcp;
+
+// Over a real socket of the loopback, between whose two ends virtual time runs by hand.
+class UsbipPlugTest : public ::testing::Test {
+ protected:
+  UsbipPlugTest() : sut_(make(model_, {model_.describe(), {}})) { EXPECT_TRUE(sut_->plug()); }
+
+  std::unique_ptr<UsbipPlug> make(plugin::SimUsbModel& model, UsbPersona persona) {
+    auto plug = UsbipPlug::listen(io_, 0, model, std::move(persona), bench_.surroundings());
+    EXPECT_TRUE(plug);
+    return *std::move(plug);
+  }
+  Tcp::socket connect(UsbipPlug& plug) {
+    Tcp::socket socket(io_);
+    socket.connect({boost::asio::ip::address_v4::loopback(), plug.port()});
+    socket.non_blocking(true);
+    return socket;
+  }
+  // Says it, and runs frames until so many bytes came back, or the other side hangs up.
+  Bytes ask(Tcp::socket& socket, const Bytes& bytes, std::size_t wanted) {
+    boost::system::error_code error;
+    if (!bytes.empty()) boost::asio::write(socket, boost::asio::buffer(bytes), error);
+    Bytes answer;
+    for (int frame = 0; frame < 200 && answer.size() < wanted; ++frame) {
+      bench_.run_frames(1);
+      Bytes piece(65536);
+      piece.resize(socket.read_some(boost::asio::buffer(piece), error));
+      answer.insert(answer.end(), piece.begin(), piece.end());
+      is_hung_up_ = error && error != boost::asio::error::would_block;
+      if (is_hung_up_) break;
+    }
+    return answer;
+  }
+
+  ExportBench bench_;
+  boost::asio::io_context io_;
+  std::shared_ptr<test::UsbModelScript> script_ = std::make_shared<test::UsbModelScript>();
+  test::ScriptedUsbModel model_{script_};
+  std::unique_ptr<UsbipPlug> sut_;
+  UsbipHost host_;
+  bool is_hung_up_{false};
+};
+
+TEST_F(UsbipPlugTest, ServesAHostThatAttaches) {
+  Tcp::socket host = connect(*sut_);
+  EXPECT_EQ(ask(host, UsbipHost::import(), 320).size(), 320U);
+  EXPECT_TRUE(sut_->is_open());
+  script_->to_send[test::ScriptedUsbModel::kBulkIn] = {{1, 2, 3}};
+  Bytes answer = ask(host, host_.read(test::ScriptedUsbModel::kBulkIn, 64), 51);
+  EXPECT_EQ(UsbipHost::take_reply(answer, true)->data, (Bytes{1, 2, 3}));
+  EXPECT_EQ(sut_->counters().to_host, 1U);
+}
+
+TEST_F(UsbipPlugTest, IsAttachedToOneHostAtATime) {
+  Tcp::socket host = connect(*sut_);
+  EXPECT_EQ(ask(host, UsbipHost::import(), 320).size(), 320U);
+  Tcp::socket other = connect(*sut_);
+  EXPECT_EQ(ask(other, UsbipHost::import(), 8), (Bytes{1, 0x11, 0, 3, 0, 0, 0, 1}));
+  host.close();
+  bench_.run_frames(5);
+  EXPECT_FALSE(sut_->is_open());
+  EXPECT_EQ(ask(other, UsbipHost::import(), 320).size(), 320U);
+}
+
+TEST_F(UsbipPlugTest, UnpluggedItHangsUpAndOffersNothing) {
+  Tcp::socket host = connect(*sut_);
+  ask(host, UsbipHost::import(), 320);
+  const int before = script_->power_cycles;
+  ASSERT_TRUE(sut_->unplug());
+  EXPECT_EQ(script_->power_cycles, before + 1);
+  ask(host, {}, 1);
+  EXPECT_TRUE(is_hung_up_);
+  Tcp::socket again = connect(*sut_);
+  EXPECT_EQ(ask(again, UsbipHost::import(), 8).size(), 8U);
+  EXPECT_EQ(ask(again, UsbipHost::devlist(), 12).size(), 12U);
+  ASSERT_TRUE(sut_->plug());
+  EXPECT_EQ(ask(again, UsbipHost::import(), 320).size(), 320U);
+  EXPECT_EQ(sut_->plug().error().code, Errc::Busy);
+}
+
+TEST_F(UsbipPlugTest, HangsUpOnWhoSaysNonsense) {
+  Tcp::socket host = connect(*sut_);
+  ask(host, Bytes(64, 0xEE), 1);
+  EXPECT_TRUE(is_hung_up_);
+  EXPECT_EQ(sut_->counters().malformed, 1U);
+}
+
+TEST_F(UsbipPlugTest, RefusesAPortThatIsTaken) {
+  const auto other = UsbipPlug::listen(io_, sut_->port(), model_, {}, bench_.surroundings());
+  ASSERT_FALSE(other);
+  EXPECT_EQ(other.error().code, Errc::Busy);
+}
+
+TEST_F(UsbipPlugTest, HasRoundsOfEighthsOnlyWhereThereIsBulk) {
+  EXPECT_EQ(sut_->round_period(), std::chrono::microseconds(125));
+  UsbPersona persona{model_.describe(), {}};
+  std::erase_if(persona.info.endpoints,
+                [](const auto& e) { return e.kind != bus::UsbTransferKind::Interrupt; });
+  EXPECT_EQ(make(model_, persona)->round_period(), std::chrono::milliseconds(1));
+}
+
+class HidOnUsbTest : public UsbipPlugTest {
+ protected:
+  HidOnUsbTest() {
+    UsbPersona persona{wrapped_.describe(), hid_.report_descriptor()};
+    plug_ = make(wrapped_, persona);
+    EXPECT_TRUE(plug_->plug());
+    host_socket_.emplace(connect(*plug_));
+    ask(*host_socket_, UsbipHost::import(), 320);
+  }
+  UsbipHost::Reply transfer(const Bytes& message, bool has_data) {
+    Bytes answer = ask(*host_socket_, message, 48);
+    const auto reply = UsbipHost::take_reply(answer, has_data);
+    EXPECT_TRUE(reply);
+    return reply.value_or(UsbipHost::Reply{});
+  }
+
+  std::shared_ptr<test::HidModelScript> hid_script_ = std::make_shared<test::HidModelScript>();
+  test::ScriptedHidModel hid_{hid_script_};
+  HidOnUsb wrapped_{hid_};
+  std::unique_ptr<UsbipPlug> plug_;
+  std::optional<Tcp::socket> host_socket_;
+};
+
+TEST_F(HidOnUsbTest, CarriesReportsBothWays) {
+  hid_script_->to_send = {Bytes(14, 0x3C)};
+  EXPECT_EQ(transfer(host_.read(HidOnUsb::kIn, 64), true).data, Bytes(14, 0x3C));
+  EXPECT_EQ(transfer(host_.write(HidOnUsb::kOut, Bytes(8, 0x11)), false).status, 0);
+  EXPECT_EQ(hid_script_->received, (std::vector<Bytes>{Bytes(8, 0x11)}));
+}
+
+TEST_F(HidOnUsbTest, HasTheDescriptorsAndRequestsOfItsClass) {
+  const Bytes report = hid_.report_descriptor();
+  EXPECT_EQ(transfer(host_.control({0x81, 6, 0, 0x22, 0, 0, 255, 0}), true).data, report);
+  EXPECT_EQ(transfer(host_.control({0x21, 0x0A, 0, 0, 0, 0, 0, 0}), false).status, 0);
+  EXPECT_EQ(transfer(host_.control({0xA1, 1, 1, 3, 0, 0, 8, 0}), true).status, -EPIPE)
+      << "a model without feature reports";
+  EXPECT_EQ(transfer(host_.control({0xA1, 1, 1, 9, 0, 0, 8, 0}), true).status, -EPIPE);
+}
+
+}  // namespace
+}  // namespace thimble::sim
