@@ -2,6 +2,7 @@
 
 import base64
 import contextlib
+import gzip
 import os
 import pathlib
 import select
@@ -25,10 +26,18 @@ class GuestError(Exception):
     """The guest did not do what it was told; the message has its words."""
 
 
+# With several processors that run as the host lets them. On a busy one an emulated timer is late: the kernel must neither take
+# it for broken nor learn from it how fast the TSC is, or the guest's clock runs several times too fast.
+AS_IT_COMES = ("-smp", "2", "-accel", "tcg,thread=multi"), "clocksource=acpi_pm tsc=unstable no_timer_check"
+# The guest's clock counts instructions, 4 ns each, and leaps over idle time: however busy the host is, nobody in the guest is
+# late for it. For tests with a device that must be served in time; it runs in the guest, too.
+COUNTED = ("-smp", "1", "-accel", "tcg,thread=single", "-icount", "shift=2,sleep=off"), "clocksource=tsc tsc=reliable"
+
+
 class Guest:
     """One virtual machine. Use as a context manager, or call close()."""
 
-    def __init__(self, kernel="amd64", share=DEBS):
+    def __init__(self, kernel="amd64", share=DEBS, pace=AS_IT_COMES):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="thimble-vm-"))
         self.console = self.folder / "console"
         image = guest_image.image_folder()
@@ -37,13 +46,11 @@ class Guest:
         listener.listen(1)
         command = [
             "setpriv", "--pdeathsig", "KILL",  # it ends with the test, whatever ends that
-            "qemu-system-x86_64", "-nodefaults", "-display", "none", "-machine", "q35", "-m", "1024", "-smp", "2",
+            "qemu-system-x86_64", "-nodefaults", "-display", "none", "-machine", "q35", "-m", "1024", *pace[0],
             # Never KVM: it is there on machines where it hangs. Under it all processors look alike.
-            "-accel", "tcg,thread=multi", "-cpu", "qemu64,+ssse3,+sse4.1,+sse4.2,+popcnt",
+            "-cpu", "qemu64,+ssse3,+sse4.1,+sse4.2,+popcnt",
             "-kernel", image / f"vmlinuz-{kernel}", "-initrd", image / f"initrd-{kernel}",
-            # On a busy host an emulated timer is late: the kernel must neither take it for broken nor learn from it
-            # how fast the TSC is, or the guest's clock runs several times too fast.
-            "-append", "root=LABEL=root rw console=ttyS0 quiet panic=-1 clocksource=acpi_pm tsc=unstable no_timer_check",
+            "-append", f"root=LABEL=root rw console=ttyS0 quiet panic=-1 {pace[1]}",
             "-drive", f"file={image / 'disk.img'},format=raw,if=virtio,snapshot=on",
             "-serial", f"file:{self.console}",
             "-device", "virtio-serial-pci", "-chardev", f"socket,id=cmd,path={self.folder / 'cmd'}",
@@ -125,6 +132,16 @@ class Guest:
             raise GuestError(f"status {status} of: {script}\n{printed}")
         return printed
 
+    def fetch(self, path):
+        """A file of the guest, in pieces: the port to it takes 32 KiB at once."""
+        self.run(f"gzip -c {path} > /run/fetched")
+        packed = b""
+        while True:
+            piece = base64.b64decode(self.run(f"tail -c +{len(packed) + 1} /run/fetched | head -c 15000 | base64"))
+            packed += piece
+            if not piece:
+                return gzip.decompress(packed)
+
     def reboot(self):
         """The systemd way, so that services are stopped and started as ever."""
         self.ask("systemctl --no-block reboot")
@@ -151,11 +168,12 @@ class GuestTest(unittest.TestCase):
     """A class of tests in one guest, in the order of their names."""
 
     kernel = "amd64"
+    pace = AS_IT_COMES
     installs = ("thimbled", "thimble")
 
     @classmethod
     def setUpClass(cls):
-        cls.guest = Guest(cls.kernel)
+        cls.guest = Guest(cls.kernel, pace=cls.pace)
         cls.addClassCleanup(cls.guest.close)
         if cls.installs:
             cls.guest.install(*cls.installs)

@@ -1,0 +1,52 @@
+"""A simulated device of ours, offered to the guest's kernel by the packaged thimble-simdev."""
+
+import json
+import math
+
+
+def norm(vector):
+    return math.sqrt(sum(value * value for value in vector))
+
+
+class Simdev:
+    """Runs in the guest until stop(). `options`: those of thimble-simdev, and the model."""
+
+    def __init__(self, guest, name, *options):
+        self.guest = guest
+        self.unit = f"simdev-{name}"
+        self.socket = f"/run/{self.unit}.sock"
+        # Above the servo: what is hardware does not wait for software.
+        guest.run(f"systemd-run --quiet --collect --unit {self.unit} -p CPUSchedulingPolicy=fifo -p CPUSchedulingPriority=85 "
+                  f"thimble-simdev --socket {self.socket} " + " ".join(options))
+        guest.wait_for(f"test -S {self.socket} || ! systemctl is-active --quiet {self.unit}")
+        self.status()
+
+    def command(self, *verbs):
+        words = " ".join(f"'{verb}'" for verb in verbs)
+        return f"python3 -B /run/tests/simdev.py {self.socket} {words}"
+
+    def say(self, *verbs):
+        """The answers, a dictionary each; every verb must succeed."""
+        return [json.loads(line) for line in self.guest.run(self.command(*verbs)).splitlines()]
+
+    def status(self):
+        return self.say("status")[0]
+
+    def log(self, seconds=1):
+        """What the model felt: all entries but the closing one."""
+        self.guest.run(self.command(f"log {seconds}") + " > /run/simdev.log")
+        return [json.loads(line) for line in self.guest.fetch("/run/simdev.log").splitlines()[:-1]]
+
+    def samples(self, seconds=1):
+        return [entry for entry in self.log(seconds) if "tip_m" in entry]
+
+    def calibrate(self):
+        """As a person does: the arm to its home pose, the button pressed and let go."""
+        self.say("home 0.4")
+        self.guest.run("sleep 0.6")
+        self.say("press 0")
+        self.guest.run("sleep 0.2")
+        self.say("release 0")
+
+    def stop(self):
+        self.guest.ask(f"systemctl stop {self.unit}")
