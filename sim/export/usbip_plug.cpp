@@ -89,9 +89,15 @@ Result<void> UsbipPlug::unplug() {
   return {};
 }
 
-bool UsbipPlug::is_open() const noexcept {
+bool UsbipPlug::is_attached() const noexcept {
   return std::any_of(connections_.begin(), connections_.end(),
                      [](const Connection& connection) { return connection.session.is_attached(); });
+}
+
+bool UsbipPlug::is_open() const noexcept {
+  const MonotonicTime now = around_.clock->now();
+  return std::any_of(connections_.begin(), connections_.end(),
+                     [&](const Connection& connection) { return connection.session.is_used(now); });
 }
 
 PlugCounters UsbipPlug::counters() const noexcept {
@@ -103,10 +109,10 @@ PlugCounters UsbipPlug::counters() const noexcept {
 void UsbipPlug::fire(MonotonicTime now) noexcept {
   ++round_;
   model_->advance(now);
-  accept();
+  if (round_ % rounds_per_frame_ == 0) accept();
   for (auto connection = connections_.begin(); connection != connections_.end();) {
     const auto next = std::next(connection);
-    connection->session.set_available(is_plugged_ && !is_open());
+    connection->session.set_available(is_plugged_ && !is_attached());
     const bool is_up = receive(*connection);
     if (connection->session.is_attached()) connection->session.serve(now);
     if (!send(*connection) || !is_up) drop(connection);

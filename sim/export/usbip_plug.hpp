@@ -37,6 +37,9 @@ class UsbipPlug final : public Plug, private Event {
   [[nodiscard]] std::uint16_t port() const;
   [[nodiscard]] Duration round_period() const noexcept;
 
+  // A host has it; whether somebody there uses it, is_open() says.
+  [[nodiscard]] bool is_attached() const noexcept;
+
   Result<void> plug() override;
   Result<void> unplug() override;
   [[nodiscard]] bool is_plugged() const noexcept override { return is_plugged_; }

@@ -122,6 +122,10 @@ void UsbipSession::take_unlink(const usbip::Unlink& unlink) {
 
 void UsbipSession::serve(MonotonicTime now) {
   ++round_;
+  const bool is_used = std::any_of(transfers_.begin(), transfers_.end(), [](const auto& transfer) {
+    return transfer.submit.endpoint != 0;
+  });
+  if (is_used) used_at_ = now;
   if (around_.misbehaviour->is_silent(now)) return;
   bytes_left_ = kBytesPerFrame / rounds_per_frame_;
   serve_kind(UsbTransferKind::Interrupt, now);

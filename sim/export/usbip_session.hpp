@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <list>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -47,6 +48,12 @@ class UsbipSession {
   [[nodiscard]] std::vector<std::uint8_t>& outbox() noexcept { return outbox_; }
 
   [[nodiscard]] bool is_attached() const noexcept { return is_attached_; }
+  // Somebody on the host's side has a transfer on one of its endpoints, or had within the last
+  // kUseLasts.
+  static constexpr Duration kUseLasts = std::chrono::milliseconds(100);
+  [[nodiscard]] bool is_used(MonotonicTime now) const noexcept {
+    return used_at_ && now - *used_at_ < kUseLasts;
+  }
   [[nodiscard]] std::size_t waiting() const noexcept { return transfers_.size(); }
   [[nodiscard]] const PlugCounters& counters() const noexcept { return counters_; }
 
@@ -87,6 +94,7 @@ class UsbipSession {
   bool is_available_{false};
   bool is_attached_{false};
   std::uint8_t configuration_{0};
+  std::optional<MonotonicTime> used_at_;
   std::vector<std::uint8_t> inbox_;
   std::vector<std::uint8_t> outbox_;
   std::list<Transfer> transfers_;  // as they came

@@ -56,6 +56,7 @@ class Simdev {
   Simdev(plugin::SimModel model, const SimdevOptions& options)
       : misbehaviour_(options.seed), model_(std::move(model)), info_(plugin::describe(model_)) {
     if (!options.serial_number.empty()) info_.serial_number = options.serial_number;
+    signals_.async_wait([this](auto, int) { is_over_ = true; });
   }
 
   Result<void> plug_in(const SimdevOptions& options) {
@@ -77,16 +78,14 @@ class Simdev {
   }
   // Until a signal, or until the kernel let go of it.
   void run() {
-    boost::asio::signal_set signals(io_, SIGTERM, SIGINT);
-    bool is_over = false;
-    signals.async_wait([&](auto, int) { is_over = true; });
     RealTimeBrake brake(clock_, machine_);
-    while (!is_over && !plug_->is_broken()) {
+    while (!is_over_ && !plug_->is_broken()) {
       brake.sleep_until(clock_.now() + step_);
       io_.poll_one();  // one piece of a reply, and the next frame is due
     }
     server_.reset();
   }
+  [[nodiscard]] const std::string& way() const noexcept { return way_; }
   [[nodiscard]] const bus::BusDeviceInfo& info() const noexcept { return info_; }
 
  private:
@@ -96,6 +95,7 @@ class Simdev {
     }
     Result<linux::Descriptor> node = open_uhid();
     if (!node) return tl::unexpected(node.error());
+    way_ = "through uhid";
     plug_ = std::make_unique<UhidPlug>(*std::move(node), *hid, info_, surroundings());
     step_ = hid->frame_period();
     return plug_->plug();
@@ -111,6 +111,7 @@ class Simdev {
     auto plug = UsbipPlug::listen(io_, port, usb == nullptr ? *wrapped_ : **usb, std::move(persona),
                                   surroundings());
     if (!plug) return tl::unexpected(plug.error());
+    way_ = "over USB/IP at port " + std::to_string((*plug)->port());
     step_ = (*plug)->round_period();
     plug_ = *std::move(plug);
     return plug_->plug();
@@ -122,12 +123,16 @@ class Simdev {
   linux::MonotonicClock machine_;
   VirtualClock clock_;
   boost::asio::io_context io_;
+  // From the beginning on: who has read that it is plugged in may end it at once.
+  boost::asio::signal_set signals_{io_, SIGTERM, SIGINT};
+  bool is_over_{false};
   ModelLog log_;
   Misbehaviour misbehaviour_;
   plugin::SimModel model_;
   bus::BusDeviceInfo info_;
   plugin::ModelPanel* panel_{nullptr};
   Duration step_{};
+  std::string way_;                    // to the kernel
   std::unique_ptr<HidOnUsb> wrapped_;  // a HID device on USB/IP
   std::unique_ptr<Plug> plug_;
   std::unique_ptr<DeviceVerbs> verbs_;
@@ -146,8 +151,9 @@ Result<void> run_simdev(const SimdevOptions& options) {
   Result<void> done = device.plug_in(options);
   if (done) done = device.take_verbs_at(options.socket);
   if (!done) return done;
-  std::printf("thimble-simdev: %s is plugged in, serial number %s\n",
-              device.info().address.text.c_str(), device.info().serial_number.c_str());
+  std::printf("thimble-simdev: %s is plugged in %s, serial number %s\n",
+              device.info().address.text.c_str(), device.way().c_str(),
+              device.info().serial_number.c_str());
   std::fflush(stdout);
   device.run();
   return {};

@@ -61,11 +61,15 @@ class UsbipPlugTest : public ::testing::Test {
 TEST_F(UsbipPlugTest, ServesAHostThatAttaches) {
   Tcp::socket host = connect(*sut_);
   EXPECT_EQ(ask(host, UsbipHost::import(), 320).size(), 320U);
-  EXPECT_TRUE(sut_->is_open());
+  EXPECT_TRUE(sut_->is_attached());
+  EXPECT_FALSE(sut_->is_open()) << "nobody there uses it";
   script_->to_send[test::ScriptedUsbModel::kBulkIn] = {{1, 2, 3}};
   Bytes answer = ask(host, host_.read(test::ScriptedUsbModel::kBulkIn, 64), 51);
   EXPECT_EQ(UsbipHost::take_reply(answer, true)->data, (Bytes{1, 2, 3}));
   EXPECT_EQ(sut_->counters().to_host, 1U);
+  EXPECT_TRUE(sut_->is_open());
+  bench_.run_frames(100);
+  EXPECT_FALSE(sut_->is_open());
 }
 
 TEST_F(UsbipPlugTest, IsAttachedToOneHostAtATime) {
@@ -75,7 +79,7 @@ TEST_F(UsbipPlugTest, IsAttachedToOneHostAtATime) {
   EXPECT_EQ(ask(other, UsbipHost::import(), 8), (Bytes{1, 0x11, 0, 3, 0, 0, 0, 1}));
   host.close();
   bench_.run_frames(5);
-  EXPECT_FALSE(sut_->is_open());
+  EXPECT_FALSE(sut_->is_attached());
   EXPECT_EQ(ask(other, UsbipHost::import(), 320).size(), 320U);
 }
 

@@ -1,0 +1,105 @@
+"""thimble-simdev from outside, over USB/IP, which needs no rights; through uhid it is tried in the guest (tests/vm)."""
+
+import json
+import re
+import signal
+import socket
+import struct
+import subprocess
+
+from rig import BIN, TIMEOUT_S, ProcessTest, clean_environment, die_with_parent
+
+DESCRIPTOR_OF_DEVICE = bytes([0x80, 6, 0, 1, 0, 0, 18, 0])
+
+
+class Simdev(ProcessTest):
+    def offer(self, model, *options):
+        """A running one: its process and the port at which it is offered."""
+        process = subprocess.Popen([BIN / "thimble-simdev", "--usbip", "0", "--socket", self.folder / "verbs", *options, model],
+                                   stdout=subprocess.PIPE, text=True, env=clean_environment(), preexec_fn=die_with_parent)
+        self.addCleanup(process.stdout.close)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.kill)
+        line = process.stdout.readline()
+        return process, int(re.search(r"at port (\d+), serial number", line).group(1))
+
+    def say(self, *verbs):
+        answers = []
+        with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as channel:
+            channel.settimeout(TIMEOUT_S)
+            channel.connect(str(self.folder / "verbs"))
+            replies = channel.makefile("r")
+            for verb in verbs:
+                channel.sendall(verb.encode() + b"\n")
+                answers.append([])
+                while not answers[-1] or "ok" not in answers[-1][-1]:
+                    answers[-1].append(json.loads(replies.readline()))
+        return answers
+
+    def attached(self, port):
+        host = socket.create_connection(("127.0.0.1", port), timeout=TIMEOUT_S)
+        self.addCleanup(host.close)
+        host.sendall(struct.pack(">HHI32s", 0x0111, 0x8003, 0, b"1-1"))
+        reply = self.received(host, 8)
+        self.assertEqual(reply, bytes([1, 0x11, 0, 3, 0, 0, 0, 0]))
+        self.received(host, 312)
+        return host
+
+    def received(self, host, size):
+        data = b""
+        while len(data) < size:
+            piece = host.recv(size - len(data))
+            if not piece:
+                break
+            data += piece
+        return data
+
+    def device_descriptor(self, host):
+        host.sendall(struct.pack(">10I8s", 1, 1, 0x10001, 1, 0, 0, 18, 0, 0, 0, DESCRIPTOR_OF_DEVICE))
+        header = struct.unpack(">12I", self.received(host, 48))
+        self.assertEqual(header[:2] + header[5:7], (3, 1, 0, 18))
+        return self.received(host, 18)
+
+    def test_any_model_is_a_usb_device_for_who_attaches_it(self):
+        for model, ids in (("sim:phantom-vintage", (0x1234, 0x0006)), ("polhem-1", (0x16C0, 0x0486)), ("falcon", (0x0403, 0xCB48))):
+            with self.subTest(model):
+                process, port = self.offer(model)
+                descriptor = self.device_descriptor(self.attached(port))
+                self.assertEqual(struct.unpack_from("<HH", descriptor, 8), ids)
+                process.kill()
+                process.wait()
+
+    def test_its_verbs_are_answered_while_it_runs(self):
+        self.offer("phantom-vintage", "--serial", "ABC")
+        (home,), (status,), log = self.say("home 0.2", "status", "log 0.2")
+        self.assertTrue(home["ok"])
+        self.assertEqual((status["serial_number"], status["plugged"], status["open"]), ("ABC", True, False))
+        self.assertEqual(log[-1], {"ok": True, "entries": len(log) - 1})
+
+    def test_its_cable_can_be_pulled(self):
+        _, port = self.offer("falcon")
+        host = self.attached(port)
+        self.assertTrue(self.say("unplug")[0][0]["ok"])
+        self.assertEqual(host.recv(1), b"")
+        self.assertTrue(self.say("plug")[0][0]["ok"])
+        self.device_descriptor(self.attached(port))
+
+    def test_told_to_stop_it_takes_its_socket_along(self):
+        for number in (signal.SIGTERM, signal.SIGINT):
+            process, _ = self.offer("falcon")
+            process.send_signal(number)
+            self.assertEqual(process.wait(TIMEOUT_S), 0)
+            self.assertFalse((self.folder / "verbs").exists())
+
+    def test_nobody_but_its_user_may_say_verbs(self):
+        self.offer("falcon")
+        self.assertEqual((self.folder / "verbs").stat().st_mode & 0o777, 0o700)
+
+    def test_what_cannot_be_offered_is_refused_with_a_sentence(self):
+        for words, sentence in ((("nobody", "--usbip", "0"), "there are:"), (("falcon",), "say how it is to be offered"),
+                                (("falcon", "--uhid"), "is no HID device"),
+                                (("falcon", "--usbip", "0", "--socket", "/nowhere/s"), "No such file")):
+            with self.subTest(words):
+                result = self.run_program("thimble-simdev", *words)
+                self.assertEqual(result.returncode, 1)
+                self.assertIn(sentence, result.stderr)
