@@ -2,10 +2,17 @@
 
 import json
 import math
+import statistics
 
 
 def norm(vector):
     return math.sqrt(sum(value * value for value in vector))
+
+
+def wait_for_state(guest, state):
+    """Until the daemon's first arm is in it: what the status says of that arm."""
+    return guest.wait_for("thimble status --json | python3 -c 'import json, sys; arm = json.load(sys.stdin)[\"arms\"][0]; "
+                          f"print(json.dumps(arm)); sys.exit(arm[\"state\"] != \"{state}\")'")
 
 
 class Simdev:
@@ -20,6 +27,10 @@ class Simdev:
                   f"thimble-simdev --socket {self.socket} " + " ".join(options))
         guest.wait_for(f"test -S {self.socket} || ! systemctl is-active --quiet {self.unit}")
         self.status()
+
+    def attach(self):
+        """To the guest's kernel, where it is offered over USB/IP at the usual port."""
+        self.guest.run("usbip attach -r 127.0.0.1 -b 1-1")
 
     def command(self, *verbs):
         words = " ".join(f"'{verb}'" for verb in verbs)
@@ -39,6 +50,11 @@ class Simdev:
 
     def samples(self, seconds=1):
         return [entry for entry in self.log(seconds) if "tip_m" in entry]
+
+    def felt(self, seconds=0.5):
+        """The force of its motors at the tip, the median of the last SECONDS in each axis."""
+        forces = [entry["force_newton"] for entry in self.samples(seconds)]
+        return [statistics.median(force[axis] for force in forces) for axis in range(3)]
 
     def calibrate(self):
         """As a person does: the arm to its home pose, the button pressed and let go."""

@@ -1,0 +1,95 @@
+"""A Falcon on the kernel's own USB stack: the packaged daemon uploads a firmware to its boot-loader through libusb, a hand homes it and feels the box.
+
+The firmware is made up here: a boot stream as the processor's maker defines it, with noise for code, which the simulated arm takes
+for one. What is felt is judged by the arm's own log.
+"""
+
+import hashlib
+import random
+import struct
+
+import guest
+import simdev
+
+CONFIGURATION = """
+[servo]
+rate_hz = 1000
+realtime = "best-effort"
+
+[[arm]]
+name = "right"
+device = "{address}"
+firmware = "{firmware}"
+firmware_sha256 = "{sha256}"
+newton_per_count = 0.00244
+world = "box"
+
+[[world]]
+name = "box"
+source = "box:3"
+workspace_m = 0.09
+"""
+FIRMWARE = "/etc/thimble/falcon.bin"
+
+
+def firmware(words=600):
+    """Key, eight reserved words and the entry point; one block; the end."""
+    noise = random.Random(1)
+    code = [noise.randrange(0x10000) for _ in range(words)]
+    stream = [0x08AA] + 8 * [0] + [0x003F, 0x8000] + [words, 0x003F, 0x8000] + code + [0]
+    return struct.pack(f"<{len(stream)}H", *stream)
+
+
+class Falcon(guest.GuestTest):
+    """Numbered: each test goes on where the one before it ended."""
+
+    pace = guest.counted(1)  # its bus has 8,000 rounds a second
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.guest.run("modprobe vhci-hcd")
+        cls.arm = simdev.Simdev(cls.guest, "falcon", "--usbip", "3240", "falcon")
+        cls.arm.attach()
+        port = cls.guest.wait_for("basename $(dirname $(grep -lx cb48 /sys/bus/usb/devices/*/idProduct))").strip()
+        cls.address = f"usb:{port}"
+        image = firmware()
+        text = CONFIGURATION.format(address=cls.address, firmware=FIRMWARE, sha256=hashlib.sha256(image).hexdigest())
+        cls.guest.run(f"python3 -c 'import sys; open(sys.argv[1], \"wb\").write(bytes.fromhex(sys.argv[2]))' {FIRMWARE} {image.hex()}\n"
+                      f"cat > /etc/thimble/thimble.toml <<'E'\n{text}E\nudevadm settle; systemctl restart thimbled")
+
+    def test_1_its_node_is_the_daemons_and_the_daemon_has_claimed_it(self):
+        self.guest.wait_for("systemctl is-active thimbled")
+        node = self.guest.run("udevadm info --query=name /sys/bus/usb/devices/" + self.address.removeprefix("usb:")).strip()
+        self.assertEqual(self.guest.run(f"stat -c '%U:%G %a' /dev/{node}").strip(), "root:thimble 660")
+        self.guest.wait_for(f"ls -l /proc/$(systemctl show thimbled -p MainPID --value)/fd | grep -q /dev/{node}")
+        self.assertEqual(self.arm.status()["counters"]["malformed"], 0)
+
+    def test_2_its_firmware_is_uploaded_and_brought_home_it_becomes_active(self):
+        simdev.wait_for_state(self.guest, "calibrating")
+        self.arm.say("home 0.6")
+        simdev.wait_for_state(self.guest, "active")
+
+    def test_3_in_the_middle_of_the_box_nothing_is_felt(self):
+        self.arm.say("move 0 0 0 0.3")
+        self.guest.run("sleep 1")
+        self.assertLess(simdev.norm(self.arm.felt(0.2)), 0.1)
+
+    def test_4_a_wall_of_the_box_in_each_direction_pushes_back(self):
+        for axis, sign in ((0, 1), (1, -1), (2, 1)):
+            with self.subTest(axis=axis, sign=sign):
+                point = [0.0, 0.0, 0.0]
+                point[axis] = sign * 0.018
+                self.arm.say("move {} {} {} 0.2".format(*point))
+                self.guest.run("sleep 0.8")
+                force = self.arm.felt(0.2)
+                self.assertLess(sign * force[axis], -0.3, force)
+                self.arm.say("move 0 0 0 0.2")
+                self.guest.run("sleep 0.3")
+
+    def test_5_stopped_while_the_hand_pushes_the_daemon_leaves_no_force(self):
+        self.arm.say("move 0.018 0 0 0.3")
+        self.guest.run("sleep 0.8")
+        self.assertGreater(simdev.norm(self.arm.felt(0.2)), 0.3)
+        self.guest.run("systemctl stop thimbled; sleep 0.2")
+        self.assertLess(max(simdev.norm(entry["force_newton"]) for entry in self.arm.samples(0.1)), 1e-6)
