@@ -5,6 +5,7 @@ namespace thimble::app {
 void LatenessWatch::note(std::size_t arm, MonotonicTime now, std::uint64_t overruns) {
   if (arm >= arms_.size()) arms_.resize(arm + 1);
   Arm& watched = arms_[arm];
+  if (overruns < watched.overruns) watched = {{}, overruns};  // another servo began to count
   if (overruns > watched.overruns) {
     watched.changes.push_back({now, watched.overruns});
     watched.overruns = overruns;

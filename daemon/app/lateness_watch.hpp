@@ -18,7 +18,8 @@ class LatenessWatch {
   // Ours: long enough to be read, short enough to go away when the load does.
   static constexpr Duration kWindow = std::chrono::seconds(10);
 
-  // `overruns`: the arm's count since the start, never falling.
+  // `overruns`: the arm's count since its servo started; smaller than before: another one has taken
+  // over.
   void note(std::size_t arm, MonotonicTime now, std::uint64_t overruns);
   [[nodiscard]] std::uint64_t missed_lately(std::size_t arm) const;
 

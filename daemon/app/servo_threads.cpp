@@ -32,39 +32,53 @@ Result<std::unique_ptr<ServoThreads>> ServoThreads::start(const config::ServoCon
                                                           session::Runtime& runtime,
                                                           const linux::RealtimeProcess& process) {
   // The constructor is private, so make_unique cannot reach it.
-  std::unique_ptr<ServoThreads> threads(new ServoThreads(runtime));
-  threads->ticks_seen_.resize(runtime.arms().size());
-  for (const auto& arm : runtime.arms()) {
-    session::ArmRig* const rig = arm.get();
-    const std::atomic<bool>& is_stopping = threads->is_stopping_;
-    Result<std::unique_ptr<linux::RealtimeThread>> thread = linux::RealtimeThread::start(
-        thread_settings(servo, rig->session().config().name), process.report(),
-        [rig, &is_stopping] {
-          servo::run_servo(rig->session().loop(), rig->clock(), is_stopping);
-        });
-    if (!thread) return tl::unexpected(thread.error());
-    threads->reports_.push_back((*thread)->report());
-    threads->threads_.push_back(*std::move(thread));
+  std::unique_ptr<ServoThreads> threads(new ServoThreads(servo, runtime, process));
+  for (std::size_t i = 0; i < runtime.arms().size(); ++i) {
+    threads->servos_.push_back(std::make_unique<Servo>());
+    const Result<void> started = threads->start(i);
+    if (!started) return tl::unexpected(started.error());
   }
   return threads;
+}
+
+Result<void> ServoThreads::start(std::size_t arm) {
+  session::ArmRig* const rig = runtime_.arms().at(arm).get();
+  Servo* const servo = servos_.at(arm).get();
+  servo->is_stopping = false;
+  Result<std::unique_ptr<linux::RealtimeThread>> thread = linux::RealtimeThread::start(
+      thread_settings(config_, rig->session().config().name), process_.report(),
+      [rig, servo] { servo::run_servo(rig->session().loop(), rig->clock(), servo->is_stopping); });
+  if (!thread) return tl::unexpected(thread.error());
+  servo->report = (*thread)->report();
+  servo->thread = *std::move(thread);
+  return {};
 }
 
 ServoThreads::~ServoThreads() { stop(); }
 
 void ServoThreads::stop() {
-  for (const auto& arm : runtime_.arms()) arm->session().controls().want_active = false;
-  is_stopping_ = true;
-  threads_.clear();
+  // All at once: each takes as long as its ramp.
+  for (std::size_t i = 0; i < servos_.size(); ++i) {
+    runtime_.arms()[i]->session().controls().want_active = false;
+    servos_[i]->is_stopping = true;
+  }
+  for (const auto& servo : servos_) servo->thread.reset();
+}
+
+void ServoThreads::stop(std::size_t arm) {
+  runtime_.arms().at(arm)->session().controls().want_active = false;
+  servos_.at(arm)->is_stopping = true;
+  servos_.at(arm)->thread.reset();
 }
 
 bool ServoThreads::is_realtime(std::size_t arm) const {
-  return arm < reports_.size() && reports_[arm].has_fifo;
+  return arm < servos_.size() && servos_[arm]->report.has_fifo;
 }
 
 std::vector<std::string> ServoThreads::missing() const {
   std::vector<std::string> all;
-  for (const linux::RealtimeReport& report : reports_) {
-    for (const std::string& right : report.missing) {
+  for (const auto& servo : servos_) {
+    for (const std::string& right : servo->report.missing) {
       if (std::find(all.begin(), all.end(), right) == all.end()) all.push_back(right);
     }
   }
@@ -73,10 +87,10 @@ std::vector<std::string> ServoThreads::missing() const {
 
 bool ServoThreads::have_all_ticked() {
   bool has_all = true;
-  for (std::size_t i = 0; i < ticks_seen_.size(); ++i) {
+  for (std::size_t i = 0; i < servos_.size(); ++i) {
     const std::uint64_t tick = runtime_.arms()[i]->session().snapshot().frame.tick;
-    has_all = has_all && tick != ticks_seen_[i];
-    ticks_seen_[i] = tick;
+    has_all = has_all && tick != servos_[i]->ticks_seen;
+    servos_[i]->ticks_seen = tick;
   }
   return has_all;
 }

@@ -30,6 +30,9 @@ class ServoThreads {
 
   // Ramps every force to zero and ends the threads. May be called twice.
   void stop();
+  // The same for one arm, whose rig may then be put away; start() runs the one that is there then.
+  void stop(std::size_t arm);
+  [[nodiscard]] Result<void> start(std::size_t arm);
   [[nodiscard]] bool is_realtime(std::size_t arm) const;
   // Every right that is missing, each named once.
   [[nodiscard]] std::vector<std::string> missing() const;
@@ -37,13 +40,22 @@ class ServoThreads {
   [[nodiscard]] bool have_all_ticked();
 
  private:
-  explicit ServoThreads(session::Runtime& runtime) : runtime_(runtime) {}
+  // One arm's; stays where it is, for its thread looks at it.
+  struct Servo {
+    std::atomic<bool> is_stopping{false};
+    std::uint64_t ticks_seen{0};
+    linux::RealtimeReport report;
+    std::unique_ptr<linux::RealtimeThread> thread;  // last: joins first
+  };
 
+  ServoThreads(const config::ServoConfig& servo, session::Runtime& runtime,
+               const linux::RealtimeProcess& process)
+      : config_(servo), runtime_(runtime), process_(process) {}
+
+  config::ServoConfig config_;
   session::Runtime& runtime_;
-  std::atomic<bool> is_stopping_{false};
-  std::vector<std::uint64_t> ticks_seen_;
-  std::vector<linux::RealtimeReport> reports_;
-  std::vector<std::unique_ptr<linux::RealtimeThread>> threads_;  // last: joins first
+  const linux::RealtimeProcess& process_;
+  std::vector<std::unique_ptr<Servo>> servos_;
 };
 
 }  // namespace thimble::app

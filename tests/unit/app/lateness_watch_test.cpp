@@ -27,6 +27,15 @@ TEST(LatenessWatch, ForgetsAfterTenSeconds) {
   EXPECT_EQ(sut.missed_lately(0), 0U);
 }
 
+TEST(LatenessWatch, BeginsAnewWhenAnotherServoCounts) {
+  LatenessWatch sut;
+  sut.note(0, at(1), 3);
+  sut.note(0, at(2), 1);
+  EXPECT_EQ(sut.missed_lately(0), 0U);
+  sut.note(0, at(3), 2);
+  EXPECT_EQ(sut.missed_lately(0), 1U);
+}
+
 TEST(LatenessWatch, AgreesWithAPlainListOfMisses) {
   std::mt19937 random(2);
   LatenessWatch sut;
