@@ -25,6 +25,7 @@ struct FaultStatus {
 struct ArmStatus {
   std::string name;
   std::string device;
+  std::string stands_in_for;  // the device that is not there yet; empty: this one is the arm
   std::string model;
   std::string state;        // OperatingState in words
   std::string calibration;  // "unknown", "needs-user" or "ok"

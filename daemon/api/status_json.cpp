@@ -31,6 +31,7 @@ json::object to_value(const FaultStatus& fault) {
 json::object to_value(const ArmStatus& arm) {
   return {{"name", arm.name},
           {"device", arm.device},
+          {"stands_in_for", arm.stands_in_for},
           {"model", arm.model},
           {"world", arm.world},
           {"state", arm.state},

@@ -163,6 +163,9 @@ void Daemon::supervise() {
     const auto warning = warnings_.admit(trouble.message + "; trying again", clock_.now());
     if (warning) spdlog::warn("{}", *warning);
   }
+  for (session::Runtime::Arrival& arrival : runtime_->take_arrivals()) {
+    take_over(std::move(arrival));
+  }
   for (std::size_t i = 0; i < runtime_->arms().size(); ++i) {
     lateness_.note(i, clock_.now(), runtime_->arms()[i]->session().snapshot().overruns);
   }
@@ -176,6 +179,23 @@ void Daemon::supervise() {
   supervise_timer_.async_wait([this](const boost::system::error_code& error) {
     if (!error) supervise();
   });
+}
+
+void Daemon::take_over(session::Runtime::Arrival arrival) {
+  const std::size_t arm = arrival.arm;
+  const std::string simulated = runtime_->arms()[arm]->session().config().device;
+  threads_->stop(arm);
+  take_recordings();
+  runtime_->take_over(std::move(arrival));
+  const session::ArmSession& real = runtime_->arms()[arm]->session();
+  spdlog::info("arm '{}': {} is there and takes over from {}; calibrate it, then activate it",
+               real.config().name, real.config().device, simulated);
+  const Result<void> started = threads_->start(arm);
+  if (started) return;
+  // An arm that nobody serves is no service: let the service manager start anew.
+  spdlog::error("arm '{}': its servo could not be started: {}", real.config().name,
+                started.error().message);
+  io_.stop();
 }
 
 // One line for `systemctl status`, told when it changes: "right active; left fault (overspeed)".

@@ -53,6 +53,7 @@ class Daemon final : private api::StatusView {
   void wait_for_wake();
   void pump();
   void supervise();
+  void take_over(session::Runtime::Arrival arrival);
   void take_recordings();
   void tell_service_manager();
   void pet_watchdog();

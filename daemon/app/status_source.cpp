@@ -52,6 +52,7 @@ api::ArmStatus arm_status(session::ArmRig& rig, std::size_t index, const StatusC
   api::ArmStatus arm;
   arm.name = session.config().name;
   arm.device = session.config().device;
+  if (const session::AwaitedArm* awaited = rig.awaited()) arm.stands_in_for = awaited->arm().device;
   arm.model = session.device().capabilities().model;
   arm.state = to_string(frame.state);
   arm.calibration = to_string(frame.calibration);
@@ -167,6 +168,7 @@ api::Status collect_status(session::Runtime& runtime, const StatusContext& conte
     status.arms.push_back(arm_status(rig, i, context));
     status.servos.push_back(servo_status(rig, i, context));
     if (!rig.session().trouble().empty()) status.degraded.push_back(rig.session().trouble());
+    if (rig.awaited() != nullptr) status.degraded.push_back(rig.awaited()->sentence());
     const std::uint64_t missed = context.lateness.missed_lately(i);
     if (missed > 0) {
       status.degraded.push_back("arm '" + rig.session().config().name +

@@ -92,6 +92,9 @@ struct CouplingConfig {
 
 enum class LinkProtocol : std::uint8_t { Thesis };
 
+// What is done when an arm's device is not there at the start.
+enum class Fallback : std::uint8_t { None, Simulated };
+
 struct ArmConfig {
   std::string name;
   std::string device;  // bus address: "sim:MODEL", "hid:SERIAL" …
@@ -100,13 +103,14 @@ struct ArmConfig {
   std::optional<std::string> firmware;  // file; a relative path is from the configuration's folder
   std::optional<std::string> firmware_sha256;
   std::optional<double> newton_per_count;
+  Fallback fallback{Fallback::None};  // only for a real device, and beside model
   // Exactly one of the two.
   std::optional<std::string> world;  // name of a WorldConfig of the same file
   std::optional<UdpEndpoint> link;
   LinkProtocol protocol{LinkProtocol::Thesis};  // only with link
   bool allow_unauthenticated{false};            // only with link
   bool activate{true};                          // the configuration's own lease
-  std::optional<HandConfig> hand;               // present for "sim:" devices, and only there
+  std::optional<HandConfig> hand;  // present for "sim:" devices; else only beside a fallback
   LimitsConfig limits;
   CouplingConfig coupling;
   std::optional<ImpairmentConfig> impairment;

@@ -45,6 +45,10 @@ constexpr std::array<Choice<ConstraintModel>, 2> kConstraintModels{{
     {"ghost-point", ConstraintModel::GhostPoint},
     {"simple", ConstraintModel::Simple},
 }};
+constexpr std::array<Choice<Fallback>, 2> kFallbacks{{
+    {"none", Fallback::None},
+    {"simulated", Fallback::Simulated},
+}};
 constexpr std::array<Choice<LinkProtocol>, 1> kProtocols{{{"thesis", LinkProtocol::Thesis}}};
 
 template <class Enum, std::size_t Count>
@@ -184,12 +188,24 @@ void read_device(TableReader& reader, ArmConfig& arm) {
   arm.device.clear();
 }
 
+void read_fallback(TableReader& reader, ArmConfig& arm) {
+  read_choice(reader, "fallback", kFallbacks, arm.fallback);
+  if (arm.fallback == Fallback::None || arm.device.empty()) return;
+  if (arm.device.starts_with("sim:")) {
+    return reader.reject("fallback",
+                         "expected only for a real device, found beside " + in_quotes(arm.device));
+  }
+  if (arm.model) return;
+  reader.reject("fallback", "expected only beside model, which says what is simulated");
+}
+
 // The simulated person holds simulated arms only.
 void read_person(TableReader& reader, ArmConfig& arm) {
   const HandConfig hand = read_hand(reader.table("hand"));
-  const bool is_simulated = arm.device.starts_with("sim:");
-  if (is_simulated) arm.hand = hand;
-  if (!is_simulated && !arm.device.empty() && reader.has("hand")) {
+  const bool may_be_simulated =
+      arm.device.starts_with("sim:") || arm.fallback == Fallback::Simulated;
+  if (may_be_simulated) arm.hand = hand;
+  if (!may_be_simulated && !arm.device.empty() && reader.has("hand")) {
     reader.reject("hand",
                   "expected only for a \"sim:\" device, found beside " + in_quotes(arm.device));
   }
@@ -314,6 +330,7 @@ Entry<ArmConfig> read_arm(TableReader reader, const std::filesystem::path& folde
   read_path(reader, "firmware", folder, out.firmware);
   reader.read("firmware_sha256", out.firmware_sha256);
   reader.read("newton_per_count", kAboveZero, out.newton_per_count);
+  read_fallback(reader, out);
   read_other_side(reader, out);
   reader.read("activate", out.activate);
   read_person(reader, out);

@@ -3,13 +3,34 @@
 #include <string_view>
 #include <utility>
 
+#include "daemon/devices/arm_opener.hpp"
 #include "daemon/session/combination.hpp"
 #include "daemon/session/world_host.hpp"
 
 namespace thimble::session {
+namespace {
+
+bool must_fall_back(const config::ArmConfig& arm, const RigParts& parts) {
+  return arm.fallback == config::Fallback::Simulated && parts.real_buses != nullptr &&
+         !devices::find_device(*parts.real_buses, {arm.device});
+}
+
+}  // namespace
+
+Result<std::unique_ptr<ArmRig>> ArmRig::create_stand_in(const config::ArmConfig& arm,
+                                                        const config::ServoConfig& servo,
+                                                        WorldHost* world, const RigParts& parts) {
+  const Result<config::ArmConfig> simulated = stand_in_for(arm, parts.models);
+  if (!simulated) return tl::unexpected(simulated.error().in("arm '" + arm.name + "'"));
+  Result<std::unique_ptr<ArmRig>> rig = create(*simulated, servo, world, parts);
+  if (rig) (*rig)->awaited_.emplace(arm, simulated->device, *parts.real_buses);
+  return rig;
+}
+
 Result<std::unique_ptr<ArmRig>> ArmRig::create(const config::ArmConfig& arm,
                                                const config::ServoConfig& servo, WorldHost* world,
                                                const RigParts& parts) {
+  if (must_fall_back(arm, parts)) return create_stand_in(arm, servo, world, parts);
   const std::string name = "arm '" + arm.name + "'";
   // The constructor is private, so make_unique cannot reach it.
   std::unique_ptr<ArmRig> rig(new ArmRig());

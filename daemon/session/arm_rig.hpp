@@ -7,6 +7,7 @@
 #include "daemon/session/arm_session.hpp"
 #include "daemon/session/rig_link.hpp"
 #include "daemon/session/sim_arm.hpp"
+#include "daemon/session/stand_in.hpp"
 #include "sim/time/real_time_brake.hpp"
 
 namespace thimble::session {
@@ -38,7 +39,8 @@ struct RigParts {
 //         thread's, and pump() and link_status() the net plane's.
 class ArmRig {
  public:
-  // `world`: has the local world of the arm; nullptr when arm.link names a remote one.
+  // `world`: has the local world of the arm; nullptr when arm.link names a remote one. With
+  // arm.fallback, and while the arm's device is not there, a rig of a simulated arm.
   [[nodiscard]] static Result<std::unique_ptr<ArmRig>> create(const config::ArmConfig& arm,
                                                               const config::ServoConfig& servo,
                                                               WorldHost* world,
@@ -53,12 +55,18 @@ class ArmRig {
   [[nodiscard]] bus::BusEnumerator& buses() noexcept { return *buses_; }
   // As ArmSession::follow(); a simulated person does what a real one would read in the status.
   Result<void> follow(MonotonicTime now);
+  // The real arm that this simulated one stands in for; nullptr: it does not.
+  [[nodiscard]] AwaitedArm* awaited() noexcept { return awaited_ ? &*awaited_ : nullptr; }
   // nullptr for a real device.
   [[nodiscard]] SimArm* sim_arm() noexcept { return sim_arm_.get(); }
 
  private:
   ArmRig() = default;
+  [[nodiscard]] static Result<std::unique_ptr<ArmRig>> create_stand_in(
+      const config::ArmConfig& arm, const config::ServoConfig& servo, WorldHost* world,
+      const RigParts& parts);
 
+  std::optional<AwaitedArm> awaited_;
   std::unique_ptr<SimArm> sim_arm_;
   std::optional<sim::RealTimeBrake> brake_;
   std::unique_ptr<bus::BusEnumerator> wrapped_buses_;  // of RigParts::wrap_sim_bus

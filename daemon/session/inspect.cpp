@@ -8,6 +8,7 @@
 #include "daemon/devices/arm_opener.hpp"
 #include "daemon/session/arm_settings.hpp"
 #include "daemon/session/combination.hpp"
+#include "daemon/session/stand_in.hpp"
 #include "daemon/session/world_settings.hpp"
 #include "daemon/world/io/world_source.hpp"
 
@@ -35,6 +36,11 @@ class ArmInspection {
   }
 
   void inspect_device() {
+    if (arm_.fallback == config::Fallback::Simulated) {
+      const Result<config::ArmConfig> simulated = stand_in_for(arm_, parts_.models);
+      if (!simulated) return object("fallback", simulated.error().message);
+      arm_ = *simulated;  // what is wrong with it is wrong with the real one
+    }
     const std::string_view address = arm_.device;
     if (address.starts_with("hid:") || address.starts_with("usb:")) return;  // plugged in or not
     if (!bus::is_simulated(address)) {
@@ -117,7 +123,7 @@ class ArmInspection {
   }
 
   const config::ServoConfig& servo_;
-  const config::ArmConfig& arm_;
+  config::ArmConfig arm_;
   std::size_t index_;
   const RigParts& parts_;
   std::vector<Objection> objections_;

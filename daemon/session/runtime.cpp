@@ -7,19 +7,22 @@ namespace thimble::session {
 Result<std::unique_ptr<Runtime>> Runtime::create(const config::Config& config,
                                                  const RigParts& parts) {
   // The constructor is private, so make_unique cannot reach it.
-  std::unique_ptr<Runtime> runtime(new Runtime());
+  std::unique_ptr<Runtime> runtime(new Runtime(config, parts));
   for (const config::WorldConfig& said : config.worlds) {
     Result<std::unique_ptr<WorldHost>> host = WorldHost::create(said, parts);
     if (!host) return tl::unexpected(host.error());
     runtime->worlds_.push_back(*std::move(host));
   }
   for (const config::ArmConfig& said : config.arms) {
-    WorldHost* world = said.world ? runtime->find_world(*said.world) : nullptr;
-    Result<std::unique_ptr<ArmRig>> rig = ArmRig::create(said, config.servo, world, parts);
+    Result<std::unique_ptr<ArmRig>> rig = runtime->make_rig(said);
     if (!rig) return tl::unexpected(rig.error());
     runtime->arms_.push_back(*std::move(rig));
   }
   return runtime;
+}
+
+Result<std::unique_ptr<ArmRig>> Runtime::make_rig(const config::ArmConfig& said) {
+  return ArmRig::create(said, servo_, said.world ? find_world(*said.world) : nullptr, parts_);
 }
 
 WorldHost* Runtime::find_world(std::string_view name) noexcept {
@@ -45,19 +48,47 @@ std::optional<MonotonicTime> Runtime::pump(MonotonicTime now) {
 
 std::vector<Error> Runtime::follow_buses(MonotonicTime now) {
   // A bus that two arms share is read twice: the second time it has nothing to say.
-  for (const auto& arm : arms_) tell_events_of(arm->buses());
-  std::vector<Error> troubles;
   for (const auto& arm : arms_) {
-    Result<void> followed = arm->follow(now);
+    tell_events_of(arm->buses());
+    if (arm->awaited() != nullptr) tell_events_of(*parts_.real_buses);
+  }
+  std::vector<Error> troubles;
+  for (std::size_t i = 0; i < arms_.size(); ++i) {
+    Result<void> followed = arms_[i]->follow(now);
     if (!followed) troubles.push_back(std::move(followed.error()));
+    Result<void> awaited = follow_awaited(i, now);
+    if (!awaited) troubles.push_back(std::move(awaited.error()));
   }
   return troubles;
 }
+
+Result<void> Runtime::follow_awaited(std::size_t arm, MonotonicTime now) {
+  ArmRig& rig = *arms_[arm];
+  AwaitedArm* const awaited = rig.awaited();
+  if (awaited == nullptr) return {};
+  ArmSession& stand_in = rig.session();
+  const bool is_resting = stand_in.snapshot().frame.state == OperatingState::Inactive &&
+                          !stand_in.controls().want_active;
+  if (!awaited->follow(now, is_resting)) return {};
+  config::ArmConfig real = awaited->arm();
+  real.fallback = config::Fallback::None;  // gone again, it is an arm that was lost
+  Result<std::unique_ptr<ArmRig>> opened = make_rig(real);
+  if (!opened) {
+    awaited->fail_with(opened.error());
+    return tl::unexpected(opened.error());
+  }
+  (*opened)->session().controls().want_active = false;
+  arrivals_.push_back({arm, *std::move(opened)});
+  return {};
+}
+
+void Runtime::take_over(Arrival arrival) { arms_.at(arrival.arm) = std::move(arrival.rig); }
 
 void Runtime::tell_events_of(bus::BusEnumerator& buses) {
   while (const std::optional<bus::BusEvent> event = buses.poll_event()) {
     for (const auto& arm : arms_) {
       if (&arm->buses() == &buses) arm->session().on_bus_event(*event);
+      if (AwaitedArm* const awaited = arm->awaited()) awaited->on_bus_event(*event);
     }
   }
 }

@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "daemon/config/config.hpp"
@@ -32,15 +33,34 @@ class Runtime {
   std::optional<MonotonicTime> pump(MonotonicTime now);
   // Arrivals and departures: every arm on a bus hears of each, whoever else is on that bus.
   // Call it every few ms, `now` on the caller's clock. What went wrong just now, for the log.
+  // Opens, too, the real arms that have come while their stand-ins rest: see take_arrivals().
   [[nodiscard]] std::vector<Error> follow_buses(MonotonicTime now);
 
+  // A real arm, opened, whose stand-in is Inactive and not to be activated.
+  struct Arrival {
+    std::size_t arm{0};  // index in arms()
+    std::unique_ptr<ArmRig> rig;
+  };
+  // What follow_buses() opened. Each is to be put in its place at once.
+  [[nodiscard]] std::vector<Arrival> take_arrivals() { return std::exchange(arrivals_, {}); }
+  // Puts it in the place of its stand-in, which is destroyed: no servo may run on that any more.
+  // The real arm is not active, whatever the configuration says: nobody asked for that one.
+  void take_over(Arrival arrival);
+
  private:
-  Runtime() = default;
+  Runtime(const config::Config& config, const RigParts& parts)
+      : servo_(config.servo), parts_(parts) {}
+  [[nodiscard]] Result<std::unique_ptr<ArmRig>> make_rig(const config::ArmConfig& said);
   void tell_events_of(bus::BusEnumerator& buses);
+  Result<void> follow_awaited(std::size_t arm, MonotonicTime now);
+
+  config::ServoConfig servo_;
+  RigParts parts_;
 
   // The order matters: links on the arms' side use the worlds.
   std::vector<std::unique_ptr<WorldHost>> worlds_;
   std::vector<std::unique_ptr<ArmRig>> arms_;
+  std::vector<Arrival> arrivals_;
 };
 
 }  // namespace thimble::session

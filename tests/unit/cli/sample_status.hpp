@@ -12,6 +12,7 @@ inline api::Status sample_status() {
   api::ArmStatus arm;
   arm.name = "right";
   arm.device = "sim:phantom-vintage";
+  arm.stands_in_for = "hid:LAB-7";
   arm.model = "phantom-vintage";
   arm.state = "active";
   arm.calibration = "done";

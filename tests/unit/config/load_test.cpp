@@ -120,6 +120,7 @@ TEST(ConfigLoad, ReadsEveryKey) {
                       "/etc/thimble/falcon.bin",
                       "00ff",
                       0.0025,
+                      Fallback::None,
                       std::nullopt,
                       UdpEndpoint{"::1", 5001},
                       LinkProtocol::Thesis,
@@ -265,15 +266,6 @@ TEST(ConfigLoad, RefusesTheSameHardwareOrListenerTwiceButNotTheSameModel) {
       "[[world]]\nname = \"v\"\nsource = \"box:3\"\nlisten = \"udp://127.0.0.1:1\"\n";
   EXPECT_THAT(mistakes(arms + worlds),
               ElementsAre(HasSubstr(":7:10: arm.1.device"), HasSubstr(":24:10: world.1.listen")));
-}
-
-TEST(ConfigLoad, GivesAPersonOnlyToSimulatedArms) {
-  const std::string text =
-      "[[arm]]\nname = \"a\"\ndevice = \"hid:1\"\nworld = \"w\"\n"
-      "[[world]]\nname = \"w\"\nsource = \"box:3\"\n";
-  ASSERT_TRUE(parse_text(text));
-  EXPECT_EQ(parse_text(text)->arms[0].hand, std::nullopt);
-  EXPECT_THAT(mistakes(text, {"arm.a.hand.seed=2"}), ElementsAre(HasSubstr("only for a \"sim:\"")));
 }
 
 TEST(ConfigLoad, HintsAtTheDoubleBracketsOfArms) {

@@ -1,0 +1,59 @@
+#include "daemon/session/stand_in.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "daemon/devices/arm_opener.hpp"
+
+namespace thimble::session {
+
+Result<config::ArmConfig> stand_in_for(const config::ArmConfig& arm,
+                                       const plugin::SimModelRegistry& models) {
+  const std::string model = arm.model.value_or("");
+  const bool is_loaded_there = models.find(model + "-loaded") != nullptr;
+  config::ArmConfig simulated = arm;
+  simulated.device = "sim:" + model + (is_loaded_there ? "-loaded" : "");
+  simulated.fallback = config::Fallback::None;
+  // The file, if any, is for the real one, and so is the scale that was measured on it.
+  simulated.firmware.reset();
+  simulated.firmware_sha256.reset();
+  simulated.newton_per_count.reset();
+  if (!simulated.hand) simulated.hand.emplace();
+  if (is_loaded_there || models.find(model) != nullptr) return simulated;
+  std::string known;
+  for (const plugin::SimModelEntry& entry : models.entries()) known += " " + entry.name;
+  return fail(Errc::NotFound,
+              "no simulated arm of model '" + model + "' can stand in; there are:" + known);
+}
+
+void AwaitedArm::on_bus_event(const bus::BusEvent& event) {
+  if (event.device.address.text == arm_.device) look_at_once();
+}
+
+void AwaitedArm::look_at_once() {
+  next_try_.reset();
+  retry_ = kFirstRetry;
+}
+
+bool AwaitedArm::follow(MonotonicTime now, bool is_resting) {
+  if (is_resting && !was_resting_) look_at_once();
+  was_resting_ = is_resting;
+  if (next_try_ && now < *next_try_) return false;
+  next_try_ = now + retry_;
+  retry_ = std::min(2 * retry_, kLongestRetry);
+  is_there_ = devices::find_device(*buses_, {arm_.device}).has_value();
+  if (!is_there_) trouble_.clear();
+  return is_there_ && is_resting;
+}
+
+std::string AwaitedArm::sentence() const {
+  const std::string name = "arm '" + arm_.name + "': " + arm_.device;
+  if (!is_there_) {
+    return name + " is not there; a simulated arm stands in for it (" + stand_in_ + ")";
+  }
+  if (!trouble_.empty()) return name + " is there but cannot take over: " + trouble_;
+  return name + " is there; it takes over as soon as the simulated arm is inactive: thimble " +
+         "deactivate " + arm_.name;
+}
+
+}  // namespace thimble::session

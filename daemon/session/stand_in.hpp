@@ -1,0 +1,57 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "daemon/config/config.hpp"
+#include "hal/base/result.hpp"
+#include "hal/bus/bus_enumerator.hpp"
+#include "hal/plugin/sim_model.hpp"
+
+namespace thimble::session {
+
+// What the configuration of `arm` becomes while a simulated one stands in for it: the same but for
+// its device, and with a person who holds it. The simulated one has the name of arm.model; where
+// there is one that needs no upload ("-loaded"), that one. Errors: NotFound, naming those there
+// are.
+[[nodiscard]] Result<config::ArmConfig> stand_in_for(const config::ArmConfig& arm,
+                                                     const plugin::SimModelRegistry& models);
+
+// The real arm that a simulated one stands in for: looked for when the bus tells of it, and now and
+// then by itself.
+//
+// Thread: control plane. Ownership: `buses` must outlive it.
+class AwaitedArm {
+ public:
+  AwaitedArm(const config::ArmConfig& arm, std::string stand_in, bus::BusEnumerator& buses)
+      : arm_(arm), stand_in_(std::move(stand_in)), buses_(&buses) {}
+
+  // As the configuration has it.
+  [[nodiscard]] const config::ArmConfig& arm() const noexcept { return arm_; }
+  void on_bus_event(const bus::BusEvent& event);
+  // True: it is there and may take over, so open it now. `is_resting`: the stand-in is Inactive,
+  // and nobody wants it otherwise. `now` is the caller's own time.
+  [[nodiscard]] bool follow(MonotonicTime now, bool is_resting);
+  // This try to open it came to nothing.
+  void fail_with(const Error& error) { trouble_ = error.message; }
+  // How it stands, for a person.
+  [[nodiscard]] std::string sentence() const;
+
+  // As ArmSession's for a lost arm.
+  static constexpr Duration kFirstRetry = std::chrono::milliseconds(50);
+  static constexpr Duration kLongestRetry = std::chrono::seconds(2);
+
+ private:
+  void look_at_once();
+
+  config::ArmConfig arm_;
+  std::string stand_in_;
+  bus::BusEnumerator* buses_;
+  bool is_there_{false};
+  bool was_resting_{false};
+  std::string trouble_;
+  Duration retry_{kFirstRetry};
+  std::optional<MonotonicTime> next_try_;  // nothing: at once
+};
+
+}  // namespace thimble::session
