@@ -1,15 +1,20 @@
 /* What a driver built outside this tree and thimbled agree on: plain C99, nothing else included.
+ * lint: long-file it is all that a plugin is built against, and one file is what it gets
  *
  * A plugin is a shared object that exports one constant, THIMBLE_PLUGIN, and hides the rest. The
  * host compares its numbers before it calls anything in it. docs/plugins.md tells how to write one.
  *
- * Version 0 may change with every release. Each change counts up the revision, and the host takes
- * its own revision only. From version 1 on structures grow at their end only: `struct_bytes` says
- * how much of one the writer knows, what is missing reads as zero, and the symbol's name changes
- * with the version, so that one object can serve two.
+ * Version 0 may change with every release. Each change counts up the revision. The host takes its
+ * own and those that differ from it by what was added at the end of struct thimble_plugin only: 1,
+ * which ends before `usb_driver`. From version 1 on structures grow at their end only:
+ * `struct_bytes` says how much of one the writer knows, what is missing reads as zero, and the
+ * symbol's name changes with the version, so that one object can serve two.
  *
- * Bytes of the bus are handed in and out: a plugin has no handle on the bus, so it cannot wait for
- * it, and can send nothing but what encode() makes of a force that the limiter has let through.
+ * Bytes of a HID bus are handed in and out: a plugin has no handle on the bus, so it cannot wait
+ * for it, and can send nothing but what encode() makes of a force that the limiter has let through.
+ * A driver of a bare USB device has to talk to it before there is any force (a boot, an upload), so
+ * it gets the pipes that it claims, and nothing on them ever waits; what it does with a force is
+ * its maker's word.
  *
  * Thread: the functions of one device, and those of one simulated device, are called by one thread
  *   at a time; those of different devices may run at once, so a plugin has no state but theirs.
@@ -37,12 +42,17 @@ extern "C" {
 
 #define THIMBLE_PLUGIN_MAGIC UINT32_C(0x504d4854) /* "THMP" in memory */
 #define THIMBLE_PLUGIN_ABI_VERSION UINT32_C(0)
-#define THIMBLE_PLUGIN_ABI_REVISION UINT32_C(1)
+#define THIMBLE_PLUGIN_ABI_REVISION UINT32_C(2)
 
 #define THIMBLE_NAME_BYTES 32    /* names are 1 to 31 of a-z, 0-9 and - */
 #define THIMBLE_TEXT_BYTES 192   /* one sentence */
 #define THIMBLE_STRING_BYTES 128 /* of a device's descriptor; longer ones are cut */
 #define THIMBLE_REPORT_BYTES 64  /* full-speed interrupt packet, USB 2.0 */
+#define THIMBLE_PATH_BYTES 4096
+#define THIMBLE_PACKET_BYTES 512 /* bulk packet at high speed, USB 2.0 */
+#define THIMBLE_CONTROL_BYTES 64 /* of a request's data stage */
+#define THIMBLE_USB_ENDPOINTS 30
+#define THIMBLE_USB_PIPES 4
 #define THIMBLE_JOINTS 6
 #define THIMBLE_MOTORS 3
 
@@ -51,7 +61,10 @@ enum thimble_status {
   THIMBLE_NO_DATA = 1,        /* decode(): a sound report without a new sample */
   THIMBLE_PROTOCOL_ERROR = 2, /* decode(), encode(): counted; no sample, nothing sent */
   THIMBLE_NOT_MINE = 3,       /* match(): ask the next driver */
-  THIMBLE_REFUSED = 4         /* match(), open(), create(), move_tip_to(): see the reason */
+  THIMBLE_REFUSED = 4,        /* match(), open(), create(), move_tip_to(): see the reason */
+  /* Of USB only. */
+  THIMBLE_BACKLOGGED = 5,  /* the last packet or request is still under way; this one waits */
+  THIMBLE_DISCONNECTED = 6 /* for ever: it was unplugged */
 };
 
 enum thimble_calibration {
@@ -176,6 +189,140 @@ struct thimble_driver {
                     uint8_t bytes[THIMBLE_REPORT_BYTES]);
 };
 
+/* One endpoint, as the device's descriptors tell of it. */
+struct thimble_usb_endpoint {
+  uint8_t interface_number;
+  uint8_t address; /* 0x81: endpoint 1 to the host; 0x02: endpoint 2 from it */
+  uint8_t kind;    /* bits 0 and 1 of bmAttributes: 2 bulk, 3 interrupt */
+  uint8_t reserved;
+  uint16_t max_packet_bytes;
+  uint16_t reserved_too;
+};
+
+/* What can be known of a USB device without touching it. */
+struct thimble_usb_info {
+  uint32_t struct_bytes;
+  uint16_t vendor_id;
+  uint16_t product_id;
+  uint32_t endpoint_count;
+  uint32_t reserved;
+  struct thimble_usb_endpoint endpoints[THIMBLE_USB_ENDPOINTS];
+  char address[THIMBLE_STRING_BYTES]; /* "usb:PORT", "sim:MODEL" */
+  char manufacturer[THIMBLE_STRING_BYTES];
+  char product[THIMBLE_STRING_BYTES];
+  char serial_number[THIMBLE_STRING_BYTES]; /* empty when it has none */
+};
+
+/* What the configuration says of the arm. */
+struct thimble_usb_settings {
+  uint32_t struct_bytes;
+  uint32_t reserved;
+  double amplifier_max_a;            /* 0: not said */
+  double newton_per_count;           /* 0: not said */
+  char model[THIMBLE_STRING_BYTES];  /* empty: not said; so the next two */
+  char firmware[THIMBLE_PATH_BYTES]; /* a file */
+  char sha256[THIMBLE_STRING_BYTES]; /* of that file, hexadecimal */
+};
+
+struct thimble_usb_pipe {
+  uint8_t endpoint;
+  uint8_t is_queued; /* input: 1, packets wait in order; 0, only the newest is kept */
+};
+
+/* The interface and the endpoints that a driver uses. */
+struct thimble_usb_claim {
+  uint8_t interface_number;
+  uint8_t pipe_count; /* 1 to THIMBLE_USB_PIPES */
+  struct thimble_usb_pipe pipes[THIMBLE_USB_PIPES];
+};
+
+struct thimble_usb_packet {
+  uint32_t struct_bytes;
+  uint32_t size;         /* of `bytes`; 0: an empty packet */
+  int64_t arrived_at_ns; /* never backwards */
+  uint64_t sequence;     /* +1 for every packet of its endpoint that arrived, read or not */
+  uint8_t bytes[THIMBLE_PACKET_BYTES];
+};
+
+/* A request to endpoint 0; fields as in USB 2.0, 9.3. */
+struct thimble_usb_request {
+  uint32_t struct_bytes;
+  uint8_t request_type; /* the device's class or vendor's only */
+  uint8_t request;
+  uint16_t value;
+  uint16_t index;
+  uint16_t length; /* of the data stage */
+  uint8_t data[THIMBLE_CONTROL_BYTES];
+};
+
+struct thimble_usb_reply {
+  uint32_t struct_bytes;
+  int32_t outcome; /* 0 done, 1 stalled, 2 babbled, 3 failed */
+  uint32_t size;   /* of `data` */
+  uint8_t data[THIMBLE_CONTROL_BYTES];
+};
+
+/* The claimed pipes of one device. The host's; valid from open() to the end of close(). Every call
+ * is RT and never waits. Thread: that of the device's functions. */
+struct thimble_usb_bus {
+  uint32_t struct_bytes;
+  uint32_t reserved;
+  void* context; /* first argument of all */
+  /* OK, NO_DATA, PROTOCOL_ERROR (no such pipe) or DISCONNECTED. */
+  int32_t (*read)(void* context, uint8_t endpoint, struct thimble_usb_packet* packet);
+  /* One packet: OK, BACKLOGGED, PROTOCOL_ERROR or DISCONNECTED. */
+  int32_t (*submit)(void* context, uint8_t endpoint, const uint8_t* bytes, uint32_t size);
+  /* One at a time: OK, BACKLOGGED, PROTOCOL_ERROR or DISCONNECTED. */
+  int32_t (*start_control)(void* context, const struct thimble_usb_request* request);
+  /* OK once for each that ended, NO_DATA or DISCONNECTED. */
+  int32_t (*read_control)(void* context, struct thimble_usb_reply* reply);
+};
+
+/* One measured state, and when it was measured. One that is not new, or younger than every packet
+ * that was read, is none. */
+struct thimble_usb_sample {
+  struct thimble_sample state;
+  int64_t sampled_at_ns; /* when its packet arrived */
+  uint64_t sequence;     /* +1 for every sample of the device, handed over or not */
+};
+
+/* The packet that takes the force away at any time, for whoever writes it. */
+struct thimble_usb_zero {
+  uint32_t struct_bytes;
+  uint32_t size; /* of `bytes`: 1 to THIMBLE_REPORT_BYTES */
+  uint8_t endpoint;
+  uint8_t reserved[7];
+  uint8_t bytes[THIMBLE_REPORT_BYTES];
+};
+
+/* Finds and opens bare USB devices of one family. Every function must be there. Since revision 2.
+ */
+struct thimble_usb_driver {
+  uint32_t struct_bytes;
+  uint32_t reserved;
+  char name[THIMBLE_NAME_BYTES]; /* a name that no other driver has */
+  struct thimble_usb_claim claim;
+  uint8_t reserved_too[6];
+
+  /* As those of thimble_driver. The capabilities' instruction counts for nothing here, and a device
+   * that takes the zero needs no watchdog. `bus` sends nothing before the first write(). */
+  int32_t (*match)(const struct thimble_usb_info* info, const struct thimble_usb_settings* settings,
+                   struct thimble_reason* reason);
+  int32_t (*open)(const struct thimble_usb_info* info, const struct thimble_usb_settings* settings,
+                  const struct thimble_usb_bus* bus, struct thimble_capabilities* capabilities,
+                  struct thimble_usb_zero* zero, void** device, struct thimble_reason* reason);
+  /* May send one last zero. Thread: control plane. */
+  void (*close)(void* device);
+  void (*forget_calibration)(void* device);
+  /* Takes what came. Comes zeroed. OK with a sample; NO_DATA, PROTOCOL_ERROR, DISCONNECTED. RT. */
+  int32_t (*read)(void* device, struct thimble_usb_sample* sample);
+  /* Once a tick, also with zero, also before the arm is ready: then its next step. As the bus
+   * answered: OK, BACKLOGGED, PROTOCOL_ERROR or DISCONNECTED. RT. */
+  int32_t (*write)(void* device, const struct thimble_wrench* wrench);
+  /* What a person must do now; empty: nothing. Thread: control plane, while others run. */
+  void (*read_instruction)(void* device, struct thimble_reason* instruction);
+};
+
 /* Who holds the tip of a simulated arm. Belongs to the host; valid until hold_tip(NULL) or
  * destroy(). Call it only within advance(), once a step of the plant. RT. */
 struct thimble_tip_load {
@@ -260,6 +407,7 @@ struct thimble_plugin {
   const struct thimble_model* const* models; /* NULL: none */
   uint32_t model_count;                      /* up to 16 */
   uint32_t reserved;
+  const struct thimble_usb_driver* usb_driver; /* NULL: none. Since revision 2 */
 };
 
 /* What a plugin exports: THIMBLE_PLUGIN = {THIMBLE_PLUGIN_MAGIC, ...}; at file scope. */

@@ -10,6 +10,7 @@ namespace thimble::plugin {
 namespace {
 
 constexpr std::uint32_t kMaxModels = 16;
+constexpr std::uint32_t kRevisionWithoutUsb = 1;
 // Ranges of plugin_abi.h. Ours: what a desktop arm can have, with room; a number beyond is a slip
 // or a lie, and would reach the limiter as a limit.
 constexpr double kMaxForce_newton = 100;
@@ -89,6 +90,40 @@ Result<void> check_driver(const thimble_driver* driver, const IsInObject& is_in_
   return table.result();
 }
 
+bool is_claim(const thimble_usb_claim& claim) noexcept {
+  if (claim.pipe_count < 1 || claim.pipe_count > THIMBLE_USB_PIPES) return false;
+  return std::all_of(claim.pipes, claim.pipes + claim.pipe_count,
+                     [](const thimble_usb_pipe& pipe) { return pipe.is_queued <= 1; });
+}
+
+Result<void> check_usb_driver(const thimble_usb_driver* driver, const IsInObject& is_in_object) {
+  auto placed = check_place(driver, "its USB driver", is_in_object);
+  if (!placed) return placed;
+  if (!is_claim(driver->claim)) return refuse("its USB driver claims what no device has");
+  TableCheck table("its USB driver", is_in_object);
+  table.has("match", driver->match);
+  table.has("open", driver->open);
+  table.has("close", driver->close);
+  table.has("forget_calibration", driver->forget_calibration);
+  table.has("read", driver->read);
+  table.has("write", driver->write);
+  table.has("read_instruction", driver->read_instruction);
+  return table.result();
+}
+
+Result<void> check_drivers(const thimble_plugin& plugin, const IsInObject& is_in_object) {
+  if (plugin.driver != nullptr) {
+    auto checked = check_driver(plugin.driver, is_in_object);
+    if (!checked) return checked;
+  }
+  const thimble_usb_driver* usb = usb_driver_of(plugin);
+  if (usb == nullptr) return {};
+  auto checked = check_usb_driver(usb, is_in_object);
+  if (!checked || plugin.driver == nullptr) return checked;
+  if (text_of(plugin.driver->name) != text_of(usb->name)) return {};
+  return refuse("has two drivers of the name '" + text_of(usb->name) + "'");
+}
+
 Result<void> check_model(const thimble_model* model, std::uint32_t number,
                          const IsInObject& is_in_object) {
   const std::string what = "its model " + std::to_string(number + 1);
@@ -147,7 +182,18 @@ tl::unexpected<Error> no_arm_has(const std::string& what) {
   return refuse("claims " + what + " that no arm has");
 }
 
+// What a plugin of that revision exports; 0: no revision that this host takes.
+std::size_t plugin_bytes(std::uint32_t version, std::uint32_t revision) noexcept {
+  if (version != THIMBLE_PLUGIN_ABI_VERSION) return 0;
+  if (revision == kRevisionWithoutUsb) return offsetof(thimble_plugin, usb_driver);
+  return revision == THIMBLE_PLUGIN_ABI_REVISION ? sizeof(thimble_plugin) : 0;
+}
+
 }  // namespace
+
+const thimble_usb_driver* usb_driver_of(const thimble_plugin& plugin) noexcept {
+  return plugin.abi_revision == kRevisionWithoutUsb ? nullptr : plugin.usb_driver;
+}
 
 Result<void> check_plugin(const thimble_plugin& plugin, std::size_t bytes,
                           const IsInObject& is_in_object) {
@@ -159,8 +205,8 @@ Result<void> check_plugin(const thimble_plugin& plugin, std::size_t bytes,
       plugin.magic != THIMBLE_PLUGIN_MAGIC) {
     return refuse("is not a plugin's: the magic number is wrong");
   }
-  if (plugin.abi_version != THIMBLE_PLUGIN_ABI_VERSION ||
-      plugin.abi_revision != THIMBLE_PLUGIN_ABI_REVISION) {
+  const std::size_t known_bytes = plugin_bytes(plugin.abi_version, plugin.abi_revision);
+  if (known_bytes == 0) {
     return fail(Errc::Unsupported, "was built for version " + std::to_string(plugin.abi_version) +
                                        " revision " + std::to_string(plugin.abi_revision) +
                                        " of the plugin ABI; this daemon has " +
@@ -168,17 +214,14 @@ Result<void> check_plugin(const thimble_plugin& plugin, std::size_t bytes,
                                        std::to_string(THIMBLE_PLUGIN_ABI_REVISION) +
                                        ": build it anew against the header of this daemon");
   }
-  if (bytes < sizeof(plugin)) return refuse("is too small to be a plugin's of this version");
-  if (plugin.struct_bytes != sizeof(plugin)) {
-    return refuse_size("it", plugin.struct_bytes, sizeof(plugin));
+  if (bytes < known_bytes) return refuse("is too small to be a plugin's of this version");
+  if (plugin.struct_bytes != known_bytes) {
+    return refuse_size("it", plugin.struct_bytes, known_bytes);
   }
-  if (plugin.driver == nullptr && plugin.model_count == 0) {
-    return refuse("has neither a driver nor a model");
-  }
-  if (plugin.driver != nullptr) {
-    auto checked = check_driver(plugin.driver, is_in_object);
-    if (!checked) return checked;
-  }
+  const bool has_driver = plugin.driver != nullptr || usb_driver_of(plugin) != nullptr;
+  if (!has_driver && plugin.model_count == 0) return refuse("has neither a driver nor a model");
+  auto checked = check_drivers(plugin, is_in_object);
+  if (!checked) return checked;
   return check_models(plugin, is_in_object);
 }
 

@@ -25,6 +25,9 @@ using IsInObject = std::function<bool(const void* start, std::size_t bytes, Acce
 [[nodiscard]] Result<void> check_plugin(const thimble_plugin& plugin, std::size_t bytes,
                                         const IsInObject& is_in_object);
 
+// The driver of bare USB devices, if it has one; `plugin` has passed check_plugin().
+[[nodiscard]] const thimble_usb_driver* usb_driver_of(const thimble_plugin& plugin) noexcept;
+
 // Whether an arm may have these; the ranges stand in plugin_abi.h.
 [[nodiscard]] Result<HapticCapabilities> read_capabilities(const thimble_capabilities& said);
 

@@ -5,39 +5,15 @@
 #include <utility>
 
 #include "hal/plugin/plugin_check.hpp"
+#include "hal/plugin/sample_state.hpp"
 
 namespace thimble::plugin {
 namespace {
 
 static_assert(THIMBLE_REPORT_BYTES == bus::kMaxHidReportBytes);
-static_assert(THIMBLE_JOINTS == kMaxJoints);
 
 constexpr std::string_view kNoReportYet =
     "Wait for the first report of the arm; when none comes, check its power and cable";
-
-CalibrationState calibration_of(const thimble_sample& sample) noexcept {
-  switch (sample.calibration) {
-    case THIMBLE_CALIBRATION_DONE:
-      return CalibrationState::Ok;
-    case THIMBLE_CALIBRATION_NEEDS_PERSON:
-      return CalibrationState::NeedsUser;
-    default:
-      return CalibrationState::Unknown;
-  }
-}
-
-void copy_sample(const thimble_sample& sample, std::size_t joints, HapticState& out) noexcept {
-  const bool is_known = sample.calibration == THIMBLE_CALIBRATION_DONE;
-  out.joint_position_rad = {};
-  std::copy_n(sample.joint_position_rad, is_known ? joints : 0, out.joint_position_rad.begin());
-  out.tip = {sample.tip_m[0], sample.tip_m[1], sample.tip_m[2]};
-  for (std::size_t motor = 0; motor < THIMBLE_MOTORS; ++motor) {
-    std::copy_n(sample.motor_current_a_per_newton[motor], 3,
-                out.motor_current_per_force.row[motor].begin());
-  }
-  out.buttons = sample.buttons;
-  out.calibration = calibration_of(sample);
-}
 
 }  // namespace
 
@@ -113,22 +89,12 @@ IoStatus PluginDevice::read(HapticState& out) noexcept {
     forget_calibration();
     return count_malformed();
   }
-  doubt(sample);
+  doubt_calibration(sample, is_done_doubted_);
   copy_sample(sample, capabilities_.joint_count, out);
   out.sampled_at = report_.arrived_at;
   out.sample_sequence = report_.sequence;
   calibration_.store(out.calibration, std::memory_order_relaxed);
   return IoStatus::Ok;
-}
-
-// Were the old reference taken again at once, the servo would never learn that write() sent zero
-// meanwhile: its limiter would go on from a force that the arm no longer has, in one step.
-void PluginDevice::doubt(thimble_sample& sample) noexcept {
-  if (sample.calibration != THIMBLE_CALIBRATION_DONE) {
-    is_done_doubted_ = false;
-  } else if (is_done_doubted_) {
-    sample.calibration = THIMBLE_CALIBRATION_NEEDS_PERSON;
-  }
 }
 
 IoStatus PluginDevice::write(const LimitedWrench& wrench) noexcept {

@@ -44,7 +44,6 @@ class PluginDevice final : public HapticDevice {
  private:
   [[nodiscard]] std::optional<ZeroCommand> ask_for_zero() noexcept;
   IoStatus count_malformed() noexcept;
-  void doubt(thimble_sample& sample) noexcept;
 
   Parts parts_;
   HapticCapabilities capabilities_;

@@ -6,6 +6,7 @@
 #include "hal/plugin/abi_text.hpp"
 #include "hal/plugin/plugin_check.hpp"
 #include "hal/plugin/plugin_device.hpp"
+#include "hal/plugin/plugin_refusal.hpp"
 
 namespace thimble::plugin {
 namespace {
@@ -30,12 +31,6 @@ thimble_driver_settings settings_for(const DriverSettings& settings) {
   out.amplifier_max_a = settings.amplifier_max_a.value_or(0);
   put_text(settings.model, out.model);
   return out;
-}
-
-tl::unexpected<Error> refusal(const thimble_reason& reason) {
-  const std::string text = text_of(reason.text);
-  return fail(Errc::InvalidArgument,
-              text.empty() ? "the plugin refuses it and does not say why" : text);
 }
 
 // When the daemon dies with the plugin that it runs, nothing but the arm itself ends the force.
@@ -63,14 +58,8 @@ class PluginDriver final : public Driver {
     const thimble_driver_settings said = settings_for(settings);
     const std::int32_t status = driver_->match(&hid, &said, &reason);
     if (status == THIMBLE_NOT_MINE) return fail(Errc::NotMine, "not a device of this plugin");
-    if (status != THIMBLE_OK) return refusal(reason);
-    if (!settings.is_named_by_person && !bus::is_simulated(info.address.text)) {
-      return fail(Errc::Permission,
-                  "a plugin's device must be named by the configuration: set "
-                  "the arm's device to \"" +
-                      info.address.text + "\"");
-    }
-    return {};
+    if (status != THIMBLE_OK) return refusal_of(reason);
+    return check_named(info, settings);
   }
 
   [[nodiscard]] Result<std::unique_ptr<HapticDevice>> open(
@@ -87,7 +76,7 @@ class PluginDriver final : public Driver {
     const thimble_hid_info about = info_for(info);
     const thimble_driver_settings wanted = settings_for(settings);
     const std::int32_t status = driver_->open(&about, &wanted, &said, &device, &reason);
-    if (status != THIMBLE_OK) return refusal(reason);
+    if (status != THIMBLE_OK) return refusal_of(reason);
     if (device == nullptr) return fail(Errc::Malformed, "the plugin opened it and gave no device");
     auto capabilities = read_capabilities(said);
     if (capabilities) capabilities = stoppable_on(info, *std::move(capabilities));

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
+#include <vector>
 
 #include "hal/plugin/abi_text.hpp"
 #include "hal/plugin/loaded_object.hpp"
@@ -14,6 +15,7 @@
 #include "hal/plugin/plugin_driver.hpp"
 #include "hal/plugin/plugin_file.hpp"
 #include "hal/plugin/plugin_model.hpp"
+#include "hal/plugin/plugin_usb_driver.hpp"
 #include "hal/plugin/plugin_whole.hpp"
 
 namespace thimble::plugin {
@@ -99,11 +101,14 @@ Result<const thimble_plugin*> load_plugin(const std::string& path) {
 
 Result<void> register_plugin(const thimble_plugin& plugin, DriverRegistry& drivers,
                              SimModelRegistry& models) {
-  const std::string name = plugin.driver == nullptr ? "" : text_of(plugin.driver->name);
-  const auto& known = drivers.drivers();
-  if (std::any_of(known.begin(), known.end(),
-                  [&](const auto& driver) { return driver->name() == name; })) {
-    return fail(Errc::InvalidArgument, "there is a driver '" + name + "' already");
+  const thimble_usb_driver* const usb_driver = usb_driver_of(plugin);
+  std::vector<std::string> names;
+  if (plugin.driver != nullptr) names.push_back(text_of(plugin.driver->name));
+  if (usb_driver != nullptr) names.push_back(text_of(usb_driver->name));
+  for (const auto& known : drivers.drivers()) {
+    if (std::find(names.begin(), names.end(), known->name()) == names.end()) continue;
+    return fail(Errc::InvalidArgument,
+                "there is a driver '" + std::string(known->name()) + "' already");
   }
   for (std::uint32_t i = 0; i < plugin.model_count; ++i) {
     const std::string model = text_of(plugin.models[i]->name);
@@ -112,6 +117,7 @@ Result<void> register_plugin(const thimble_plugin& plugin, DriverRegistry& drive
     }
   }
   if (plugin.driver != nullptr) drivers.add(make_plugin_driver(*plugin.driver));
+  if (usb_driver != nullptr) drivers.add(make_plugin_usb_driver(*usb_driver));
   for (std::uint32_t i = 0; i < plugin.model_count; ++i) {
     models.add(plugin_model_entry(*plugin.models[i]));
   }

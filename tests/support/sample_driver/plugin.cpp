@@ -14,4 +14,5 @@ THIMBLE_PLUGIN = {THIMBLE_PLUGIN_MAGIC,
                   &gantry::kDriver,
                   kModels,
                   1,
-                  0};
+                  0,
+                  nullptr};

@@ -40,6 +40,22 @@
 #define ADVANCE advance
 #endif
 
+#ifndef USB_DRIVER
+#define USB_DRIVER 0
+#endif
+#ifndef USB_BYTES
+#define USB_BYTES sizeof(struct thimble_usb_driver)
+#endif
+#ifndef USB_NAME
+#define USB_NAME "planted-usb"
+#endif
+#ifndef USB_PIPES
+#define USB_PIPES 2
+#endif
+#ifndef USB_READ
+#define USB_READ usb_read
+#endif
+
 static int32_t match(const struct thimble_hid_info* info,
                      const struct thimble_driver_settings* settings,
                      struct thimble_reason* reason) {
@@ -89,6 +105,37 @@ static int32_t move_tip_to(void* device, const double* tip_m) {
 }
 static void press(void* device, int32_t pressed) { (void)device, (void)pressed; }
 static void read_truth(void* device, struct thimble_arm_truth* truth) { (void)device, (void)truth; }
+
+static int32_t usb_match(const struct thimble_usb_info* info,
+                         const struct thimble_usb_settings* settings,
+                         struct thimble_reason* reason) {
+  (void)info, (void)settings, (void)reason;
+  return THIMBLE_NOT_MINE;
+}
+static int32_t usb_open(const struct thimble_usb_info* info,
+                        const struct thimble_usb_settings* settings,
+                        const struct thimble_usb_bus* bus,
+                        struct thimble_capabilities* capabilities, struct thimble_usb_zero* zero,
+                        void** device, struct thimble_reason* reason) {
+  (void)info, (void)settings, (void)bus, (void)capabilities, (void)zero, (void)device, (void)reason;
+  return THIMBLE_REFUSED;
+}
+static int32_t usb_read(void* device, struct thimble_usb_sample* sample) {
+  (void)device, (void)sample;
+  return THIMBLE_NO_DATA;
+}
+static int32_t usb_write(void* device, const struct thimble_wrench* wrench) {
+  (void)device, (void)wrench;
+  return THIMBLE_PROTOCOL_ERROR;
+}
+static void usb_instruction(void* device, struct thimble_reason* instruction) {
+  (void)device, (void)instruction;
+}
+const struct thimble_usb_driver usb_driver = {
+    USB_BYTES, 0,         USB_NAME,  {0, USB_PIPES, {{0x81, 1}, {0x02, 0}}},
+    {0},       usb_match, usb_open,  leave,
+    leave,     USB_READ,  usb_write, usb_instruction};
+const void* unused_as_well(void) { return (const void*)usb_read; }
 
 static const struct thimble_model* const models[2];
 static const struct thimble_driver driver = {DRIVER_BYTES, 0,     DRIVER_NAME, match, open_arm,
@@ -151,7 +198,7 @@ __asm__(
 const void* unused(void) { return &models; }
 const void* unused_too(void) { return &driver; }
 #else
-THIMBLE_PLUGIN = {MAGIC, VERSION, REVISION, BYTES, DRIVER, MODELS, MODEL_COUNT, 0};
+THIMBLE_PLUGIN = {MAGIC, VERSION, REVISION, BYTES, DRIVER, MODELS, MODEL_COUNT, 0, USB_DRIVER};
 const void* unused(void) { return &driver; }
 const void* unused_too(void) { return &models; }
 #endif

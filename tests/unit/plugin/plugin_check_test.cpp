@@ -200,7 +200,8 @@ void fill(Object& object) {
                    &driver,
                    object.models,
                    1,
-                   0};
+                   0,
+                   nullptr};
 }
 
 bool is_in(const Object& object, const void* start, std::size_t bytes, Access access) {

@@ -72,10 +72,18 @@ INSTANTIATE_TEST_SUITE_P(
         Plant{"function", "its thimble_plugin_v0 is not data"},
         Plant{"short", "too small to be a plugin's"},
         Plant{"wrong_magic", "the magic number is wrong"},
-        Plant{"other_version", "built for version 1 revision 1"},
+        Plant{"other_version", "built for version 1 revision 2"},
         Plant{"other_revision", "built for version 0 revision 99"},
-        Plant{"says_smaller", "it says 16 bytes, but has 40"},
-        Plant{"says_larger", "it says 65536 bytes, but has 40"},
+        Plant{"says_smaller", "it says 16 bytes, but has 48"},
+        Plant{"says_larger", "it says 65536 bytes, but has 48"},
+        Plant{"old_but_larger", "it says 48 bytes, but has 40"},
+        Plant{"usb_elsewhere", "its USB driver is not in the file"},
+        Plant{"usb_small", "its USB driver says 88 bytes, but has 112"},
+        Plant{"usb_without_pipes", "its USB driver claims what no device has"},
+        Plant{"usb_many_pipes", "its USB driver claims what no device has"},
+        Plant{"usb_missing_function", "its USB driver lacks the function read"},
+        Plant{"usb_foreign_function", "its USB driver has a function read that is not in"},
+        Plant{"usb_of_its_name", "has two drivers of the name 'planted'"},
         Plant{"nothing", "has neither a driver nor a model"},
         Plant{"driver_elsewhere", "its driver is not in the file"},
         Plant{"driver_nowhere", "its driver is not in the file"},
@@ -93,6 +101,16 @@ INSTANTIATE_TEST_SUITE_P(
         Plant{"twin_models", "has two models of the name 'planted'"},
         Plant{"model_without_function", "its model 1 lacks the function advance"}),
     [](const auto& plant) { return std::string(plant.param.name); });
+
+TEST_F(PluginLoader, TakesDriversOfBareUsbAndPluginsThatAreOlderThanThose) {
+  for (const char* name : {"with_usb", "only_usb", "of_revision_1"}) {
+    session::Plugins sut;
+    const std::size_t before = sut.drivers.drivers().size();
+    EXPECT_THAT(sut.load({planted(name)}), testing::IsEmpty()) << name;
+    const std::size_t added = std::string(name) == "with_usb" ? 2 : 1;
+    EXPECT_EQ(sut.drivers.drivers().size(), before + added) << name;
+  }
+}
 
 TEST_F(PluginLoader, RefusesWhatIsNoSharedObject) {
   const auto text = folder_.write("text.so", "not a shared object, although its name says so");
