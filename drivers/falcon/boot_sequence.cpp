@@ -69,7 +69,14 @@ BootOrder order_of(std::span<const std::uint8_t> bytes) noexcept {
 
 void BootSequence::on_packet(std::span<const std::uint8_t> serial, MonotonicTime at) noexcept {
   now_ = std::max(now_, at);
+  if (is_request_open_ && !request_deadline_) request_deadline_ = now_ + kRequestPatience;
   for (const std::uint8_t byte : serial) on_byte(byte);
+}
+
+void BootSequence::restart() noexcept {
+  const MonotonicTime now = now_;
+  *this = BootSequence(image_);
+  now_ = knock_at_ = now;
 }
 
 void BootSequence::find_again() noexcept {
@@ -80,7 +87,7 @@ void BootSequence::find_again() noexcept {
 
 // While the bridge is being set, what comes is from before.
 void BootSequence::on_byte(std::uint8_t byte) noexcept {
-  if (is_request_open_ || requests_done_ < settings_of(stage_).size()) return;
+  if (is_being_set()) return;
   if (wants_to_talk_) {
     // More echo than there was to echo: the two ends are not at the same place.
     if (stage_ == BootStage::Uploading) fail_upload(BootTrouble::EchoWrong);
@@ -135,8 +142,17 @@ void BootSequence::on_request_end(bus::UsbOutcome outcome) noexcept {
   ++requests_done_;
 }
 
+bool BootSequence::is_being_set() const noexcept {
+  return is_request_open_ || requests_done_ < settings_of(stage_).size();
+}
+
 BootOrder BootSequence::next() noexcept {
-  if (is_request_open_ || is_running()) return {};
+  if (is_running()) return {};
+  if (is_first_ && is_being_set() && now_ >= knock_at_) {
+    knock_at_ = now_ + kPatience;
+    return order_of(encode_run_command(kKnock));
+  }
+  if (is_request_open_) return {};
   const std::span<const Setting> settings = settings_of(stage_);
   if (requests_done_ < settings.size()) {
     BootOrder order;
@@ -145,10 +161,11 @@ BootOrder BootSequence::next() noexcept {
     order.request.request = settings[requests_done_].request;
     order.request.value = settings[requests_done_].value;
     is_request_open_ = true;
+    request_deadline_.reset();
     return order;
   }
   if (!wants_to_talk_ && now_ >= deadline_) on_silence();
-  if (!wants_to_talk_ || requests_done_ < settings_of(stage_).size()) return {};
+  if (!wants_to_talk_ || is_being_set()) return {};
   wants_to_talk_ = false;
   deadline_ = now_ + patience();
   return talk();
@@ -188,6 +205,7 @@ std::size_t BootSequence::chunk_bytes() const noexcept {
 void BootSequence::enter(BootStage stage) noexcept {
   stage_ = stage;
   is_search_ = false;
+  is_first_ = false;
   requests_done_ = 0;
   wants_to_talk_ = stage != BootStage::Resting;
   repetitions_ = 0;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -49,7 +50,9 @@ struct BootOrder {
 // The way from an arm that was just plugged in to one whose firmware runs: looks whether it runs
 // already, else asks the boot-loader, uploads the image and compares the echo of every byte, and
 // sees that it runs. Repeats the whole as the facts say, then rests and begins again: it ends when
-// the arm runs. Nothing here moves a motor: the only commands it sends in run mode are zero.
+// the arm runs. Nothing here moves a motor: the only commands it sends in run mode are zero. The
+// first of them leaves before anything else, and more while a request is not answered: an arm that
+// ran for somebody else, or on a handle that died, may hold a force (decision 0286).
 //
 // A state machine over bytes and time, nothing else. Time is that of the packets that arrive; the
 // bridge sends one at least every latency period, and a bridge that sends none stays where it is.
@@ -61,7 +64,7 @@ class BootSequence {
   explicit BootSequence(std::span<const std::uint8_t> image) noexcept : image_(image) {}
 
   // From the beginning; whoever asks knows of no trouble yet.
-  THIMBLE_RT void restart() noexcept { *this = BootSequence(image_); }
+  THIMBLE_RT void restart() noexcept;
   // Of an arm that ran and has fallen silent, maybe with force on its motors: its bridge is set, so
   // a zero goes out at once, and again and again for kSearch before anything else is tried.
   THIMBLE_RT void find_again() noexcept;
@@ -73,6 +76,11 @@ class BootSequence {
   THIMBLE_RT [[nodiscard]] BootOrder next() noexcept;
 
   [[nodiscard]] bool is_running() const noexcept { return stage_ == BootStage::Running; }
+  // A request has had no end for kRequestPatience, and may never have one, since the bus knows no
+  // time-outs: only another handle helps.
+  [[nodiscard]] bool is_stuck() const noexcept {
+    return is_request_open_ && request_deadline_ && now_ >= *request_deadline_;
+  }
   [[nodiscard]] BootStage stage() const noexcept { return stage_; }
   [[nodiscard]] BootTrouble trouble() const noexcept { return trouble_; }
 
@@ -80,11 +88,14 @@ class BootSequence {
   // and up to a latency period of 16 ms in the bridge.
   static constexpr Duration kPatience = std::chrono::milliseconds(50);
   static constexpr Duration kEchoPatience = std::chrono::milliseconds(250);
+  // Ours; a bridge answers a request in a frame or two.
+  static constexpr Duration kRequestPatience = std::chrono::milliseconds(500);
   static constexpr Duration kRest = std::chrono::seconds(5);
   // Ours: a cable that is bad for so long is found again by the first zero that passes it.
   static constexpr Duration kSearch = std::chrono::seconds(5);
 
  private:
+  [[nodiscard]] bool is_being_set() const noexcept;
   void enter(BootStage stage) noexcept;
   void on_byte(std::uint8_t byte) noexcept;
   void on_boot_answer(std::uint8_t byte) noexcept;
@@ -103,8 +114,11 @@ class BootSequence {
   BootTrouble trouble_{BootTrouble::None};
   std::size_t requests_done_{0};  // of those that the stage begins with
   bool is_request_open_{false};
+  std::optional<MonotonicTime> request_deadline_;  // from the first packet after it
+  MonotonicTime knock_at_{};
   bool wants_to_talk_{true};
   bool is_search_{false};  // Detecting: it ran a moment ago
+  bool is_first_{true};    // Detecting: nothing else was tried yet, no upload left half-way
   int repetitions_{0};     // of what the stage says, so far without an answer
   int uploads_{0};
   std::size_t sent_bytes_{0};     // of the image, echoed all

@@ -141,7 +141,9 @@ void FalconDevice::publish() noexcept {
 
 IoStatus FalconDevice::read(HapticState& out) noexcept {
   fresh_.reset();
-  if (take_packets() == IoStatus::Disconnected) {
+  const IoStatus taken = take_packets();
+  is_given_up_ = is_given_up_ || boot_.is_stuck();
+  if (taken == IoStatus::Disconnected || is_given_up_) {
     start_over();
     return IoStatus::Disconnected;
   }
@@ -224,6 +226,7 @@ void FalconDevice::fill(HapticState& out, const RunReport& report) noexcept {
 }
 
 IoStatus FalconDevice::write(const LimitedWrench& wrench) noexcept {
+  if (is_given_up_) return IoStatus::Disconnected;
   if (!boot_.is_running()) return carry_out(boot_.next());
   RunCommand command;
   command.motor_counts = motors_for(wrench.force());

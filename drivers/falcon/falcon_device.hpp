@@ -23,7 +23,7 @@ namespace thimble::falcon {
 // whenever the last one is answered, with zero until the arm is homed. A request that takes the
 // force away does not wait for the answer to the last. read() takes what came; before the firmware
 // runs that is NoData, so that the arm stays Configured. Nobody answers for half a second: zeros,
-// and then from the boot on again.
+// and then from the boot on again. A request to the bridge that never ends: Disconnected, for good.
 //
 // Until homed the state carries the middle of the workspace: a made-up place had better be a known
 // one. The reference is forgotten as ArmReference says, when a crank is beyond its stops, when no
@@ -85,6 +85,7 @@ class FalconDevice final : public HapticDevice {
   bool is_loss_untold_{false};  // the reference was lost, and no state has said so
   MonotonicTime now_{};         // of the newest packet
   MonotonicTime reported_at_{};
+  bool is_given_up_{false};
   std::uint64_t lost_bytes_seen_{0};
   MotorCounts sent_counts_{};
   // Read from any thread.

@@ -183,16 +183,57 @@ TEST(BootSequence, ARefusedRequestIsTriedAgainAfterARest) {
   EXPECT_EQ(boot.sut.trouble(), BootTrouble::None);
 }
 
-TEST(BootSequence, OneRequestAtATimeHoweverLongItTakes) {
+bool is_knock(const BootOrder& order) {
+  const auto knocks = test::reports_in({order.packet().begin(), order.packet().end()});
+  return order.kind == BootOrder::Kind::Packet && knocks.size() == 1 &&
+         knocks[0].encoder_counts == std::array<std::int16_t, 3>{};
+}
+
+TEST(BootSequence, AZeroLeavesBeforeAnythingElse) {
   const Bytes image = any_image(100, 3);
   BootSequence sut(image);
+  EXPECT_TRUE(is_knock(sut.next()));
   EXPECT_EQ(sut.next().kind, BootOrder::Kind::Request);
-  for (int ms = 0; ms < 10'000; ++ms) {
-    sut.on_packet({}, MonotonicTime{milliseconds(ms)});
-    ASSERT_EQ(sut.next().kind, BootOrder::Kind::Nothing);
-  }
+  sut.on_packet({}, MonotonicTime{std::chrono::hours(3)});
   sut.on_request_end(bus::UsbOutcome::Done);
-  EXPECT_EQ(sut.next().kind, BootOrder::Kind::Request);
+  sut.restart();
+  EXPECT_TRUE(is_knock(sut.next())) << "and again after a restart";
+}
+
+// The bus has no time-outs: a request whose packet is lost never ends.
+TEST(BootSequence, ARequestWithoutAnEndIsWaitedForWithZerosAndThenGivenUp) {
+  const Bytes image = any_image(100, 3);
+  BootSequence sut(image);
+  (void)sut.next();
+  ASSERT_EQ(sut.next().kind, BootOrder::Kind::Request);
+  const MonotonicTime start{std::chrono::hours(3)};
+  int knocks = 0;
+  for (int ms = 0; ms < 500; ++ms) {
+    sut.on_packet({}, start + milliseconds(ms));
+    ASSERT_FALSE(sut.is_stuck()) << ms;
+    const BootOrder order = sut.next();
+    ASSERT_NE(order.kind, BootOrder::Kind::Request) << "one at a time";
+    if (is_knock(order)) ++knocks;
+  }
+  EXPECT_EQ(knocks, 10);
+  sut.on_packet({}, start + milliseconds(500));
+  EXPECT_TRUE(sut.is_stuck());
+}
+
+TEST(BootSequence, ASlowRequestIsNoneWithoutAnEnd) {
+  const Bytes image = any_image(100, 3);
+  BootSequence sut(image);
+  (void)sut.next();
+  ASSERT_EQ(sut.next().kind, BootOrder::Kind::Request);
+  sut.on_packet({}, MonotonicTime{std::chrono::hours(3)});
+  sut.on_packet({}, MonotonicTime{std::chrono::hours(3)} + milliseconds(499));
+  sut.on_request_end(bus::UsbOutcome::Done);
+  sut.on_packet({}, MonotonicTime{std::chrono::hours(4)});
+  EXPECT_FALSE(sut.is_stuck());
+  (void)sut.next();  // a knock
+  EXPECT_EQ(sut.next().kind, BootOrder::Kind::Request) << "the second one";
+  sut.on_packet({}, MonotonicTime{std::chrono::hours(5)});
+  EXPECT_FALSE(sut.is_stuck()) << "whose time begins with the first packet that follows";
 }
 
 TEST(BootSequence, EverySizeOfImageArrivesWhole) {
@@ -212,8 +253,6 @@ TEST(BootSequence, RestartsFromTheBeginning) {
   EXPECT_EQ(boot.arm.uploads, 1);
 }
 
-// Nothing that a device does makes an order that cannot be, or an upload that leaves a byte out:
-// each chunk is sent only when all before it came back.
 TEST(BootSequence, AnArmThatRanIsFoundAgainByAZeroAtOnce) {
   Boot boot({});
   ASSERT_TRUE(boot.runs_within(milliseconds(2000)));
@@ -235,6 +274,8 @@ TEST(BootSequence, AnArmThatRanAndForgotItsFirmwareGetsItAgain) {
   EXPECT_EQ(boot.arm.uploads, 1);
 }
 
+// Nothing that a device does makes an order that cannot be, or an upload that leaves a byte out:
+// each chunk is sent only when all before it came back.
 TEST(BootSequence, AnyDeviceGetsOrdersThatCanBe) {
   std::mt19937 random(4);
   for (int round = 0; round < 60; ++round) {

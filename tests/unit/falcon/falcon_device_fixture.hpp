@@ -55,10 +55,12 @@ class FalconDeviceTest : public testing::Test {
   }
   // The firmware runs already and answers the knock.
   void boot() {
-    for (int i = 0; i < 20 && script_.submitted.empty(); ++i) {
+    const std::size_t settings = script_.requests.size() + 4;
+    for (int i = 0; i < 20 && script_.requests.size() < settings; ++i) {
       write();
       pass();
     }
+    write();
     reply({0, 0, 0});
     script_.submitted.clear();
   }

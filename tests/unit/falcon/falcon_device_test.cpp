@@ -67,7 +67,7 @@ TEST_F(FalconDeviceTest, TellsAPersonWhatIsMissing) {
     pass();
   }
   EXPECT_TRUE(sut_->calibration_instruction().starts_with("The Falcon has no firmware"));
-  EXPECT_EQ(packets(), 10U) << "no question to the boot-loader, nothing uploaded";
+  EXPECT_EQ(packets(), 11U) << "no question to the boot-loader, nothing uploaded";
   open();
   home();
   EXPECT_EQ(sut_->calibration_instruction(), "");
@@ -194,52 +194,6 @@ TEST_F(FalconDeviceTest, TakingTheForceAwayWaitsForNothing) {
   EXPECT_EQ(write(0, 0, 0), IoStatus::Ok);
   EXPECT_EQ(sent(), (Counts{0, 0, 0}));
   EXPECT_EQ(write(0, 0, 0), IoStatus::Backlogged) << "once is enough";
-}
-
-// It has no watchdog: what it holds while nothing passes the cable is taken away by a zero alone.
-TEST_F(FalconDeviceTest, AnArmThatFellSilentIsSentZerosBeforeAnythingElseIsTried) {
-  home();
-  int ms = 0;
-  for (write(1, 0, 0); ms < 1000 && sent() != Counts{0, 0, 0}; ++ms) {
-    pass();
-    write(1, 0, 0);
-  }
-  EXPECT_EQ(ms, 500) << "when nobody answered for so long";
-  const std::size_t before = packets();
-  for (; ms < 5400; ++ms) {
-    pass();
-    write(1, 0, 0);
-    ASSERT_EQ(sent(), (Counts{0, 0, 0}));
-  }
-  EXPECT_EQ(packets() - before, 98U) << "one each 50 ms";
-  EXPECT_EQ(script_.requests.size(), 4U) << "its bridge is set";
-  home();
-}
-
-TEST_F(FalconDeviceTest, NobodyWhoAnswersIsLookedForFromTheBoot) {
-  home();
-  for (int ms = 0; ms < 5800; ++ms) {
-    write(1, 0, 0);
-    pass();
-  }
-  EXPECT_EQ(script_.requests.size(), 4U);
-  for (int ms = 0; ms < 5000; ++ms) {  // it rests without an image
-    write(1, 0, 0);
-    pass();
-  }
-  EXPECT_EQ(script_.requests.size(), 8U) << "the settings of run mode a second time";
-  EXPECT_FALSE(sut_->calibration_instruction().empty());
-  home();
-}
-
-TEST_F(FalconDeviceTest, SilenceThatNobodyBrokeIsNoDesertion) {
-  home();
-  write();
-  reply(kSomewhere);
-  for (int ms = 0; ms < 3000; ++ms) pass();
-  write();
-  EXPECT_EQ(reply(kSomewhere), IoStatus::Ok);
-  EXPECT_EQ(script_.requests.size(), 4U);
 }
 
 TEST_F(FalconDeviceTest, AnEncoderThatJumpsLosesTheReference) {

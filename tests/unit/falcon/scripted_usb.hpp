@@ -17,6 +17,7 @@ struct UsbScript {
   std::vector<bus::UsbControlRequest> requests;
   std::deque<bus::UsbOutcome> request_ends;
   bool is_connected{true};
+  bool ends_requests{true};
   MonotonicTime now{std::chrono::seconds(100)};
   std::uint64_t sequence{0};
 
@@ -34,7 +35,7 @@ struct UsbScript {
   }
 };
 
-// A USB device that does what its script says; requests succeed at once.
+// A USB device that does what its script says; requests succeed at once, or never end.
 class ScriptedUsb final : public bus::UsbDevice {
  public:
   explicit ScriptedUsb(UsbScript& script) : script_(script) {}
@@ -55,7 +56,7 @@ class ScriptedUsb final : public bus::UsbDevice {
   IoStatus start_control(const bus::UsbControlRequest& request) noexcept override {
     if (!script_.is_connected) return IoStatus::Disconnected;
     script_.requests.push_back(request);
-    script_.request_ends.push_back(bus::UsbOutcome::Done);
+    if (script_.ends_requests) script_.request_ends.push_back(bus::UsbOutcome::Done);
     return IoStatus::Ok;
   }
   IoStatus read_control(bus::UsbControlReply& out) noexcept override {
