@@ -36,6 +36,23 @@ TEST(Programme, HundredOfThemHaveEveryKindOfEvent) {
   }
 }
 
+// Its firmware goes with its power, and with a handle that died nothing but the handle.
+TEST(Episode, AFalconThatWasLostIsLoadedAndDrivenAgain) {
+  for (const EventKind kind : {EventKind::Unplug, EventKind::Disconnect}) {
+    Programme programme;
+    programme.ticks = 20'000;
+    programme.setup.device = "sim:falcon-loaded";
+    programme.events.push_back({kind, std::chrono::seconds(6), std::chrono::milliseconds(100)});
+    for (int second = 7; second < 20; ++second) {
+      programme.events.push_back({EventKind::Clear, std::chrono::seconds(second)});
+    }
+    const Ending ending = play(programme);
+    EXPECT_FALSE(ending.breach) << to_text(*ending.breach);
+    EXPECT_EQ(ending.tally.recoveries_on_usb, 1U) << to_string(kind);
+    EXPECT_GT(ending.tally.judged.ticks_due_on_usb, 5000U);
+  }
+}
+
 TEST(Episode, PlayedTwiceIsTheSameToTheLastBit) {
   const Programme programme = draw(3, 4);
   const Ending first = play(programme);

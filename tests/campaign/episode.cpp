@@ -112,6 +112,8 @@ std::vector<std::string> firmware_in(const testing_support::TemporaryFolder& fol
 
 // The session of a programme, and what stands between its first arm and its world.
 struct Stage {
+  // An arm that is opened again reads its firmware again.
+  std::unique_ptr<testing_support::TemporaryFolder> folder;
   std::unique_ptr<test::ClosedLoop> loop;
   HostileLink* liar{nullptr};
 };
@@ -120,13 +122,13 @@ Stage make_stage(const Programme& programme, const Planted& planted) {
   const Setup& setup = programme.setup;
   Stage stage;
   std::vector<std::string> settings = overrides(setup);
-  std::optional<testing_support::TemporaryFolder> folder;
-  if (setup.world == "volume" || setup.is_bare_usb()) folder.emplace();
+  if (setup.world == "volume" || setup.is_bare_usb())
+    stage.folder = std::make_unique<testing_support::TemporaryFolder>();
   if (setup.is_bare_usb()) {
-    for (const std::string& line : firmware_in(*folder)) settings.push_back(line);
+    for (const std::string& line : firmware_in(*stage.folder)) settings.push_back(line);
   }
   if (setup.world == "volume") {
-    const auto file = folder->write("volume.nrrd", volume_of(setup));
+    const auto file = stage.folder->write("volume.nrrd", volume_of(setup));
     settings.push_back("world.source=" + file.string());
   }
   test::ClosedLoop::Setup parts;
@@ -150,6 +152,7 @@ void finish_setup(const Setup& setup, const Stage& stage, Tally& tally) {
   tally.in_volumes = setup.world == "volume" ? 1 : 0;
   tally.with_bystander = setup.has_bystander ? 1 : 0;
   tally.on_bare_usb = setup.is_bare_usb() ? 1 : 0;
+  tally.recoveries_on_usb = setup.is_bare_usb() ? tally.recoveries : 0;
   if (setup.has_bystander) tally.played_s += seconds(stage.loop->frame(1).now.since_epoch);
 }
 
@@ -195,6 +198,8 @@ void Tally::add(const Tally& other) noexcept {
   with_bystander += other.with_bystander;
   on_bare_usb += other.on_bare_usb;
   contacts += other.contacts;
+  recoveries_on_usb += other.recoveries_on_usb;
+  judged.ticks_due_on_usb += other.judged.ticks_due_on_usb;
   judged.touches += other.judged.touches;
   judged.excused_touches += other.judged.excused_touches;
   peak_newton = std::max(peak_newton, other.peak_newton);

@@ -29,7 +29,8 @@ struct Tally {
   std::uint64_t cleared{0};
   std::uint64_t unplugged{0};   // Active or not, to Lost
   std::uint64_t recoveries{0};  // driven again after a fault or a loss
-  std::uint64_t edits{0};       // applied
+  std::uint64_t recoveries_on_usb{0};
+  std::uint64_t edits{0};  // applied
   std::uint64_t contacts{0};
   std::uint64_t lies{0};  // sets that a hostile world sent
   // Episodes that were another thing than one arm in a box.

@@ -93,6 +93,7 @@ class Findings {
 struct Judged {
   std::uint64_t touches{0};
   std::uint64_t excused_touches{0};
+  std::uint64_t ticks_due_on_usb{0};  // in which a bare USB arm had to be heard
 };
 
 // One thing that must hold in every tick of any session; docs/campaign.md has them all, with

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "sim/model/falcon/falcon_parameters.hpp"
 #include "tests/campaign/dice.hpp"
 
 namespace thimble::campaign {
@@ -56,9 +57,6 @@ constexpr std::array<Spread, kEventKindCount> kSpreads{{
     {0.001, 0.03},   // halt
     {0.001, 0.03},   // babble
 }};
-
-// As the simulated arm has it, so that limits are felt where they are meant.
-constexpr double kFalconNewtonPerCount = 10.0 / 4095;
 
 // Long ones are rarer: the square of the chance.
 Duration length_of(EventKind kind, Dice& dice) {
@@ -139,7 +137,7 @@ void draw_link(Dice& dice, Setup& setup) {
 void draw_falcon(Dice dice, Setup& setup) {
   if (!dice.chance(1.0 / 12)) return;
   setup.device = "sim:falcon-loaded";
-  if (dice.chance(0.8)) setup.newton_per_count = kFalconNewtonPerCount;
+  if (dice.chance(0.8)) setup.newton_per_count = sim::FalconParameters{}.newton_per_count;
   const double level = dice.chance(0.3) ? 0.02 : 0.002;
   for (double* chance : {&setup.noise.halt, &setup.noise.babble}) {
     if (dice.chance(0.3)) *chance = dice.uniform(0, level);
@@ -154,6 +152,15 @@ void add_usb_events(Duration end, Dice dice, std::vector<Event>& events) {
     const auto kind = dice.chance(0.5) ? EventKind::Halt : EventKind::Babble;
     events.push_back(some_event(kind, at, dice));
   }
+}
+
+// Left alone for long enough that even one that must be loaded again has to be heard.
+void calm_down(Duration end, Programme& programme) {
+  constexpr Duration kCalm = std::chrono::seconds(15);
+  programme.setup.noise = {};
+  std::erase_if(programme.events, [&](const Event& event) {
+    return event.at + event.lasts > end - kCalm && event.kind != EventKind::Clear;
+  });
 }
 
 // A world without cells knows neither the simple model nor the scheme of the thesis.
@@ -296,6 +303,7 @@ Programme draw(std::uint64_t seed, std::uint64_t episode) {
   add_clears(end, dice, programme.events);
   if (programme.setup.is_bare_usb()) {
     add_usb_events(end, Dice(derive(programme.seed, 4)), programme.events);
+    if (Dice(derive(programme.seed, 5)).chance(0.4)) calm_down(end, programme);
   }
   // Servos of one process wake late together: that would be something done to the bystander.
   if (programme.setup.has_bystander) {

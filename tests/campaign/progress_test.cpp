@@ -42,6 +42,41 @@ TEST(Progress, ExcusesADisturbedCable) {
   EXPECT_EQ(course.broken(), "");
 }
 
+// An arm that may have to be found and loaded again.
+std::unique_ptr<Invariant> make_progress_on_usb(const Bounds& bounds) {
+  Bounds usb = bounds;
+  usb.is_tapped = false;
+  usb.boot = usb.silence = std::chrono::seconds(12);
+  return make_progress(usb);
+}
+
+void deaf(Observation& now) { now.servo.frame.read_status = IoStatus::NoData; }
+
+TEST(Progress, SeesThatAnArmOnUsbIsNotFoundAgainWhoseFirmwareRuns) {
+  GoodCourse course(&make_progress_on_usb);
+  course.now.truth.is_amplifier_on = true;
+  course.run(1200);
+  course.run(600, [](Observation& now) {
+    deaf(now);
+    now.cable_ok_since = now.servo.frame.now;
+  });
+  course.run(110, &deaf);
+  EXPECT_EQ(course.broken(), "") << "a zero every 50 ms, and 50 ms to answer";
+  course.run(1, &deaf);
+  EXPECT_THAT(course.broken(), HasSubstr("no sample"));
+}
+
+TEST(Progress, GrantsAnArmOnUsbWithoutFirmwareItsUploadAndNoMore) {
+  GoodCourse course(&make_progress_on_usb);
+  course.run(13'000);
+  EXPECT_NEAR(static_cast<double>(course.judged().ticks_due_on_usb), 600 + 1000 - 50, 2);
+  course.run(1, [](Observation& now) { now.cable_ok_since = now.servo.frame.now; });
+  course.run(12'049, &deaf);
+  EXPECT_EQ(course.broken(), "");
+  course.run(2, &deaf);
+  EXPECT_THAT(course.broken(), HasSubstr("no sample"));
+}
+
 TEST(Progress, SeesThatNoReplyIsUsed) {
   GoodCourse course(&make_progress);
   course.run(60, [](Observation& now) { now.servo.frame.is_frozen = true; });

@@ -54,6 +54,8 @@ std::string to_text(const Tally& tally) {
   text += "and then\n" + count("cleared", tally.cleared) + count("arms lost", tally.unplugged) +
           count("driven again", tally.recoveries) + count("edits applied", tally.edits) +
           count("lies of worlds", tally.lies) + count("contacts", tally.contacts) +
+          count("driven again on USB", tally.recoveries_on_usb) +
+          count("ticks due on USB", tally.judged.ticks_due_on_usb) +
           count("touches judged", tally.judged.touches) +
           count("touches excused", tally.judged.excused_touches) +
           format("  %-20s %12.3f N\n", "largest force sent", tally.peak_newton);
@@ -76,6 +78,8 @@ std::vector<std::string> never_struck(const Tally& tally) {
   look("messages duplicated", tally.messages_duplicated);
   look("messages reordered", tally.messages_reordered);
   look("lies of worlds", tally.lies);
+  look("driven again on USB", tally.recoveries_on_usb);
+  look("ticks due on USB", tally.judged.ticks_due_on_usb);
   return names;
 }
 

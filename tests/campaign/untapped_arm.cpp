@@ -15,6 +15,7 @@ constexpr Duration kReach = milliseconds(8);
 // After a disturbance: an arm that nobody heard for half a second is sent a zero every 50 ms
 // (decision 0286).
 constexpr Duration kFoundAgain = milliseconds(60);
+constexpr Duration kLookedFor = std::chrono::seconds(2) + milliseconds(50);
 // Its tip and the pose that the counts say differ by what a hand goes on its way; motors take whole
 // counts.
 constexpr double kPoseShare = 0.1;
@@ -34,11 +35,14 @@ class UntappedArm final : public Invariant {
     const Force3 force = now.truth.motor_force;
     findings.require("everything at the arm is finite",
                      is_finite(force) && is_finite(now.truth.tip));
-    if (norm(frame.force) > 0 || frame.state == OperatingState::Lost) asked_at_ = frame.now;
     if (now.spoilt_in != spoilt_in_) doubted_at_ = frame.now;
     spoilt_in_ = now.spoilt_in;
     const Duration reach = kReach + 2 * std::max(tick_, frame.dt);
     const MonotonicTime well_since = std::max(now.cable_ok_since, now.opening_ok_since);
+    // Nobody reaches an arm that is not open; it is looked for at least so often.
+    const bool is_unreached =
+        frame.state == OperatingState::Lost && frame.now - well_since <= kLookedFor;
+    if (norm(frame.force) > 0 || is_unreached) asked_at_ = frame.now;
     if (frame.now - std::max(asked_at_, well_since + kFoundAgain) > reach) {
       findings.at_most("force of motors of which nothing is asked, N", norm(force), 0);
     }

@@ -45,6 +45,18 @@ TEST(UntappedArm, GrantsABadCableItsTimeAndNoMore) {
   }
 }
 
+TEST(UntappedArm, GrantsALostArmNoLongerThanItTakesToOpenIt) {
+  GoodCourse course(&make_untapped_arm);
+  const auto lost = [](Observation& now) {
+    haunted(now);
+    now.servo.frame.state = OperatingState::Lost;
+  };
+  course.run(1450, lost);
+  EXPECT_EQ(course.broken(), "") << "2 s since the beginning: nobody reaches it";
+  course.run(11, lost);
+  EXPECT_THAT(course.broken(), HasSubstr("nothing is asked"));
+}
+
 TEST(UntappedArm, SeesANormBeyondTheLimitButForAPoseThatWasReadWrong) {
   GoodCourse course(&make_untapped_arm);
   course.run(60, [](Observation& now) {
