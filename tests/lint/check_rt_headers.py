@@ -11,7 +11,9 @@ import cpp_source
 
 LIST = "tests/lint/rt_headers.txt"
 _INCLUDE = re.compile(r"^[ \t]*#[ \t]*include[ \t]*<([^>\n]+)>", re.MULTILINE)
-_MARK = re.compile(r"^(?![ \t]*#).*\bTHIMBLE_RT(_IO)?\b", re.MULTILINE)
+_OWN_INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*"([^"\n]+)"', re.MULTILINE)
+_COMPUTED_INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(?![ \t<"])(.*)$', re.MULTILINE)
+_MARK = re.compile(r"^(?![ \t]*#[ \t]*define[ \t]+THIMBLE_RT(?:_IO)?[ \t]*$).*\bTHIMBLE_RT(_IO)?\b", re.MULTILINE)
 
 
 def rules(text):
@@ -38,21 +40,39 @@ def check(root):
     named = files["servo"] + files["exempt"]
     breaches = [f"{LIST}: no file is {pattern}; mend or remove the pattern"
                 for pattern in named + list(special) if not any(fits(path, [pattern]) for path in paths)]
+    reached = _reached(root, [path for path in paths if fits(path, files["servo"])], set(paths))
     for path in paths:
-        code = cpp_source.without_comments(cpp_source.read(root, path))
-        if fits(path, files["servo"]):
+        code = cpp_source.without_comments(cpp_source.read(root, path), keep_strings=True)
+        if path in reached:
             allowed = everywhere.union(*(headers for pattern, headers in special.items() if fits(path, [pattern])))
-            breaches += _foreign_headers(path, code, allowed)
-        elif not fits(path, files["exempt"]):
+            breaches += _foreign_headers(path, code, allowed, reached[path])
+        if not fits(path, named):
             breaches += _unnamed_marks(path, code)
     return breaches
 
 
-def _foreign_headers(path, code, allowed):
-    return [f"{path}:{cpp_source.line_of(code, match.start(1))}: <{match.group(1)}> is not allowed on the servo "
-            "plane. Use hal/rt (static_vector, triple_buffer, spsc_ring) or do the work before the loop starts; "
-            f"a header that is harmless there goes into {LIST} with a reason"
-            for match in _INCLUDE.finditer(code) if match.group(1) not in allowed]
+def _reached(root, servo, known):
+    """{path: the file that includes it, or None} of the servo files and of all that they include, however far."""
+    reached = {path: None for path in servo}
+    waiting = list(servo)
+    while waiting:
+        path = waiting.pop()
+        code = cpp_source.without_comments(cpp_source.read(root, path), keep_strings=True)
+        for name in _OWN_INCLUDE.findall(code):
+            if name in known and name not in reached:
+                reached[name] = path
+                waiting.append(name)
+    return reached
+
+
+def _foreign_headers(path, code, allowed, included_by):
+    through = "" if included_by is None else f" ({included_by} includes this file)"
+    breaches = [f"{path}:{cpp_source.line_of(code, match.start(1))}: <{match.group(1)}> is not allowed on the servo "
+                f"plane{through}. Use hal/rt (static_vector, triple_buffer, spsc_ring) or do the work before the loop "
+                f"starts; a header that is harmless there goes into {LIST} with a reason"
+                for match in _INCLUDE.finditer(code) if match.group(1) not in allowed]
+    return breaches + [f"{path}:{cpp_source.line_of(code, match.start(1))}: an include that a macro names cannot be "
+                       "read here; name the header" for match in _COMPUTED_INCLUDE.finditer(code)]
 
 
 def _unnamed_marks(path, code):

@@ -49,6 +49,24 @@ class CheckRtHeaders(PlantedTreeTest):
         self.plant("daemon/servo/loop.hpp", mark)
         self.assertEqual(check_rt_headers.check(self.root), [])
 
+    def test_follows_what_a_servo_file_includes(self):
+        self.plant("daemon/servo/loop.cpp", '#include "daemon/world/light.hpp"\n')
+        self.plant("daemon/world/light.hpp", '#pragma once\n#include "daemon/world/heavy.hpp"\n')
+        self.plant("daemon/world/heavy.hpp", "#pragma once\n#include <mutex>\n")
+        self.assert_one_breach(check_rt_headers.check(self.root), "daemon/world/heavy.hpp:2", "<mutex>",
+                               "daemon/world/light.hpp includes this file")
+
+        self.plant("daemon/servo/loop.cpp", '// #include "daemon/world/light.hpp"\n')
+        self.assertEqual(check_rt_headers.check(self.root), [])
+
+    def test_refuses_an_include_that_a_macro_names(self):
+        self.plant("daemon/servo/loop.cpp", "#define LOCKS <mutex>\n#include LOCKS\n")
+        self.assert_one_breach(check_rt_headers.check(self.root), "daemon/servo/loop.cpp:2", "macro")
+
+    def test_refuses_a_mark_behind_another_name(self):
+        self.plant("daemon/api/server.hpp", "#define FAST THIMBLE_RT\n")
+        self.assert_one_breach(check_rt_headers.check(self.root), "daemon/api/server.hpp:1", "THIMBLE_RT")
+
     def test_refuses_a_pattern_of_no_file(self):
         self.plant("hal/rt/a.hpp", "")
         for line in ("servo hal/rt/b.*", "exempt hal/rt/b.*", "hal/rt/b.hpp: cstdio"):
