@@ -15,7 +15,7 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FOLDERS = ("daemon/servo", "daemon/safety", "daemon/coupling", "daemon/world", "daemon/link", "drivers",
-           "hal/device", "hal/rt")
+           "hal/device", "hal/rt", "guard")
 GOAL_PERCENT = {"daemon/servo": 95, "daemon/safety": 95, "hal/device": 95}
 
 
