@@ -19,6 +19,7 @@ namespace thimble::spacemouse::wire {
 inline constexpr std::uint8_t kTranslationReport = 1;  // all six axes in the combined layout
 inline constexpr std::uint8_t kRotationReport = 2;     // separate layout only
 inline constexpr std::uint8_t kButtonReport = 3;       // a bit for each, sparse on newer pucks
+inline constexpr std::uint8_t kLightReport = 4;        // to the puck: a byte, 1 for on
 // By which the layouts are told apart: the length of a report with its number.
 inline constexpr std::size_t kSeparateBytes = 7;
 inline constexpr std::size_t kCombinedBytes = 13;

@@ -104,26 +104,44 @@ void append_bytes(std::vector<std::uint8_t>& bytes, std::uint8_t item, std::size
   bytes.insert(bytes.end(), field.begin(), field.end());
 }
 
+// Up to the first field.
+std::vector<std::uint8_t> plain_beginning() {
+  return {0x06,
+          0x00,
+          0xFF,  // usage page: vendor-defined
+          0x09,
+          0x01,  // usage
+          0xA1,
+          0x01,  // collection: application
+          0x15,
+          0x00,  // logical minimum
+          0x26,
+          0xFF,
+          0x00,  // logical maximum
+          kReportSize | 1U,
+          0x08};  // fields of one byte
+}
+
+constexpr std::uint8_t kEndOfCollection = 0xC0;
+
 }  // namespace
 
 std::vector<std::uint8_t> plain_report_descriptor(const HidReportLengths& lengths) {
-  std::vector<std::uint8_t> bytes{0x06,
-                                  0x00,
-                                  0xFF,  // usage page: vendor-defined
-                                  0x09,
-                                  0x01,  // usage
-                                  0xA1,
-                                  0x01,  // collection: application
-                                  0x15,
-                                  0x00,  // logical minimum
-                                  0x26,
-                                  0xFF,
-                                  0x00,  // logical maximum
-                                  kReportSize | 1U,
-                                  0x08};  // fields of one byte
+  std::vector<std::uint8_t> bytes = plain_beginning();
   append_bytes(bytes, kInput, lengths.input_bytes);
   append_bytes(bytes, kOutput, lengths.output_bytes);
-  bytes.push_back(0xC0);  // end of the collection
+  bytes.push_back(kEndOfCollection);
+  return bytes;
+}
+
+std::vector<std::uint8_t> plain_report_descriptor(std::span<const HidNumberedReport> reports) {
+  std::vector<std::uint8_t> bytes = plain_beginning();
+  for (const HidNumberedReport& report : reports) {
+    bytes.push_back(kReportId | 1U);
+    bytes.push_back(report.number);
+    append_bytes(bytes, report.is_output ? kOutput : kInput, report.bytes);
+  }
+  bytes.push_back(kEndOfCollection);
   return bytes;
 }
 

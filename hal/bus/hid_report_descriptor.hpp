@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -25,5 +26,15 @@ struct HidReportLengths {
 // (none for a length of 0), of at most 65,535 bytes. Reports without numbers: `has_report_ids` is
 // not looked at. Thread: any. Not RT. Pure.
 [[nodiscard]] std::vector<std::uint8_t> plain_report_descriptor(const HidReportLengths& lengths);
+
+// One numbered report: `bytes` behind its number, at most 65,535.
+struct HidNumberedReport {
+  std::uint8_t number{1};
+  bool is_output{false};
+  std::size_t bytes{0};
+};
+// The same of a device that numbers its reports.
+[[nodiscard]] std::vector<std::uint8_t> plain_report_descriptor(
+    std::span<const HidNumberedReport> reports);
 
 }  // namespace thimble::bus

@@ -38,9 +38,12 @@ std::optional<HidReportKind> kind_of(std::uint16_t value) noexcept {
 bus::BusDeviceInfo HidOnUsb::describe() const {
   bus::BusDeviceInfo info = model_->describe();
   info.kind = bus::BusKind::Usb;
-  info.endpoints = {{0, kIn, bus::UsbTransferKind::Interrupt, kPacketBytes, 1}};
+  // A device that has something to say less often than in every frame asks to be asked less often.
+  const auto interval = static_cast<std::uint8_t>(
+      std::clamp<std::int64_t>(model_->frame_period() / std::chrono::milliseconds(1), 1, 255));
+  info.endpoints = {{0, kIn, bus::UsbTransferKind::Interrupt, kPacketBytes, interval}};
   if (info.output_report_bytes > 0) {
-    info.endpoints.push_back({0, kOut, bus::UsbTransferKind::Interrupt, kPacketBytes, 1});
+    info.endpoints.push_back({0, kOut, bus::UsbTransferKind::Interrupt, kPacketBytes, interval});
   }
   return info;
 }

@@ -21,6 +21,7 @@
 #include "sim/export/verb_server.hpp"
 #include "sim/model/arm/register_arm_models.hpp"
 #include "sim/model/falcon/register_falcon_model.hpp"
+#include "sim/model/spacemouse/register_spacemouse_models.hpp"
 #include "sim/time/real_time_brake.hpp"
 
 namespace thimble::sim {
@@ -32,6 +33,7 @@ Result<plugin::SimModel> make_model(const SimdevOptions& options) {
   plugin::SimModelRegistry models;
   register_arm_models(models);
   register_falcon_model(models);
+  register_spacemouse_models(models);
   const plugin::SimModelEntry* entry = models.find(options.model);
   if (entry == nullptr) {
     std::string known;

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "drivers/spacemouse/spacemouse_wire.hpp"
+#include "hal/bus/hid_report_descriptor.hpp"
 
 namespace thimble::sim {
 namespace {
@@ -33,6 +34,19 @@ bus::BusDeviceInfo PuckModel::describe() const {
   info.output_report_bytes = 2;  // the light's
   info.has_report_ids = true;
   return info;
+}
+
+// Plain bytes: what a real one says of its axes, by which a kernel makes a joystick of it, no
+// driver of ours asks for.
+std::vector<std::uint8_t> PuckModel::report_descriptor() const {
+  const std::size_t axis_bytes =
+      (parameters_.is_combined ? wire::kCombinedBytes : wire::kSeparateBytes) - 1;
+  std::vector<bus::HidNumberedReport> reports{
+      {wire::kTranslationReport, false, axis_bytes},
+      {wire::kButtonReport, false, parameters_.button_bytes},
+      {wire::kLightReport, true, 1}};
+  if (!parameters_.is_combined) reports.push_back({wire::kRotationReport, false, axis_bytes});
+  return bus::plain_report_descriptor(reports);
 }
 
 Duration PuckModel::frame_period() const noexcept { return wire::kReportPeriod; }

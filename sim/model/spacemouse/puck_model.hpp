@@ -38,6 +38,7 @@ class PuckModel final : public plugin::SimHidModel, public plugin::ArmBackend {
   explicit PuckModel(const PuckParameters& parameters) : parameters_(parameters) {}
 
   [[nodiscard]] bus::BusDeviceInfo describe() const override;
+  [[nodiscard]] std::vector<std::uint8_t> report_descriptor() const override;
   [[nodiscard]] Duration frame_period() const noexcept override;
   THIMBLE_RT void advance(MonotonicTime t) noexcept override;
   // Its light, which shows nothing here.

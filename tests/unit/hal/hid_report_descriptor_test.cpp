@@ -51,6 +51,13 @@ TEST(HidReportDescriptor, OfPlainReportsSaysTheirLengthsWhateverTheyAre) {
   }
 }
 
+TEST(HidReportDescriptor, OfPlainNumberedReportsSaysTheLongestEachWay) {
+  const std::vector<HidNumberedReport> reports{{1, false, 12}, {3, false, 4}, {4, true, 1}};
+  const std::vector<std::uint8_t> bytes = plain_report_descriptor(reports);
+  EXPECT_EQ(parse_report_descriptor(std::string(bytes.begin(), bytes.end())),
+            (HidReportLengths{13, 2, true}));
+}
+
 TEST(HidReportDescriptor, IsNothingWhenItCannotBe) {
   for (const std::string& odd :
        {"\x75"s, "\x97\x01\x02\x03"s, "\xfe\x02"s, "\xfe\x02\x10\x01"s, "\xb4"s, "\x85\x00"s,
