@@ -42,6 +42,7 @@ struct GpioLevels {
   [[nodiscard]] bool is_high(std::size_t input) const noexcept {
     return ((high >> input) & 1U) != 0;
   }
+  bool operator==(const GpioLevels&) const = default;
 };
 
 // Ours. A chip that was pulled out tells no edge of it (Linux 6.1), so it is asked; one behind USB
