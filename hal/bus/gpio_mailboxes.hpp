@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "hal/bus/gpio_lines.hpp"
-#include "hal/rt/annotations.hpp"
 #include "hal/rt/spsc_ring.hpp"
 #include "hal/rt/word_seqlock.hpp"
 
@@ -16,7 +15,7 @@ namespace thimble::bus {
 // the thread that talks to the chip.
 //
 // Thread: GpioLines' functions from one, those of the bus from one other.
-// RT: all THIMBLE_RT: no allocation, no system call but the wake's.
+// No allocation, no system call but the wake's.
 class GpioMailboxes : public GpioLines {
  public:
   // `wake` may be nullptr.
@@ -28,13 +27,13 @@ class GpioMailboxes : public GpioLines {
   IoStatus set(std::size_t output, bool is_high) noexcept override;
 
   // Of the bus. One that repeats the level before it comes after one that was lost.
-  THIMBLE_RT void deliver_edge(std::size_t input, bool is_high, MonotonicTime at) noexcept;
-  THIMBLE_RT void deliver_levels(const GpioLevels& levels) noexcept;
+  void deliver_edge(std::size_t input, bool is_high, MonotonicTime at) noexcept;
+  void deliver_levels(const GpioLevels& levels) noexcept;
   // The levels that the outputs shall have (bit i: output i), until they are written.
-  [[nodiscard]] THIMBLE_RT std::optional<std::uint32_t> wanted() const noexcept;
+  [[nodiscard]] std::optional<std::uint32_t> wanted() const noexcept;
   // The chip has taken these.
-  THIMBLE_RT void written(std::uint32_t high) noexcept;
-  THIMBLE_RT void disconnect() noexcept;
+  void written(std::uint32_t high) noexcept;
+  void disconnect() noexcept;
 
   [[nodiscard]] bool is_disconnected() const noexcept { return is_gone_.load(); }
   [[nodiscard]] std::size_t inputs() const noexcept { return inputs_; }

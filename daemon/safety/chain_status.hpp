@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace thimble::safety {
+
+// Why the chain is not healthy now; the first that fits, in this order.
+enum class ChainTrouble : std::uint8_t {
+  None,
+  NoLines,      // the chip or one of its lines is not there
+  Silent,       // the chip has not answered for kSilence
+  OutputStuck,  // the chip has not taken an output for kSilence
+  EdgesLost,    // something happened on a line that was not told
+  Open,         // the emergency stop is pressed, or its wire is broken
+  Disagree,     // one channel did not open or close with the other
+  Unwatched,    // the thread that looks after the chain was held up
+};
+inline constexpr int kChainTroubleCount = 8;
+
+// Short name for status, e.g. "open".
+[[nodiscard]] std::string_view to_string(ChainTrouble trouble) noexcept;
+// What it is and what a person does about it; empty for None.
+[[nodiscard]] std::string_view explain(ChainTrouble trouble) noexcept;
+
+// How the chain stands. Plain, so that it crosses threads.
+struct ChainStatus {
+  bool is_stopped{true};                        // the latch: no arm is driven
+  ChainTrouble trouble{ChainTrouble::NoLines};  // now
+  ChainTrouble cause{ChainTrouble::None};       // of the newest stop; None: stopped since the start
+  bool is_deadman_held{false};
+  bool is_enable_beating{false};
+  std::uint32_t stops{0};  // since the start, which is none
+  std::uint32_t beats{0};  // of the enable line
+};
+
+}  // namespace thimble::safety

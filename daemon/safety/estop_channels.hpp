@@ -1,0 +1,37 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+
+#include "hal/base/time.hpp"
+
+namespace thimble::safety {
+
+inline constexpr std::size_t kMaxEstopChannels = 2;
+// Two contacts of one button do not move together to the millisecond; issue and realtime.md 9.
+inline constexpr Duration kDisagreement = std::chrono::milliseconds(50);
+
+// The normally closed channels of an emergency stop. One that is open is a stop. Two that disagree
+// for longer than kDisagreement are a defect as well, which stays until both were seen open
+// together: a contact that is welded cannot be made good by releasing the button.
+//
+// Thread: one. Pure.
+class EstopChannels {
+ public:
+  // 1 or 2.
+  explicit EstopChannels(std::size_t channels) noexcept : channels_(channels) {}
+
+  void step(std::span<const bool> is_closed, MonotonicTime now) noexcept;
+  [[nodiscard]] bool is_open() const noexcept { return is_open_; }
+  [[nodiscard]] bool has_disagreed() const noexcept { return has_disagreed_; }
+
+ private:
+  std::size_t channels_;
+  bool is_open_{true};
+  bool has_disagreed_{false};
+  std::optional<MonotonicTime> disagree_since_;
+};
+
+}  // namespace thimble::safety

@@ -1,0 +1,94 @@
+#include "daemon/safety/safety_chain.hpp"
+
+#include <array>
+#include <span>
+
+namespace thimble::safety {
+
+SafetyChain::SafetyChain(const ChainSettings& settings) noexcept
+    : settings_(settings), reader_(settings.inputs()), channels_(settings.estop_channels) {}
+
+void SafetyChain::restart_lines() noexcept {
+  reader_.restart();
+  stuck_since_.reset();
+  is_enable_high_ = false;
+}
+
+bool SafetyChain::reset() noexcept {
+  const bool is_free = latch_.reset();
+  status_.is_stopped = !is_free;
+  return is_free;
+}
+
+void SafetyChain::stop(ChainTrouble cause) noexcept {
+  if (!latch_.is_stopped()) {
+    ++status_.stops;
+    status_.cause = cause;
+  }
+  latch_.judge(false);
+  status_.is_stopped = true;
+  status_.is_enable_beating = false;
+}
+
+void SafetyChain::judge(bus::GpioLines* lines, MonotonicTime now) noexcept {
+  status_.trouble = find_trouble(lines, now);
+  if (status_.trouble != ChainTrouble::None) {
+    stop(status_.trouble);
+  } else {
+    latch_.judge(true);
+  }
+  const bool is_beat_fresh = now - last_beat_ <= 3 * kEnableHalfPeriod;
+  status_.is_enable_beating = status_.beats > 0 && !status_.is_stopped && is_beat_fresh;
+}
+
+ChainTrouble SafetyChain::find_trouble(bus::GpioLines* lines, MonotonicTime now) noexcept {
+  status_.is_deadman_held = false;
+  if (lines == nullptr) return ChainTrouble::NoLines;
+  const ChainTrouble of_reading = reader_.step(*lines, now);
+  if (of_reading == ChainTrouble::NoLines || of_reading == ChainTrouble::Silent) return of_reading;
+  std::array<bool, kMaxEstopChannels> is_closed{};
+  for (std::size_t i = 0; i < settings_.estop_channels; ++i) {
+    is_closed.at(i) = reader_.was_always(i, settings_.is_closed_high);
+  }
+  channels_.step(is_closed, now);
+  status_.is_deadman_held = !settings_.has_deadman ||
+                            reader_.was_always(settings_.estop_channels, settings_.is_closed_high);
+  if (stuck_since_ && now - *stuck_since_ > kSilence) return ChainTrouble::OutputStuck;
+  if (of_reading != ChainTrouble::None) return of_reading;
+  if (channels_.is_open()) return ChainTrouble::Open;
+  if (channels_.has_disagreed()) return ChainTrouble::Disagree;
+  return ChainTrouble::None;
+}
+
+bool SafetyChain::is_beat_due(MonotonicTime now) const noexcept { return now >= next_beat_; }
+
+void SafetyChain::beat(bus::GpioLines* lines, MonotonicTime now, bool have_servos_beaten) noexcept {
+  next_beat_ = now + kEnableHalfPeriod;
+  if (settings_.has_lamp) put(*lines, settings_.has_enable ? 1 : 0, true, now);
+  if (!settings_.has_enable || !have_servos_beaten) return;
+  is_enable_high_ = !is_enable_high_;
+  put(*lines, 0, is_enable_high_, now);
+  ++status_.beats;
+  last_beat_ = now;
+}
+
+// Low says nothing to the hardware that a beat that stops did not; it only looks tidy on a meter.
+void SafetyChain::rest(bus::GpioLines* lines, MonotonicTime now) noexcept {
+  if (lines == nullptr || !is_beat_due(now)) return;
+  next_beat_ = now + kEnableHalfPeriod;
+  is_enable_high_ = false;
+  if (settings_.has_enable) put(*lines, 0, false, now);
+  if (!settings_.has_lamp) return;
+  const bool is_awaited = status_.trouble == ChainTrouble::None;
+  const bool is_lit = is_awaited && (now.since_epoch / kLampHalfPeriod) % 2 == 0;
+  put(*lines, settings_.has_enable ? 1 : 0, is_lit, now);
+}
+
+void SafetyChain::put(bus::GpioLines& lines, std::size_t output, bool is_high,
+                      MonotonicTime now) noexcept {
+  const IoStatus status = lines.set(output, is_high);
+  if (status == IoStatus::Ok) stuck_since_.reset();
+  if (status == IoStatus::Backlogged && !stuck_since_) stuck_since_ = now;
+}
+
+}  // namespace thimble::safety

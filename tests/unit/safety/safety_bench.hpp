@@ -1,0 +1,50 @@
+#pragma once
+
+#include <memory>
+
+#include "daemon/safety/safety_chain.hpp"
+#include "sim/bus/sim_gpio.hpp"
+#include "sim/time/virtual_clock.hpp"
+
+namespace thimble::safety {
+
+// A chain on a simulated chip: two channels on lines 0 and 1, deadman on 2, enable on 3, lamp on 4;
+// a closed contact is low. Everything is closed.
+struct SafetyBench {
+  static constexpr Duration kStep = std::chrono::milliseconds(5);
+
+  sim::VirtualClock clock{MonotonicTime{std::chrono::seconds(1)}};
+  sim::SimGpioChip chip{clock, "bench", 8};
+  SafetyChain chain{
+      {.estop_channels = 2, .has_deadman = true, .has_enable = true, .has_lamp = true}};
+  std::unique_ptr<bus::GpioLines> lines = open();
+  bool is_servo_beating{true};
+  int asked{0};
+
+  std::unique_ptr<bus::GpioLines> open() {
+    auto opened = chip.open({"bench", {"0", "1", "2"}, {"3", "4"}}, nullptr);
+    return opened ? *std::move(opened) : nullptr;
+  }
+  const ChainStatus& step() {
+    clock.run_for(kStep);
+    chain.step(lines.get(), clock.now(), [this] {
+      ++asked;
+      return is_servo_beating;
+    });
+    return chain.status();
+  }
+  void run(Duration duration) {
+    for (Duration run{}; run < duration; run += kStep) step();
+  }
+  void press(bool is_pressed) {
+    chip.set_level(0, is_pressed);
+    chip.set_level(1, is_pressed);
+  }
+  // Healthy, and cleared by a person.
+  bool start() {
+    run(kStep * 4);
+    return chain.reset();
+  }
+};
+
+}  // namespace thimble::safety

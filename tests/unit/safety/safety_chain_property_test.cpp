@@ -1,0 +1,138 @@
+// Random programs of buttons, wires, chips and people against a plain account of what they mean.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <optional>
+#include <random>
+
+#include "tests/unit/safety/safety_bench.hpp"
+
+namespace thimble::safety {
+namespace {
+
+using std::chrono::milliseconds;
+
+// What happened on the wires since the last step, and what follows from it.
+struct Account {
+  std::array<bool, 3> is_open{};        // now: channel, channel, deadman
+  std::array<bool, 3> was_ever_open{};  // since the last step
+  bool has_chip{true};
+  std::optional<MonotonicTime> differ_since;
+  bool is_defect{false};
+  bool is_stopped{true};
+  bool is_healthy{false};
+  bool is_held{false};
+
+  void set(std::size_t wire, bool open) {
+    is_open.at(wire) = open;
+    was_ever_open.at(wire) = was_ever_open.at(wire) || open;
+  }
+  void step(MonotonicTime now) {
+    is_held = has_chip && !was_ever_open[2];
+    is_healthy = has_chip;
+    if (has_chip) {
+      const int open = (was_ever_open[0] ? 1 : 0) + (was_ever_open[1] ? 1 : 0);
+      if (open != 1) differ_since.reset();
+      if (open == 1 && !differ_since) differ_since = now;
+      if (open == 1 && now - *differ_since > milliseconds(50)) is_defect = true;
+      if (open == 2) is_defect = false;
+      is_healthy = open == 0 && !is_defect;
+    }
+    if (!is_healthy) is_stopped = true;
+    was_ever_open = is_open;
+  }
+  void reset() {
+    if (is_healthy) is_stopped = false;
+  }
+};
+
+class SafetyChainProgram : public testing::TestWithParam<unsigned>, protected SafetyBench {
+ protected:
+  void move_wire(std::size_t wire, bool is_open) {
+    chip.set_level(wire, is_open);
+    account_.set(wire, is_open);
+  }
+  void pull_or_plug() {
+    if (account_.has_chip) {
+      chip.lose();
+    } else {
+      chip.restore();
+      lines = open();
+      chain.restart_lines();
+      account_.was_ever_open = account_.is_open;  // what was before is not told
+    }
+    account_.has_chip = !account_.has_chip;
+  }
+  void act(std::mt19937& dice) {
+    const auto roll = dice() % 100;
+    if (roll < 3) {  // somebody presses, or lets go, and contacts move one by one
+      const bool is_open = !account_.is_open[0];
+      move_wire(0, is_open);
+      if (dice() % 4 != 0) move_wire(1, is_open);
+    } else if (roll < 5) {  // a wire breaks, or is mended
+      const std::size_t wire = dice() % 3;
+      move_wire(wire, !account_.is_open.at(wire));
+    } else if (roll < 6) {  // a pulse
+      const std::size_t wire = dice() % 3;
+      move_wire(wire, true);
+      move_wire(wire, false);
+    } else if (roll < 7) {
+      pull_or_plug();
+    } else if (roll < 15) {  // both ways of the button, whatever was
+      move_wire(0, true);
+      move_wire(1, true);
+    } else if (roll < 35) {
+      move_wire(0, false);
+      move_wire(1, false);
+    }
+  }
+  Account account_;
+};
+
+TEST_P(SafetyChainProgram, IsStoppedAndHeldExactlyAsTheAccountSays) {
+  std::mt19937 dice(GetParam());
+  int free_steps = 0;
+  for (int i = 0; i < 3000; ++i) {
+    act(dice);
+    step();
+    account_.step(clock.now());
+    ASSERT_EQ(chain.status().is_stopped, account_.is_stopped) << "step " << i;
+    ASSERT_EQ(chain.status().is_deadman_held, account_.is_held) << "step " << i;
+    if (dice() % 4 == 0) {
+      account_.reset();
+      ASSERT_EQ(chain.reset(), !account_.is_stopped) << "step " << i;
+    }
+    free_steps += chain.status().is_stopped ? 0 : 1;
+  }
+  EXPECT_GT(free_steps, 100) << "the program tries something";
+  EXPECT_GT(chain.status().stops, 10U);
+}
+
+TEST_P(SafetyChainProgram, EnableRisesOnlyWhileAllIsWellAndStaysUpNeverLong) {
+  std::mt19937 dice(GetParam());
+  std::uint64_t changes = 0;
+  MonotonicTime last{};
+  int high_steps = 0;
+  for (int i = 0; i < 3000; ++i) {
+    act(dice);
+    is_servo_beating = dice() % 20 != 0;
+    const bool was_stopped = chain.status().is_stopped;
+    step();
+    if (chip.changes(3) != changes && chip.level(3)) {
+      ASSERT_FALSE(was_stopped || chain.status().is_stopped) << "step " << i;
+      ASSERT_TRUE(is_servo_beating);
+      ASSERT_GE(clock.now() - last, milliseconds(20));
+      last = clock.now();
+    }
+    changes = chip.changes(3);
+    high_steps = chip.level(3) ? high_steps + 1 : 0;
+    ASSERT_LT(high_steps, 60) << "as long as dice let the servo rest";
+    if (dice() % 4 == 0) chain.reset();
+  }
+  EXPECT_GT(changes, 50U);
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, SafetyChainProgram, testing::Range(1U, 41U));
+
+}  // namespace
+}  // namespace thimble::safety
