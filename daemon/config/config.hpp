@@ -32,6 +32,23 @@ struct ServoConfig {
   bool operator==(const ServoConfig&) const = default;
 };
 
+// Level of an input whose contact is closed: the emergency stop released, the deadman held.
+enum class ClosedLevel : std::uint8_t { Low, High };
+// What holds an input whose contact is open at the other level.
+enum class PullResistor : std::uint8_t { Internal, External };
+
+// Lines of one GPIO chip, by number or name.
+struct SafetyConfig {
+  std::string chip;                // its label; "sim:NAME": a simulated one
+  std::vector<std::string> estop;  // one or two channels
+  std::optional<std::string> deadman;
+  std::optional<std::string> enable;
+  std::optional<std::string> lamp;
+  ClosedLevel closed_level{ClosedLevel::Low};
+  PullResistor pull{PullResistor::Internal};
+  bool operator==(const SafetyConfig&) const = default;
+};
+
 // A numeric address: nothing is resolved by name. IPv6 without its brackets.
 struct UdpEndpoint {
   std::string address;
@@ -167,6 +184,7 @@ struct Config {
   ServoConfig servo;
   std::vector<ArmConfig> arms;
   std::vector<WorldConfig> worlds;
+  std::optional<SafetyConfig> safety{};
   bool operator==(const Config&) const = default;
 };
 

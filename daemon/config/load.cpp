@@ -32,6 +32,8 @@ Config read_tree(const toml::table& root, const std::filesystem::path& file, Rep
   Entry<DaemonConfig> daemon = read_daemon(reader.table("daemon"), folder);
   out.daemon = daemon.value;
   out.servo = read_servo(reader.table("servo"));
+  Entry<SafetyConfig> safety = read_safety(reader.table("safety"));
+  if (safety.reader.is_present()) out.safety = safety.value;
   std::vector<Entry<ArmConfig>> arms;
   for (TableReader& arm : reader.tables("arm")) arms.push_back(read_arm(std::move(arm), folder));
   std::vector<Entry<WorldConfig>> worlds;
@@ -42,6 +44,9 @@ Config read_tree(const toml::table& root, const std::filesystem::path& file, Rep
   check_relations(arms, worlds);
   if (arms.empty() && worlds.empty()) {
     reader.reject("", "expected at least one [[arm]] or [[world]], found neither");
+  }
+  if (out.safety && arms.empty()) {
+    safety.reader.reject("", "expected an [[arm]] that it keeps safe, found none");
   }
   out.arms = values_of(arms);
   out.worlds = values_of(worlds);

@@ -20,6 +20,7 @@ struct Entry {
 [[nodiscard]] Entry<DaemonConfig> read_daemon(TableReader reader,
                                               const std::filesystem::path& folder);
 [[nodiscard]] ServoConfig read_servo(TableReader reader);
+[[nodiscard]] Entry<SafetyConfig> read_safety(TableReader reader);
 [[nodiscard]] Entry<ArmConfig> read_arm(TableReader reader, const std::filesystem::path& folder);
 [[nodiscard]] Entry<WorldConfig> read_world(TableReader reader,
                                             const std::filesystem::path& folder);

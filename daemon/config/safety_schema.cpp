@@ -1,0 +1,72 @@
+#include <algorithm>
+#include <array>
+#include <optional>
+
+#include "daemon/config/schema.hpp"
+
+namespace thimble::config {
+namespace {
+
+constexpr std::array<Choice<ClosedLevel>, 2> kLevels{{
+    {"low", ClosedLevel::Low},
+    {"high", ClosedLevel::High},
+}};
+constexpr std::array<Choice<PullResistor>, 2> kPulls{{
+    {"internal", PullResistor::Internal},
+    {"external", PullResistor::External},
+}};
+constexpr std::size_t kMaxNameBytes = 31;     // of a label or a line: GPIO_MAX_NAME_SIZE, Linux
+constexpr std::size_t kMaxEstopChannels = 2;  // the safety chain compares two
+
+bool is_good_name(const std::string& name) {
+  const auto is_printable = [](char c) { return c >= ' ' && c <= '~'; };
+  return name.size() <= kMaxNameBytes && std::all_of(name.begin(), name.end(), is_printable);
+}
+
+void check_name(TableReader& reader, std::string_view key, const std::string& name) {
+  if (is_good_name(name)) return;
+  reader.object(key,
+                "expected up to 31 characters as gpioinfo shows them, found " + in_quotes(name));
+}
+
+// One line serves one purpose.
+void check_lines(TableReader& reader, const SafetyConfig& safety) {
+  std::vector<std::string> taken;
+  const auto take = [&](std::string_view key, const std::string& line) {
+    check_name(reader, key, line);
+    if (std::find(taken.begin(), taken.end(), line) != taken.end()) {
+      reader.object(key, "expected a line of its own, found " + in_quotes(line) + " again");
+    }
+    taken.push_back(line);
+  };
+  for (const std::string& line : safety.estop) take("estop", line);
+  if (safety.deadman) take("deadman", *safety.deadman);
+  if (safety.enable) take("enable", *safety.enable);
+  if (safety.lamp) take("lamp", *safety.lamp);
+}
+
+}  // namespace
+
+Entry<SafetyConfig> read_safety(TableReader reader) {
+  SafetyConfig out;
+  if (reader.is_present()) {
+    reader.require("chip", "the label of a GPIO chip");
+    reader.require("estop", "one line, or two");
+  }
+  reader.read("chip", out.chip);
+  const bool has_estop = reader.read("estop", kMaxEstopChannels, out.estop);
+  if (has_estop && out.estop.empty()) {
+    reader.reject("estop", "expected one line, or two of the same button, found none");
+  }
+  reader.read("deadman", out.deadman);
+  reader.read("enable", out.enable);
+  reader.read("lamp", out.lamp);
+  reader.read("closed_level", std::span<const Choice<ClosedLevel>>(kLevels), out.closed_level);
+  reader.read("pull", std::span<const Choice<PullResistor>>(kPulls), out.pull);
+  check_name(reader, "chip", out.chip);
+  check_lines(reader, out);
+  reader.finish();
+  return {std::move(reader), std::move(out)};
+}
+
+}  // namespace thimble::config
