@@ -1,0 +1,120 @@
+#include "daemon/session/safety_session.hpp"
+
+#include <utility>
+
+#include "daemon/session/safety_settings.hpp"
+
+namespace thimble::session {
+
+SafetySession::SafetySession(const config::SafetyConfig& safety, Runtime& runtime,
+                             bus::GpioChips& chips, rt::WakeSignal* wake)
+    : config_(safety),
+      runtime_(runtime),
+      chips_(chips),
+      wake_(wake),
+      chain_(make_chain_settings(safety)),
+      ticks_seen_(runtime.arms().size()) {
+  publish();
+}
+
+SafetySession::~SafetySession() = default;
+
+void SafetySession::step(MonotonicTime now) {
+  if (is_unwatched_.exchange(false)) chain_.stop(safety::ChainTrouble::Unwatched);
+  follow_lines(now);
+  chain_.step(lines_.get(), now, [this] { return have_servos_beaten(); });
+  answer_reset();
+  stepped_at_ns_.store(std::max<std::int64_t>(now.since_epoch.count(), 1));
+}
+
+// Between the verdict and the answer: whoever reads the answer finds the servos told.
+void SafetySession::answer_reset() {
+  const std::uint32_t asked = reset_asked_.load();
+  const bool is_new = asked != static_cast<std::uint32_t>(reset_answer_.load() / 2);
+  const bool is_free = is_new && chain_.reset();
+  publish();
+  if (is_new) reset_answer_.store(std::uint64_t{asked} * 2 + (is_free ? 1 : 0));
+}
+
+void SafetySession::follow_lines(MonotonicTime now) {
+  bus::GpioLevels levels;
+  if (lines_ != nullptr && lines_->levels(levels) == IoStatus::Disconnected) {
+    lines_.reset();
+    note_trouble(config_.chip + " was pulled out");
+    next_try_ = now + kReopen;
+  }
+  if (lines_ != nullptr || now < next_try_) return;
+  next_try_ = now + kReopen;
+  auto opened = chips_.open(make_gpio_claim(config_), wake_);
+  if (!opened) return note_trouble(opened.error().message);
+  lines_ = *std::move(opened);
+  chain_.restart_lines();
+  note_trouble({});
+}
+
+bool SafetySession::have_servos_beaten() {
+  bool have_all = true;
+  for (std::size_t i = 0; i < ticks_seen_.size(); ++i) {
+    servo::ServoSnapshot seen;
+    if (!runtime_.arms()[i]->session().loop().snapshot(seen)) return false;
+    have_all = have_all && seen.frame.tick != ticks_seen_[i];
+    ticks_seen_[i] = seen.frame.tick;
+  }
+  return have_all;
+}
+
+void SafetySession::publish() {
+  const safety::ChainStatus& status = chain_.status();
+  for (const auto& arm : runtime_.arms()) {
+    servo::ServoControls& controls = arm->session().controls();
+    controls.is_estop_healthy = !status.is_stopped;
+    controls.is_deadman_held = status.is_deadman_held;
+  }
+  published_.store(status);
+}
+
+std::uint32_t SafetySession::ask_reset() {
+  const std::uint32_t id = reset_asked_.fetch_add(1) + 1;
+  if (wake_ != nullptr) wake_->signal();
+  return id;
+}
+
+SafetySession::Answer SafetySession::answer() const noexcept {
+  const std::uint64_t both = reset_answer_.load();
+  return {static_cast<std::uint32_t>(both / 2), both % 2 != 0};
+}
+
+safety::ChainStatus SafetySession::status() const noexcept {
+  safety::ChainStatus status;
+  static_cast<void>(published_.load(status));
+  return status;
+}
+
+std::string SafetySession::trouble() const {
+  const std::lock_guard guard(trouble_lock_);
+  return trouble_;
+}
+
+void SafetySession::note_trouble(std::string text) {
+  const std::lock_guard guard(trouble_lock_);
+  trouble_ = std::move(text);
+}
+
+std::string SafetySession::explanation() const {
+  const safety::ChainStatus now = status();
+  if (!now.is_stopped) return {};
+  if (now.trouble == safety::ChainTrouble::None) {
+    return "all safety lines are healthy; clear the fault of each arm that shall go on";
+  }
+  const std::string detail = trouble();
+  return std::string(explain(now.trouble)) + (detail.empty() ? "" : " (" + detail + ")");
+}
+
+void SafetySession::supervise(MonotonicTime now) noexcept {
+  const std::int64_t stepped = stepped_at_ns_.load();
+  if (stepped == 0 || now.since_epoch.count() - stepped <= kUnwatched.count()) return;
+  is_unwatched_.store(true);
+  for (const auto& arm : runtime_.arms()) arm->session().controls().is_estop_healthy = false;
+}
+
+}  // namespace thimble::session

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "daemon/config/config.hpp"
+#include "daemon/safety/safety_chain.hpp"
+#include "daemon/session/runtime.hpp"
+#include "hal/bus/gpio_lines.hpp"
+#include "hal/rt/wake_signal.hpp"
+#include "hal/rt/word_seqlock.hpp"
+
+namespace thimble::session {
+
+// The safety lines of a configuration, watched for all arms of a runtime: it opens them, and again
+// when they were lost, runs the chain and hands its verdict to the servos, who read it in each
+// tick.
+//
+// Thread: step() and close() from one, not a servo's; ask_reset(), answer(), status() and
+// trouble() from any; supervise() from one other.
+// Ownership: runtime, chips and wake must outlive it.
+class SafetySession {
+ public:
+  // No arm may be driven from here on. `wake`, of the thread that steps, may be nullptr.
+  SafetySession(const config::SafetyConfig& safety, Runtime& runtime, bus::GpioChips& chips,
+                rt::WakeSignal* wake);
+  ~SafetySession();
+  SafetySession(const SafetySession&) = delete;
+  SafetySession& operator=(const SafetySession&) = delete;
+
+  // At least every kStep, and when `wake` was signalled.
+  void step(MonotonicTime now);
+  // The lines go, their outputs low. No step() follows.
+  void close() { lines_.reset(); }
+
+  // A person asks to go on after a stop: the number that answer() has when a step has judged it.
+  std::uint32_t ask_reset();
+  struct Answer {
+    std::uint32_t id{0};
+    bool is_free{false};  // nothing is stopped any more
+  };
+  [[nodiscard]] Answer answer() const noexcept;
+
+  [[nodiscard]] safety::ChainStatus status() const noexcept;
+  // Why the lines are not there, with the system's words; empty when they are.
+  [[nodiscard]] std::string trouble() const;
+  // In words for a person: what is wrong now, or that somebody has to clear; empty when all is
+  // well.
+  [[nodiscard]] std::string explanation() const;
+  [[nodiscard]] const config::SafetyConfig& config() const noexcept { return config_; }
+
+  // Stops all arms when step() was not called for kUnwatched: nobody would hear the button.
+  void supervise(MonotonicTime now) noexcept;
+
+  static constexpr Duration kStep =
+      std::chrono::milliseconds(5);  // ours: a beat's time is kept to it
+  static constexpr Duration kReopen = std::chrono::milliseconds(500);     // between tries
+  static constexpr Duration kUnwatched = std::chrono::milliseconds(400);  // ours: twice kSilence
+
+ private:
+  void follow_lines(MonotonicTime now);
+  void note_trouble(std::string text);
+  [[nodiscard]] bool have_servos_beaten();
+  void publish();
+  void answer_reset();
+
+  config::SafetyConfig config_;
+  Runtime& runtime_;
+  bus::GpioChips& chips_;
+  rt::WakeSignal* wake_;
+  safety::SafetyChain chain_;
+  std::unique_ptr<bus::GpioLines> lines_;
+  MonotonicTime next_try_{};
+  std::vector<std::uint64_t> ticks_seen_;
+  rt::WordSeqlock<safety::ChainStatus> published_;
+  std::atomic<std::uint32_t> reset_asked_{0};
+  std::atomic<std::uint64_t> reset_answer_{0};  // the id, twice, and whether it is free
+  std::atomic<std::int64_t> stepped_at_ns_{0};  // 0: never
+  std::atomic<bool> is_unwatched_{false};
+  mutable std::mutex trouble_lock_;
+  std::string trouble_;
+};
+
+}  // namespace thimble::session

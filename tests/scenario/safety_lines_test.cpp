@@ -1,0 +1,277 @@
+// Buttons and wires in front of a whole session: the chip is simulated, everything behind it is
+// real.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <random>
+
+#include "daemon/app/arm_commands.hpp"
+#include "daemon/session/safety_session.hpp"
+#include "sim/bus/sim_gpio.hpp"
+#include "tests/scenario/at_each_rate.hpp"
+#include "tests/support/arm_watch.hpp"
+#include "tests/support/closed_loop.hpp"
+
+namespace thimble {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::HasSubstr;
+
+const std::vector<std::string> kLeaning{"arm.hand.motion=poke", "arm.hand.reach_m=0.03"};
+constexpr api::ClientId kHer{7};
+
+config::SafetyConfig lines() {
+  config::SafetyConfig out;
+  out.chip = "bench";
+  out.estop = {"0", "1"};
+  out.deadman = "2";
+  out.enable = "3";
+  out.lamp = "4";
+  return out;
+}
+
+// A session with its safety lines and a person at the command line.
+struct Lab {
+  explicit Lab(const std::vector<std::string>& overrides) : loop(overrides) {}
+
+  void tick() {
+    safety.step(loop.now());
+    loop.tick();
+    commands.poll();
+  }
+  void run(
+      double s, const std::function<void()>& each = [] {}) {
+    for (const MonotonicTime end = loop.now() + from_seconds(s); loop.now() < end;) {
+      tick();
+      each();
+    }
+  }
+  bool run_until(double s, const std::function<bool()>& condition) {
+    for (const MonotonicTime end = loop.now() + from_seconds(s); loop.now() < end; tick()) {
+      if (condition()) return true;
+    }
+    return condition();
+  }
+  Result<api::Done> clear() {
+    std::optional<Result<api::Done>> told;
+    commands.clear_fault("right", {}, kHer, [&](const Result<api::Done>& done) { told = done; });
+    run_until(3, [&] { return told.has_value(); });
+    return told.value_or(fail(Errc::System, "no answer at all"));
+  }
+  // Cleared, driven, and a wall that pushes.
+  void start() {
+    run(0.01);
+    ASSERT_TRUE(clear());
+    ASSERT_TRUE(run_until(8, [&] { return is_pushed(); }));
+  }
+  bool is_pushed() { return loop.frame().is_in_contact && norm(loop.frame().force) > 0.2; }
+  bool is_active() { return loop.frame().state == OperatingState::Active; }
+  void press(bool is_pressed) {
+    chip.set_level(0, is_pressed);
+    chip.set_level(1, is_pressed);
+  }
+
+  test::ClosedLoop loop;
+  sim::SimGpioChip chip{loop.arm().clock(), "bench", 8};
+  sim::SimGpioChips chips{{&chip}};
+  session::SafetySession safety{lines(), loop.runtime(), chips, nullptr};
+  app::Leases leases{{{"right", true}}};
+  app::ArmCommands commands{loop.runtime(), leases, loop.arm().clock(), &safety};
+};
+
+class SafetyLines : public test::AtEachRate {};
+THIMBLE_AT_EACH_RATE(SafetyLines);
+
+TEST_P(SafetyLines, NothingIsDrivenFromTheStartUntilAPersonClears) {
+  Lab sut(with(kLeaning));
+  sut.run(2, [&] { ASSERT_EQ(norm(sut.loop.frame().force), 0); });
+  EXPECT_EQ(sut.loop.snapshot().fault.code, FaultCode::Estop);
+  EXPECT_EQ(sut.chip.changes(3), 0U);
+  EXPECT_THAT(sut.safety.explanation(), HasSubstr("clear the fault"));
+  ASSERT_TRUE(sut.clear());
+  EXPECT_TRUE(sut.run_until(8, [&] { return sut.is_pushed(); }));
+}
+
+TEST_P(SafetyLines, AnEstopWhilePushingIsZeroWithinTwoMillisecondsAndNeedsAPersonToGoOn) {
+  Lab sut(with(kLeaning));
+  sut.start();
+  test::ArmWatch watch(sut.loop);
+  const MonotonicTime pressed = sut.loop.now();
+  sut.press(true);
+  sut.tick();
+  EXPECT_EQ(norm(sut.loop.frame().force), 0);
+  EXPECT_LE(sut.loop.now() - pressed, milliseconds(2));
+  EXPECT_EQ(sut.loop.snapshot().fault.code, FaultCode::Estop);
+  const Result<api::Done> refused = sut.clear();
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("emergency stop is pressed"));
+  sut.press(false);
+  sut.run(1, [&] {
+    watch.see();
+    ASSERT_EQ(norm(sut.loop.frame().force), 0) << "released is not cleared";
+  });
+  ASSERT_TRUE(sut.clear());
+  EXPECT_TRUE(sut.run_until(8, [&] { return sut.is_pushed(); }));
+  EXPECT_EQ(watch.breach(), "");
+}
+
+TEST_P(SafetyLines, AReleasedDeadmanRampsToZeroWithinTwentyMillisecondsAndIsNoFault) {
+  Lab sut(with(kLeaning));
+  sut.start();
+  test::ArmWatch watch(sut.loop);
+  sut.chip.set_level(2, true);
+  sut.run(0.020, [&] { watch.see(); });
+  EXPECT_NEAR(norm(sut.loop.frame().force), 0, 1e-9);
+  EXPECT_EQ(sut.loop.snapshot().faults, 1U) << "that of the start";
+  EXPECT_TRUE(sut.is_active());
+  sut.chip.set_level(2, false);
+  EXPECT_TRUE(sut.run_until(8, [&] { return sut.is_pushed(); }));
+  EXPECT_EQ(watch.breach(), "");
+}
+
+struct SafetyLinesTest : testing::Test, Lab {
+  SafetyLinesTest() : Lab(kLeaning) {}
+};
+
+TEST_F(SafetyLinesTest, ChannelsThatDisagreeStayAStopUntilBothWereOpen) {
+  start();
+  chip.set_level(0, true);  // one contact; the other is welded
+  run(0.1);
+  EXPECT_EQ(loop.snapshot().fault.code, FaultCode::Estop);
+  chip.set_level(0, false);
+  run(0.1);
+  const Result<api::Done> refused = clear();
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("disagree"));
+  press(true);
+  run(0.1);
+  press(false);
+  run(0.1);
+  EXPECT_TRUE(clear());
+}
+
+TEST_F(SafetyLinesTest, ALostChipStopsTheArmAndItsReturnDoesNotResume) {
+  start();
+  chip.lose();
+  tick();
+  EXPECT_EQ(norm(loop.frame().force), 0);
+  EXPECT_EQ(loop.snapshot().fault.code, FaultCode::Estop);
+  run(1);
+  const Result<api::Done> refused = clear();
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("no GPIO chip"));
+  chip.restore();
+  run(1, [&] { ASSERT_EQ(norm(loop.frame().force), 0); });
+  EXPECT_TRUE(clear());
+  EXPECT_TRUE(run_until(8, [&] { return is_pushed(); }));
+}
+
+TEST_F(SafetyLinesTest, AChipThatComesLaterThanTheDaemonIsFound) {
+  chip.lose();
+  run(2);
+  EXPECT_FALSE(clear());
+  chip.restore();
+  run(1);
+  EXPECT_TRUE(clear());
+}
+
+TEST_F(SafetyLinesTest, EnableStopsWhenTheServoStalls) {
+  start();
+  const std::uint64_t before = chip.changes(3);
+  run(0.5);
+  EXPECT_NEAR(static_cast<double>(chip.changes(3) - before), 25, 1);
+  const std::uint64_t stalled = chip.changes(3);
+  for (int i = 0; i < 500; ++i) {  // time goes on, and nobody ticks
+    (void)loop.arm().clock().sleep_until(loop.now() + milliseconds(1));
+    safety.step(loop.now());
+  }
+  EXPECT_LE(chip.changes(3) - stalled, 1U) << "the tick before the stall";
+  EXPECT_FALSE(safety.status().is_enable_beating);
+}
+
+TEST_F(SafetyLinesTest, EnableBeatsWhileAnArmStandsStillAfterAFaultOfItsOwn) {
+  start();
+  loop.unplug();
+  run(0.1);
+  EXPECT_EQ(loop.frame().state, OperatingState::Lost);
+  const std::uint64_t before = chip.changes(3);
+  run(0.5);
+  EXPECT_GT(chip.changes(3) - before, 20U);
+}
+
+TEST_F(SafetyLinesTest, OutputsAreLowWhenItEnds) {
+  start();
+  ASSERT_TRUE(run_until(1, [&] { return chip.level(3); }));
+  safety.close();
+  EXPECT_FALSE(chip.level(3));
+  EXPECT_FALSE(chip.level(4));
+}
+
+TEST_F(SafetyLinesTest, AThreadThatDoesNotLookAfterThemIsAStop) {
+  start();
+  for (int i = 0; i < 399; ++i) loop.tick();
+  safety.supervise(loop.now());
+  EXPECT_TRUE(is_active());
+  for (int i = 0; i < 3; ++i) loop.tick();
+  safety.supervise(loop.now());
+  loop.tick();
+  EXPECT_EQ(loop.snapshot().fault.code, FaultCode::Estop);
+  run(0.1);
+  EXPECT_EQ(safety.status().cause, safety::ChainTrouble::Unwatched);
+  EXPECT_TRUE(clear());
+}
+
+TEST_F(SafetyLinesTest, AFaultOfAnotherKindIsClearedThroughTheChain) {
+  start();
+  loop.tick(milliseconds(30));
+  ASSERT_EQ(loop.snapshot().fault.code, FaultCode::ServoLate);
+  press(true);
+  run(0.05);
+  press(false);
+  run(0.05);
+  ASSERT_TRUE(safety.status().is_stopped);
+  EXPECT_TRUE(clear());
+  EXPECT_FALSE(safety.status().is_stopped);
+  EXPECT_TRUE(run_until(8, [&] { return is_pushed(); }));
+}
+
+// Whatever people and wires do: no force in a tick that begins with an open channel, nor after one
+// before somebody has cleared.
+TEST_F(SafetyLinesTest, NoForceFollowsAnOpenChannelBeforeSomebodyClears) {
+  start();
+  test::ArmWatch watch(loop);
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    std::mt19937 dice(seed);
+    bool is_stopped = safety.status().is_stopped;
+    int driven = 0;
+    for (int step = 0; step < 400; ++step) {
+      const auto roll = dice() % 10;
+      if (roll < 2) {
+        press(true);
+        is_stopped = true;
+      } else if (roll == 2) {
+        const std::size_t channel = dice() % 2;
+        chip.bounce(channel, !chip.level(channel), static_cast<int>(dice() % 3));
+        is_stopped = true;
+      } else if (roll < 7) {
+        press(false);
+      } else if (clear()) {
+        ASSERT_FALSE(chip.level(0) || chip.level(1));
+        is_stopped = false;
+      }
+      run(0.02, [&] {
+        watch.see();
+        if (!is_stopped) return;
+        ASSERT_EQ(norm(loop.frame().force), 0) << seed << " step " << step;
+      });
+      driven += is_active() ? 1 : 0;
+    }
+    EXPECT_GT(driven, 10) << seed;
+  }
+  EXPECT_EQ(watch.breach(), "");
+}
+
+}  // namespace
+}  // namespace thimble
