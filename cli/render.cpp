@@ -147,11 +147,23 @@ void add_worlds(Lines& lines, const api::Status& status, Glyphs glyphs) {
   }
 }
 
+void add_safety(Lines& lines, const api::Status& status) {
+  if (!status.safety) return;
+  const api::SafetyStatus& safety = *status.safety;
+  lines.push_back(fit("safety " + plain(safety.chip) + "  " + upper(plain(safety.state)) +
+                          "  deadman " + (safety.is_deadman_held ? "held" : "OPEN") + "  enable " +
+                          (safety.is_enable_beating ? "beats" : "rests") + "  stops " +
+                          std::to_string(safety.stops),
+                      kColumns));
+  if (!safety.message.empty()) add_wrapped(lines, "", safety.message);
+}
+
 Lines all_lines(const api::Status& status, Glyphs glyphs) {
   Lines lines;
   lines.push_back(
       fit("thimble " + plain(status.version) + "  up " + uptime_text(status.uptime_s), kColumns));
   for (const std::string& sentence : status.degraded) add_wrapped(lines, "DEGRADED", sentence);
+  add_safety(lines, status);
   for (const api::ArmStatus& arm : status.arms) add_arm(lines, status, arm, glyphs);
   add_worlds(lines, status, glyphs);
   return lines;

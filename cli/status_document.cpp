@@ -169,6 +169,21 @@ api::WorldStatus world(const json::value& value) {
   return out;
 }
 
+std::optional<api::SafetyStatus> safety(const json::value& value) {
+  const json::value* found = member(value, "safety");
+  if (found == nullptr || !found->is_object()) return std::nullopt;
+  api::SafetyStatus out;
+  out.chip = text(*found, "chip");
+  out.state = text(*found, "state");
+  out.trouble = text(*found, "trouble");
+  out.message = text(*found, "message");
+  out.is_deadman_held = flag(*found, "is_deadman_held");
+  out.is_enable_beating = flag(*found, "is_enable_beating");
+  out.stops = static_cast<std::uint32_t>(
+      std::min<std::uint64_t>(count(*found, "stops"), std::numeric_limits<std::uint32_t>::max()));
+  return out;
+}
+
 json::value parse_bytes(std::string_view bytes) {
   json::error_code error;
   json::value value = json::parse(bytes, error);
@@ -192,6 +207,7 @@ Result<api::Status> parse_status(std::string_view bytes) {
   out.servos = list(value, "servos", servo);
   out.links = list(value, "links", link);
   out.worlds = list(value, "worlds", world);
+  out.safety = safety(value);
   return out;
 }
 

@@ -107,6 +107,18 @@ struct WorldStatus {
   bool operator==(const WorldStatus&) const = default;
 };
 
+// The safety lines, where a configuration has them.
+struct SafetyStatus {
+  std::string chip;
+  std::string state;    // "free", "waiting" for a person to clear, or "stopped" by what is wrong
+  std::string trouble;  // what is wrong now, in a word; "none"
+  std::string message;  // what a person does about it; empty when nothing is stopped
+  bool is_deadman_held{false};
+  bool is_enable_beating{false};
+  std::uint32_t stops{0};  // since the start
+  bool operator==(const SafetyStatus&) const = default;
+};
+
 struct Status {
   std::string version;
   double uptime_s{0};
@@ -115,6 +127,7 @@ struct Status {
   std::vector<ServoStatus> servos;
   std::vector<LinkStatus> links;
   std::vector<WorldStatus> worlds;
+  std::optional<SafetyStatus> safety{};
   bool operator==(const Status&) const = default;
 };
 

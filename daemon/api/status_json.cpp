@@ -105,10 +105,20 @@ json::object to_value(const WorldStatus& world) {
   return out;
 }
 
+json::object to_value(const SafetyStatus& safety) {
+  return {{"chip", safety.chip},
+          {"state", safety.state},
+          {"trouble", safety.trouble},
+          {"message", safety.message},
+          {"is_deadman_held", safety.is_deadman_held},
+          {"is_enable_beating", safety.is_enable_beating},
+          {"stops", safety.stops}};
+}
+
 }  // namespace
 
 std::string to_json(const Status& status) {
-  const json::object out = {
+  json::object out = {
       {"version", status.version},
       {"uptime_s", status.uptime_s},
       {"degraded", list_of(status.degraded, [](const std::string& s) { return s; })},
@@ -116,6 +126,7 @@ std::string to_json(const Status& status) {
       {"servos", list_of(status.servos, [](const ServoStatus& s) { return to_value(s); })},
       {"links", list_of(status.links, [](const LinkStatus& l) { return to_value(l); })},
       {"worlds", list_of(status.worlds, [](const WorldStatus& w) { return to_value(w); })}};
+  if (status.safety) out["safety"] = to_value(*status.safety);
   return to_text(out);
 }
 

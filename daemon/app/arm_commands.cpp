@@ -90,7 +90,11 @@ void ArmCommands::clear_fault(std::string_view arm, std::optional<std::uint32_t>
   wait.client = client;
   wait.asked_at_tick = seen.frame.tick;
   wait.fault = seen.fault.number;
-  wait.clear_id = asked.controls().request_clear(wait.fault);
+  if (safety_ != nullptr) {
+    wait.reset_id = safety_->ask_reset();
+  } else {
+    wait.clear_id = asked.controls().request_clear(wait.fault);
+  }
   wait.until = clock_.now() + kPatience;
   wait.answer = std::move(answer);
   waits_.push_back(std::move(wait));
@@ -122,12 +126,14 @@ void ArmCommands::poll() {
   edits_.poll();
 }
 
-ArmCommands::Verdict ArmCommands::judge(const Wait& wait) {
+ArmCommands::Verdict ArmCommands::judge(Wait& wait) {
   session::ArmSession& asked = session(wait.arm);
   const servo::ServoSnapshot& seen = asked.snapshot();
   // The tick after the next one has surely begun after the command.
   const bool is_seen_since = seen.frame.tick >= wait.asked_at_tick + 2;
-  if (is_seen_since) {
+  if (wait.reset_id != 0) {
+    if (Verdict verdict = judge_reset(wait)) return verdict;
+  } else if (is_seen_since) {
     Verdict verdict =
         wait.kind == Kind::Activate ? judge_activation(wait, seen) : judge_clearing(wait, seen);
     if (verdict) return verdict;
@@ -142,6 +148,20 @@ ArmCommands::Verdict ArmCommands::judge(const Wait& wait) {
     why += " and does not report its position; check its power and cable";
   }
   return fail(Errc::Timeout, std::move(why));
+}
+
+// The chain of all arms comes first: while it is stopped no servo takes a request.
+ArmCommands::Verdict ArmCommands::judge_reset(Wait& wait) {
+  const session::SafetySession::Answer answer = safety_->answer();
+  if (static_cast<std::int32_t>(answer.id - wait.reset_id) < 0) return std::nullopt;
+  session::ArmSession& asked = session(wait.arm);
+  if (!answer.is_free) {
+    return fail(Errc::Busy, named(asked) + " stays in its fault: " + safety_->explanation());
+  }
+  wait.reset_id = 0;
+  wait.clear_id = asked.controls().request_clear(wait.fault);
+  wait.asked_at_tick = asked.snapshot().frame.tick;
+  return std::nullopt;
 }
 
 ArmCommands::Verdict ArmCommands::judge_activation(const Wait& wait,

@@ -10,22 +10,25 @@
 #include "daemon/app/leases.hpp"
 #include "daemon/app/world_edits.hpp"
 #include "daemon/session/runtime.hpp"
+#include "daemon/session/safety_session.hpp"
 #include "hal/base/time.hpp"
 
 namespace thimble::app {
 
 // Carries out what clients ask of arms, and answers with what was then seen of the servo: an
 // activation when the arm is active or waits for a person to calibrate it, a cleared fault when
-// the arm has left it. What cannot come true is refused at once, with the cause. Edits of worlds
-// are handed on to WorldEdits.
+// the arm has left it, for which the safety chain is let go first. What cannot come true is refused
+// at once, with the cause. Edits of worlds are handed on to WorldEdits.
 //
 // Thread: the net plane's one thread. Not RT.
 // Ownership: runtime, leases and clock must outlive it; the clock never decides about an arm,
 //            it only bounds how long a client waits.
 class ArmCommands final : public api::Commands {
  public:
-  ArmCommands(session::Runtime& runtime, Leases& leases, const Clock& clock)
-      : runtime_(runtime), leases_(leases), clock_(clock), edits_(runtime) {}
+  // `safety`, which must outlive it, is nullptr where there are no such lines.
+  ArmCommands(session::Runtime& runtime, Leases& leases, const Clock& clock,
+              session::SafetySession* safety = nullptr)
+      : runtime_(runtime), leases_(leases), clock_(clock), safety_(safety), edits_(runtime) {}
 
   void activate(std::string_view arm, api::ClientId client, api::Answer answer) override;
   void deactivate(std::string_view arm, api::ClientId client, api::Answer answer) override;
@@ -51,6 +54,7 @@ class ArmCommands final : public api::Commands {
     api::ClientId client{};
     std::uint64_t asked_at_tick{0};
     std::uint32_t fault{0};     // ClearFault: number of the fault
+    std::uint32_t reset_id{0};  // ClearFault: of the safety chain; 0: it was let go
     std::uint32_t clear_id{0};  // ClearFault: of the request
     bool is_new_lease{false};   // Activate: this command took the lease
     MonotonicTime until{};
@@ -61,7 +65,8 @@ class ArmCommands final : public api::Commands {
   [[nodiscard]] session::ArmSession& session(std::size_t arm) {
     return runtime_.arms()[arm]->session();
   }
-  [[nodiscard]] Verdict judge(const Wait& wait);
+  [[nodiscard]] Verdict judge(Wait& wait);
+  [[nodiscard]] Verdict judge_reset(Wait& wait);
   [[nodiscard]] Verdict judge_activation(const Wait& wait, const servo::ServoSnapshot& seen);
   [[nodiscard]] Verdict judge_clearing(const Wait& wait, const servo::ServoSnapshot& seen);
   void withdraw(const Wait& wait);
@@ -71,6 +76,7 @@ class ArmCommands final : public api::Commands {
   session::Runtime& runtime_;
   Leases& leases_;
   const Clock& clock_;
+  session::SafetySession* safety_;
   WorldEdits edits_;
   std::vector<Wait> waits_;
 };

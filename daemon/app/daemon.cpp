@@ -82,7 +82,12 @@ Result<void> Daemon::start(const linux::RealtimeProcess& process) {
   Result<std::unique_ptr<session::Runtime>> runtime = session::Runtime::create(config_, parts);
   if (!runtime) return tl::unexpected(runtime.error());
   runtime_ = *std::move(runtime);
-  commands_.emplace(*runtime_, leases_, clock_);
+  if (config_.safety) {
+    auto safety = SafetyThread::start(config_, *runtime_, clock_, process);
+    if (!safety) return tl::unexpected(safety.error());
+    safety_ = *std::move(safety);
+  }
+  commands_.emplace(*runtime_, leases_, clock_, safety_ ? &safety_->session() : nullptr);
 
   // Until here a signal ends the process at once, as a person expects of one that is loading a
   // large volume: no arm is active. From here it must find its handler: the socket file goes again.
@@ -169,6 +174,7 @@ void Daemon::supervise() {
   for (std::size_t i = 0; i < runtime_->arms().size(); ++i) {
     lateness_.note(i, clock_.now(), runtime_->arms()[i]->session().snapshot().overruns);
   }
+  look_after_safety();
   pump();  // edits of worlds come without a servo's wake
   commands_->poll();
   take_recordings();
@@ -186,7 +192,12 @@ void Daemon::take_over(session::Runtime::Arrival arrival) {
   const std::string simulated = runtime_->arms()[arm]->session().config().device;
   threads_->stop(arm);
   take_recordings();
-  runtime_->take_over(std::move(arrival));
+  const auto exchange = [&] { runtime_->take_over(std::move(arrival)); };
+  if (safety_) {
+    safety_->session().exchange_arms(exchange);
+  } else {
+    exchange();
+  }
   const session::ArmSession& real = runtime_->arms()[arm]->session();
   spdlog::info("arm '{}': {} is there and takes over from {}; calibrate it, then activate it",
                real.config().name, real.config().device, simulated);
@@ -196,6 +207,19 @@ void Daemon::take_over(session::Runtime::Arrival arrival) {
   spdlog::error("arm '{}': its servo could not be started: {}", real.config().name,
                 started.error().message);
   io_.stop();
+}
+
+void Daemon::look_after_safety() {
+  if (!safety_) return;
+  safety_->session().supervise(clock_.now());
+  std::string now = safety_->session().explanation();
+  if (now == told_safety_) return;
+  if (now.empty()) {
+    spdlog::info("safety lines: nothing is stopped");
+  } else {
+    spdlog::warn("safety lines: {}", now);
+  }
+  told_safety_ = std::move(now);
 }
 
 // One line for `systemctl status`, told when it changes: "right active; left fault (overspeed)".
@@ -248,8 +272,8 @@ void Daemon::pet_watchdog() {
 }
 
 api::Status Daemon::status() const {
-  return collect_status(*runtime_,
-                        {leases_, threads_.get(), recordings_, lateness_, started_, clock_.now()});
+  return collect_status(*runtime_, {leases_, threads_.get(), recordings_, lateness_, started_,
+                                    clock_.now(), safety_ ? &safety_->session() : nullptr});
 }
 
 }  // namespace thimble::app

@@ -17,6 +17,7 @@
 #include "daemon/app/options.hpp"
 #include "daemon/app/recording_writer.hpp"
 #include "daemon/app/repeated_warnings.hpp"
+#include "daemon/app/safety_thread.hpp"
 #include "daemon/app/service_notifier.hpp"
 #include "daemon/app/servo_threads.hpp"
 #include "daemon/app/status_source.hpp"
@@ -54,6 +55,7 @@ class Daemon final : private api::StatusView {
   void pump();
   void supervise();
   void take_over(session::Runtime::Arrival arrival);
+  void look_after_safety();
   void take_recordings();
   void tell_service_manager();
   void pet_watchdog();
@@ -77,12 +79,14 @@ class Daemon final : private api::StatusView {
   boost::asio::posix::stream_descriptor wake_descriptor_{io_};
   ServiceNotifier notifier_;
   MonotonicTime watchdog_due_{};
-  std::string told_;  // to the service manager
+  std::string told_;         // to the service manager
+  std::string told_safety_;  // to the log
 
   std::unique_ptr<RecordingWriter> recorder_;
   std::unique_ptr<linux::BusEnumerator> buses_;  // nullptr: every arm is simulated
   std::unique_ptr<GuardKeeper> guards_;          // of its devices
   std::unique_ptr<session::Runtime> runtime_;
+  std::unique_ptr<SafetyThread> safety_;  // nullptr: no such lines
   std::optional<ArmCommands> commands_;
   std::unique_ptr<api::Server> server_;
   std::unique_ptr<ServoThreads> threads_;  // last: stops first

@@ -156,12 +156,27 @@ api::WorldStatus world_status(const session::WorldHost& host) {
   return world;
 }
 
+api::SafetyStatus safety_status(const session::SafetySession& safety) {
+  const safety::ChainStatus chain = safety.status();
+  api::SafetyStatus out;
+  out.chip = safety.config().chip;
+  const bool is_awaited = chain.trouble == safety::ChainTrouble::None;
+  out.state = !chain.is_stopped ? "free" : is_awaited ? "waiting" : "stopped";
+  out.trouble = to_string(chain.trouble);
+  out.message = safety.explanation();
+  out.is_deadman_held = chain.is_deadman_held;
+  out.is_enable_beating = chain.is_enable_beating;
+  out.stops = chain.stops;
+  return out;
+}
+
 }  // namespace
 
 api::Status collect_status(session::Runtime& runtime, const StatusContext& context) {
   api::Status status;
   status.version = THIMBLE_VERSION;
   status.uptime_s = seconds(context.now - context.started);
+  if (context.safety != nullptr) status.safety = safety_status(*context.safety);
   if (context.threads != nullptr) status.degraded = context.threads->missing();
   for (std::size_t i = 0; i < runtime.arms().size(); ++i) {
     session::ArmRig& rig = *runtime.arms()[i];

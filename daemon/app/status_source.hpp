@@ -6,6 +6,7 @@
 #include "daemon/app/recording_book.hpp"
 #include "daemon/app/servo_threads.hpp"
 #include "daemon/session/runtime.hpp"
+#include "daemon/session/safety_session.hpp"
 
 namespace thimble::app {
 
@@ -17,6 +18,7 @@ struct StatusContext {
   const LatenessWatch& lateness;
   MonotonicTime started{};
   MonotonicTime now{};
+  const session::SafetySession* safety{nullptr};  // nullptr: no such lines
 };
 
 // Takes the state of everything. Thread: the net plane's one thread. Not RT.

@@ -20,6 +20,7 @@ SafetySession::SafetySession(const config::SafetyConfig& safety, Runtime& runtim
 SafetySession::~SafetySession() = default;
 
 void SafetySession::step(MonotonicTime now) {
+  const std::lock_guard guard(arms_lock_);
   if (is_unwatched_.exchange(false)) chain_.stop(safety::ChainTrouble::Unwatched);
   follow_lines(now);
   chain_.step(lines_.get(), now, [this] { return have_servos_beaten(); });
@@ -50,6 +51,12 @@ void SafetySession::follow_lines(MonotonicTime now) {
   lines_ = *std::move(opened);
   chain_.restart_lines();
   note_trouble({});
+}
+
+void SafetySession::exchange_arms(const std::function<void()>& change) {
+  const std::lock_guard guard(arms_lock_);
+  change();
+  publish();
 }
 
 bool SafetySession::have_servos_beaten() {

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -21,7 +22,8 @@ namespace thimble::session {
 // tick.
 //
 // Thread: step() and close() from one, not a servo's; ask_reset(), answer(), status() and
-// trouble() from any; supervise() from one other.
+// trouble() from any; supervise() and exchange_arms() from one other, which alone changes the
+// runtime.
 // Ownership: runtime, chips and wake must outlive it.
 class SafetySession {
  public:
@@ -36,6 +38,10 @@ class SafetySession {
   void step(MonotonicTime now);
   // The lines go, their outputs low. No step() follows.
   void close() { lines_.reset(); }
+
+  // Does `change`, which puts other arms into the runtime, while nobody here looks at them. Those
+  // that are there then have heard the verdict before anybody drives them.
+  void exchange_arms(const std::function<void()>& change);
 
   // A person asks to go on after a stop: the number that answer() has when a step has judged it.
   std::uint32_t ask_reset();
@@ -68,6 +74,7 @@ class SafetySession {
   void publish();
   void answer_reset();
 
+  std::mutex arms_lock_;  // of the runtime's arms, and of the chain that they hear
   config::SafetyConfig config_;
   Runtime& runtime_;
   bus::GpioChips& chips_;

@@ -54,7 +54,8 @@ std::string_view explain(FaultCode code) noexcept {
       return "the servo did not run in time; reduce the load of this machine or grant real-time "
              "rights, then clear the fault";
     case FaultCode::Estop:
-      return "the emergency stop is pressed; release it, then clear the fault";
+      return "the emergency stop is pressed, or the safety lines are not in order; see to it, then "
+             "clear the fault";
     case FaultCode::LostReference:
       return "the arm lost its calibration while it was driven; clear the fault and calibrate it";
     case FaultCode::GuardLost:

@@ -1,0 +1,70 @@
+#include "daemon/app/safety_thread.hpp"
+
+#include <poll.h>
+
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "daemon/app/servo_threads.hpp"
+#include "hal/linux/gpio_lines.hpp"
+
+namespace thimble::app {
+namespace {
+
+constexpr std::size_t kSimLines = 8;  // as a CP2112 has
+
+}  // namespace
+
+Result<std::unique_ptr<SafetyThread>> SafetyThread::start(const config::Config& config,
+                                                          session::Runtime& runtime,
+                                                          const Clock& clock,
+                                                          const linux::RealtimeProcess& process) {
+  Result<std::unique_ptr<linux::EventFd>> wake = linux::EventFd::create();
+  if (!wake) return tl::unexpected(wake.error());
+  // The constructor is private, so make_unique cannot reach it.
+  std::unique_ptr<SafetyThread> safety(new SafetyThread(config, clock, process, *std::move(wake)));
+  safety->session_ = std::make_unique<session::SafetySession>(*config.safety, runtime,
+                                                              *safety->chips_, safety->wake_.get());
+  linux::RealtimeThreadSettings settings = bus_thread_settings(config.servo);
+  settings.name = "safety";
+  auto thread = linux::RealtimeThread::start(settings, process.report(),
+                                             [self = safety.get()] { self->run(); });
+  if (!thread) return tl::unexpected(thread.error());
+  safety->thread_ = *std::move(thread);
+  return safety;
+}
+
+SafetyThread::SafetyThread(const config::Config& config, const Clock& clock,
+                           const linux::RealtimeProcess& process,
+                           std::unique_ptr<linux::EventFd> wake)
+    : clock_(clock), wake_(std::move(wake)) {
+  if (!std::string_view(config.safety->chip).starts_with("sim:")) {
+    chips_ = std::make_unique<linux::GpioChips>(
+        linux::BusSettings{clock, bus_thread_settings(config.servo), process.report()});
+    return;
+  }
+  sim_chip_.emplace(clock, config.safety->chip, kSimLines);
+  const bool is_closed_high = config.safety->closed_level == config::ClosedLevel::High;
+  for (std::size_t i = 0; i < kSimLines; ++i) sim_chip_->set_level(i, is_closed_high);
+  chips_ = std::make_unique<sim::SimGpioChips>(std::vector<sim::SimGpioChip*>{&*sim_chip_});
+}
+
+SafetyThread::~SafetyThread() {
+  is_over_.store(true);
+  wake_->signal();
+  thread_.reset();
+  if (session_) session_->close();
+}
+
+void SafetyThread::run() noexcept {
+  constexpr int kStep_ms = static_cast<int>(session::SafetySession::kStep.count() / 1'000'000);
+  while (!is_over_.load()) {
+    session_->step(clock_.now());
+    pollfd watched{wake_->fd(), POLLIN, 0};
+    ::poll(&watched, 1, kStep_ms);
+    wake_->drain();
+  }
+}
+
+}  // namespace thimble::app
