@@ -20,6 +20,7 @@
 #include "sim/export/usbip_plug.hpp"
 #include "sim/export/verb_server.hpp"
 #include "sim/model/arm/register_arm_models.hpp"
+#include "sim/model/cp2112/cp2112_model.hpp"
 #include "sim/model/falcon/register_falcon_model.hpp"
 #include "sim/model/spacemouse/register_spacemouse_models.hpp"
 #include "sim/time/real_time_brake.hpp"
@@ -34,6 +35,8 @@ Result<plugin::SimModel> make_model(const SimdevOptions& options) {
   register_arm_models(models);
   register_falcon_model(models);
   register_spacemouse_models(models);
+  models.add({"cp2112", "Silicon Labs CP2112, eight lines (HID)",
+              [](const plugin::SimModelSettings&) { return std::make_unique<Cp2112Model>(); }});
   const plugin::SimModelEntry* entry = models.find(options.model);
   if (entry == nullptr) {
     std::string known;
