@@ -209,6 +209,17 @@ TEST_F(SafetyLinesTest, OutputsAreLowWhenItEnds) {
   EXPECT_FALSE(chip.level(4));
 }
 
+TEST_F(SafetyLinesTest, ArmsThatAreExchangedHearOfAStopBeforeTheyAreDriven) {
+  run(0.1);
+  bool has_changed = false;
+  safety.exchange_arms([&] {
+    loop.controls().is_estop_healthy = true;  // as a new arm comes
+    has_changed = true;
+  });
+  EXPECT_TRUE(has_changed);
+  EXPECT_FALSE(loop.controls().is_estop_healthy);
+}
+
 TEST_F(SafetyLinesTest, AThreadThatDoesNotLookAfterThemIsAStop) {
   start();
   for (int i = 0; i < 399; ++i) loop.tick();
