@@ -23,14 +23,12 @@ class Cp2112Model final : public plugin::SimHidModel, public plugin::ModelPanel 
   static constexpr std::uint16_t kVendorId = 0x10C4;   // AN495, table of USB customization data
   static constexpr std::uint16_t kProductId = 0xEA90;  // the same
   // Numbers of its feature reports, and their lengths with the number: AN495, sections 4 and 5.
-  enum Report : std::uint8_t {
-    kGpioConfig = 0x02,
-    kGetGpio = 0x03,
-    kSetGpio = 0x04,
-    kVersion = 0x05,
-    kSmbusConfig = 0x06,
-    kLockByte = 0x20,
-  };
+  static constexpr std::uint8_t kGpioConfig = 0x02;
+  static constexpr std::uint8_t kGetGpio = 0x03;
+  static constexpr std::uint8_t kSetGpio = 0x04;
+  static constexpr std::uint8_t kVersion = 0x05;
+  static constexpr std::uint8_t kSmbusConfig = 0x06;
+  static constexpr std::uint8_t kLockByte = 0x20;
   static constexpr std::size_t kSmbusConfigBytes = 14;
   static constexpr std::uint8_t kPartNumber = 0x0C;  // AN495, get version information
 
