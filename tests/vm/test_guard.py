@@ -1,0 +1,81 @@
+"""A daemon that is killed, stopped or hangs while a hand presses on a wall: the arm's guard lets it go, and nothing comes back unasked.
+
+The arm is a HID arm whose own watchdog takes 500 ms: what lets go earlier is the guard. The guest's clock counts instructions, so
+that the time between the blow and the last force may be asserted; both are of the guest's CLOCK_MONOTONIC.
+"""
+
+import json
+
+import guest
+import simdev
+from test_hid_arm import CONFIGURATION, SERIAL
+
+PID = "$(systemctl show thimbled -p MainPID --value)"
+SERVO = f"$(ps -L -o lwp=,comm= -p {PID} | awk '$2 == \"servo-right\" {{print $1}}')"
+LET_GO_S = 0.05
+NOTHING_NEWTON = 1e-6
+
+
+def signal(name):
+    """Sends it and prints when."""
+    return f"python3 -c 'import os, signal, sys, time; print(time.monotonic()); os.kill(int(sys.argv[1]), signal.{name})' {PID}"
+
+
+class Guard(guest.GuestTest):
+    pace = guest.COUNTED
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.guest.run("modprobe uhid")
+        cls.arm = simdev.Simdev(cls.guest, "arm", "--uhid", "--serial", SERIAL, "phantom-vintage")
+        cls.guest.wait_for("ls -d /sys/bus/hid/devices/0003:1234:0006.*/hidraw/hidraw*")
+        cls.guest.run(f"cat > /etc/thimble/thimble.toml <<'E'\n{CONFIGURATION}E\nudevadm settle")
+
+    def setUp(self):
+        self.guest.run("systemctl reset-failed thimbled; systemctl restart thimbled")
+        simdev.wait_for_state(self.guest, "calibrating")
+        self.arm.calibrate()
+        simdev.wait_for_state(self.guest, "active")
+        self.arm.say("move 0 0 0 0.3")
+        self.guest.run("sleep 0.5")
+        self.arm.say("move 0.018 0 0 0.3")
+        self.guest.run("sleep 1")
+        self.guest.run("systemctl list-units --no-legend 'thimble-guard@*' | grep -q running")
+
+    def let_go_after(self, blow):
+        """The blow, which prints when it fell, and when the motors' last force was: the time between."""
+        # In one go: between two commands an idle guest's clock runs ahead.
+        printed = self.guest.run(f"{blow}; sleep 0.3; {self.arm.command('log 1.5')} > /run/simdev.log")
+        fell_s = float(printed.split()[0])
+        entries = [json.loads(line) for line in self.guest.fetch("/run/simdev.log").splitlines()[:-1]]
+        samples = [(entry["machine_s"], simdev.norm(entry["force_newton"])) for entry in entries if "tip_m" in entry]
+        before = [force for at_s, force in samples if fell_s - 0.05 < at_s < fell_s]
+        self.assertTrue(before and min(before) > 0.3, before)
+        self.assertGreater(samples[-1][0], fell_s + 0.2)
+        return max(at_s for at_s, force in samples if force > NOTHING_NEWTON) - fell_s
+
+    def assert_without_force(self, seconds=1):
+        self.assertLess(max(simdev.norm(entry["force_newton"]) for entry in self.arm.samples(seconds)), NOTHING_NEWTON)
+
+    def assert_started_anew_without_force(self):
+        self.guest.wait_for("systemctl show thimbled -p NRestarts | grep -qx NRestarts=1 && systemctl is-active thimbled", 240)
+        simdev.wait_for_state(self.guest, "calibrating")
+        self.guest.run("sleep 2")
+        self.assert_without_force(2)
+
+    def test_killed(self):
+        self.assertLess(self.let_go_after(signal("SIGKILL")), LET_GO_S)
+        self.assert_started_anew_without_force()
+
+    def test_stopped(self):
+        self.assertLess(self.let_go_after(signal("SIGSTOP")), LET_GO_S)
+        self.assert_started_anew_without_force()
+
+    def test_a_servo_that_hangs(self):
+        blow = f"python3 -B /run/tests/hang_thread.py {SERVO} 0.5"
+        self.assertLess(self.let_go_after(blow), LET_GO_S)
+        arm = json.loads(simdev.wait_for_state(self.guest, "fault"))
+        self.assertIn("servo-late", [fault["code"] for fault in arm["faults"]])
+        self.guest.run("sleep 1")
+        self.assert_without_force()
