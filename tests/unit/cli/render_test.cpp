@@ -39,6 +39,7 @@ api::Status hostile_status() {
   out.version = text;
   out.uptime_s = huge;
   out.degraded = {text, ""};
+  out.safety = {text, text, text, text, true, true, 4'000'000'000};
   api::ArmStatus arm;
   arm.name = arm.device = arm.state = arm.lease = arm.world = arm.instruction = text;
   arm.calibration = arm.constraint_state = text;
@@ -78,6 +79,15 @@ TEST(Render, KeepsWithinEightyColumnsWhateverItIsTold) {
 
 TEST(Render, UsesPlainCharactersWhereTheTerminalHasNoOthers) {
   for (const char c : render_watch(sample_status(), Glyphs::Ascii, 60)) EXPECT_GE(c, 0);
+}
+
+TEST(Render, SaysHowTheSafetyLinesStandWhereThereAreAny) {
+  api::Status status = sample_status();
+  EXPECT_THAT(render_status(status, {}), Not(HasSubstr("safety")));
+  status.safety = {"bench", "stopped", "open", "it is pressed", false, false, 3};
+  EXPECT_THAT(render_status(status, {}),
+              AllOf(HasSubstr("safety bench  STOPPED  deadman OPEN  enable rests  stops 3"),
+                    HasSubstr("it is pressed")));
 }
 
 TEST(Render, ShowsAGimbalInDegreesWhereThereIsOne) {
