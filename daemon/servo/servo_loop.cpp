@@ -91,7 +91,11 @@ void ServoLoop::ask_guard(const ServoFrame& frame) noexcept {
 // commands do not leave: its own way to the arm may be free.
 void ServoLoop::answer_guard(const ServoFrame& frame) noexcept {
   if (parts_.heartbeat == nullptr) return;
-  const bool is_let_go = zero_since_ && frame.now - *zero_since_ >= settings_.command_gap_limit;
+  // Ok tells of what was sent before: the first may be about the force before the last, the second
+  // about the last one, the third is about a zero.
+  constexpr std::uint64_t kOksOfAZeroThatArrived = 3;
+  const bool is_let_go = zero_since_ && zeros_taken_ >= kOksOfAZeroThatArrived &&
+                         frame.now - *zero_since_ >= settings_.command_gap_limit;
   if (is_let_go || state_ == OperatingState::Lost) is_driven_ = false;
   parts_.heartbeat->is_driven.store(is_driven_ ? 1 : 0, std::memory_order_release);
   const bool is_stuck = is_driven_ && frame.now - last_write_ > settings_.command_gap_limit;
@@ -306,7 +310,11 @@ void ServoLoop::write(ServoFrame& frame, const LimitedWrench& wrench) noexcept {
   // A servo that is faster than the bus finds it busy now and then: that breaks no row of zeros.
   const bool is_row_broken = frame.now - last_write_ > settings_.command_gap_limit;
   if (is_driving() || is_row_broken) zero_since_.reset();
-  if (!is_driving() && is_taken && !zero_since_) zero_since_ = frame.now;
+  if (!is_driving() && is_taken) {
+    if (!zero_since_) zeros_taken_ = 0;
+    zero_since_ = zero_since_.value_or(frame.now);
+    ++zeros_taken_;
+  }
   // Only a command that the bus took is one: a stuck way out must not look fresh.
   if (is_taken) last_write_ = frame.now;
 }

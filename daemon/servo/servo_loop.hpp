@@ -137,6 +137,7 @@ class ServoLoop {
   MonotonicTime latched_at_{};
   std::uint32_t interventions_{0};           // of the guard, as of this tick
   std::optional<MonotonicTime> zero_since_;  // since when the arm takes nothing but zero
+  std::uint64_t zeros_taken_{0};             // since then
   bool is_driven_{false};                    // it may hold a force, as far as is known
   // Of this tick: what latched, what was unplugged, and what latched again after a clear.
   rt::StaticVector<Fault, 3> stops_;

@@ -9,7 +9,7 @@ namespace thimble {
 enum class IoStatus : std::uint8_t {
   Ok,
   NoData,         // nothing new since the last call; the outputs are untouched
-  Backlogged,     // the last write has not arrived, or failed; the newest value waits its turn
+  Backlogged,     // no write has arrived since the last one; the newest value waits its turn
   Disconnected,   // latched by the bus: every later call says the same
   ProtocolError,  // bytes arrived that the codec refuses; counted, outputs untouched
 };

@@ -47,9 +47,9 @@ class HidDevice {
   // The newest report that arrived since the last call. Ok, NoData or Disconnected.
   THIMBLE_RT_IO virtual IoStatus read_newest(HidReport& out) noexcept = 0;
   // Hands an output report (at most kMaxHidReportBytes) to the bus; the latest value wins.
-  // Ok; Backlogged when the last one has not reached the device, be it still on its way or failed
-  // (this one waits, and replaces one that waits); Disconnected; ProtocolError when the size cannot
-  // be sent.
+  // Ok when nothing is on its way, or a report reached the device since the last submit; else
+  // Backlogged, be the last one still on its way or failed (this one waits, and replaces one that
+  // waits); Disconnected; ProtocolError when the size cannot be sent.
   THIMBLE_RT_IO virtual IoStatus submit(std::span<const std::uint8_t> report) noexcept = 0;
   [[nodiscard]] virtual HidCounters counters() const noexcept = 0;
 };

@@ -109,10 +109,11 @@ class UsbDevice {
   // oldest that waits (call until NoData). Ok, NoData or Disconnected; ProtocolError when
   // `endpoint` is no IN pipe of this claim.
   THIMBLE_RT_IO virtual IoStatus read(std::uint8_t endpoint, UsbPacket& out) noexcept = 0;
-  // Hands a packet to an OUT pipe. Ok; Backlogged when the last one has not reached the device
-  // whole, be it still on its way or failed (this one waits, and replaces one that waits), so that
-  // a pipe on which everything fails is Ok once only; Disconnected; ProtocolError when it is
-  // empty, longer than the endpoint's packets, or `endpoint` is no OUT pipe of this claim.
+  // Hands a packet to an OUT pipe. Ok when nothing is on its way, or a packet reached the device
+  // whole since the last submit; else Backlogged, be the last one still on its way or failed (this
+  // one waits, and replaces one that waits), so that a pipe on which everything fails is Ok once
+  // only; Disconnected; ProtocolError when it is empty, longer than the endpoint's packets, or
+  // `endpoint` is no OUT pipe of this claim.
   THIMBLE_RT_IO virtual IoStatus submit(std::uint8_t endpoint,
                                         std::span<const std::uint8_t> packet) noexcept = 0;
   // Sends a request to endpoint 0; its end comes by read_control(). One at a time: Backlogged, and

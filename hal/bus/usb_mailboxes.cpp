@@ -122,12 +122,14 @@ class UsbMailboxes::InPipe {
 class UsbMailboxes::OutPipe {
  public:
   IoStatus submit(std::span<const std::uint8_t> bytes) noexcept {
-    const bool has_last_arrived = arrived_.load(std::memory_order_relaxed) == submitted_.number;
+    const std::uint64_t arrived = arrived_.load(std::memory_order_relaxed);
+    const bool is_way_free = arrived == submitted_.number || arrived != arrived_before_;
+    arrived_before_ = arrived;
     std::copy(bytes.begin(), bytes.end(), submitted_.bytes.begin());
     submitted_.size = bytes.size();
     ++submitted_.number;
     newest_.write(submitted_);
-    return has_last_arrived ? IoStatus::Ok : IoStatus::Backlogged;
+    return is_way_free ? IoStatus::Ok : IoStatus::Backlogged;
   }
   std::span<const std::uint8_t> take() noexcept {
     if (!is_owed_) {
@@ -163,7 +165,9 @@ class UsbMailboxes::OutPipe {
   };
 
   rt::TripleBuffer<Packet> newest_;
-  Packet submitted_{};  // driver's thread
+  // Driver's thread.
+  Packet submitted_{};
+  std::uint64_t arrived_before_{0};  // at the last submit
   // Bus's thread.
   Packet taken_{};
   bool is_owed_{false};

@@ -71,7 +71,7 @@ struct UsbipHost {
   }
   Bytes control(std::array<std::uint8_t, 8> setup, Bytes data = {}) {
     const auto in = static_cast<std::uint8_t>(setup[0] & 0x80U);
-    const std::uint32_t length = setup[6] | setup[7] << 8U;
+    const auto length = static_cast<std::uint32_t>(setup[6] | setup[7] << 8U);
     return submit({.endpoint = in, .length = length, .setup = setup, .data = std::move(data)});
   }
   Bytes unlink(std::uint32_t what) {

@@ -66,6 +66,21 @@ TEST(ServoGuard, IsToldOfAnArmThatTakesNoZeroAsLongAsItDoesNot) {
   EXPECT_EQ(rig.heartbeat.is_driven.load(), 0U);
 }
 
+// The last write that ended may have been of a force; what hangs behind it, too.
+TEST(ServoGuard, IsToldOfAnArmWhoseWayOutHangsRightAfterTheStop) {
+  for (const std::size_t ends : {1U, 2U}) {
+    DrivenRig rig;
+    const std::size_t before = rig.device.written.size();
+    rig.device.on_write = [&] {
+      const bool has_hung_up = rig.device.written.size() > before + ends;
+      rig.device.write_status = has_hung_up ? IoStatus::Backlogged : IoStatus::Ok;
+    };
+    rig.press_estop();
+    rig.tick(1000);
+    EXPECT_EQ(rig.heartbeat.is_driven.load(), 1U) << ends;
+  }
+}
+
 TEST(ServoGuard, IsNotPutOffByABusThatIsBusyNowAndThen) {
   DrivenRig rig;
   rig.device.on_write = [&] {
