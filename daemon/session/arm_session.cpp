@@ -25,7 +25,7 @@ ArmSession::ArmSession(const config::ArmConfig& arm, const ArmSessionParts& part
     : arm_(arm),
       parts_(parts),
       device_(std::move(device)),
-      coupling_(std::move(coupling)),
+      coupling_(std::make_unique<coupling::SteadyForce>(std::move(coupling))),
       guard_("arm '" + arm.name + "'", {arm.device}, parts.guards, controls_) {
   controls_.want_active = arm.activate;
 }

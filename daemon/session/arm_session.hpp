@@ -8,6 +8,7 @@
 #include "daemon/config/config.hpp"
 #include "daemon/coupling/arm_coupling.hpp"
 #include "daemon/coupling/arm_link.hpp"
+#include "daemon/coupling/steady_force.hpp"
 #include "daemon/devices/replaceable_device.hpp"
 #include "daemon/servo/flight_file.hpp"
 #include "daemon/servo/servo_loop.hpp"
@@ -49,6 +50,8 @@ class ArmSession {
 
   [[nodiscard]] servo::ServoLoop& loop() noexcept { return *loop_; }
   [[nodiscard]] servo::ServoControls& controls() noexcept { return controls_; }
+  // What the arm is made to wish instead of what its world says.
+  [[nodiscard]] coupling::SteadyForce& steady_force() noexcept { return *coupling_; }
   [[nodiscard]] const config::ArmConfig& config() const noexcept { return arm_; }
   [[nodiscard]] const devices::ReplaceableDevice& device() const noexcept { return device_; }
   // The newest state; what was known before when the servo wrote all the while.
@@ -82,7 +85,7 @@ class ArmSession {
   ArmSessionParts parts_;
   bus::BusDeviceInfo identity_;  // of the arm that the session was made for
   devices::ReplaceableDevice device_;
-  std::unique_ptr<coupling::ArmCoupling> coupling_;
+  std::unique_ptr<coupling::SteadyForce> coupling_;
   servo::ServoControls controls_;
   GuardedArm guard_;
   std::unique_ptr<servo::ServoLoop> loop_;

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <utility>
+
+#include "daemon/coupling/arm_coupling.hpp"
+
+namespace thimble::coupling {
+
+// A coupling that can be made to wish one steady force, straight up or down, instead of what its
+// world says: for a scale under the tip. The wish goes the way of every wish, through the limiter.
+// Afterwards the ghost restarts at the hand: no jump.
+//
+// Thread: reset() and step() as ArmCoupling; hold() and release() from one control thread.
+// RT: all. Ownership: of the coupling below.
+class SteadyForce final : public ArmCoupling {
+ public:
+  explicit SteadyForce(std::unique_ptr<ArmCoupling> below) : below_(std::move(below)) {}
+
+  // N, along y of the base frame.
+  void hold(double up_newton) noexcept {
+    up_newton_.store(up_newton, std::memory_order_relaxed);
+    is_held_.store(true, std::memory_order_release);
+  }
+  void release() noexcept { is_held_.store(false, std::memory_order_release); }
+  [[nodiscard]] bool is_held() const noexcept { return is_held_.load(std::memory_order_relaxed); }
+
+  THIMBLE_RT void reset(MonotonicTime now, Position3 tip) noexcept override {
+    below_->reset(now, tip);
+  }
+  THIMBLE_RT ArmOutput step(const ArmInput& input) noexcept override {
+    const bool is_held = is_held_.load(std::memory_order_acquire);
+    if (std::exchange(was_held_, is_held) && !is_held) below_->reset(input.now, input.tip);
+    ArmOutput out = below_->step(input);
+    if (is_held) out.force = {0, up_newton_.load(std::memory_order_relaxed), 0};
+    return out;
+  }
+
+ private:
+  std::unique_ptr<ArmCoupling> below_;
+  std::atomic<bool> is_held_{false};
+  std::atomic<double> up_newton_{0};
+  static_assert(std::atomic<double>::is_always_lock_free);
+  bool was_held_{false};  // servo
+};
+
+}  // namespace thimble::coupling
