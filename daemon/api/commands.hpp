@@ -27,6 +27,9 @@ struct Done {
 };
 using Answer = std::function<void(const Result<Done>&)>;
 
+// Ours: enough for a scale to show even where the arm is a seventh as strong as it thinks.
+inline constexpr double kMostSteady_newton = 8;
+
 // A change of a world's cells, as docs/api.md has it. World frame: where an arm's hand plus its
 // coordinate offset is; the origin is the middle of the world, cell {0, 0, 0} its corner where x, y
 // and z are least.
@@ -65,6 +68,11 @@ class Commands {
   // `fault`: the FaultStatus::number that is meant; nothing: whichever is latched now.
   virtual void clear_fault(std::string_view arm, std::optional<std::uint32_t> fault,
                            ClientId client, Answer answer) = 0;
+  // Has an active arm push straight up (below 0: down) with so many newtons, at most
+  // kMostSteady_newton, through its limiter, instead of what its world says; nothing: no more. Only
+  // for who holds the arm's lease; ends with it, with the client, and after a minute.
+  virtual void steady_force(std::string_view arm, std::optional<double> up_newton, ClientId client,
+                            Answer answer) = 0;
   // Needs no lease (0196). All of the edits or none, some 4 s of work at most (EditQueue). Answered
   // when the last of them is applied; a client that goes meanwhile takes them back as long as none
   // has begun.

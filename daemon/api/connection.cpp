@@ -141,6 +141,8 @@ void Connection::command(const Action& action, bool is_kept) {
     context_.commands.activate(action.name, id_, answer);
   } else if (action.kind == ActionKind::Deactivate) {
     context_.commands.deactivate(action.name, id_, answer);
+  } else if (action.kind == ActionKind::SteadyForce) {
+    context_.commands.steady_force(action.name, action.up_newton, id_, answer);
   } else {
     context_.commands.clear_fault(action.name, action.fault, id_, answer);
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <boost/json.hpp>
+#include <cmath>
 #include <limits>
 #include <optional>
 
@@ -22,10 +23,11 @@ struct Verb {
   std::string_view word;
   ActionKind kind;
 };
-constexpr std::array<Verb, 4> kVerbs{{
+constexpr std::array<Verb, 5> kVerbs{{
     {kArms, "activate", ActionKind::Activate},
     {kArms, "deactivate", ActionKind::Deactivate},
     {kArms, "clear-fault", ActionKind::ClearFault},
+    {kArms, "steady-force", ActionKind::SteadyForce},
     {kWorlds, "edits", ActionKind::EditWorld},
 }};
 
@@ -68,6 +70,20 @@ tl::expected<std::optional<std::uint32_t>, RequestError> read_fault(
   return static_cast<std::uint32_t>(*number);
 }
 
+// How strong; nothing where it shall end.
+tl::expected<std::optional<double>, RequestError> read_steady(const boost::json::value& document) {
+  const boost::json::object* parameters = document.if_object();
+  if (parameters != nullptr && parameters->empty()) return std::nullopt;
+  const boost::json::value* said =
+      parameters == nullptr ? nullptr : parameters->if_contains("up_newton");
+  boost::system::error_code wrong;
+  const double up_newton = said == nullptr ? 0 : said->to_number<double>(wrong);
+  const bool is_good = said != nullptr && parameters->size() == 1 && !wrong &&
+                       std::abs(up_newton) <= kMostSteady_newton;
+  if (is_good) return up_newton;
+  return malformed("this takes no body, or one such as {\"up_newton\": -2.5}, from -8 to 8");
+}
+
 // `action` with what the body says to it.
 tl::expected<Action, RequestError> read_parameters(Action action,
                                                    const boost::json::value& document) {
@@ -81,6 +97,12 @@ tl::expected<Action, RequestError> read_parameters(Action action,
     const auto fault = read_fault(document);
     if (!fault) return tl::unexpected(fault.error());
     action.fault = *fault;
+    return action;
+  }
+  if (action.kind == ActionKind::SteadyForce) {
+    const auto up_newton = read_steady(document);
+    if (!up_newton) return tl::unexpected(up_newton.error());
+    action.up_newton = *up_newton;
     return action;
   }
   // Nothing else takes parameters yet; refusing them now leaves their meaning free.
@@ -126,10 +148,11 @@ tl::expected<Action, RequestError> parse_request(std::string_view method, std::s
                                                  std::string_view body) {
   auto action = parse_target(target);
   if (!action) {
-    return tl::unexpected(RequestError{404, "not-found",
-                                       "there is only /v1/status, /v1/arms/NAME/activate, "
-                                       "deactivate and clear-fault, and /v1/worlds/NAME/edits",
-                                       ""});
+    return tl::unexpected(
+        RequestError{404, "not-found",
+                     "there is only /v1/status, /v1/arms/NAME/activate, "
+                     "deactivate, clear-fault and steady-force, and /v1/worlds/NAME/edits",
+                     ""});
   }
   const std::string_view allowed = action->kind == ActionKind::Status ? "GET" : "POST";
   if (method != allowed) {

@@ -11,7 +11,14 @@
 
 namespace thimble::api {
 
-enum class ActionKind : std::uint8_t { Status, Activate, Deactivate, ClearFault, EditWorld };
+enum class ActionKind : std::uint8_t {
+  Status,
+  Activate,
+  Deactivate,
+  ClearFault,
+  SteadyForce,
+  EditWorld
+};
 
 // What a request asks for.
 struct Action {
@@ -19,6 +26,7 @@ struct Action {
   std::string name;  // of the arm or world: a-z, 0-9 and -; empty for Status
   std::vector<CellEdit> edits{};
   std::optional<std::uint32_t> fault{};  // ClearFault: its number, where one is named
+  std::optional<double> up_newton{};     // SteadyForce: nothing ends it
   bool operator==(const Action&) const = default;
 };
 

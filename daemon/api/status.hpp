@@ -39,6 +39,7 @@ struct ArmStatus {
   double peak_offset_m{0};    // largest norm since the start
   std::uint64_t contacts{0};  // begun since the start
   std::vector<FaultStatus> faults;
+  double newton_per_count{0};  // by which it is told its force; 0: it is told amperes
   bool is_in_contact{false};
   std::string lease;             // "configuration", "client" or "none": who keeps it active
   std::string constraint_state;  // "fresh", "frozen", "fading" …

@@ -32,6 +32,7 @@ json::object to_value(const ArmStatus& arm) {
   return {{"name", arm.name},
           {"device", arm.device},
           {"stands_in_for", arm.stands_in_for},
+          {"newton_per_count", arm.newton_per_count},
           {"model", arm.model},
           {"world", arm.world},
           {"state", arm.state},

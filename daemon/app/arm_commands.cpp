@@ -100,16 +100,52 @@ void ArmCommands::clear_fault(std::string_view arm, std::optional<std::uint32_t>
   waits_.push_back(std::move(wait));
 }
 
+void ArmCommands::steady_force(std::string_view arm, std::optional<double> up_newton,
+                               api::ClientId client, api::Answer answer) {
+  const Result<std::size_t> index = leases_.find(arm);
+  if (!index) return answer(tl::unexpected(index.error()));
+  session::ArmSession& asked = session(*index);
+  const bool is_ours = leases_.is_held_for(*index, client.value);
+  if (!is_ours || asked.snapshot().frame.state != OperatingState::Active) {
+    return answer(fail(
+        Errc::Busy, named(asked) + " must be active, and for this connection: activate it first"));
+  }
+  std::erase_if(steady_, [&](const Steady& steady) { return steady.arm == *index; });
+  if (up_newton) {
+    asked.steady_force().hold(*up_newton);
+    steady_.push_back({*index, client, clock_.now() + kSteadyFor});
+  } else {
+    asked.steady_force().release();
+  }
+  answer(done(*index));
+}
+
+// A force that nobody looks after is none: its lease, its client or its time is over.
+void ArmCommands::end_steady_forces() {
+  std::erase_if(steady_, [&](const Steady& steady) {
+    const bool is_over = clock_.now() >= steady.until ||
+                         !leases_.is_held_for(steady.arm, steady.client.value) ||
+                         session(steady.arm).snapshot().frame.state != OperatingState::Active;
+    if (is_over) session(steady.arm).steady_force().release();
+    return is_over;
+  });
+}
+
 void ArmCommands::client_gone(api::ClientId client) {
   for (const Wait& wait : waits_) {
     if (wait.client == client) withdraw(wait);  // nobody is left to be told what comes of it
   }
   std::erase_if(waits_, [&](const Wait& wait) { return wait.client == client; });
+  for (Steady& steady : steady_) {
+    if (steady.client == client) steady.until = clock_.now();
+  }
+  end_steady_forces();
   edits_.client_gone(client);
   if (!leases_.drop_client(client.value).empty()) apply_leases();
 }
 
 void ArmCommands::poll() {
+  end_steady_forces();
   // Taken out first: an answer may bring the next command, or the end of its client.
   std::vector<std::pair<api::Answer, Result<api::Done>>> answers;
   for (std::size_t i = 0; i < waits_.size();) {

@@ -34,6 +34,8 @@ class ArmCommands final : public api::Commands {
   void deactivate(std::string_view arm, api::ClientId client, api::Answer answer) override;
   void clear_fault(std::string_view arm, std::optional<std::uint32_t> fault, api::ClientId client,
                    api::Answer answer) override;
+  void steady_force(std::string_view arm, std::optional<double> up_newton, api::ClientId client,
+                    api::Answer answer) override;
   void edit_world(std::string_view world, const std::vector<api::CellEdit>& edits,
                   api::ClientId client, api::EditAnswer answer) override {
     edits_.submit(world, edits, client, std::move(answer));
@@ -45,6 +47,8 @@ class ArmCommands final : public api::Commands {
 
   // A controller that was just plugged in starts within 1 s; the command line waits 5 s. Ours.
   static constexpr Duration kPatience = std::chrono::seconds(2);
+  // A person looks at a scale and types what it says. Ours.
+  static constexpr Duration kSteadyFor = std::chrono::seconds(60);
 
  private:
   enum class Kind : std::uint8_t { Activate, ClearFault };
@@ -60,6 +64,11 @@ class ArmCommands final : public api::Commands {
     MonotonicTime until{};
     api::Answer answer;
   };
+  struct Steady {
+    std::size_t arm{0};
+    api::ClientId client{};
+    MonotonicTime until{};
+  };
   using Verdict = std::optional<Result<api::Done>>;  // nothing: not yet
 
   [[nodiscard]] session::ArmSession& session(std::size_t arm) {
@@ -70,6 +79,7 @@ class ArmCommands final : public api::Commands {
   [[nodiscard]] Verdict judge_activation(const Wait& wait, const servo::ServoSnapshot& seen);
   [[nodiscard]] Verdict judge_clearing(const Wait& wait, const servo::ServoSnapshot& seen);
   void withdraw(const Wait& wait);
+  void end_steady_forces();
   [[nodiscard]] api::Done done(std::size_t arm);
   void apply_leases();
 
@@ -79,6 +89,7 @@ class ArmCommands final : public api::Commands {
   session::SafetySession* safety_;
   WorldEdits edits_;
   std::vector<Wait> waits_;
+  std::vector<Steady> steady_;
 };
 
 }  // namespace thimble::app

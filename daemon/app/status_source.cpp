@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "drivers/falcon/find_model.hpp"
+
 namespace thimble::app {
 namespace {
 
@@ -45,6 +47,13 @@ std::vector<double> gimbal_of(const HapticCapabilities& arm, const servo::ServoS
   return {snapshot.gimbal_rad.begin(), snapshot.gimbal_rad.end()};
 }
 
+// As its driver takes it: what was measured, or what the model is thought to have.
+double newton_per_count_of(const session::ArmSession& session) {
+  const falcon::FalconModel* model = falcon::find_model(session.device().capabilities().model);
+  if (model == nullptr) return 0;
+  return session.config().newton_per_count.value_or(model->newton_per_count);
+}
+
 api::ArmStatus arm_status(session::ArmRig& rig, std::size_t index, const StatusContext& context) {
   session::ArmSession& session = rig.session();
   const servo::ServoSnapshot& snapshot = session.snapshot();
@@ -53,6 +62,7 @@ api::ArmStatus arm_status(session::ArmRig& rig, std::size_t index, const StatusC
   arm.name = session.config().name;
   arm.device = session.config().device;
   if (const session::AwaitedArm* awaited = rig.awaited()) arm.stands_in_for = awaited->arm().device;
+  arm.newton_per_count = newton_per_count_of(session);
   arm.model = session.device().capabilities().model;
   arm.state = to_string(frame.state);
   arm.calibration = to_string(frame.calibration);

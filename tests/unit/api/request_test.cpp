@@ -8,6 +8,23 @@
 namespace thimble::api {
 namespace {
 
+TEST(ApiRequest, TakesASteadyForceWithinItsBounds) {
+  const auto steady = [](std::string_view body) {
+    return parse_request("POST", "/v1/arms/right/steady-force", body);
+  };
+  EXPECT_EQ(steady("{\"up_newton\":-2.5}")->up_newton, -2.5);
+  EXPECT_EQ(steady("{\"up_newton\":8}")->up_newton, 8);
+  EXPECT_EQ(steady("")->up_newton, std::nullopt);
+  EXPECT_EQ(steady("{}")->kind, ActionKind::SteadyForce);
+  for (const char* bad : {"{\"up_newton\":8.1}", "{\"up_newton\":-9}", "{\"up_newton\":\"1\"}",
+                          "[]", "{\"up_newton\":null}", "{\"down_newton\":1}",
+                          "{\"up_newton\":1,\"x\":2}", "{\"up_newton\":1e999}", "3"}) {
+    const auto refused = steady(bad);
+    ASSERT_FALSE(refused) << bad;
+    EXPECT_EQ(refused.error().http_status, 400U) << bad;
+  }
+}
+
 TEST(ApiRequest, KnowsItsFourActions) {
   EXPECT_EQ(parse_request("GET", "/v1/status", ""), (Action{ActionKind::Status, ""}));
   EXPECT_EQ(parse_request("POST", "/v1/arms/right/activate", ""),

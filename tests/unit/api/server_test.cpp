@@ -61,6 +61,7 @@ class FakeDaemon : public StatusView, public Commands {
       answer(Done{"calibrating", "press the button"});
     }
   }
+  void steady_force(std::string_view, std::optional<double>, ClientId, Answer) override {}
   void edit_world(std::string_view world, const std::vector<CellEdit>& edits, ClientId,
                   EditAnswer answer) override {
     log.push_back("edit " + std::string(world) + " " + std::to_string(edits.size()));

@@ -31,6 +31,10 @@ class FakeDaemon : public api::StatusView, public api::Commands {
                    api::Answer answer) override {
     answer(fail(Errc::Busy, "the stop is still pressed"));
   }
+  void steady_force(std::string_view, std::optional<double>, api::ClientId,
+                    api::Answer answer) override {
+    answer(api::Done{"active", ""});
+  }
   void edit_world(std::string_view, const std::vector<api::CellEdit>&, api::ClientId,
                   api::EditAnswer) override {}
   void client_gone(api::ClientId) override {}
