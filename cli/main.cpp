@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/calibrate_force.hpp"
 #include "cli/commands.hpp"
 #include "cli/devices/devices.hpp"
 #include "cli/doctor/doctor.hpp"
@@ -46,6 +47,7 @@ struct Arguments {
   WatchOptions watch;
   std::string world;
   thimble::cli::WorldEdit edit;
+  thimble::cli::CalibrateOptions calibrate;
 };
 
 // As a check: what a person gave for a number is one (cli/numbers.hpp).
@@ -157,6 +159,23 @@ CLI::App* add_arm_command(CLI::App& app, const char* verb, const char* what, Arg
   return command;
 }
 
+void add_calibrate_command(CLI::App& app, Arguments& arguments, int& code) {
+  CLI::App* command = app.add_subcommand(
+      "calibrate-force", "Measure with a kitchen scale what a count of an arm is in newtons");
+  command->add_option("ARM", arguments.arm, "Name of the arm; not needed when there is one")
+      ->check(refuse_no_name);
+  command->add_option("--most", arguments.calibrate.most_newton, "The strongest force, in newtons")
+      ->check(refuse_not_finite)
+      ->check(CLI::Range(0.5, 8.0));
+  command->add_option("--steps", arguments.calibrate.steps, "How many forces, 0 among them")
+      ->check(CLI::Range(3, 20))
+      ->capture_default_str();
+  command->callback([&] {
+    code = thimble::cli::run_calibrate_force(arguments.socket_path, arguments.arm,
+                                             arguments.calibrate, std::cin);
+  });
+}
+
 void add_world_command(CLI::App& app, Arguments& arguments, int& code) {
   constexpr int kAxes = 3;
   thimble::cli::WorldEdit& edit = arguments.edit;
@@ -217,6 +236,7 @@ int run(int argc, char** argv) {
       ->add_option("--fault", arguments.fault,
                    "Only this one, as the status numbers it; default: the one latched now")
       ->check(refuse_no_fault);
+  add_calibrate_command(app, arguments, code);
   add_world_command(app, arguments, code);
   app.footer(
       "Exit codes: 0 done, 1 refused, not printed or (doctor) something wrong, 2 wrong arguments, "

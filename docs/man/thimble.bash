@@ -6,7 +6,7 @@ _thimble_arms() {
 
 _thimble() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]}
-  local commands="status watch report doctor devices flight activate deactivate clear-fault world"
+  local commands="status watch report doctor devices flight activate deactivate clear-fault calibrate-force world"
   local options="--help --socket" command= socket=() i
   for ((i = 1; i < COMP_CWORD; ++i)); do
     if [[ ${COMP_WORDS[i]} == --socket ]]; then
@@ -19,7 +19,7 @@ _thimble() {
   case $before in
     --socket | --plugin | --config) mapfile -t COMPREPLY < <(compgen -f -- "$word"); return ;;
     --root) mapfile -t COMPREPLY < <(compgen -d -- "$word"); return ;;
-    --interval | --for | --before | --min | --max | --center | --radius | --cell | --fault) return ;;
+    --interval | --for | --before | --min | --max | --center | --radius | --cell | --fault | --most | --steps) return ;;
   esac
   case $command in
     "") options="--help --version --socket $commands" ;;
@@ -45,6 +45,7 @@ _thimble() {
       fi ;;
     report) [[ $word == -* ]] || { mapfile -t COMPREPLY < <(compgen -f -- "$word"); return; } ;;
     clear-fault) [[ $word == -* ]] && options+=" --fault" || options=$(_thimble_arms "${socket[@]}") ;;
+    calibrate-force) [[ $word == -* ]] && options+=" --most --steps" || options=$(_thimble_arms "${socket[@]}") ;;
     *) [[ $word == -* ]] || options=$(_thimble_arms "${socket[@]}") ;;
   esac
   mapfile -t COMPREPLY < <(compgen -W "$options" -- "$word")

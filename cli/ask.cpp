@@ -1,0 +1,43 @@
+#include "cli/ask.hpp"
+
+#include <iostream>
+
+#include "cli/commands.hpp"
+#include "cli/status_document.hpp"
+#include "cli/text.hpp"
+
+namespace thimble::cli {
+
+int complain(const Error& error) {
+  std::cerr << "thimble: " << error.message << '\n';
+  const bool is_gone = error.code == Errc::NotFound || error.code == Errc::Disconnected;
+  return is_gone ? kExitNoDaemon : kExitRefused;
+}
+
+Result<std::string> ask(Client& client, const std::string& method, const std::string& target,
+                        const std::string& body, std::chrono::seconds timeout) {
+  auto reply = client.request(method, target, body, timeout);
+  if (!reply) return tl::unexpected<Error>(reply.error());
+  if (reply->http_status == 200) return std::move(reply->body);
+  return fail(Errc::Busy,
+              plain(parse_error_message(reply->body, "the daemon answers with HTTP status " +
+                                                         std::to_string(reply->http_status))));
+}
+
+Result<api::Status> ask_status(Client& client) {
+  auto body = ask(client, "GET", "/v1/status");
+  if (!body) return tl::unexpected<Error>(body.error());
+  return parse_status(*body);
+}
+
+Result<std::string> only_arm(Client& client) {
+  auto status = ask_status(client);
+  if (!status) return tl::unexpected<Error>(status.error());
+  if (status->arms.size() == 1) return status->arms.front().name;
+  std::string names;
+  for (const auto& arm : status->arms) names += (names.empty() ? "" : ", ") + plain(arm.name);
+  return fail(Errc::InvalidArgument,
+              names.empty() ? "this daemon has no arm" : "say which arm: " + names);
+}
+
+}  // namespace thimble::cli

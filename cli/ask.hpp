@@ -1,0 +1,24 @@
+#pragma once
+
+#include <chrono>
+#include <string>
+
+#include "cli/client.hpp"
+#include "daemon/api/status.hpp"
+#include "hal/base/result.hpp"
+
+namespace thimble::cli {
+
+// What every subcommand asks the daemon. Thread: one. Not RT.
+
+// Says it on standard error; the exit code that goes with it.
+int complain(const Error& error);
+// The body of a good answer; of a bad one its sentence.
+[[nodiscard]] Result<std::string> ask(Client& client, const std::string& method,
+                                      const std::string& target, const std::string& body = {},
+                                      std::chrono::seconds timeout = kTimeout);
+[[nodiscard]] Result<api::Status> ask_status(Client& client);
+// The name of the only arm there is. Errors: InvalidArgument, naming those there are.
+[[nodiscard]] Result<std::string> only_arm(Client& client);
+
+}  // namespace thimble::cli

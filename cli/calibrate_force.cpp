@@ -1,0 +1,164 @@
+#include "cli/calibrate_force.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "cli/ask.hpp"
+#include "cli/client.hpp"
+#include "cli/commands.hpp"
+#include "cli/force_fit.hpp"
+#include "cli/text.hpp"
+
+namespace thimble::cli {
+namespace {
+
+// Ours: a person homes the arm meanwhile.
+constexpr std::chrono::milliseconds kLook{200};
+constexpr int kMostLooks = 600;
+constexpr std::chrono::milliseconds kSettlingLook{20};
+constexpr int kMostSettlingLooks = 100;
+// Ours: so many counts a motor bears for as long as it likes, and a scale shows some 100 g for
+// them.
+constexpr double kMostCounts = 400;
+constexpr double kMostNewton = 8;
+
+std::string text_of(const char* format, double value) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), format, value);
+  return text.data();
+}
+
+// One arm that is measured, over one connection, whose end lets it go.
+class Measurement {
+ public:
+  Measurement(Client& client, std::string arm, std::istream& typed)
+      : client_(client), arm_(std::move(arm)), typed_(typed) {}
+
+  // Errors: why the arm cannot be had, or is not one whose counts need measuring.
+  [[nodiscard]] Result<double> begin() {
+    const auto status = find();
+    if (!status) return tl::unexpected<Error>(status.error());
+    if (!(status->newton_per_count > 0)) {
+      return fail(Errc::InvalidArgument,
+                  "arm " + arm_ + " is told amperes: there is nothing to measure with a scale");
+    }
+    const auto answer = post("activate", "");
+    if (!answer) return tl::unexpected<Error>(answer.error());
+    const auto active = wait_until_active();
+    if (!active) return tl::unexpected<Error>(active.error());
+    return status->newton_per_count;
+  }
+
+  [[nodiscard]] Result<std::vector<ScaleReading>> read_all(const std::vector<double>& steps) {
+    std::cerr
+        << "Put the scale under the grip, so high that the grip rests on it in the middle of its "
+           "way. Steady it from the sides only.\n";
+    std::vector<ScaleReading> readings;
+    for (const double newton : steps) {
+      const auto gram = read_one(newton);
+      if (!gram) return tl::unexpected<Error>(gram.error());
+      // What the limiter lets through; motors that get warm are given less than was asked for.
+      const auto arm = find();
+      if (!arm) return tl::unexpected<Error>(arm.error());
+      if (arm->state != "active") return fail(Errc::Busy, "arm " + arm_ + " is active no more");
+      readings.push_back({-arm->force_newton[1], *gram});
+    }
+    return readings;
+  }
+
+ private:
+  [[nodiscard]] Result<std::string> post(const std::string& verb, const std::string& body) {
+    return ask(client_, "POST", "/v1/arms/" + arm_ + "/" + verb, body);
+  }
+
+  [[nodiscard]] Result<api::ArmStatus> find() {
+    const auto status = ask_status(client_);
+    if (!status) return tl::unexpected<Error>(status.error());
+    for (const api::ArmStatus& arm : status->arms) {
+      if (arm.name == arm_) return arm;
+    }
+    return fail(Errc::InvalidArgument, "there is no arm " + arm_);
+  }
+
+  [[nodiscard]] Result<void> wait_until_active() {
+    std::string told;
+    for (int looks = 0; looks < kMostLooks; ++looks) {
+      const auto arm = find();
+      if (!arm) return tl::unexpected<Error>(arm.error());
+      if (arm->state == "active") return {};
+      if (arm->state == "fault" || arm->state == "lost") break;
+      if (arm->instruction != told) std::cerr << plain(arm->instruction) << '\n';
+      told = arm->instruction;
+      std::this_thread::sleep_for(kLook);
+    }
+    return fail(Errc::Busy, "arm " + arm_ + " does not become active; thimble status says why");
+  }
+
+  // Or until it is clear that it will not be: its motors are warm.
+  void wait_until_pressed(double newton) {
+    for (int looks = 0; looks < kMostSettlingLooks; ++looks) {
+      const auto arm = find();
+      if (!arm || std::abs(arm->force_newton[1] + newton) < 1e-3) return;
+      std::this_thread::sleep_for(kSettlingLook);
+    }
+  }
+
+  [[nodiscard]] Result<double> read_one(double newton) {
+    while (true) {
+      const auto pressed = post("steady-force", "{\"up_newton\":" + text_of("%.6f", -newton) + "}");
+      if (!pressed) return tl::unexpected<Error>(pressed.error());
+      wait_until_pressed(newton);
+      std::cerr << "pressing with " << text_of("%.1f", newton) << " N; the scale says, in grams: ";
+      std::string line;
+      if (!std::getline(typed_, line)) {
+        return fail(Errc::InvalidArgument, "the input ended before the last reading");
+      }
+      auto gram = parse_gram(line);
+      if (gram) return gram;
+      std::cerr << gram.error().message << '\n';
+    }
+  }
+
+  Client& client_;
+  std::string arm_;
+  std::istream& typed_;
+};
+
+int print(const ForceScale& scale, double assumed_newton_per_count) {
+  std::cerr << "Write this into the arm's table of the configuration, and restart the daemon. "
+            << "It was " << text_of("%.3g", assumed_newton_per_count) << "; the arm alone weighs "
+            << text_of("%.0f", scale.rest_gram) << " g on the scale, and the readings are "
+            << text_of("%.2f", scale.worst_off_newton) << " N or less off their line.\n";
+  std::cout << "newton_per_count = " << text_of("%.4g", scale.newton_per_count) << '\n';
+  return kExitOk;
+}
+
+}  // namespace
+
+int run_calibrate_force(const std::string& socket_path, const std::string& arm,
+                        const CalibrateOptions& options, std::istream& typed) {
+  auto client = Client::connect(socket_path);
+  if (!client) return complain(client.error());
+  const Result<std::string> name = arm.empty() ? only_arm(**client) : Result<std::string>(arm);
+  if (!name) return complain(name.error());
+  Measurement measurement(**client, *name, typed);
+  const auto assumed = measurement.begin();
+  if (!assumed) return complain(assumed.error());
+  const double most_newton =
+      options.most_newton.value_or(std::min(kMostNewton, kMostCounts * *assumed));
+  const auto readings = measurement.read_all(even_forces_newton(most_newton, options.steps));
+  if (!readings) return complain(readings.error());
+  const auto scale = fit_force(*readings, *assumed);
+  if (!scale) return complain(scale.error());
+  return print(*scale, *assumed);
+}
+
+}  // namespace thimble::cli

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstddef>
+#include <istream>
+#include <optional>
+#include <string>
+
+namespace thimble::cli {
+
+struct CalibrateOptions {
+  std::optional<double> most_newton;  // the strongest force asked for; nothing: 400 counts
+  std::size_t steps{6};               // forces from 0 up to it
+};
+
+// Guides a person through measuring, with a kitchen scale, what one count of an arm's commands is
+// in newtons: activates the arm, has it press down more and more, reads what the scale says from
+// `typed`, and prints the line for the configuration to standard output, all else to standard
+// error. The arm is active for as long as this runs, and no longer. Returns the exit code.
+int run_calibrate_force(const std::string& socket_path, const std::string& arm,
+                        const CalibrateOptions& options, std::istream& typed);
+
+}  // namespace thimble::cli

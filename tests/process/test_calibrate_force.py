@@ -1,0 +1,54 @@
+"""`thimble calibrate-force` over a living daemon: what a person types becomes a line of the configuration."""
+
+import re
+import subprocess
+
+from rig import BIN, HELLO, TIMEOUT_S, ProcessTest, clean_environment, die_with_parent
+
+FALCON = HELLO.replace("sim:phantom-vintage", "sim:falcon-loaded").replace(
+    'world = "box"\n', 'world = "box"\nactivate = false\n', 1)
+STILL = ("--set", "arm.0.hand.motion=still")
+
+
+def grams(newton):
+    return 250 + 1000 * 1.3 * newton / 9.80665  # an arm of a quarter of a kilo, 30 % stronger
+
+
+class CalibrateForce(ProcessTest):
+    def calibrate(self, daemon, typed, *words):
+        return subprocess.run(
+            [BIN / "thimble", "--socket", daemon.socket, "calibrate-force", *map(str, words)], input=typed,
+            capture_output=True, text=True, env=clean_environment(), timeout=TIMEOUT_S, check=False,
+            preexec_fn=die_with_parent)
+
+    def test_the_line_to_paste_is_what_the_scale_said(self):
+        daemon = self.start(*STILL, config=FALCON)
+        typed = "".join(f"{grams(newton):.0f} g\n" for newton in range(4)) + "oops\n" + "".join(
+            f"{grams(newton):.0f}\n" for newton in (4, 5))
+        result = self.calibrate(daemon, typed, "right", "--most", 5)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        line = re.fullmatch(r"newton_per_count = (\S+)\n", result.stdout)
+        self.assertTrue(line, result.stdout)
+        assumed = daemon.status()["arms"][0]["newton_per_count"]
+        self.assertAlmostEqual(float(line[1]) / assumed, 1.3, delta=0.01)
+        self.assertIn("type what the scale shows", result.stderr)
+        daemon.status_when(lambda status: status["arms"][0]["state"] == "inactive")
+
+    def test_readings_that_no_scale_gives_are_refused(self):
+        daemon = self.start(*STILL, config=FALCON)
+        result = self.calibrate(daemon, "100\n" * 6)
+        self.assertEqual((result.returncode, result.stdout), (1, ""))
+        self.assertIn("does not follow the force", result.stderr)
+
+    def test_an_end_of_the_input_lets_the_arm_go(self):
+        daemon = self.start(*STILL, config=FALCON)
+        result = self.calibrate(daemon, "100\n", "--most", 3, "--steps", 3)
+        self.assertEqual((result.returncode, result.stdout), (1, ""))
+        self.assertIn("input ended", result.stderr)
+        daemon.status_when(lambda status: status["arms"][0]["state"] == "inactive")
+
+    def test_an_arm_that_is_told_amperes_is_left_alone(self):
+        daemon = self.start(config=HELLO)
+        result = self.calibrate(daemon, "")
+        self.assertEqual((result.returncode, result.stdout), (1, ""))
+        self.assertIn("told amperes", result.stderr)
