@@ -34,6 +34,7 @@ constexpr Duration kSeen = kSilence + milliseconds(100);
 class BadAdapter : public testing::TestWithParam<unsigned>, protected SafetyBench {
  protected:
   void open_behind(const sim::FaultPlan& plan) {
+    lines.reset();  // a line is taken once
     lines = std::make_unique<sim::FaultyGpio>(open(), 3, clock, plan);
     chain.restart_lines();
   }
