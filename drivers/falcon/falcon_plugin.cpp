@@ -11,41 +11,11 @@
 #include "drivers/falcon/falcon_match.hpp"
 #include "drivers/falcon/falcon_wire.hpp"
 #include "drivers/falcon/firmware_image.hpp"
+#include "hal/plugin/abi_status.hpp"
 #include "hal/plugin/plugin_abi.h"
 
 namespace thimble::falcon {
 namespace {
-
-IoStatus status_of(std::int32_t said) noexcept {
-  switch (said) {
-    case THIMBLE_OK:
-      return IoStatus::Ok;
-    case THIMBLE_NO_DATA:
-      return IoStatus::NoData;
-    case THIMBLE_BACKLOGGED:
-      return IoStatus::Backlogged;
-    case THIMBLE_DISCONNECTED:
-      return IoStatus::Disconnected;
-    default:
-      return IoStatus::ProtocolError;
-  }
-}
-
-std::int32_t answer(IoStatus status) noexcept {
-  switch (status) {
-    case IoStatus::Ok:
-      return THIMBLE_OK;
-    case IoStatus::NoData:
-      return THIMBLE_NO_DATA;
-    case IoStatus::Backlogged:
-      return THIMBLE_BACKLOGGED;
-    case IoStatus::Disconnected:
-      return THIMBLE_DISCONNECTED;
-    case IoStatus::ProtocolError:
-      break;
-  }
-  return THIMBLE_PROTOCOL_ERROR;
-}
 
 // The host's pipes, as a driver of the house knows them.
 class HostPipes final : public bus::UsbDevice {
@@ -54,7 +24,7 @@ class HostPipes final : public bus::UsbDevice {
 
   IoStatus read(std::uint8_t endpoint, bus::UsbPacket& out) noexcept override {
     thimble_usb_packet packet{};
-    const IoStatus status = status_of(host_->read(host_->context, endpoint, &packet));
+    const IoStatus status = plugin::io_status(host_->read(host_->context, endpoint, &packet));
     if (status != IoStatus::Ok) return status;
     out.size = std::min<std::size_t>(packet.size, out.bytes.size());
     std::copy_n(packet.bytes, out.size, out.bytes.begin());
@@ -64,7 +34,7 @@ class HostPipes final : public bus::UsbDevice {
   }
   IoStatus submit(std::uint8_t endpoint, std::span<const std::uint8_t> packet) noexcept override {
     const auto size = static_cast<std::uint32_t>(packet.size());
-    return status_of(host_->submit(host_->context, endpoint, packet.data(), size));
+    return plugin::io_status(host_->submit(host_->context, endpoint, packet.data(), size));
   }
   IoStatus start_control(const bus::UsbControlRequest& request) noexcept override {
     thimble_usb_request said{sizeof(thimble_usb_request),
@@ -75,11 +45,11 @@ class HostPipes final : public bus::UsbDevice {
                              request.length,
                              {}};
     std::copy(request.data.begin(), request.data.end(), said.data);
-    return status_of(host_->start_control(host_->context, &said));
+    return plugin::io_status(host_->start_control(host_->context, &said));
   }
   IoStatus read_control(bus::UsbControlReply& out) noexcept override {
     thimble_usb_reply reply{};
-    const IoStatus status = status_of(host_->read_control(host_->context, &reply));
+    const IoStatus status = plugin::io_status(host_->read_control(host_->context, &reply));
     if (status != IoStatus::Ok) return status;
     out.outcome = static_cast<bus::UsbOutcome>(reply.outcome);
     out.size = std::min<std::size_t>(reply.size, out.data.size());
@@ -190,7 +160,7 @@ std::int32_t calibration_of(CalibrationState state) noexcept {
 std::int32_t read_arm(void* device, thimble_usb_sample* sample) {
   HapticState state;
   const IoStatus status = arm_of(device).read(state);
-  if (status != IoStatus::Ok) return answer(status);
+  if (status != IoStatus::Ok) return plugin::abi_status(status);
   thimble_sample& out = sample->state;
   out.calibration = calibration_of(state.calibration);
   out.buttons = state.buttons;
@@ -210,7 +180,7 @@ std::int32_t write_arm(void* device, const thimble_wrench* wrench) {
   const Force3 force{wrench->force_newton[0], wrench->force_newton[1], wrench->force_newton[2]};
   // The host's limiter has let it through, and only that can say so; here it keeps its name.
   static_assert(sizeof(LimitedWrench) == sizeof(Force3));
-  return answer(arm_of(device).write(std::bit_cast<LimitedWrench>(force)));
+  return plugin::abi_status(arm_of(device).write(std::bit_cast<LimitedWrench>(force)));
 }
 
 void read_instruction(void* device, thimble_reason* instruction) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "hal/plugin/abi_status.hpp"
 #include "hal/plugin/plugin_check.hpp"
 #include "hal/plugin/sample_state.hpp"
 
@@ -12,22 +13,6 @@ namespace {
 static_assert(THIMBLE_PACKET_BYTES == bus::kMaxUsbPacketBytes);
 static_assert(THIMBLE_CONTROL_BYTES == bus::kMaxUsbControlBytes);
 
-std::int32_t answer(IoStatus status) noexcept {
-  switch (status) {
-    case IoStatus::Ok:
-      return THIMBLE_OK;
-    case IoStatus::NoData:
-      return THIMBLE_NO_DATA;
-    case IoStatus::Backlogged:
-      return THIMBLE_BACKLOGGED;
-    case IoStatus::Disconnected:
-      return THIMBLE_DISCONNECTED;
-    case IoStatus::ProtocolError:
-      break;
-  }
-  return THIMBLE_PROTOCOL_ERROR;
-}
-
 bus::UsbDevice& pipes(void* context) noexcept {
   return static_cast<PluginUsbBus*>(context)->below();
 }
@@ -35,7 +20,7 @@ bus::UsbDevice& pipes(void* context) noexcept {
 std::int32_t read_packet(void* context, std::uint8_t endpoint, thimble_usb_packet* out) {
   bus::UsbPacket packet;
   const IoStatus status = pipes(context).read(endpoint, packet);
-  if (status != IoStatus::Ok) return answer(status);
+  if (status != IoStatus::Ok) return abi_status(status);
   static_cast<PluginUsbBus*>(context)->note(packet.arrived_at);
   out->struct_bytes = sizeof(*out);
   out->size = static_cast<std::uint32_t>(packet.size);
@@ -48,7 +33,7 @@ std::int32_t read_packet(void* context, std::uint8_t endpoint, thimble_usb_packe
 std::int32_t submit_packet(void* context, std::uint8_t endpoint, const std::uint8_t* bytes,
                            std::uint32_t size) {
   if (bytes == nullptr) return THIMBLE_PROTOCOL_ERROR;
-  return answer(pipes(context).submit(endpoint, {bytes, size}));
+  return abi_status(pipes(context).submit(endpoint, {bytes, size}));
 }
 
 std::int32_t start_control(void* context, const thimble_usb_request* said) {
@@ -59,13 +44,13 @@ std::int32_t start_control(void* context, const thimble_usb_request* said) {
   request.index = said->index;
   request.length = said->length;
   std::copy_n(said->data, THIMBLE_CONTROL_BYTES, request.data.begin());
-  return answer(pipes(context).start_control(request));
+  return abi_status(pipes(context).start_control(request));
 }
 
 std::int32_t read_control(void* context, thimble_usb_reply* out) {
   bus::UsbControlReply reply;
   const IoStatus status = pipes(context).read_control(reply);
-  if (status != IoStatus::Ok) return answer(status);
+  if (status != IoStatus::Ok) return abi_status(status);
   out->struct_bytes = sizeof(*out);
   out->outcome = static_cast<std::int32_t>(reply.outcome);
   out->size = static_cast<std::uint32_t>(reply.size);
@@ -119,19 +104,9 @@ void PluginUsbDevice::forget_calibration() noexcept {
 }
 
 IoStatus PluginUsbDevice::status_of(std::int32_t said) noexcept {
-  switch (said) {
-    case THIMBLE_OK:
-      return IoStatus::Ok;
-    case THIMBLE_NO_DATA:
-      return IoStatus::NoData;
-    case THIMBLE_BACKLOGGED:
-      return IoStatus::Backlogged;
-    case THIMBLE_DISCONNECTED:
-      return IoStatus::Disconnected;
-    default:
-      malformed_.fetch_add(1, std::memory_order_relaxed);
-      return IoStatus::ProtocolError;
-  }
+  const IoStatus status = io_status(said);
+  if (status == IoStatus::ProtocolError) malformed_.fetch_add(1, std::memory_order_relaxed);
+  return status;
 }
 
 bool PluginUsbDevice::is_credible(const thimble_usb_sample& sample) const noexcept {
