@@ -37,7 +37,8 @@ void check_worlds(std::vector<Entry<ArmConfig>>& arms,
 // The printed callback has its stiffness printed, too: it would feel every material alike.
 void check_materials(std::vector<Entry<ArmConfig>>& arms,
                      const std::vector<Entry<WorldConfig>>& worlds) {
-  for (auto& [reader, arm] : arms) {
+  for (auto& [reader, said] : arms) {
+    const ArmConfig& arm = said;  // clang 14 captures no structured binding
     if (!arm.world || arm.coupling.scheme != CouplingScheme::ThesisLiteral) continue;
     const auto world = std::find_if(worlds.begin(), worlds.end(), [&](const auto& entry) {
       return entry.value.name == *arm.world;
