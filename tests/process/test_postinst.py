@@ -9,6 +9,16 @@ import unittest
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 
 
+class Preinst(unittest.TestCase):
+    def test_makes_the_groups_that_the_package_makes(self):
+        def entries(path):
+            lines = (SOURCE / path).read_text().splitlines()
+            return [line.split() for line in lines if line[:2] in ("u ", "g ")]
+
+        self.assertEqual(entries("debian/thimbled.preinst"), entries("systemd/thimble.sysusers"))
+        self.assertEqual(len(entries("systemd/thimble.sysusers")), 2)
+
+
 class Postinst(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()

@@ -4,9 +4,15 @@ import guest
 
 
 class Udev(guest.GuestTest):
+    installs = ()
+
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
+        # The worst that may happen between the two: udev reads the rules while the package is not configured yet.
+        cls.guest.run("export DEBIAN_FRONTEND=noninteractive; dpkg --unpack /run/debs/thimbled_*.deb /run/debs/thimble_*.deb\n"
+                      "sleep 4; udevadm trigger --settle /sys/class/mem/null\n"
+                      "dpkg --configure --pending", timeout_s=300)
         cls.guest.run("modprobe uhid; adduser --quiet --disabled-password --gecos '' member; "
                       "adduser --quiet member thimble-users")
 
@@ -27,6 +33,9 @@ class Udev(guest.GuestTest):
 
     def rights(self, node):
         return self.guest.run(f"stat -c '%U:%G %a' {node}").strip()
+
+    def test_the_rules_found_their_groups_when_they_were_read_first(self):
+        self.assertEqual(self.guest.ask("journalctl --no-pager -u systemd-udevd | grep \"Unknown group 'thimble\"")[1], "")
 
     def test_an_arm_belongs_to_the_daemon_and_to_nobody_else(self):
         for vendor, product in (("1234", "0006"), ("16c0", "0486")):
