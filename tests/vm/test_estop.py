@@ -1,0 +1,159 @@
+"""Emergency stop, deadman and heartbeat on the lines of a CP2112: the kernel's own hid-cp2112 on the simulated adapter, the real
+libgpiod, the packaged daemon. The arm is a simulated one within the daemon.
+"""
+
+import json
+import time
+
+import guest
+import simdev
+
+CONFIGURATION = """
+[safety]
+chip = "cp2112_gpio"
+estop = ["0", "1"]
+deadman = "2"
+enable = "3"
+lamp = "4"
+pull = "external"
+
+[[arm]]
+name = "right"
+device = "sim:phantom-vintage"
+amplifier_max_a = 3.0
+world = "box"
+
+[arm.hand]
+motion = "still"
+
+[[world]]
+name = "box"
+source = "box:3"
+"""
+PATIENCE_S = 120
+
+
+class Estop(guest.GuestTest):
+    """Numbered: each test goes on where the one before it ended."""
+
+    pace = guest.COUNTED
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.guest.run("modprobe uhid")
+        cls.adapter = simdev.Simdev(cls.guest, "cp2112", "--uhid", "cp2112")
+        cls.guest.wait_for("ls -d /sys/bus/gpio/devices/gpiochip*/")
+        cls.guest.run(f"cat > /etc/thimble/thimble.toml <<'E'\n{CONFIGURATION}E\nsystemctl restart thimbled")
+
+    def status(self):
+        return json.loads(self.guest.run("thimble status --json"))
+
+    def wait_until(self, condition):
+        """Of the daemon's status; polls, with a bound."""
+        end = time.monotonic() + PATIENCE_S
+        while True:
+            code, printed = self.guest.ask("thimble status --json")
+            if code == 0 and condition(json.loads(printed)):
+                return json.loads(printed)
+            if time.monotonic() > end:
+                raise AssertionError(f"never; the last: {printed}\n{self.guest.ask('journalctl -u thimbled | tail -30')[1]}")
+            time.sleep(0.3)
+
+    def wait_for(self, state):
+        return self.wait_until(lambda status: status["safety"]["state"] == state)
+
+    def wait_for_arm(self, state):
+        return self.wait_until(lambda status: status["arms"][0]["state"] == state)
+
+    def press(self):
+        self.adapter.say("press 0", "press 1")
+
+    def release(self):
+        self.adapter.say("release 0", "release 1")
+
+    def clear(self):
+        return self.guest.ask("thimble clear-fault right")
+
+    def beats(self):
+        """Changes of the enable line within a second of the guest."""
+        before = self.adapter.status()["readings"]["changes_3"]
+        self.guest.run("sleep 1")
+        return self.adapter.status()["readings"]["changes_3"] - before
+
+    def start_again(self):
+        self.wait_for("waiting")
+        self.assertEqual(self.clear()[0], 0)
+        self.wait_for("free")
+        self.wait_until(lambda status: status["safety"]["is_enable_beating"])
+
+    def test_1_the_chips_node_is_the_daemons(self):
+        node = self.guest.run("ls -d /sys/bus/gpio/devices/gpiochip*").split("/")[-1].strip()
+        self.assertEqual(self.guest.run(f"stat -c '%U:%G %a' /dev/{node}").strip(), "root:thimble 660")
+
+    def test_2_nothing_moves_and_nothing_beats_before_somebody_clears(self):
+        self.wait_for("waiting")
+        self.assertEqual(self.beats(), 0)
+        self.assertEqual(self.status()["arms"][0]["faults"][0]["code"], "estop")
+        self.start_again()
+        self.assertGreater(self.beats(), 0)
+        self.wait_for_arm("active")
+
+    def test_3_pressed_is_zero_and_latched_and_the_heartbeat_stops(self):
+        self.press()
+        status = self.wait_for("stopped")
+        self.assertEqual(status["safety"]["trouble"], "open")
+        self.assertEqual(self.wait_for_arm("fault")["arms"][0]["force_newton"], [0, 0, 0])
+        self.assertEqual(self.beats(), 0)
+        code, printed = self.clear()
+        self.assertNotEqual(code, 0)
+        self.assertIn("emergency stop is pressed", printed)
+
+    def test_4_released_it_does_not_resume_and_cleared_it_does(self):
+        self.release()
+        self.wait_for("waiting")
+        self.assertEqual(self.beats(), 0)
+        self.assertEqual(self.status()["arms"][0]["state"], "fault")
+        self.start_again()
+        self.wait_for_arm("active")
+        self.assertGreater(self.beats(), 0)
+
+    def test_5_one_channel_alone_is_a_defect_until_both_were_open(self):
+        self.adapter.say("press 0")
+        self.wait_for("stopped")
+        self.guest.run("sleep 0.5")
+        self.adapter.say("release 0")
+        self.wait_until(lambda status: status["safety"]["trouble"] == "disagree")
+        self.assertNotEqual(self.clear()[0], 0)
+        self.press()
+        self.wait_until(lambda status: status["safety"]["trouble"] == "open")
+        self.release()
+        self.start_again()
+
+    def test_6_the_deadman_is_no_fault(self):
+        self.adapter.say("press 2")
+        self.wait_until(lambda status: not status["safety"]["is_deadman_held"])
+        self.assertEqual(self.status()["safety"]["state"], "free")
+        self.assertEqual(self.status()["arms"][0]["state"], "active")
+        self.adapter.say("release 2")
+        self.wait_until(lambda status: status["safety"]["is_deadman_held"])
+
+    def test_7_a_lost_adapter_is_a_stop_and_its_return_does_not_resume(self):
+        self.adapter.say("unplug")
+        self.wait_until(lambda status: status["safety"]["trouble"] == "no-lines")
+        self.adapter.say("plug")
+        self.start_again()
+        self.wait_for_arm("active")
+
+    def test_8_the_heartbeat_stops_with_a_daemon_that_hangs_is_killed_or_stopped(self):
+        for signal in ("STOP", "KILL"):
+            with self.subTest(signal):
+                self.assertGreater(self.beats(), 0)
+                self.guest.run(f"systemctl kill -s {signal} thimbled; sleep 0.2")
+                self.assertEqual(self.beats(), 0)
+                if signal == "STOP":
+                    self.guest.run("systemctl kill -s CONT thimbled")
+                self.start_again()
+        self.guest.run("systemctl stop thimbled")
+        self.assertEqual(self.beats(), 0)
+        self.assertEqual(self.adapter.status()["readings"]["line_3"], 0)
