@@ -56,10 +56,8 @@ class PluginDriver final : public Driver {
     thimble_reason reason{};
     const thimble_hid_info hid = info_for(info);
     const thimble_driver_settings said = settings_for(settings);
-    const std::int32_t status = driver_->match(&hid, &said, &reason);
-    if (status == THIMBLE_NOT_MINE) return fail(Errc::NotMine, "not a device of this plugin");
-    if (status != THIMBLE_OK) return refusal_of(reason);
-    return check_named(info, settings);
+    const auto matched = check_match(driver_->match(&hid, &said, &reason), reason);
+    return matched ? check_named(info, settings) : matched;
   }
 
   [[nodiscard]] Result<std::unique_ptr<HapticDevice>> open(
@@ -76,8 +74,9 @@ class PluginDriver final : public Driver {
     const thimble_hid_info about = info_for(info);
     const thimble_driver_settings wanted = settings_for(settings);
     const std::int32_t status = driver_->open(&about, &wanted, &said, &device, &reason);
-    if (status != THIMBLE_OK) return refusal_of(reason);
-    if (device == nullptr) return fail(Errc::Malformed, "the plugin opened it and gave no device");
+    if (const auto opened = check_opened(status, device, reason); !opened) {
+      return tl::unexpected(opened.error());
+    }
     auto capabilities = read_capabilities(said);
     if (capabilities) capabilities = stoppable_on(info, *std::move(capabilities));
     if (!capabilities) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "hal/base/result.hpp"
 #include "hal/bus/bus_enumerator.hpp"
 #include "hal/plugin/driver.hpp"
@@ -8,7 +10,11 @@
 namespace thimble::plugin {
 
 // What plugins of every bus are refused for, and refuse with. Thread: control plane. Not RT.
-[[nodiscard]] tl::unexpected<Error> refusal_of(const thimble_reason& reason);
+// What match() answered: NotMine, or InvalidArgument with its words.
+[[nodiscard]] Result<void> check_match(std::int32_t status, const thimble_reason& reason);
+// What open() answered: InvalidArgument with its words, or Malformed without a device.
+[[nodiscard]] Result<void> check_opened(std::int32_t status, const void* device,
+                                        const thimble_reason& reason);
 // Permission for a real device that the configuration does not name.
 [[nodiscard]] Result<void> check_named(const bus::BusDeviceInfo& info,
                                        const DriverSettings& settings);
