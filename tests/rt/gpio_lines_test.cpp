@@ -6,11 +6,11 @@
 
 #include <memory>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "hal/linux/event_fd.hpp"
 #include "hal/linux/monotonic_clock.hpp"
+#include "tests/rt/wait_until.hpp"
 #include "tests/support/fake_libgpiod.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -28,15 +28,6 @@ struct GpioLinesTest : testing::Test {
   std::unique_ptr<bus::GpioLines> open() {
     return chips.open({"bench", {"0", "1"}, {"3"}}, wake.get()).value();
   }
-  // As long as a stalled machine may need.
-  template <class Condition>
-  static bool wait_until(const Condition& is_done) {
-    for (int i = 0; i < 200'000; ++i) {
-      if (is_done()) return true;
-      std::this_thread::sleep_for(std::chrono::microseconds(100));
-    }
-    return false;
-  }
 };
 
 TEST_F(GpioLinesTest, AnEdgeWakesItsUserAndAnOutputReachesItsWire) {
@@ -48,17 +39,17 @@ TEST_F(GpioLinesTest, AnEdgeWakesItsUserAndAnOutputReachesItsWire) {
     pollfd watched{wake->fd(), POLLIN, 0};
     ASSERT_EQ(::poll(&watched, 1, -1), 1);
     wake->drain();
-    ASSERT_TRUE(wait_until([&] { return sut->next_edge(edge) == IoStatus::Ok; }));
+    ASSERT_TRUE(test::wait_until([&] { return sut->next_edge(edge) == IoStatus::Ok; }));
     EXPECT_EQ(edge.sequence, i);
     sut->set(0, i % 2 != 0);
-    EXPECT_TRUE(wait_until([&] { return chip.wire(3) == (i % 2 != 0); }));
+    EXPECT_TRUE(test::wait_until([&] { return chip.wire(3) == (i % 2 != 0); }));
   }
 }
 
 TEST_F(GpioLinesTest, OutputsAreLowWhenItIsClosed) {
   auto sut = open();
   sut->set(0, true);
-  EXPECT_TRUE(wait_until([&] { return chip.wire(3); }));
+  EXPECT_TRUE(test::wait_until([&] { return chip.wire(3); }));
   sut.reset();
   EXPECT_FALSE(chip.wire(3));
 }
@@ -67,7 +58,7 @@ TEST_F(GpioLinesTest, AChipThatIsPulledOutIsFoundOutWithoutAnEdge) {
   const auto sut = open();
   chip.unplug();
   bus::GpioLevels levels;
-  EXPECT_TRUE(wait_until([&] { return sut->levels(levels) == IoStatus::Disconnected; }));
+  EXPECT_TRUE(test::wait_until([&] { return sut->levels(levels) == IoStatus::Disconnected; }));
   chip.replug();
   EXPECT_EQ(open()->levels(levels), IoStatus::Ok);
 }

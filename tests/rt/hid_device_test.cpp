@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <memory>
-#include <thread>
 #include <vector>
 
 #include "hal/linux/monotonic_clock.hpp"
+#include "tests/rt/wait_until.hpp"
 #include "tests/support/allocation_count.hpp"
 #include "tests/support/fake_hidapi.hpp"
 
@@ -39,15 +39,6 @@ struct HidDeviceTest : testing::Test {
     EXPECT_EQ(FakeHidWire::alive(), 0);
   }
   Result<std::unique_ptr<bus::HidDevice>> open() { return host->open(wire.node(), info); }
-  // As long as a stalled machine may need.
-  template <class Condition>
-  static bool wait_until(const Condition& is_done) {
-    for (int i = 0; i < 200'000; ++i) {
-      if (is_done()) return true;
-      std::this_thread::sleep_for(std::chrono::microseconds(100));
-    }
-    return false;
-  }
   static Report report(std::uint8_t seed) { return Report(kBytes, seed); }
 };
 
@@ -56,10 +47,10 @@ TEST_F(HidDeviceTest, ReportsGoBothWays) {
   bus::HidReport read;
   for (std::uint8_t i = 1; i <= 20; ++i) {
     wire.device_sends(report(i));
-    EXPECT_TRUE(wait_until([&] { return sut->read_newest(read) == IoStatus::Ok; })) << +i;
+    EXPECT_TRUE(test::wait_until([&] { return sut->read_newest(read) == IoStatus::Ok; })) << +i;
     EXPECT_EQ(read.bytes[0], i);
     sut->submit(report(i));
-    EXPECT_TRUE(wait_until([&] { return wire.received_by_device().size() == i; })) << +i;
+    EXPECT_TRUE(test::wait_until([&] { return wire.received_by_device().size() == i; })) << +i;
   }
   EXPECT_EQ(wire.received_by_device().back(), report(20));
 }
@@ -68,25 +59,25 @@ TEST_F(HidDeviceTest, AWriteThatNeverEndsHoldsUpNeitherReadingNorSubmitting) {
   const auto sut = open().value();
   wire.block_writes();
   EXPECT_EQ(sut->submit(report(1)), IoStatus::Ok);
-  ASSERT_TRUE(wait_until([&] { return wire.is_write_blocked(); }));
+  ASSERT_TRUE(test::wait_until([&] { return wire.is_write_blocked(); }));
   bus::HidReport read;
   for (std::uint8_t i = 2; i < 100; ++i) {
     EXPECT_EQ(sut->submit(report(i)), IoStatus::Backlogged);
     wire.device_sends(report(i));
-    ASSERT_TRUE(wait_until([&] { return sut->read_newest(read) == IoStatus::Ok; })) << +i;
+    ASSERT_TRUE(test::wait_until([&] { return sut->read_newest(read) == IoStatus::Ok; })) << +i;
   }
   wire.release_writes();
-  ASSERT_TRUE(wait_until([&] { return sut->counters().reports_out == 2; }));
+  ASSERT_TRUE(test::wait_until([&] { return sut->counters().reports_out == 2; }));
   EXPECT_EQ(wire.received_by_device(), (std::vector<Report>{report(1), report(99)}));
   EXPECT_EQ(sut->counters().writes_superseded, 97U);
-  EXPECT_TRUE(wait_until([&] { return sut->submit(report(1)) == IoStatus::Ok; }));
+  EXPECT_TRUE(test::wait_until([&] { return sut->submit(report(1)) == IoStatus::Ok; }));
 }
 
 TEST_F(HidDeviceTest, ClosingUnderABlockedWriteIsBoundedAndTheNewestIsWrittenLast) {
   auto sut = open().value();
   wire.block_writes();
   sut->submit(report(1));
-  ASSERT_TRUE(wait_until([&] { return wire.is_write_blocked(); }));
+  ASSERT_TRUE(test::wait_until([&] { return wire.is_write_blocked(); }));
   sut->submit(report(2));
   sut->submit(report(0));
   sut.reset();
@@ -96,7 +87,7 @@ TEST_F(HidDeviceTest, ClosingUnderABlockedWriteIsBoundedAndTheNewestIsWrittenLas
   EXPECT_EQ(again.error().code, Errc::Busy);
   EXPECT_NE(again.error().message.find("hid:1"), std::string::npos);
   wire.release_writes();
-  EXPECT_TRUE(wait_until([&] { return host->lingering() == 0; }));
+  EXPECT_TRUE(test::wait_until([&] { return host->lingering() == 0; }));
   EXPECT_EQ(wire.received_by_device(), (std::vector<Report>{report(1), report(0)}));
   EXPECT_TRUE(open().has_value());
 }
@@ -108,7 +99,7 @@ TEST_F(HidDeviceTest, WhatWasSubmittedLastIsWrittenBeforeItCloses) {
     sut->submit(report(9));
     sut->submit(report(0));
     sut.reset();
-    ASSERT_TRUE(wait_until([&] { return host->lingering() == 0; }));
+    ASSERT_TRUE(test::wait_until([&] { return host->lingering() == 0; }));
     ASSERT_GT(wire.received_by_device().size(), before);
     EXPECT_EQ(wire.received_by_device().back(), report(0));
   }
@@ -118,11 +109,11 @@ TEST_F(HidDeviceTest, AnUnplugShowsInBandEvenDuringAWrite) {
   const auto sut = open().value();
   wire.block_writes();
   sut->submit(report(1));
-  ASSERT_TRUE(wait_until([&] { return wire.is_write_blocked(); }));
+  ASSERT_TRUE(test::wait_until([&] { return wire.is_write_blocked(); }));
   sut->submit(report(2));
   wire.unplug();
   bus::HidReport read;
-  EXPECT_TRUE(wait_until([&] { return sut->read_newest(read) == IoStatus::Disconnected; }));
+  EXPECT_TRUE(test::wait_until([&] { return sut->read_newest(read) == IoStatus::Disconnected; }));
   EXPECT_EQ(sut->submit(report(3)), IoStatus::Disconnected);
   EXPECT_TRUE(wire.received_by_device().empty());
 }
@@ -150,7 +141,7 @@ TEST_F(HidDeviceTest, OpeningAndClosingInAHurryLeaksNothing) {
     (*sut)->submit(report(1));
     wire.device_sends(report(1));
   }
-  EXPECT_TRUE(wait_until([&] { return host->lingering() == 0; }));
+  EXPECT_TRUE(test::wait_until([&] { return host->lingering() == 0; }));
   EXPECT_EQ(FakeHidWire::alive(), 0);
 }
 

@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <memory>
-#include <thread>
 #include <vector>
 
 #include "hal/linux/monotonic_clock.hpp"
+#include "tests/rt/wait_until.hpp"
 #include "tests/support/allocation_count.hpp"
 #include "tests/support/fake_libusb.hpp"
 #include "tests/support/scripted_usb_model.hpp"
@@ -39,12 +39,11 @@ struct UsbDeviceTest : testing::Test {
   // Frames until `is_done`, at most as many as a stalled machine may need.
   template <class Condition>
   bool run_until(const Condition& is_done) {
-    for (int frame = 0; frame < 200'000; ++frame) {
+    return test::wait_until([&] {
       if (is_done()) return true;
       wire.run_frame();
-      std::this_thread::sleep_for(std::chrono::microseconds(100));
-    }
-    return false;
+      return false;
+    });
   }
   ~UsbDeviceTest() override {
     EXPECT_EQ(wire.breaches(), std::vector<std::string>{});
