@@ -33,6 +33,9 @@ namespace thimble::doctor {
 [[nodiscard]] Verdict check_usb_power(const Controller& controller);
 [[nodiscard]] Verdict check_holders(const Facts& facts, const Controller& controller);
 
+// Of [safety]: its chip, then each of its lines; nothing where no configuration has it.
+[[nodiscard]] std::vector<Verdict> check_safety(const Facts& facts);
+
 // All of them, in the order in which they are best mended.
 [[nodiscard]] std::vector<Verdict> examine(const Facts& facts);
 

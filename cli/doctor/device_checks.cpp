@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "cli/doctor/checks.hpp"
 #include "cli/doctor/rights.hpp"
@@ -260,6 +261,7 @@ std::vector<Verdict> examine(const Facts& facts) {
     verdicts.push_back(check_usb_power(controller));
     verdicts.push_back(check_holders(facts, controller));
   }
+  for (Verdict& verdict : check_safety(facts)) verdicts.push_back(std::move(verdict));
   return verdicts;
 }
 

@@ -41,10 +41,9 @@ int run_doctor(const DoctorOptions& options) {
   paths.insert(paths.end(), config->daemon.plugins.begin(), config->daemon.plugins.end());
   session::Plugins plugins;
   if (!load_plugins(plugins, paths)) return cli::kExitRefused;
-  Facts facts = read_facts(options.root, plugins.drivers,
-                           who_listens(options.root, socket_of(options, *config)));
-  facts.servo = config->servo;
-  const std::vector<Verdict> verdicts = examine(facts);
+  const DaemonAtSocket daemon = who_listens(options.root, socket_of(options, *config));
+  const std::vector<Verdict> verdicts =
+      examine(read_facts(options.root, plugins.drivers, daemon, *config));
   std::cout << (options.is_json ? to_json(verdicts) : render(verdicts));
   return is_something_wrong(verdicts) ? cli::kExitRefused : cli::kExitOk;
 }

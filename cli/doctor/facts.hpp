@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "daemon/config/config.hpp"
+#include "hal/linux/gpio_inventory.hpp"
 
 namespace thimble::doctor {
 
@@ -103,6 +104,17 @@ struct Controller {
   bool operator==(const Controller&) const = default;
 };
 
+// A chip that may have the lines of [safety].
+struct GpioChip {
+  std::string label;
+  std::vector<linux::GpioLineInfo> lines;
+  Node node;
+  std::string device;                 // whose chip it is, as /sys calls it: "0003:10C4:EA90.0001"
+  std::vector<NamedProcess> holders;  // of the node, but for the daemon
+  bool is_held_by_the_daemon{false};
+  bool operator==(const GpioChip&) const = default;
+};
+
 struct Cpu {
   unsigned number{0};
   std::string governor;  // empty: its frequency is not the kernel's to choose
@@ -129,7 +141,10 @@ struct Facts {
   std::vector<Cpu> cpus;
   bool has_hidraw{false};  // the kernel shows HID devices, though there may be none
   std::vector<Controller> controllers;
-  std::size_t hidden_processes{0};  // whose open files this user may not see
+  std::optional<config::SafetyConfig> safety{};  // the lines that a configuration names
+  std::vector<GpioChip> gpio_chips;              // looked at only for these
+  std::vector<std::string> unread_gpio_chips;    // nodes that who asks may not open
+  std::size_t hidden_processes{0};               // whose open files this user may not see
   bool operator==(const Facts&) const = default;
 };
 

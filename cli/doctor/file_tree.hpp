@@ -33,6 +33,10 @@ class FileTree {
   [[nodiscard]] std::vector<std::string> names_in(const std::filesystem::path& path) const {
     return names(path).value_or(std::vector<std::string>{});
   }
+  // Where that file is for who opens it.
+  [[nodiscard]] std::string place_of(const std::filesystem::path& path) const {
+    return below_root(path).string();
+  }
   [[nodiscard]] Node node(const std::string& path) const;
   // What a symbolic link says; empty when it is none.
   [[nodiscard]] std::string link(const std::filesystem::path& path) const;

@@ -9,6 +9,7 @@
 #include "cli/doctor/proc_text.hpp"
 #include "cli/doctor/read_controllers.hpp"
 #include "cli/doctor/read_daemon.hpp"
+#include "cli/doctor/read_gpio.hpp"
 
 // Paths: proc(5); Documentation/ABI/testing/sysfs-devices-system-cpu and -clocksource of the
 // kernel.
@@ -65,7 +66,12 @@ void name_users(const Accounts& accounts, Facts& facts) {
   for (Controller& controller : facts.controllers) {
     for (NamedProcess& holder : controller.holders) name(holder);
   }
+  for (GpioChip& chip : facts.gpio_chips) {
+    for (NamedProcess& holder : chip.holders) name(holder);
+  }
 }
+
+bool is_node_of(const GpioChip& chip, const std::string& path) { return path == chip.node.path; }
 
 bool is_node_of(const Controller& controller, const std::string& path) {
   return path == controller.node.path ||
@@ -81,7 +87,23 @@ bool may_hold_files(const FileTree& tree, int pid) {
   return status.empty() || status.find("\nVmSize:") != std::string::npos;
 }
 
+// Each of the devices that a process has open is told of it.
+template <class Device>
+void note_holder(const FileTree& tree, int pid, const std::vector<std::string>& open,
+                 const Facts& facts, std::vector<Device>& devices) {
+  for (Device& device : devices) {
+    if (std::none_of(open.begin(), open.end(),
+                     [&](const std::string& path) { return is_node_of(device, path); })) {
+      continue;
+    }
+    const NamedProcess holder = named_process(tree, pid);
+    if (pid == facts.process.pid) device.is_held_by_the_daemon = true;
+    if (!is_ours(tree, holder, facts)) device.holders.push_back(holder);
+  }
+}
+
 void read_holders(const FileTree& tree, const std::vector<int>& pids, Facts& facts) {
+  if (facts.controllers.empty() && facts.gpio_chips.empty()) return;
   for (const int pid : pids) {
     const auto files = tree.names(folder_of(pid) / "fd");
     if (!files) {
@@ -90,15 +112,8 @@ void read_holders(const FileTree& tree, const std::vector<int>& pids, Facts& fac
     }
     std::vector<std::string> open;
     for (const std::string& file : *files) open.push_back(tree.link(folder_of(pid) / "fd" / file));
-    for (Controller& controller : facts.controllers) {
-      if (std::none_of(open.begin(), open.end(),
-                       [&](const std::string& path) { return is_node_of(controller, path); })) {
-        continue;
-      }
-      const NamedProcess holder = named_process(tree, pid);
-      if (pid == facts.process.pid) controller.is_held_by_the_daemon = true;
-      if (!is_ours(tree, holder, facts)) controller.holders.push_back(holder);
-    }
+    note_holder(tree, pid, open, facts, facts.controllers);
+    note_holder(tree, pid, open, facts, facts.gpio_chips);
   }
 }
 
@@ -119,10 +134,12 @@ std::vector<Cpu> read_cpus(const FileTree& tree) {
 }  // namespace
 
 Facts read_facts(const fs::path& root, const plugin::DriverRegistry& drivers,
-                 const DaemonAtSocket& daemon) {
+                 const DaemonAtSocket& daemon, const config::Config& config) {
   const FileTree tree(root);
   const std::vector<int> pids = processes(tree);
   Facts facts;
+  facts.servo = config.servo;
+  facts.safety = config.safety;
   facts.kernel_release = trimmed(tree.text("/proc/sys/kernel/osrelease"));
   facts.kernel_version = trimmed(tree.text("/proc/sys/kernel/version"));
   facts.is_realtime_kernel = trimmed(tree.text("/sys/kernel/realtime")) == "1";
@@ -139,7 +156,8 @@ Facts read_facts(const fs::path& root, const plugin::DriverRegistry& drivers,
   facts.clock_sources = words_of(tree.text(fs::path(kClock) / "available_clocksource"));
   facts.cpus = read_cpus(tree);
   facts.controllers = read_controllers(tree, drivers);
-  if (!facts.controllers.empty()) read_holders(tree, pids, facts);
+  if (facts.safety) read_gpio_chips(tree, facts);
+  read_holders(tree, pids, facts);
   name_users(*accounts, facts);
   return facts;
 }

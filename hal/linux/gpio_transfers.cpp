@@ -1,6 +1,5 @@
 #include "hal/linux/gpio_transfers.hpp"
 
-#include <gpiod.h>
 #include <poll.h>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include <system_error>
 #include <utility>
 
+#include "hal/linux/gpiod_chip.hpp"
 #include "hal/linux/system_error.hpp"
 
 namespace thimble::linux {
@@ -18,11 +18,6 @@ namespace {
 
 constexpr const char* kConsumer = "thimbled";  // shown by gpioinfo
 constexpr int kEventsAtOnce = 16;              // of one line, as many as Linux 6.1 keeps
-
-struct CloseChip {
-  void operator()(gpiod_chip* chip) const noexcept { gpiod_chip_close(chip); }
-};
-using Chip = std::unique_ptr<gpiod_chip, CloseChip>;
 
 int pull_flags(bus::GpioPull pull) noexcept {
   switch (pull) {
@@ -50,11 +45,11 @@ std::vector<std::string> nodes_of(const std::string& folder) {
 
 // gpiod_chip_open_by_label() gives up at the first node that it may not open, and takes the first
 // of two with that label.
-Result<Chip> find_chip(const std::string& folder, const std::string& label) {
-  Chip found;
+Result<GpiodChip> find_chip(const std::string& folder, const std::string& label) {
+  GpiodChip found;
   std::optional<Error> refusal;
   for (const std::string& node : nodes_of(folder)) {
-    Chip chip(gpiod_chip_open(node.c_str()));
+    GpiodChip chip(gpiod_chip_open(node.c_str()));
     if (chip == nullptr) {
       if (errno == EACCES || errno == EPERM) refusal = system_error(node, errno);
       continue;
@@ -84,7 +79,7 @@ Result<std::unique_ptr<GpioTransfers>> GpioTransfers::open(const std::string& fo
                                                            bus::GpioMailboxes& mail,
                                                            const Clock& clock) {
   if (const Result<void> good = check(claim); !good) return tl::unexpected(good.error());
-  Result<Chip> chip = find_chip(folder, claim.chip);
+  Result<GpiodChip> chip = find_chip(folder, claim.chip);
   if (!chip) return tl::unexpected(chip.error());
   // The constructor is private, so make_unique cannot reach it.
   std::unique_ptr<GpioTransfers> transfers(new GpioTransfers(chip->release(), mail, clock));

@@ -24,6 +24,7 @@ struct FakeGpioChip::Line {
   std::deque<bool> events;
   std::array<int, 2> pipe{-1, -1};  // a byte for each event; empty: not requested for events
   bool is_taken{false};
+  std::string consumer;
 };
 
 }  // namespace thimble::test
@@ -79,6 +80,7 @@ struct FakeLibgpiod {
   }
   static void release(Line& line) {
     line.is_taken = line.is_output = false;
+    line.consumer.clear();
     line.events.clear();
     for (int& end : line.pipe) {
       if (end >= 0) ::close(end);
@@ -86,6 +88,9 @@ struct FakeLibgpiod {
     }
   }
   static const char* label(gpiod_chip* chip) { return chip->fake->label_.c_str(); }
+  static unsigned size(gpiod_chip* chip) {
+    return static_cast<unsigned>(chip->fake->lines_.size());
+  }
   static Line& state_of(const gpiod_line& line) { return line.chip->fake->lines_[line.offset]; }
   static bool is_dead(const gpiod_line& line) {
     return line.chip->generation != line.chip->fake->generation_;
@@ -105,12 +110,13 @@ struct FakeLibgpiod {
     errno = ENOENT;
     return nullptr;
   }
-  int request(gpiod_line& line, bool is_output, int flags) {
+  int request(gpiod_line& line, const char* consumer, bool is_output, int flags) {
     const std::lock_guard guard(lock);
     Line& state = state_of(line);
     if (is_dead(line)) return refuse(ENODEV);
     if (state.is_taken) return refuse(EBUSY);
     state.is_taken = line.is_mine = true;
+    state.consumer = consumer;
     state.is_output = is_output;
     state.flags = flags;
     if (is_output) state.is_high = false;
@@ -220,6 +226,12 @@ int FakeGpioChip::flags(std::size_t line) const {
   return lines_.at(line).flags;
 }
 
+void FakeGpioChip::take(std::size_t line, std::string consumer) {
+  const std::lock_guard guard(FakeLibgpiod::instance().lock);
+  lines_.at(line).is_taken = true;
+  lines_.at(line).consumer = std::move(consumer);
+}
+
 int FakeGpioChip::alive() {
   const std::lock_guard guard(FakeLibgpiod::instance().lock);
   return FakeLibgpiod::instance().alive;
@@ -229,22 +241,35 @@ int FakeGpioChip::alive() {
 
 using thimble::test::FakeLibgpiod;
 
+namespace {
+// The library has no empty words.
+const char* text_of(const std::string& text) { return text.empty() ? nullptr : text.c_str(); }
+}  // namespace
+
 extern "C" {
 
 gpiod_chip* gpiod_chip_open(const char* path) { return FakeLibgpiod::instance().open(path); }
 void gpiod_chip_close(gpiod_chip* chip) { FakeLibgpiod::instance().close(chip); }
 const char* gpiod_chip_label(gpiod_chip* chip) { return FakeLibgpiod::label(chip); }
+unsigned int gpiod_chip_num_lines(gpiod_chip* chip) { return FakeLibgpiod::size(chip); }
+const char* gpiod_line_name(gpiod_line* line) {
+  return text_of(FakeLibgpiod::state_of(*line).name);
+}
+const char* gpiod_line_consumer(gpiod_line* line) {
+  return text_of(FakeLibgpiod::state_of(*line).consumer);
+}
+bool gpiod_line_is_used(gpiod_line* line) { return FakeLibgpiod::state_of(*line).is_taken; }
 gpiod_line* gpiod_chip_get_line(gpiod_chip* chip, unsigned int offset) {
   return FakeLibgpiod::line(chip, offset);
 }
 gpiod_line* gpiod_chip_find_line(gpiod_chip* chip, const char* name) {
   return FakeLibgpiod::find(chip, name);
 }
-int gpiod_line_request_output(gpiod_line* line, const char*, int) {
-  return FakeLibgpiod::instance().request(*line, true, 0);
+int gpiod_line_request_output(gpiod_line* line, const char* consumer, int) {
+  return FakeLibgpiod::instance().request(*line, consumer, true, 0);
 }
-int gpiod_line_request_both_edges_events_flags(gpiod_line* line, const char*, int flags) {
-  return FakeLibgpiod::instance().request(*line, false, flags);
+int gpiod_line_request_both_edges_events_flags(gpiod_line* line, const char* consumer, int flags) {
+  return FakeLibgpiod::instance().request(*line, consumer, false, flags);
 }
 int gpiod_line_event_get_fd(gpiod_line* line) { return FakeLibgpiod::state_of(*line).pipe[0]; }
 int gpiod_line_event_read_multiple(gpiod_line* line, gpiod_line_event* events,

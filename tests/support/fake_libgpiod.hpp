@@ -37,6 +37,8 @@ class FakeGpioChip {
   void fail_transfers(bool is_failing);
   // Nobody may open it, or anybody again.
   void forbid(bool is_forbidden);
+  // Somebody else has that line; an empty name: the kernel.
+  void take(std::size_t line, std::string consumer);
   // Flags of the newest request of a line.
   [[nodiscard]] int flags(std::size_t line) const;
 

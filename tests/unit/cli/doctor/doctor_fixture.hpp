@@ -27,9 +27,10 @@ using testing::SizeIs;
 class Doctor : public testing::Test {
  protected:
   // Whoever runs the test owns the planted files and stands for root, its group for 'thimble'.
-  [[nodiscard]] Facts facts() const {
-    Facts facts = read_facts(machine_.root(), plugins_.drivers);
+  [[nodiscard]] Facts facts(const config::Config& config = {}) const {
+    Facts facts = read_facts(machine_.root(), plugins_.drivers, {}, config);
     give_away(facts.dma_latency);
+    for (GpioChip& chip : facts.gpio_chips) give_away(chip.node);
     for (Controller& controller : facts.controllers) {
       give_away(controller.node);
       for (Node& node : controller.raw_nodes) give_away(node);
