@@ -2,7 +2,10 @@
 
 namespace thimble::safety {
 
-void LineReader::restart() noexcept { memory_ = {}; }
+void LineReader::restart() noexcept {
+  memory_ = {};
+  levels_ = {};
+}
 
 ChainTrouble LineReader::step(bus::GpioLines& lines, MonotonicTime now) noexcept {
   for (Input& input : memory_) {
@@ -15,6 +18,7 @@ ChainTrouble LineReader::step(bus::GpioLines& lines, MonotonicTime now) noexcept
   const IoStatus status = lines.levels(levels);
   if (status == IoStatus::Disconnected) return ChainTrouble::NoLines;
   if (status != IoStatus::Ok || now - levels.read_at > kSilence) return ChainTrouble::Silent;
+  levels_ = levels;
   for (std::size_t i = 0; i < inputs_; ++i) {
     Input& input = memory_.at(i);
     input.by_level = levels.is_high(i);

@@ -30,6 +30,8 @@ class LineReader {
   ChainTrouble step(bus::GpioLines& lines, MonotonicTime now) noexcept;
   // Whether the input was at `level` by edge and by reading, ever since the step before.
   [[nodiscard]] bool was_always(std::size_t input, bool is_high) const noexcept;
+  // The newest reading; what a step that gave NoLines or Silent leaves is the one before.
+  [[nodiscard]] const bus::GpioLevels& levels() const noexcept { return levels_; }
 
  private:
   struct Input {
@@ -45,6 +47,7 @@ class LineReader {
 
   std::size_t inputs_;
   std::array<Input, bus::kMaxGpioLines> memory_{};
+  bus::GpioLevels levels_{};
 };
 
 }  // namespace thimble::safety

@@ -46,11 +46,7 @@ ChainTrouble SafetyChain::find_trouble(bus::GpioLines* lines, MonotonicTime now)
   if (lines == nullptr) return ChainTrouble::NoLines;
   const ChainTrouble of_reading = reader_.step(*lines, now);
   if (of_reading == ChainTrouble::NoLines || of_reading == ChainTrouble::Silent) return of_reading;
-  std::array<bool, kMaxEstopChannels> is_closed{};
-  for (std::size_t i = 0; i < settings_.estop_channels; ++i) {
-    is_closed.at(i) = reader_.was_always(i, settings_.is_closed_high);
-  }
-  channels_.step(is_closed, now);
+  judge_channels();
   status_.is_deadman_held = !settings_.has_deadman ||
                             reader_.was_always(settings_.estop_channels, settings_.is_closed_high);
   if (stuck_since_ && now - *stuck_since_ > kSilence) return ChainTrouble::OutputStuck;
@@ -58,6 +54,17 @@ ChainTrouble SafetyChain::find_trouble(bus::GpioLines* lines, MonotonicTime now)
   if (channels_.is_open()) return ChainTrouble::Open;
   if (channels_.has_disagreed()) return ChainTrouble::Disagree;
   return ChainTrouble::None;
+}
+
+void SafetyChain::judge_channels() noexcept {
+  std::array<bool, kMaxEstopChannels> is_closed{};
+  std::array<bool, kMaxEstopChannels> is_read_closed{};
+  for (std::size_t i = 0; i < settings_.estop_channels; ++i) {
+    is_closed.at(i) = reader_.was_always(i, settings_.is_closed_high);
+    is_read_closed.at(i) = reader_.levels().is_high(i) == settings_.is_closed_high;
+  }
+  channels_.step(is_closed);
+  channels_.compare(is_read_closed, reader_.levels().read_at);
 }
 
 bool SafetyChain::is_beat_due(MonotonicTime now) const noexcept { return now >= next_beat_; }

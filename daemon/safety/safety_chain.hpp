@@ -63,6 +63,7 @@ class SafetyChain {
  private:
   void judge(bus::GpioLines* lines, MonotonicTime now) noexcept;
   [[nodiscard]] ChainTrouble find_trouble(bus::GpioLines* lines, MonotonicTime now) noexcept;
+  void judge_channels() noexcept;
   [[nodiscard]] bool is_beat_due(MonotonicTime now) const noexcept;
   void beat(bus::GpioLines* lines, MonotonicTime now, bool have_servos_beaten) noexcept;
   void rest(bus::GpioLines* lines, MonotonicTime now) noexcept;

@@ -16,7 +16,8 @@ struct EstopChannelsTest : testing::Test {
   void run(EstopChannels& sut, bool a, bool b, Duration duration) {
     const std::array<bool, 2> is_closed{a, b};
     for (Duration run{}; run < duration; run += milliseconds(1)) {
-      sut.step(is_closed, now);
+      sut.step(is_closed);
+      sut.compare(is_closed, now);
       now = now + milliseconds(1);
     }
   }
@@ -88,6 +89,23 @@ TEST_F(EstopChannelsTest, WhichOfThemIsOpenDoesNotMatterForHowLong) {
   run(sut, true, false, milliseconds(30));
   run(sut, false, true, milliseconds(30));
   EXPECT_TRUE(sut.has_disagreed()) << "they have not agreed for 60 ms";
+}
+
+TEST_F(EstopChannelsTest, EdgesThatAreToldApartOpenItAndAreNoDefect) {
+  EstopChannels sut(2);
+  for (int i = 0; i < 200; ++i) {
+    sut.step(std::array<bool, 2>{true, false});
+    sut.compare(std::array<bool, 2>{true, true}, now);
+    now = now + milliseconds(1);
+  }
+  EXPECT_TRUE(sut.is_open());
+  EXPECT_FALSE(sut.has_disagreed());
+}
+
+TEST_F(EstopChannelsTest, AReadingThatIsOldIsNoLongerDisagreement) {
+  EstopChannels sut(2);
+  for (int i = 0; i < 200; ++i) sut.compare(std::array<bool, 2>{true, false}, now);
+  EXPECT_FALSE(sut.has_disagreed()) << "it was read once";
 }
 
 }  // namespace

@@ -31,12 +31,12 @@ struct Account {
     is_held = has_chip && !was_ever_open[2];
     is_healthy = has_chip;
     if (has_chip) {
-      const int open = (was_ever_open[0] ? 1 : 0) + (was_ever_open[1] ? 1 : 0);
-      if (open != 1) differ_since.reset();
-      if (open == 1 && !differ_since) differ_since = now;
-      if (open == 1 && now - *differ_since > milliseconds(50)) is_defect = true;
-      if (open == 2) is_defect = false;
-      is_healthy = open == 0 && !is_defect;
+      const bool differ = is_open[0] != is_open[1];  // as they are read
+      if (!differ) differ_since.reset();
+      if (differ && !differ_since) differ_since = now;
+      if (differ && now - *differ_since > milliseconds(50)) is_defect = true;
+      if (is_open[0] && is_open[1]) is_defect = false;
+      is_healthy = !was_ever_open[0] && !was_ever_open[1] && !is_defect;
     }
     if (!is_healthy) is_stopped = true;
     was_ever_open = is_open;
