@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cli/calibrate_force.hpp"
+#include "cli/cam/disassemble.hpp"
 #include "cli/commands.hpp"
 #include "cli/devices/devices.hpp"
 #include "cli/doctor/doctor.hpp"
@@ -48,6 +49,7 @@ struct Arguments {
   std::string world;
   thimble::cli::WorldEdit edit;
   thimble::cli::CalibrateOptions calibrate;
+  thimble::cambus::ListLimits board;
 };
 
 // As a check: what a person gave for a number is one (cli/numbers.hpp).
@@ -146,6 +148,19 @@ void add_flight_commands(CLI::App& app, Arguments& arguments, int& code) {
   show->callback([&] { code = thimble::flight::run_show(arguments.file, arguments.before_s); });
 }
 
+void add_cam_commands(CLI::App& app, Arguments& arguments, int& code) {
+  CLI::App* cam = app.add_subcommand("cam", "Look at programs of a CAM board");
+  cam->require_subcommand(1);
+  CLI::App* disassemble = cam->add_subcommand(
+      "disassemble", "Tell what a step list does, and whether a board takes it");
+  disassemble->add_option("FILE", arguments.file, "Of the form in docs/cambus.md, section 3")
+      ->required();
+  disassemble->add_flag("--sync", arguments.board.has_sync,
+                        "The board's sync pulses run: synchronised scans come to an end");
+  disassemble->callback(
+      [&] { code = thimble::cam::run_disassemble(arguments.file, arguments.board); });
+}
+
 CLI::App* add_arm_command(CLI::App& app, const char* verb, const char* what, Arguments& arguments,
                           int& code) {
   CLI::App* command = app.add_subcommand(verb, what);
@@ -230,6 +245,7 @@ int run(int argc, char** argv) {
   add_status_commands(app, arguments, code);
   add_machine_commands(app, arguments, code);
   add_flight_commands(app, arguments, code);
+  add_cam_commands(app, arguments, code);
   add_arm_command(app, "activate", "Keep an arm active while this runs", arguments, code);
   add_arm_command(app, "deactivate", "Take the force off an arm", arguments, code);
   add_arm_command(app, "clear-fault", "Clear a latched fault whose cause is gone", arguments, code)

@@ -6,7 +6,7 @@ _thimble_arms() {
 
 _thimble() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]}
-  local commands="status watch report doctor devices flight activate deactivate clear-fault calibrate-force world"
+  local commands="status watch report doctor devices flight cam activate deactivate clear-fault calibrate-force world"
   local options="--help --socket" command= socket=() i
   for ((i = 1; i < COMP_CWORD; ++i)); do
     if [[ ${COMP_WORDS[i]} == --socket ]]; then
@@ -34,6 +34,14 @@ _thimble() {
         mapfile -t COMPREPLY < <(compgen -f -- "$word"); return
       else
         options=show
+      fi ;;
+    cam)
+      if [[ $word == -* ]]; then
+        options+=" --sync"
+      elif [[ " ${COMP_WORDS[*]:0:COMP_CWORD} " == *" disassemble "* ]]; then
+        mapfile -t COMPREPLY < <(compgen -f -- "$word"); return
+      else
+        options=disassemble
       fi ;;
     world)
       if [[ $word == -* ]]; then

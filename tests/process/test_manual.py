@@ -10,7 +10,7 @@ MAN = ROOT / "docs/man"
 sys.path.insert(0, str(MAN))
 import make_configuration_page  # noqa: E402  its folder is known only now
 
-NESTED = {"flight": ("show",)}  # subcommands of a subcommand; it has one
+NESTED = {"flight": ("show",), "cam": ("disassemble",)}  # subcommands of a subcommand; each has one
 EVERYWHERE = {"--help", "--socket"}  # options of the program that may follow a subcommand
 
 

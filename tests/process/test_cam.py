@@ -1,0 +1,47 @@
+"""Step lists for a CAM board, as a person looks at them."""
+
+import struct
+
+from rig import ProcessTest
+
+DELAY, STOP = 3 << 29, 1 << 14
+
+
+def list_file(*descriptors):
+    """Descriptors one behind the other; each links to the next."""
+    words = b"".join(struct.pack("<4I", opcode, buffer, length, 32 + 16 * i)
+                     for i, (opcode, buffer, length) in enumerate(descriptors))
+    return b"CAMLIST1" + struct.pack("<2I", 16, 0) + words
+
+
+class StepLists(ProcessTest):
+    def disassemble(self, content, *options):
+        file = self.folder / "steps.cam"
+        file.write_bytes(content)
+        return self.run_program("thimble", "cam", "disassemble", *options, file)
+
+    def test_a_list_is_told_step_by_step(self):
+        shown = self.disassemble(list_file((0x20001002, 0, 30), (DELAY | STOP, 0, 40)))
+        self.assertEqual((shown.returncode, shown.stderr), (0, ""))
+        self.assertEqual(shown.stdout.splitlines(),
+                         ["0x10      write kick, wait: 0", "0x20      delay 40 clocks; stop",
+                          "2 steps, 30 words, 0 runs, 0 reads"])
+
+    def test_a_list_that_no_board_is_given_is_shown_and_refused(self):
+        shown = self.disassemble(list_file((0x2000001d, 0, 1), (DELAY | STOP, 0, 40)))
+        self.assertEqual(shown.returncode, 1)
+        self.assertIn("write register 29", shown.stdout)
+        self.assert_one_sentence(shown.stderr, "step 1 at 0x10: register 29 does not exist")
+
+    def test_sync_pulses_are_believed(self):
+        frame = list_file((0x20005001, 0x0000ffff, 6))
+        self.assertEqual(self.disassemble(frame).returncode, 1)
+        self.assertEqual(self.disassemble(frame, "--sync").returncode, 0)
+
+    def test_what_is_no_list_is_one_sentence(self):
+        for content in (b"", b"CAMLIST1", b"\x7fELF" * 100):
+            shown = self.disassemble(content)
+            self.assertEqual((shown.returncode, shown.stdout), (1, ""), content)
+            self.assert_one_sentence(shown.stderr, "steps.cam", "no step list")
+        missing = self.run_program("thimble", "cam", "disassemble", self.folder / "none")
+        self.assertEqual((missing.returncode, missing.stdout), (1, ""))
