@@ -13,6 +13,10 @@ namespace thimble::plugin {
 class DriverRegistry {
  public:
   void add(std::unique_ptr<Driver> driver);
+  // One that a person named: in the place of the driver of the house that has its name, so that it
+  // is asked when that one was; else after all others.
+  void add_from_outside(std::unique_ptr<Driver> driver);
+  [[nodiscard]] bool is_from_outside(std::string_view name) const noexcept;
   [[nodiscard]] const std::vector<std::unique_ptr<Driver>>& drivers() const noexcept {
     return drivers_;
   }
@@ -23,6 +27,7 @@ class DriverRegistry {
 
  private:
   std::vector<std::unique_ptr<Driver>> drivers_;
+  std::vector<const Driver*> from_outside_;  // of those
 };
 
 }  // namespace thimble::plugin

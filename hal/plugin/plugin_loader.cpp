@@ -3,7 +3,6 @@
 #include <dlfcn.h>
 #include <link.h>
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
@@ -105,10 +104,9 @@ Result<void> register_plugin(const thimble_plugin& plugin, DriverRegistry& drive
   std::vector<std::string> names;
   if (plugin.driver != nullptr) names.push_back(text_of(plugin.driver->name));
   if (usb_driver != nullptr) names.push_back(text_of(usb_driver->name));
-  for (const auto& known : drivers.drivers()) {
-    if (std::find(names.begin(), names.end(), known->name()) == names.end()) continue;
-    return fail(Errc::InvalidArgument,
-                "there is a driver '" + std::string(known->name()) + "' already");
+  for (const std::string& name : names) {
+    if (!drivers.is_from_outside(name)) continue;
+    return fail(Errc::InvalidArgument, "there is a driver '" + name + "' from outside already");
   }
   for (std::uint32_t i = 0; i < plugin.model_count; ++i) {
     const std::string model = text_of(plugin.models[i]->name);
@@ -116,8 +114,8 @@ Result<void> register_plugin(const thimble_plugin& plugin, DriverRegistry& drive
       return fail(Errc::InvalidArgument, "there is a model '" + model + "' already");
     }
   }
-  if (plugin.driver != nullptr) drivers.add(make_plugin_driver(*plugin.driver));
-  if (usb_driver != nullptr) drivers.add(make_plugin_usb_driver(*usb_driver));
+  if (plugin.driver != nullptr) drivers.add_from_outside(make_plugin_driver(*plugin.driver));
+  if (usb_driver != nullptr) drivers.add_from_outside(make_plugin_usb_driver(*usb_driver));
   for (std::uint32_t i = 0; i < plugin.model_count; ++i) {
     models.add(plugin_model_entry(*plugin.models[i]));
   }

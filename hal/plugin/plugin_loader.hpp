@@ -22,7 +22,9 @@ namespace thimble::plugin {
 // path in front.
 [[nodiscard]] Result<const thimble_plugin*> load_plugin(const std::string& path);
 
-// Adds what a plugin brings. InvalidArgument, and nothing is added, when a name is taken.
+// Adds what a plugin brings; a driver with the name of one of the house takes that one's place.
+// InvalidArgument, and nothing is added, when a model has its name already, or a driver from
+// outside.
 [[nodiscard]] Result<void> register_plugin(const thimble_plugin& plugin, DriverRegistry& drivers,
                                            SimModelRegistry& models);
 

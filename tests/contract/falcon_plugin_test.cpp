@@ -34,8 +34,6 @@ class FalconPlugin : public testing::Test {
   // A whole life: boot, upload, homing, the box, the cable pulled and put back, and all again.
   std::vector<Moment> live(bool is_plugin, const std::string& device) {
     test::ClosedLoop::Setup setup;
-    // The one that is built in is asked first: it makes room.
-    if (is_plugin) setup.bring = [](session::Plugins& plugins) { plugins.drivers = {}; };
     const std::vector<std::uint8_t> image = test::falcon_image();
     const auto file =
         folder_.write("image", {reinterpret_cast<const char*>(image.data()), image.size()});
@@ -103,11 +101,12 @@ TEST_F(FalconPlugin, RefusesInTheWordsOfTheDriverThatIsBuiltIn) {
   EXPECT_EQ(sut.probe(info, {}).error().code, Errc::Permission) << "not named by a person";
 }
 
-TEST_F(FalconPlugin, IsRefusedBesideADriverOfItsName) {
+TEST_F(FalconPlugin, StandsInThePlaceOfTheDriverThatIsBuiltIn) {
   session::Plugins plugins;
-  const std::vector<Error> refused = plugins.load({plugin_});
-  ASSERT_EQ(refused.size(), 1U);
-  EXPECT_NE(refused.front().message.find("'falcon' already"), std::string::npos);
+  const std::size_t drivers = plugins.drivers.drivers().size();
+  ASSERT_TRUE(plugins.load({plugin_}).empty());
+  EXPECT_EQ(plugins.drivers.drivers().size(), drivers);
+  EXPECT_TRUE(plugins.drivers.is_from_outside("falcon"));
 }
 
 }  // namespace

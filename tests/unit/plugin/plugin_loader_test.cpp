@@ -186,16 +186,38 @@ TEST_F(PluginLoader, NothingIsEverUnloaded) {
   EXPECT_TRUE(stays_loaded(refused)) << "it was refused";
 }
 
-TEST_F(PluginLoader, ANameThatIsTakenIsRefusedAndNothingIsAdded) {
+TEST_F(PluginLoader, AModelsNameThatIsTakenIsRefusedAndNothingIsAdded) {
   session::Plugins sut;
   const std::size_t drivers = sut.drivers.drivers().size();
   const std::size_t models = sut.models.entries().size();
-  const auto refused = sut.load({planted("taken_driver"), planted("taken_model")});
-  ASSERT_EQ(refused.size(), 2U);
-  EXPECT_THAT(refused[0].message, EndsWith(".so: there is a driver 'phantom' already"));
-  EXPECT_THAT(refused[1].message, EndsWith(".so: there is a model 'phantom-vintage' already"));
+  const auto refused = sut.load({planted("taken_model")});
+  ASSERT_EQ(refused.size(), 1U);
+  EXPECT_THAT(refused[0].message, EndsWith(".so: there is a model 'phantom-vintage' already"));
   EXPECT_EQ(sut.drivers.drivers().size(), drivers);
   EXPECT_EQ(sut.models.entries().size(), models);
+}
+
+TEST_F(PluginLoader, ADriverWithTheNameOfOneThatIsBuiltInStandsInItsPlace) {
+  session::Plugins sut;
+  std::vector<std::string> names;
+  for (const auto& driver : sut.drivers.drivers()) names.emplace_back(driver->name());
+  const Driver* const built_in = sut.drivers.drivers().front().get();
+  EXPECT_FALSE(sut.drivers.is_from_outside("phantom"));
+  EXPECT_THAT(sut.load({planted("taken_driver")}), testing::IsEmpty());
+  ASSERT_EQ(sut.drivers.drivers().size(), names.size());
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    EXPECT_EQ(sut.drivers.drivers()[i]->name(), names[i]);
+    EXPECT_EQ(sut.drivers.is_from_outside(names[i]), names[i] == "phantom");
+  }
+  EXPECT_NE(sut.drivers.drivers().front().get(), built_in);
+}
+
+TEST_F(PluginLoader, OfTwoFromOutsideWithOneNameTheSecondIsRefused) {
+  session::Plugins sut;
+  const std::string other = planted("taken_driver");
+  EXPECT_THAT(sut.load({other, other}),
+              testing::ElementsAre(testing::Field(
+                  &Error::message, EndsWith("there is a driver 'phantom' from outside already"))));
 }
 
 TEST_F(PluginLoader, TheSameFileTwiceIsOneTooMany) {
