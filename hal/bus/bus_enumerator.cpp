@@ -21,4 +21,9 @@ Result<std::unique_ptr<UsbDevice>> BusEnumerator::open_usb(const DeviceAddress& 
   return fail(Errc::Unsupported, address.text + " is on a bus that opens no USB devices");
 }
 
+Result<std::unique_ptr<SerialPort>> BusEnumerator::open_serial(const DeviceAddress& address,
+                                                               const SerialLine& /*line*/) {
+  return fail(Errc::Unsupported, address.text + " is on a bus that opens no serial ports");
+}
+
 }  // namespace thimble::bus

@@ -10,6 +10,7 @@
 #include "hal/base/result.hpp"
 #include "hal/bus/device_address.hpp"
 #include "hal/bus/hid_device.hpp"
+#include "hal/bus/serial_port.hpp"
 #include "hal/bus/usb_device.hpp"
 
 namespace thimble::bus {
@@ -58,6 +59,10 @@ class BusEnumerator {
   // devices.
   [[nodiscard]] virtual Result<std::unique_ptr<UsbDevice>> open_usb(const DeviceAddress& address,
                                                                     const UsbClaim& claim);
+  // The same, and InvalidArgument for a line that the port cannot be set to. Nothing is sent.
+  // Unsupported where a bus has no serial ports.
+  [[nodiscard]] virtual Result<std::unique_ptr<SerialPort>> open_serial(
+      const DeviceAddress& address, const SerialLine& line);
 };
 
 }  // namespace thimble::bus

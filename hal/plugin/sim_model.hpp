@@ -14,6 +14,7 @@
 #include "hal/base/time.hpp"
 #include "hal/bus/bus_enumerator.hpp"
 #include "hal/plugin/arm_backend.hpp"
+#include "hal/plugin/sim_serial_model.hpp"
 #include "hal/plugin/sim_usb_model.hpp"
 
 namespace thimble::plugin {
@@ -75,18 +76,20 @@ struct SimModelSettings {
 };
 
 // A simulated device of any bus, as "sim:NAME" makes it. Never without a model.
-using SimModel = std::variant<std::unique_ptr<SimHidModel>, std::unique_ptr<SimUsbModel>>;
+using SimModel = std::variant<std::unique_ptr<SimHidModel>, std::unique_ptr<SimUsbModel>,
+                              std::unique_ptr<SimSerialModel>>;
 // What the model says of itself, with the kind of its bus. Not RT.
 [[nodiscard]] bus::BusDeviceInfo describe(const SimModel& model);
 [[nodiscard]] ArmBackend* arm_backend(const SimModel& model) noexcept;
 
-// How a model registers, as a driver does: "sim:NAME" makes one. It has one of the two creators:
+// How a model registers, as a driver does: "sim:NAME" makes one. It has one of the creators:
 // that says on which bus it is.
 struct SimModelEntry {
   std::string name;
   std::string description;
   std::function<Result<std::unique_ptr<SimHidModel>>(const SimModelSettings&)> create_hid{};
   std::function<Result<std::unique_ptr<SimUsbModel>>(const SimModelSettings&)> create_usb{};
+  std::function<Result<std::unique_ptr<SimSerialModel>>(const SimModelSettings&)> create_serial{};
 
   // On whichever bus it is. Not RT. Errors: the creator's; InvalidArgument when it has none.
   [[nodiscard]] Result<SimModel> create(const SimModelSettings& settings) const;

@@ -4,6 +4,7 @@
 #include <variant>
 
 #include "sim/bus/sim_hid_port.hpp"
+#include "sim/bus/sim_serial_port.hpp"
 #include "sim/bus/sim_usb_port.hpp"
 
 namespace thimble::sim {
@@ -58,6 +59,14 @@ Result<void> SimEnumerator::plug(const DeviceAddress& address,
   return {};
 }
 
+Result<void> SimEnumerator::plug(const DeviceAddress& address,
+                                 std::unique_ptr<plugin::SimSerialModel> model) {
+  Result<void> is_new = check_new(address, model != nullptr);
+  if (!is_new.has_value()) return is_new;
+  add(std::make_unique<SimSerialPort>(*clock_, address, std::move(model)));
+  return {};
+}
+
 Result<void> SimEnumerator::plug_any(const DeviceAddress& address, plugin::SimModel model) {
   return std::visit([&](auto& device) { return plug(address, std::move(device)); }, model);
 }
@@ -106,6 +115,13 @@ Result<std::unique_ptr<bus::UsbDevice>> SimEnumerator::open_usb(const DeviceAddr
   SimPort* port = find(address);
   if (port == nullptr) return fail(Errc::NotFound, "no device at " + address.text);
   return port->open_usb(claim);
+}
+
+Result<std::unique_ptr<bus::SerialPort>> SimEnumerator::open_serial(const DeviceAddress& address,
+                                                                    const bus::SerialLine& line) {
+  SimPort* port = find(address);
+  if (port == nullptr) return fail(Errc::NotFound, "no device at " + address.text);
+  return port->open_serial(line);
 }
 
 plugin::ArmBackend* SimEnumerator::arm_backend(const DeviceAddress& address) noexcept {

@@ -9,6 +9,7 @@
 #include "hal/base/result.hpp"
 #include "hal/bus/bus_enumerator.hpp"
 #include "hal/plugin/sim_model.hpp"
+#include "hal/plugin/sim_serial_model.hpp"
 #include "hal/plugin/sim_usb_model.hpp"
 #include "sim/bus/sim_port.hpp"
 #include "sim/time/virtual_clock.hpp"
@@ -20,7 +21,7 @@ namespace thimble::sim {
 // Thread: plug() and destruction while nobody runs the clock; the rest from one control
 // thread, while another may run the clock. Not RT, but the frames of its devices are.
 // Ownership: owns the models. The clock must outlive it, and it the devices it opened.
-// Frames: see SimHidPort and SimUsbPort.
+// Frames: see SimHidPort, SimUsbPort and SimSerialPort.
 class SimEnumerator final : public bus::BusEnumerator {
  public:
   explicit SimEnumerator(VirtualClock& clock) noexcept : clock_(&clock) {}
@@ -30,6 +31,8 @@ class SimEnumerator final : public bus::BusEnumerator {
   // speed allows.
   Result<void> plug(const bus::DeviceAddress& address, std::unique_ptr<plugin::SimHidModel> model);
   Result<void> plug(const bus::DeviceAddress& address, std::unique_ptr<plugin::SimUsbModel> model);
+  Result<void> plug(const bus::DeviceAddress& address,
+                    std::unique_ptr<plugin::SimSerialModel> model);
   // On whichever bus the model is.
   Result<void> plug_any(const bus::DeviceAddress& address, plugin::SimModel model);
   // The cable is pulled, or put back: NotFound for an unknown address or when it was already.
@@ -42,6 +45,8 @@ class SimEnumerator final : public bus::BusEnumerator {
       const bus::DeviceAddress& address) override;
   [[nodiscard]] Result<std::unique_ptr<bus::UsbDevice>> open_usb(
       const bus::DeviceAddress& address, const bus::UsbClaim& claim) override;
+  [[nodiscard]] Result<std::unique_ptr<bus::SerialPort>> open_serial(
+      const bus::DeviceAddress& address, const bus::SerialLine& line) override;
 
   // The other face of a model, plugged or not; nullptr when there is none.
   // Its verbs belong to the thread that runs the clock.

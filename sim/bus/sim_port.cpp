@@ -31,6 +31,10 @@ Result<std::unique_ptr<bus::UsbDevice>> SimPort::open_usb(const bus::UsbClaim& /
   return fail(Errc::InvalidArgument, info_.address.text + " is no bare USB device");
 }
 
+Result<std::unique_ptr<bus::SerialPort>> SimPort::open_serial(const bus::SerialLine& /*line*/) {
+  return fail(Errc::InvalidArgument, info_.address.text + " is no serial port");
+}
+
 Result<void> SimPort::check_free(bool is_taken) const {
   if (!is_plugged()) return fail(Errc::NotFound, info_.address.text + " is unplugged");
   if (is_taken) return fail(Errc::Busy, info_.address.text + " is open already");

@@ -35,10 +35,12 @@ class SimPort {
   }
 
   // NotFound while unplugged; Busy while an earlier device of this plugging is open;
-  // InvalidArgument for a device of another kind, or a claim that it does not fill.
+  // InvalidArgument for a device of another kind, or a claim or line that it does not fill.
   [[nodiscard]] virtual Result<std::unique_ptr<bus::HidDevice>> open_hid();
   [[nodiscard]] virtual Result<std::unique_ptr<bus::UsbDevice>> open_usb(
       const bus::UsbClaim& claim);
+  [[nodiscard]] virtual Result<std::unique_ptr<bus::SerialPort>> open_serial(
+      const bus::SerialLine& line);
   [[nodiscard]] virtual plugin::ArmBackend* arm_backend() noexcept = 0;
 
  protected:

@@ -4,6 +4,7 @@
 
 #include "sim/bus/sim_enumerator.hpp"
 #include "tests/support/scripted_hid_model.hpp"
+#include "tests/support/scripted_serial_model.hpp"
 #include "tests/support/scripted_usb_model.hpp"
 
 namespace thimble::sim {
@@ -21,6 +22,14 @@ plugin::SimModelEntry usb_entry() {
   plugin::SimModelEntry entry{"scripted", "on bare USB"};
   entry.create_usb = [](const plugin::SimModelSettings&) {
     return std::make_unique<test::ScriptedUsbModel>(std::make_shared<test::UsbModelScript>());
+  };
+  return entry;
+}
+
+plugin::SimModelEntry serial_entry() {
+  plugin::SimModelEntry entry{"scripted", "at the end of a line"};
+  entry.create_serial = [](const plugin::SimModelSettings&) {
+    return std::make_unique<test::ScriptedSerialModel>(std::make_shared<test::SerialModelScript>());
   };
   return entry;
 }
@@ -46,6 +55,13 @@ class SimModelTest : public testing::Test {
 TEST_F(SimModelTest, OneOfHidIsPluggedIntoThatBus) {
   EXPECT_EQ(plugged(hid_entry()).kind, bus::BusKind::Hid);
   EXPECT_TRUE(buses.open_hid(address));
+  EXPECT_FALSE(buses.open_usb(address, {}));
+}
+
+TEST_F(SimModelTest, OneOfALineIsPluggedIntoThatBus) {
+  EXPECT_EQ(plugged(serial_entry()).kind, bus::BusKind::Serial);
+  EXPECT_TRUE(buses.open_serial(address, {}));
+  EXPECT_FALSE(buses.open_hid(address));
   EXPECT_FALSE(buses.open_usb(address, {}));
 }
 
