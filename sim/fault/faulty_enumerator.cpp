@@ -85,4 +85,14 @@ Result<std::unique_ptr<bus::UsbDevice>> FaultyEnumerator::open_usb(
                                      cable.tally);
 }
 
+Result<std::unique_ptr<bus::SerialPort>> FaultyEnumerator::open_serial(
+    const bus::DeviceAddress& address, const bus::SerialLine& line) {
+  const Result<void> is_willing = check_willing(address);
+  if (!is_willing.has_value()) return tl::unexpected(is_willing.error());
+  Result<std::unique_ptr<bus::SerialPort>> port = buses_->open_serial(address, line);
+  if (!port.has_value()) return port;
+  const Cable& cable = cables_[address];
+  return std::make_unique<FaultySerial>(std::move(port.value()), *clock_, cable.plan, cable.tally);
+}
+
 }  // namespace thimble::sim

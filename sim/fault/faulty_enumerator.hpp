@@ -10,12 +10,13 @@
 #include "hal/bus/bus_enumerator.hpp"
 #include "sim/fault/fault_plan.hpp"
 #include "sim/fault/faulty_hid.hpp"
+#include "sim/fault/faulty_serial.hpp"
 #include "sim/fault/faulty_usb.hpp"
 
 namespace thimble::sim {
 
-// Any bus whose devices sit behind bad cables: what is opened through it is a FaultyHid
-// or a FaultyUsb.
+// Any bus whose devices sit behind bad cables: what is opened through it is a FaultyHid,
+// a FaultyUsb or a FaultySerial.
 //
 // Thread: as BusEnumerator. Ownership: the bus below and the clock must outlive it.
 // Errors: as the bus below. An injected Disconnect is known to the handle only: no device
@@ -38,6 +39,8 @@ class FaultyEnumerator final : public bus::BusEnumerator {
       const bus::DeviceAddress& address) override;
   [[nodiscard]] Result<std::unique_ptr<bus::UsbDevice>> open_usb(
       const bus::DeviceAddress& address, const bus::UsbClaim& claim) override;
+  [[nodiscard]] Result<std::unique_ptr<bus::SerialPort>> open_serial(
+      const bus::DeviceAddress& address, const bus::SerialLine& line) override;
 
  private:
   struct Cable {
