@@ -1,0 +1,48 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <string>
+
+#include "hal/base/result.hpp"
+#include "hal/bus/bus_enumerator.hpp"
+#include "hal/bus/serial_mailboxes.hpp"
+#include "hal/linux/bus_settings.hpp"
+#include "hal/linux/event_fd.hpp"
+#include "hal/linux/realtime_thread.hpp"
+#include "hal/linux/serial_transfers.hpp"
+
+namespace thimble::linux {
+
+// A serial port of this machine, with a bus I/O thread of its own that owns the node.
+//
+// Thread, RT: as bus::SerialPort: submit() writes to one eventfd, read() makes no system call.
+// Ownership: as SerialTransfers; closing joins the thread, which sends the newest of what was
+// submitted first: see SerialTransfers::send_last().
+// Errors: as bus::SerialPort and SerialTransfers::open(); those of RealtimeThread::start().
+class SerialPort final : public bus::SerialMailboxes {
+ public:
+  // `node` is "/dev/ttyACM0" of the device at `address`.
+  [[nodiscard]] static Result<std::unique_ptr<SerialPort>> open(const std::string& node,
+                                                                const bus::DeviceAddress& address,
+                                                                const bus::SerialLine& line,
+                                                                const BusSettings& settings);
+  ~SerialPort() override;
+  SerialPort(const SerialPort&) = delete;
+  SerialPort& operator=(const SerialPort&) = delete;
+
+  THIMBLE_RT_IO IoStatus submit(std::span<const std::uint8_t> message) noexcept override;
+  // Of whoever may have to let the arm go when this process cannot; expires with this.
+  [[nodiscard]] std::weak_ptr<const Descriptor> node() const noexcept { return transfers_->node(); }
+
+ private:
+  explicit SerialPort(std::unique_ptr<EventFd> wake) noexcept : wake_(std::move(wake)) {}
+  void run() noexcept;
+
+  std::unique_ptr<EventFd> wake_;
+  std::unique_ptr<SerialTransfers> transfers_;
+  std::atomic<bool> is_over_{false};
+  std::unique_ptr<RealtimeThread> thread_;
+};
+
+}  // namespace thimble::linux

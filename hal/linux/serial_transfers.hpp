@@ -1,0 +1,66 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "hal/base/result.hpp"
+#include "hal/base/time.hpp"
+#include "hal/bus/serial_mailboxes.hpp"
+#include "hal/linux/descriptor.hpp"
+
+namespace thimble::linux {
+
+// What the bus does with an opened serial port: the calls of a terminal's node, raw and never
+// blocking. The node is this process's alone: flock against another daemon, TIOCEXCL against
+// everybody who does not look for that.
+//
+// Nothing is written while the kernel still has bytes of an earlier message: it keeps many (16
+// writes for CDC-ACM), and each would reach the arm after the newer one was wished for.
+//
+// Thread: one, but the construction and destruction. Not RT, but no call waits beside wait() and
+// send_last(). Ownership: the mailboxes and the clock must outlive it. Closing a port whose device
+// takes nothing may last as long as the kernel likes (30 s where a driver cannot discard).
+// Errors: Result when opening; a device that is gone shows in the mailboxes.
+class SerialTransfers {
+ public:
+  // What the kernel had received before is discarded. NotFound, Permission, Busy (another process
+  // holds it), InvalidArgument (no such rate) or System.
+  [[nodiscard]] static Result<std::unique_ptr<SerialTransfers>> open(const std::string& node,
+                                                                     const bus::SerialLine& line,
+                                                                     bus::SerialMailboxes& mail,
+                                                                     const Clock& clock);
+  ~SerialTransfers();
+  SerialTransfers(const SerialTransfers&) = delete;
+  SerialTransfers& operator=(const SerialTransfers&) = delete;
+
+  // Brings what has arrived to the mailboxes, at most kUsbQueuedPackets chunks.
+  void receive() noexcept;
+  // Writes what waits in the mailbox as far as the kernel takes it. True: nothing is left.
+  bool send() noexcept;
+  // Until there is something to receive, room for what is left to send, or `event` is readable.
+  void wait(int event) const noexcept;
+  // send() again and again until the device has all of it, at most 20 ms.
+  void send_last() noexcept;
+  // Lives as long as this.
+  [[nodiscard]] std::shared_ptr<const Descriptor> node() const noexcept { return node_; }
+
+ private:
+  enum class Left : std::uint8_t {
+    Nothing,
+    Room,
+    Earlier
+  };  // what the rest of a message waits for
+
+  SerialTransfers(Descriptor node, bus::SerialMailboxes& mail, const Clock& clock)
+      : node_(std::make_shared<const Descriptor>(std::move(node))), mail_(&mail), clock_(&clock) {}
+  [[nodiscard]] Result<void> set_up(const std::string& node, const bus::SerialLine& line);
+  [[nodiscard]] bool is_kernel_done() const noexcept;
+  void fail_unless_later() noexcept;
+
+  std::shared_ptr<const Descriptor> node_;
+  bus::SerialMailboxes* mail_;
+  const Clock* clock_;
+  Left left_{Left::Nothing};
+};
+
+}  // namespace thimble::linux
