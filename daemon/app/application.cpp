@@ -15,12 +15,12 @@
 #include <optional>
 #include <string>
 
-#include "daemon/app/background_worker.hpp"
 #include "daemon/app/daemon.hpp"
 #include "daemon/app/exit_code.hpp"
 #include "daemon/config/load.hpp"
 #include "daemon/session/inspect.hpp"
 #include "daemon/session/plugins.hpp"
+#include "hal/linux/background_worker.hpp"
 #include "hal/linux/line_output.hpp"
 #include "hal/linux/realtime_process.hpp"
 #include "hal/linux/standard_streams.hpp"
@@ -68,7 +68,7 @@ void say_without_waiting(const std::string& text) {
 // that nobody reads) would keep the process for ever.
 bool write_last_summary(const std::optional<std::string>& path, const std::string& text) {
   const auto is_written = std::make_shared<std::atomic<bool>>(false);
-  BackgroundWorker worker;
+  linux::BackgroundWorker worker;
   worker.post([=] { *is_written = write_summary(path, std::ios::trunc, text); });
   if (worker.wait(kSummaryPatience) && *is_written) return true;
   say_without_waiting("the summary could not be written to " + path.value_or(""));

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "daemon/app/background_worker.hpp"
 #include "daemon/app/recording_folder.hpp"
 #include "daemon/session/arm_session.hpp"
+#include "hal/linux/background_worker.hpp"
 
 namespace thimble::app {
 
@@ -40,7 +40,7 @@ class RecordingWriter {
  private:
   struct Shared;
   std::shared_ptr<Shared> shared_;  // of the worker, too
-  BackgroundWorker worker_;
+  linux::BackgroundWorker worker_;
 };
 
 }  // namespace thimble::app

@@ -60,12 +60,12 @@ Result<FoundDevice> BusEnumerator::find(const bus::DeviceAddress& address, bus::
   return fail(Errc::NotFound, "no device at " + address.text);
 }
 
-Result<void> BusEnumerator::check_same(const FoundDevice& opened) const {
+Result<void> BusEnumerator::check_same(const FoundDevice& opened) {
   if (is_among(opened, scan_.devices())) return {};
   return fail(Errc::NotFound, opened.info.address.text + ": it was unplugged while it was opened");
 }
 
-Result<Descriptor> BusEnumerator::open_node(const FoundDevice& device, int flags) const {
+Result<Descriptor> BusEnumerator::open_node(const FoundDevice& device, int flags) {
   Descriptor node(::open(device.node.c_str(), flags | O_CLOEXEC));
   if (node.get() < 0) {
     return tl::unexpected(system_error(device.node + kRefused, errno).in(device.info.address.text));

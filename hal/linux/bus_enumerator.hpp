@@ -40,8 +40,8 @@ class BusEnumerator final : public bus::BusEnumerator {
   void note_changes();
   [[nodiscard]] Result<FoundDevice> find(const bus::DeviceAddress& address, bus::BusKind kind);
   // NotFound when what was opened by the name of its node is no longer what it was.
-  [[nodiscard]] Result<void> check_same(const FoundDevice& opened) const;
-  [[nodiscard]] Result<Descriptor> open_node(const FoundDevice& device, int flags) const;
+  [[nodiscard]] Result<void> check_same(const FoundDevice& opened);
+  [[nodiscard]] Result<Descriptor> open_node(const FoundDevice& device, int flags);
 
   BusSettings settings_;
   UdevScan scan_;

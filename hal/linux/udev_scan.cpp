@@ -9,6 +9,7 @@
 #include <charconv>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -24,6 +25,10 @@ namespace {
 constexpr std::size_t kMaxFileBytes = 65536;
 constexpr std::size_t kMaxTextBytes = 256;  // a USB string has at most 126 letters
 constexpr const char* kHubClass = "09";
+
+struct FreeContext {
+  void operator()(udev* context) const noexcept { ::udev_unref(context); }
+};
 
 struct FreeDevice {
   void operator()(udev_device* device) const noexcept { ::udev_device_unref(device); }
@@ -100,48 +105,40 @@ void read_lengths(udev_device* hid, bus::BusDeviceInfo& info) {
   info.has_report_ids = lengths->has_report_ids;
 }
 
-struct FoundHid {
-  FoundDevice device;
-  HidPlace place;
-};
-
-std::optional<FoundHid> read_hid(udev_device* hidraw) {
+std::optional<ReadDevice> read_hid(udev_device* hidraw) {
   udev_device* hid = ::udev_device_get_parent_with_subsystem_devtype(hidraw, "hid", nullptr);
   if (hid == nullptr) return std::nullopt;
-  FoundHid found;
+  ReadDevice found;
+  HidPlace& place = found.place.emplace();
   found.device.node = text_of(::udev_device_get_devnode(hidraw));
-  found.device.identity = text_of(::udev_device_get_syspath(hidraw));
   bus::BusDeviceInfo& info = found.device.info;
   info.kind = bus::BusKind::Hid;
   if (found.device.node.empty() || !read_ids(property(hid, "HID_ID"), info)) return std::nullopt;
   udev_device* usb = ::udev_device_get_parent_with_subsystem_devtype(hid, "usb", "usb_device");
   if (usb != nullptr) {
     read_strings(usb, info);
-    found.place.port = text_of(::udev_device_get_sysname(usb));
+    place.port = text_of(::udev_device_get_sysname(usb));
     udev_device* interface =
         ::udev_device_get_parent_with_subsystem_devtype(hid, "usb", "usb_interface");
     const std::string number = interface == nullptr ? "" : attribute(interface, "bInterfaceNumber");
-    found.place.interface_number = number_of<std::uint8_t>(number, 16).value_or(0);
+    place.interface_number = number_of<std::uint8_t>(number, 16).value_or(0);
   } else {
     info.product = property(hid, "HID_NAME");
-    found.place.port = text_of(::udev_device_get_sysname(hid));
+    place.port = text_of(::udev_device_get_sysname(hid));
   }
   if (info.serial_number.empty()) info.serial_number = property(hid, "HID_UNIQ");
-  found.place.serial_number = info.serial_number;
+  place.serial_number = info.serial_number;
   read_lengths(hid, info);
   return found;
 }
 
-std::optional<FoundDevice> read_usb(udev_device* usb) {
-  const std::string type = text_of(::udev_device_get_devtype(usb));
-  if (type != "usb_device" || attribute(usb, "bDeviceClass") == kHubClass) return std::nullopt;
-  FoundDevice found;
-  found.node = text_of(::udev_device_get_devnode(usb));
-  found.identity = text_of(::udev_device_get_syspath(usb)) + " " + attribute(usb, "devnum");
+std::optional<ReadDevice> read_usb(udev_device* usb) {
+  ReadDevice found;
+  found.device.node = text_of(::udev_device_get_devnode(usb));
   const auto vendor = number_of<std::uint16_t>(attribute(usb, "idVendor"), 16);
   const auto product = number_of<std::uint16_t>(attribute(usb, "idProduct"), 16);
-  if (found.node.empty() || !vendor || !product) return std::nullopt;
-  bus::BusDeviceInfo& info = found.info;
+  if (found.device.node.empty() || !vendor || !product) return std::nullopt;
+  bus::BusDeviceInfo& info = found.device.info;
   info.kind = bus::BusKind::Usb;
   info.address = {"usb:" + text_of(::udev_device_get_sysname(usb))};
   info.vendor_id = *vendor;
@@ -156,19 +153,60 @@ std::optional<FoundDevice> read_usb(udev_device* usb) {
   return found;
 }
 
-// What `subsystem` has, in the order of its paths.
-std::vector<Device> devices_of(udev* context, const char* subsystem) {
-  std::vector<Device> devices;
+// Where to look, and what tells that it is still the same device. Nothing of it waits: neither the
+// class nor the number of a USB device is behind its lock.
+struct Place {
+  std::string path;
+  std::string identity;
+};
+
+std::optional<Place> place_of(udev_device* device) {
+  const std::string path = text_of(::udev_device_get_syspath(device));
+  if (text_of(::udev_device_get_subsystem(device)) != "usb") return Place{path, path};
+  const std::string type = text_of(::udev_device_get_devtype(device));
+  if (type != "usb_device" || attribute(device, "bDeviceClass") == kHubClass) return std::nullopt;
+  return Place{path, path + " " + attribute(device, "devnum")};
+}
+
+// Of what `subsystem` has, in the order of its paths.
+void add_places(udev* context, const char* subsystem, std::vector<Place>& places) {
   const std::unique_ptr<udev_enumerate, FreeList> list(::udev_enumerate_new(context));
-  if (list == nullptr) return devices;
+  if (list == nullptr) return;
   ::udev_enumerate_add_match_subsystem(list.get(), subsystem);
   ::udev_enumerate_scan_devices(list.get());
   for (udev_list_entry* entry = ::udev_enumerate_get_list_entry(list.get()); entry != nullptr;
        entry = ::udev_list_entry_get_next(entry)) {
-    Device device(::udev_device_new_from_syspath(context, ::udev_list_entry_get_name(entry)));
-    if (device != nullptr) devices.push_back(std::move(device));  // else gone meanwhile
+    const Device device(::udev_device_new_from_syspath(context, ::udev_list_entry_get_name(entry)));
+    if (device == nullptr) continue;  // gone meanwhile
+    if (std::optional<Place> place = place_of(device.get())) places.push_back(*std::move(place));
   }
-  return devices;
+}
+
+// In whatever thread, with a libudev of its own.
+std::optional<ReadDevice> read_at(const Place& place) {
+  const std::unique_ptr<udev, FreeContext> context(::udev_new());
+  if (context == nullptr) return std::nullopt;
+  const Device device(::udev_device_new_from_syspath(context.get(), place.path.c_str()));
+  if (device == nullptr) return std::nullopt;
+  const bool is_usb = text_of(::udev_device_get_subsystem(device.get())) == "usb";
+  std::optional<ReadDevice> found = is_usb ? read_usb(device.get()) : read_hid(device.get());
+  if (found) found->device.identity = place.identity;
+  return found;
+}
+
+std::vector<FoundDevice> with_addresses(std::vector<ReadDevice> read) {
+  std::vector<HidPlace> places;
+  for (const ReadDevice& one : read) {
+    if (one.place) places.push_back(*one.place);
+  }
+  std::vector<bus::DeviceAddress> addresses = hid_addresses(places);
+  std::vector<FoundDevice> found;
+  std::size_t next = 0;
+  for (ReadDevice& one : read) {
+    if (one.place) one.device.info.address = std::move(addresses[next++]);
+    found.push_back(std::move(one.device));
+  }
+  return found;
 }
 
 }  // namespace
@@ -190,28 +228,31 @@ UdevScan::UdevScan() : context_(::udev_new()) {
 
 UdevScan::~UdevScan() = default;
 
-std::vector<FoundDevice> UdevScan::devices() const {
-  std::vector<FoundDevice> found;
-  if (context_ == nullptr) return found;
-  std::vector<HidPlace> places;
-  for (const Device& device : devices_of(context_.get(), "hidraw")) {
-    std::optional<FoundHid> hid = read_hid(device.get());
-    if (!hid) continue;
-    found.push_back(std::move(hid->device));
-    places.push_back(std::move(hid->place));
+std::vector<FoundDevice> UdevScan::devices() {
+  std::vector<Place> places;
+  if (context_ != nullptr) {
+    add_places(context_.get(), "hidraw", places);
+    add_places(context_.get(), "usb", places);
   }
-  const std::vector<bus::DeviceAddress> addresses = hid_addresses(places);
-  for (std::size_t i = 0; i < addresses.size(); ++i) found[i].info.address = addresses[i];
-  for (const Device& device : devices_of(context_.get(), "usb")) {
-    if (std::optional<FoundDevice> usb = read_usb(device.get())) found.push_back(std::move(*usb));
+  std::set<std::string> identities;
+  std::vector<ReadDevice> found;
+  Duration patience = kPatience;
+  for (const Place& place : places) {
+    identities.insert(place.identity);
+    const std::size_t late = readings_.late();
+    auto one = readings_.get(
+        place.identity, [place] { return read_at(place); }, patience);
+    if (one) found.push_back(*std::move(one));
+    if (readings_.late() > late) patience = kFurtherPatience;
   }
-  return found;
+  readings_.keep(identities);
+  return with_addresses(std::move(found));
 }
 
 bool UdevScan::has_news() noexcept {
-  if (monitor_ == nullptr) return false;
+  bool is_news = readings_.has_caught_up();
+  if (monitor_ == nullptr) return is_news;
   constexpr int kMostAtOnce = 256;  // ours: a flood of events is for several calls
-  bool is_news = false;
   pollfd watched{::udev_monitor_get_fd(monitor_.get()), POLLIN, 0};
   for (int i = 0; i<kMostAtOnce&& ::poll(&watched, 1, 0)> 0; ++i) {
     // One that was lost or does not concern us gives nothing, and to look is never wrong.

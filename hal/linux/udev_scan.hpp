@@ -1,29 +1,24 @@
 #pragma once
 
 #include <memory>
-#include <string>
 #include <vector>
 
-#include "hal/base/result.hpp"
-#include "hal/bus/bus_enumerator.hpp"
+#include "hal/linux/device_readings.hpp"
 
 struct udev;
 struct udev_monitor;
 
 namespace thimble::linux {
 
-// A device that is plugged into this machine.
-struct FoundDevice {
-  bus::BusDeviceInfo info;
-  std::string node;      // "/dev/hidraw0", "/dev/bus/usb/001/004"
-  std::string identity;  // another one after it was plugged in anew
-};
-
 // Looks at the machine's HID and USB devices through libudev: descriptors and strings as the
 // kernel keeps them since each was plugged in. Opens no device and sends nothing to any.
 //
 // Whatever a device says is bounded and total: strings are cut after 256 bytes, descriptors that
 // do not parse give a device without reports or endpoints.
+//
+// The kernel keeps the strings of a USB device behind that device's lock, for as long as it talks
+// to it: up to seconds where it answers nothing. Such a device waits for its own answer alone:
+// device_readings.hpp.
 //
 // Thread: one. Not RT. Ownership: none shared. Errors: what cannot be read is left out.
 class UdevScan {
@@ -35,9 +30,17 @@ class UdevScan {
 
   // HID devices, then USB devices but hubs; also those whose rules udevd is about to apply: who may
   // not open one yet tries again.
-  [[nodiscard]] std::vector<FoundDevice> devices() const;
-  // Whether something came or went since the last call, as far as udevd tells. Never waits.
+  // Waits kPatience for the first that is held up, and kFurtherPatience for each that is from then
+  // on.
+  [[nodiscard]] std::vector<FoundDevice> devices();
+  // Whether something came or went since the last call, as far as udevd tells, or can be read at
+  // last. Never waits.
   [[nodiscard]] bool has_news() noexcept;
+
+  // Ours. Of the control plane, which the service manager wants to hear of within 3 s, and which
+  // may look twice at an opening; a device that is not held up is read within a millisecond.
+  static constexpr Duration kPatience = std::chrono::milliseconds(500);
+  static constexpr Duration kFurtherPatience = std::chrono::milliseconds(20);
 
  private:
   struct Free {
@@ -47,6 +50,7 @@ class UdevScan {
 
   std::unique_ptr<udev, Free> context_;
   std::unique_ptr<udev_monitor, Free> monitor_;  // nullptr: nobody tells
+  DeviceReadings readings_;
 };
 
 }  // namespace thimble::linux

@@ -1,6 +1,7 @@
 // What the enumerator of the machine says of devices that udev knows, however they lie.
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <poll.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -170,6 +171,33 @@ TEST_F(LinuxEnumerator, AnEventThatChangesNothingIsNoArrival) {
     machine.say(usb, "bind");
     EXPECT_EQ(events(), Texts{});
   }
+}
+
+TEST_F(LinuxEnumerator, ADeviceThatHangsHidesNoOtherOne) {
+  const std::string sick = plug_arm("1-4", "X", 0);
+  EXPECT_EQ(events(), (Texts{"+hid:X", "+usb:1-4"}));
+  machine.hang(sick, "descriptors");
+  const std::string well = plug_arm("1-5", "Y", 1);
+  EXPECT_EQ(events(), (Texts{"+hid:Y", "+usb:1-5"})) << "X is as it was";
+  machine.unplug(well);
+  EXPECT_EQ(events(), (Texts{"-hid:Y", "-usb:1-5"}));
+  EXPECT_EQ(addresses(), (Texts{"hid:X", "usb:1-4"}));
+  machine.answer(sick, "descriptors");
+}
+
+TEST_F(LinuxEnumerator, ADeviceThatHangsFromTheStartIsToldOfWhenItAnswers) {
+  const std::string sick = plug_arm("1-4", "X", 0);
+  machine.hang(sick, "descriptors");
+  EXPECT_EQ(events(), Texts{"+hid:X"});
+  plug_arm("1-5", "Y", 1);
+  EXPECT_EQ(events(), (Texts{"+hid:Y", "+usb:1-5"}));
+  machine.answer(sick, "descriptors");
+  Texts told;
+  for (int i = 0; i < 20'000 && told.empty(); ++i) {
+    told = events();
+    ::poll(nullptr, 0, 1);
+  }
+  EXPECT_EQ(told, Texts{"+usb:1-4"}) << "of its own accord: udevd says nothing";
 }
 
 TEST_F(LinuxEnumerator, WhatIsToldAddsUpToWhatIsListed) {

@@ -1,9 +1,13 @@
 #include "tests/support/mock_machine.hpp"
 
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <umockdev.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <initializer_list>
@@ -120,6 +124,22 @@ void MockMachine::unplug(const std::string& path) {
     if (nodes_.contains(known)) std::filesystem::remove(nodes_[known]);
     std::erase(paths_, known);
   }
+}
+
+// A pipe: who reads it waits until its other end is closed. To open it must not wait, for umockdev
+// lets one thread at a time open anything.
+void MockMachine::hang(const std::string& path, const std::string& attribute) {
+  const std::filesystem::path file = root() + path + "/" + attribute;
+  std::filesystem::remove(file);
+  if (::mkfifo(file.c_str(), 0600) != 0) std::abort();
+  pipes_[file] = ::open(file.c_str(), O_RDWR | O_CLOEXEC);
+}
+
+void MockMachine::answer(const std::string& path, const std::string& attribute) {
+  const std::filesystem::path file = root() + path + "/" + attribute;
+  std::filesystem::remove(file);
+  ::close(pipes_.at(file));
+  pipes_.erase(file);
 }
 
 std::string MockMachine::root() const {

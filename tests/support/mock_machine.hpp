@@ -51,6 +51,10 @@ class MockMachine {
   void unplug(const std::string& path);
   // What "udevd" may also say: a change that is none.
   void say(const std::string& path, const char* action);
+  // Whoever reads that file of a descriptor waits until answer(); then it is not there. libudev
+  // itself reads no pipes: other attributes will not do.
+  void hang(const std::string& path, const std::string& attribute);
+  void answer(const std::string& path, const std::string& attribute);
   // Without rights to the nodes.
   void let_others_look();
 
@@ -62,6 +66,7 @@ class MockMachine {
   _UMockdevTestbed* bed_;
   std::string uhid_;
   std::vector<std::string> paths_;
+  std::map<std::string, int> pipes_;          // ends of what hangs
   std::map<std::string, std::string> nodes_;  // files by path below /sys
 };
 

@@ -6,7 +6,7 @@
 
 #include "hal/base/time.hpp"
 
-namespace thimble::app {
+namespace thimble::linux {
 
 // A thread for work that may wait for a disk, or for who reads a pipe: one task after the other.
 // What hangs holds up neither its owner nor the end of the process.
@@ -33,4 +33,4 @@ class BackgroundWorker {
   std::thread thread_;
 };
 
-}  // namespace thimble::app
+}  // namespace thimble::linux

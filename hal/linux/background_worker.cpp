@@ -1,11 +1,11 @@
-#include "daemon/app/background_worker.hpp"
+#include "hal/linux/background_worker.hpp"
 
 #include <condition_variable>
 #include <deque>
 #include <mutex>
 #include <utility>
 
-namespace thimble::app {
+namespace thimble::linux {
 
 struct BackgroundWorker::Shared {
   std::mutex mutex;
@@ -56,4 +56,4 @@ bool BackgroundWorker::wait(Duration patience) {
   return shared_->changed.wait_for(lock, patience, [this] { return shared_->tasks.empty(); });
 }
 
-}  // namespace thimble::app
+}  // namespace thimble::linux

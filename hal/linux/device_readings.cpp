@@ -1,0 +1,65 @@
+#include "hal/linux/device_readings.hpp"
+
+#include <algorithm>
+#include <system_error>
+#include <utility>
+
+namespace thimble::linux {
+
+std::optional<ReadDevice> DeviceReadings::get(const std::string& identity, Read read,
+                                              Duration patience) {
+  const auto late = late_.find(identity);
+  if (late != late_.end()) {
+    if (!late->second->is_done.load()) return last(identity);
+    const std::shared_ptr<Slot> slot = late->second;
+    late_.erase(late);
+    return remember(identity, *slot);
+  }
+  if (!has_worker()) return last(identity);
+  const auto slot = std::make_shared<Slot>();
+  worker_->post([slot, read = std::move(read)] {
+    slot->value = read();
+    slot->is_done.store(true);
+  });
+  if (worker_->wait(patience)) return remember(identity, *slot);
+  late_.emplace(identity, slot);
+  worker_.reset();
+  return last(identity);
+}
+
+bool DeviceReadings::has_worker() noexcept {
+  try {
+    if (worker_ == nullptr) worker_ = std::make_unique<BackgroundWorker>();
+  } catch (const std::system_error&) {
+    return false;  // too many threads
+  }
+  return true;
+}
+
+void DeviceReadings::keep(const std::set<std::string>& identities) {
+  const auto is_gone = [&](const auto& entry) { return !identities.contains(entry.first); };
+  std::erase_if(last_, is_gone);
+  std::erase_if(late_, is_gone);
+}
+
+bool DeviceReadings::has_caught_up() const noexcept {
+  return std::any_of(late_.begin(), late_.end(),
+                     [](const auto& entry) { return entry.second->is_done.load(); });
+}
+
+std::optional<ReadDevice> DeviceReadings::remember(const std::string& identity, const Slot& slot) {
+  if (slot.value) {
+    last_.insert_or_assign(identity, *slot.value);
+  } else {
+    last_.erase(identity);
+  }
+  return slot.value;
+}
+
+std::optional<ReadDevice> DeviceReadings::last(const std::string& identity) const {
+  const auto found = last_.find(identity);
+  if (found == last_.end()) return std::nullopt;
+  return found->second;
+}
+
+}  // namespace thimble::linux

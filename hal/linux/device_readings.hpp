@@ -1,0 +1,67 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "hal/base/time.hpp"
+#include "hal/bus/bus_enumerator.hpp"
+#include "hal/linux/background_worker.hpp"
+#include "hal/linux/hid_address.hpp"
+
+namespace thimble::linux {
+
+// A device that is plugged into this machine.
+struct FoundDevice {
+  bus::BusDeviceInfo info;
+  std::string node;      // "/dev/hidraw0", "/dev/bus/usb/001/004"
+  std::string identity;  // another one after it was plugged in anew
+};
+
+// What was read of one; an address of HID needs those of all.
+struct ReadDevice {
+  FoundDevice device;
+  std::optional<HidPlace> place;
+};
+
+// Readings of devices, each in a thread beside the caller's, since the kernel may hold one up for
+// as long as a device does not answer it: one that is late is left to itself, and its device counts
+// as it was read last, or as not there, until it ends. It holds up no other device's reading.
+//
+// Thread: one; a reading runs in another and owns all that it uses. Not RT.
+// Ownership: its end waits for nobody. Errors: a reading gives nothing for what is no device; where
+// no thread can be had, it counts as late.
+class DeviceReadings {
+ public:
+  using Read = std::function<std::optional<ReadDevice>()>;
+
+  // Waits `patience` at most, and not at all for one that is late already.
+  [[nodiscard]] std::optional<ReadDevice> get(const std::string& identity, Read read,
+                                              Duration patience);
+  // What is not among `identities` is gone for good.
+  void keep(const std::set<std::string>& identities);
+  // Readings that have not ended.
+  [[nodiscard]] std::size_t late() const noexcept { return late_.size(); }
+  // Whether one that was late has ended, and nobody asked for it since.
+  [[nodiscard]] bool has_caught_up() const noexcept;
+
+ private:
+  struct Slot {
+    std::atomic<bool> is_done{false};
+    std::optional<ReadDevice> value;
+  };
+  bool has_worker() noexcept;
+  std::optional<ReadDevice> remember(const std::string& identity, const Slot& slot);
+  std::optional<ReadDevice> last(const std::string& identity) const;
+
+  std::map<std::string, ReadDevice> last_;
+  std::map<std::string, std::shared_ptr<Slot>> late_;
+  std::unique_ptr<BackgroundWorker> worker_;  // nullptr: it is left with who is late
+};
+
+}  // namespace thimble::linux

@@ -1,0 +1,118 @@
+#include "hal/linux/device_readings.hpp"
+
+#include <gtest/gtest.h>
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+namespace thimble::linux {
+namespace {
+
+constexpr Duration kAsLongAsItTakes = std::chrono::hours(1);
+constexpr Duration kNotAtAll{0};
+
+// A device that answers when the test says so.
+class Gate {
+ public:
+  void open() {
+    const std::lock_guard lock(mutex_);
+    is_open_ = true;
+    changed_.notify_all();
+  }
+  void pass() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return is_open_; });
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool is_open_{false};
+};
+
+ReadDevice device(const std::string& product) {
+  ReadDevice read;
+  read.device.info.product = product;
+  return read;
+}
+
+struct DeviceReadingsTest : testing::Test {
+  DeviceReadings sut;
+  std::shared_ptr<Gate> gate = std::make_shared<Gate>();  // a reading may outlive the test
+
+  std::string read(const std::string& identity, const std::string& product) {
+    const auto got = sut.get(
+        identity, [=] { return device(product); }, kAsLongAsItTakes);
+    return got ? got->device.info.product : "nothing";
+  }
+  std::string read_behind_gate(const std::string& identity, const std::string& product) {
+    const auto slow = [gate = gate, product] {
+      gate->pass();
+      return std::optional(device(product));
+    };
+    const auto got = sut.get(identity, slow, kNotAtAll);
+    return got ? got->device.info.product : "nothing";
+  }
+  void wait_until_caught_up() {
+    while (!sut.has_caught_up()) std::this_thread::yield();
+  }
+};
+
+TEST_F(DeviceReadingsTest, GivesWhatIsRead) {
+  EXPECT_EQ(read("a", "Arm"), "Arm");
+  EXPECT_EQ(read("a", "Leg"), "Leg") << "read anew each time";
+  EXPECT_FALSE(sut.get(
+                      "b", [] { return std::nullopt; }, kAsLongAsItTakes)
+                   .has_value());
+  EXPECT_EQ(sut.late(), 0U);
+}
+
+TEST_F(DeviceReadingsTest, OneThatHangsHoldsUpNoOtherOne) {
+  EXPECT_EQ(read_behind_gate("sick", "Arm"), "nothing");
+  EXPECT_EQ(sut.late(), 1U);
+  EXPECT_EQ(read("well", "Leg"), "Leg");
+  EXPECT_EQ(read_behind_gate("sick too", "Arm"), "nothing");
+  EXPECT_EQ(read("well", "Leg"), "Leg");
+  EXPECT_EQ(sut.late(), 2U);
+  gate->open();
+}
+
+TEST_F(DeviceReadingsTest, OneThatHangsIsNotAskedTwiceAndIsAsItWas) {
+  EXPECT_EQ(read("sick", "Arm"), "Arm");
+  EXPECT_EQ(read_behind_gate("sick", "Later"), "Arm");
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(read("sick", "Never"), "Arm") << "waits for the first";
+  EXPECT_EQ(sut.late(), 1U);
+  EXPECT_FALSE(sut.has_caught_up());
+  gate->open();
+  wait_until_caught_up();
+  EXPECT_EQ(read("sick", "Never"), "Later") << "what it said at last";
+  EXPECT_FALSE(sut.has_caught_up());
+  EXPECT_EQ(read("sick", "Now"), "Now");
+}
+
+TEST_F(DeviceReadingsTest, OneThatIsGoneIsForgottenWithItsReading) {
+  EXPECT_EQ(read("sick", "Arm"), "Arm");
+  EXPECT_EQ(read_behind_gate("sick", "Later"), "Arm");
+  sut.keep({"well"});
+  EXPECT_EQ(sut.late(), 0U);
+  EXPECT_EQ(read("sick", "Another"), "Another");
+  gate->open();
+  EXPECT_FALSE(sut.has_caught_up());
+}
+
+TEST_F(DeviceReadingsTest, ItsEndWaitsForNoReading) {
+  {
+    DeviceReadings brief;
+    const auto slow = [gate = gate] {
+      gate->pass();
+      return std::optional(device("Arm"));
+    };
+    EXPECT_FALSE(brief.get("sick", slow, kNotAtAll).has_value());
+  }
+  gate->open();
+}
+
+}  // namespace
+}  // namespace thimble::linux
