@@ -16,7 +16,9 @@ import unittest
 import guest_image
 
 HERE = pathlib.Path(__file__).resolve().parent
-DEBS = pathlib.Path(os.environ.get("THIMBLE_DEBS", HERE.parents[1] / "build" / "deb"))
+BUILD = HERE.parents[1] / "build"
+DEBS = pathlib.Path(os.environ.get("THIMBLE_DEBS", BUILD / "deb"))
+BIN = pathlib.Path(os.environ.get("THIMBLE_BIN", BUILD / "release" / "bin"))
 # Waits are bounded, never asserted: an emulated machine beside other work boots in 10 s, or in 60.
 BOOT_S = 400
 COMMAND_S = 120
@@ -61,7 +63,7 @@ class Guest:
             "-serial", f"file:{self.console}",
             "-device", "virtio-serial-pci", "-chardev", f"socket,id=cmd,path={self.folder / 'cmd'}",
             "-device", "virtserialport,chardev=cmd,name=vm.cmd"]
-        for tag, path in (("debs", share), ("tests", HERE / "guest")):
+        for tag, path in (("debs", share), ("tests", HERE / "guest"), ("bin", BIN)):
             command += ["-virtfs", f"local,path={path},mount_tag={tag},security_model=none,readonly=on"]
         with open(self.folder / "qemu.log", "wb") as log:
             self.process = subprocess.Popen([str(word) for word in command], stdin=subprocess.DEVNULL,
@@ -107,9 +109,9 @@ class Guest:
         return "\n".join(texts)
 
     def wait_until_up(self):
-        """Until the agent answers; then the two folders of the host are mounted."""
+        """Until the agent answers; then the folders of the host are mounted: packages, scripts of the guest, programs of the tests."""
         self.read_answer(BOOT_S)
-        self.run("for tag in debs tests; do mkdir -p /run/$tag; mountpoint -q /run/$tag || "
+        self.run("for tag in debs tests bin; do mkdir -p /run/$tag; mountpoint -q /run/$tag || "
                  "mount -t 9p -o trans=virtio,version=9p2000.L,ro $tag /run/$tag; done")
 
     def read_answer(self, timeout_s):

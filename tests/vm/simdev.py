@@ -5,6 +5,7 @@ import math
 import statistics
 
 
+PORT = "3240"  # that of USB/IP
 # The kernel's threads that carry USB/IP are a part of the hardware here, too, and wait for no program.
 ATTACH = "usbip attach -r 127.0.0.1 -b 1-1 && for thread in $(pgrep ^vhci_); do chrt -f -p 86 $thread; done"
 
