@@ -54,8 +54,9 @@ struct BootOrder {
 // first of them leaves before anything else, and more while a request is not answered: an arm that
 // ran for somebody else, or on a handle that died, may hold a force (decision 0286).
 //
-// A state machine over bytes and time, nothing else. Time is that of the packets that arrive; the
-// bridge sends one at least every latency period, and a bridge that sends none stays where it is.
+// A state machine over bytes and time, nothing else. Time is that of the packets that arrive, of
+// which the bridge sends one at least every latency period, and of what its owner says besides:
+// on_packet() of nothing.
 //
 // Thread: one. RT: all THIMBLE_RT. Ownership: `image` must outlive it.
 class BootSequence {

@@ -14,7 +14,8 @@ namespace thimble::falcon {
 // Then two may be under way: after the first of the late ones nothing leaves until the other came
 // or kPatience passed, so that the exchange is in step again.
 //
-// Thread: one. RT: all THIMBLE_RT. Times are those of the packets that arrive.
+// Thread: one. RT: all THIMBLE_RT. Times are its owner's: of the packets that arrive, and of a
+// clock where none does.
 class ExchangePacer {
  public:
   THIMBLE_RT void restart() noexcept { *this = ExchangePacer(); }

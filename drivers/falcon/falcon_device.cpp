@@ -74,6 +74,7 @@ std::uint32_t buttons_of(std::uint8_t wire_buttons) noexcept {
 FalconDevice::FalconDevice(std::unique_ptr<bus::UsbDevice> bus, const FalconModel& model,
                            Settings settings)
     : bus_(std::move(bus)),
+      clock_(settings.clock),
       image_(std::move(settings.image)),
       capabilities_(capabilities_of(model)),
       kinematics_(model, settings.newton_per_count),
@@ -142,6 +143,7 @@ void FalconDevice::publish() noexcept {
 IoStatus FalconDevice::read(HapticState& out) noexcept {
   fresh_.reset();
   const IoStatus taken = take_packets();
+  pass_silence();
   is_given_up_ = is_given_up_ || boot_.is_stuck();
   if (taken == IoStatus::Disconnected || is_given_up_) {
     start_over();
@@ -171,7 +173,7 @@ IoStatus FalconDevice::take_packets() noexcept {
     const IoStatus status = bus_->read(wire::kBulkIn, packet_);
     if (status != IoStatus::Ok) return status;
     has_heard_.store(true, std::memory_order_relaxed);
-    now_ = std::max(now_, packet_.arrived_at);
+    heard_at_ = now_ = std::max(now_, packet_.arrived_at);
     const auto serial = serial_bytes(packet_.payload());
     if (boot_.is_running()) {
       take_run_bytes(serial);
@@ -180,6 +182,16 @@ IoStatus FalconDevice::take_packets() noexcept {
     }
   }
   return IoStatus::Ok;
+}
+
+// A pipe on which nothing comes at all must not make time stand still: the motors may hold a force.
+void FalconDevice::pass_silence() noexcept {
+  if (clock_ == nullptr) return;
+  const MonotonicTime now = clock_->now();
+  if (!heard_at_) heard_at_ = now;
+  if (now - *heard_at_ <= kSilentPipe) return;
+  now_ = std::max(now_, now);
+  if (!boot_.is_running()) boot_.on_packet({}, now_);
 }
 
 void FalconDevice::take_run_bytes(std::span<const std::uint8_t> serial) noexcept {

@@ -24,6 +24,8 @@ namespace thimble::falcon {
 // force away does not wait for the answer to the last. read() takes what came; before the firmware
 // runs that is NoData, so that the arm stays Configured. Nobody answers for half a second: zeros,
 // and then from the boot on again. A request to the bridge that never ends: Disconnected, for good.
+// Time is that of the packets, of which the bridge sends one each latency period; where none comes
+// for kSilentPipe it is the clock's.
 //
 // Until homed the state carries the middle of the workspace: a made-up place had better be a known
 // one. The reference is forgotten as ArmReference says, when a crank is beyond its stops, when no
@@ -38,6 +40,8 @@ class FalconDevice final : public HapticDevice {
   struct Settings {
     double newton_per_count{};
     std::vector<std::uint8_t> image;  // of the firmware; empty: none
+    // That of the bus, and it must outlive the device; nullptr: time is that of packets alone.
+    const Clock* clock{nullptr};
   };
 
   // `model` must outlive the device; those of the table do.
@@ -56,11 +60,14 @@ class FalconDevice final : public HapticDevice {
 
   // Ours: the stops in the table are, too.
   static constexpr double kStopSlack_rad = 0.3;
+  // Ours: three latency periods of a bridge that boots.
+  static constexpr Duration kSilentPipe = std::chrono::milliseconds(50);
 
  private:
   using MotorCounts = std::array<std::int16_t, 3>;
 
   IoStatus take_packets() noexcept;
+  void pass_silence() noexcept;
   void take_run_bytes(std::span<const std::uint8_t> serial) noexcept;
   void lose_reference() noexcept;
   [[nodiscard]] bool take_pose(const RunReport& report) noexcept;
@@ -71,6 +78,7 @@ class FalconDevice final : public HapticDevice {
   [[nodiscard]] MotorCounts motors_for(Force3 force) const noexcept;
 
   std::unique_ptr<bus::UsbDevice> bus_;
+  const Clock* clock_;
   std::vector<std::uint8_t> image_;
   HapticCapabilities capabilities_;
   FalconKinematics kinematics_;
@@ -82,8 +90,9 @@ class FalconDevice final : public HapticDevice {
   ArmPose pose_;
   bus::UsbPacket packet_{};
   std::optional<RunReport> fresh_;
-  bool is_loss_untold_{false};  // the reference was lost, and no state has said so
-  MonotonicTime now_{};         // of the newest packet
+  bool is_loss_untold_{false};             // the reference was lost, and no state has said so
+  MonotonicTime now_{};                    // of the newest packet, or of the clock since
+  std::optional<MonotonicTime> heard_at_;  // the newest packet, or the first look
   MonotonicTime reported_at_{};
   bool is_given_up_{false};
   std::uint64_t lost_bytes_seen_{0};

@@ -37,7 +37,7 @@ class FalconDriver final : public plugin::Driver {
     if (!usb) return tl::unexpected<Error>(usb.error().in("falcon"));
     return std::make_unique<FalconDevice>(
         std::move(*usb), *found->model,
-        FalconDevice::Settings{found->newton_per_count, std::move(*image)});
+        FalconDevice::Settings{found->newton_per_count, std::move(*image), settings.clock});
   }
 };
 

@@ -40,13 +40,18 @@ class FalconDeviceTest : public testing::Test {
     script_ = {};
     sut_ = std::make_unique<FalconDevice>(
         std::make_unique<test::ScriptedUsb>(script_), model_,
-        FalconDevice::Settings{model_.newton_per_count, std::move(image)});
+        FalconDevice::Settings{model_.newton_per_count, std::move(image), clock_});
   }
   IoStatus read() { return sut_->read(state_); }
   IoStatus write(double x = 0, double y = 0, double z = 0) { return sut_->write(wrench(x, y, z)); }
   // A packet without data, one latency period later.
   IoStatus pass(Duration time = milliseconds(1)) {
     script_.arrive({}, time);
+    return read();
+  }
+  // Nothing at all comes from the pipe.
+  IoStatus pass_silently(Duration time = milliseconds(1)) {
+    script_.now = script_.now + time;
     return read();
   }
   IoStatus reply(Counts counts, int flags = 0, Duration after = milliseconds(1)) {
@@ -80,8 +85,21 @@ class FalconDeviceTest : public testing::Test {
   [[nodiscard]] int sent_flags() const { return script_.submitted.back().at(13) - 'A'; }
   [[nodiscard]] std::size_t packets() const { return script_.submitted.size(); }
 
+  // That of the script.
+  class ScriptClock final : public Clock {
+   public:
+    explicit ScriptClock(const test::UsbScript& script) : script_(script) {}
+    [[nodiscard]] MonotonicTime now() const noexcept override { return script_.now; }
+    Duration sleep_until(MonotonicTime /*deadline*/) noexcept override { return {}; }
+
+   private:
+    const test::UsbScript& script_;
+  };
+
   const FalconModel& model_{*find_model("falcon")};
   test::UsbScript script_;
+  ScriptClock script_clock_{script_};
+  const Clock* clock_{nullptr};  // what open() gives the driver
   HapticState state_;
   std::unique_ptr<FalconDevice> sut_;
 };

@@ -69,5 +69,67 @@ TEST_F(FalconDeviceTest, SilenceThatNobodyBrokeIsNoDesertion) {
   EXPECT_EQ(script_.requests.size(), 4U);
 }
 
+// The bridge itself is silent: not even empty packets come, but what is written leaves.
+class FalconSilentPipe : public FalconDeviceTest {
+ protected:
+  FalconSilentPipe() {
+    clock_ = &script_clock_;
+    open();
+  }
+};
+
+TEST_F(FalconSilentPipe, IsSentZerosByTheClock) {
+  home();
+  int ms = 0;
+  for (write(1, 0, 0); ms < 1000 && sent() != Counts{0, 0, 0}; ++ms) {
+    pass_silently();
+    write(1, 0, 0);
+  }
+  EXPECT_NEAR(ms, 500, 1) << "as where empty packets come";
+  const std::size_t before = packets();
+  for (; ms < 5400; ++ms) {
+    pass_silently();
+    write(1, 0, 0);
+    ASSERT_EQ(sent(), (Counts{0, 0, 0}));
+  }
+  EXPECT_NEAR(static_cast<double>(packets() - before), 98, 1) << "one each 50 ms";
+  EXPECT_EQ(script_.requests.size(), 4U) << "its bridge is set";
+  home();
+}
+
+TEST_F(FalconSilentPipe, GivesUpAHandleWhoseRequestNeverEnds) {
+  script_.ends_requests = false;
+  int ms = 0;
+  for (; ms < 2000 && write(1, 0, 0) != IoStatus::Disconnected; ++ms) {
+    if (pass_silently() == IoStatus::Disconnected) break;
+  }
+  EXPECT_NEAR(ms, 550, 3) << "silent for 50 ms, then as ever";
+  EXPECT_GE(packets(), 10U) << "a zero every 50 ms";
+}
+
+TEST_F(FalconSilentPipe, OfWhichPacketsComeIsPacedByThemAlone) {
+  home();
+  write(1, 0, 0);
+  const std::size_t sent_before = packets();
+  for (int i = 0; i < 10; ++i) {  // 40 ms late each, and none of them says anything
+    script_.now = script_.now + milliseconds(40);
+    read();
+    write(1, 0, 0);
+    EXPECT_EQ(packets(), sent_before + static_cast<std::size_t>(i)) << "time stands still between";
+    pass(milliseconds(5));
+    write(1, 0, 0);
+  }
+}
+
+TEST_F(FalconSilentPipe, ThatNobodyAskedAnythingIsNoDesertion) {
+  home();
+  write();
+  reply(kSomewhere);
+  for (int ms = 0; ms < 3000; ++ms) pass_silently();
+  write();
+  EXPECT_EQ(reply(kSomewhere), IoStatus::Ok);
+  EXPECT_EQ(script_.requests.size(), 4U);
+}
+
 }  // namespace
 }  // namespace thimble::falcon
