@@ -237,11 +237,13 @@ void FalconDevice::fill(HapticState& out, const RunReport& report) noexcept {
   is_loss_untold_ = false;
 }
 
-IoStatus FalconDevice::write(const LimitedWrench& wrench) noexcept {
+IoStatus FalconDevice::write(const LimitedWrench& wrench) noexcept { return drive(wrench.force()); }
+
+IoStatus FalconDevice::drive(Force3 force) noexcept {
   if (is_given_up_) return IoStatus::Disconnected;
   if (!boot_.is_running()) return carry_out(boot_.next());
   RunCommand command;
-  command.motor_counts = motors_for(wrench.force());
+  command.motor_counts = motors_for(force);
   const bool is_zero = command.motor_counts == MotorCounts{};
   const bool takes_force_away = is_zero && sent_counts_ != MotorCounts{};
   if (!takes_force_away && !pacer_.may_send(now_)) return IoStatus::Backlogged;

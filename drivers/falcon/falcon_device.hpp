@@ -64,6 +64,12 @@ class FalconDevice final : public HapticDevice {
   static constexpr Duration kSilentPipe = std::chrono::milliseconds(50);
 
  private:
+  // This driver as a shared object (falcon_plugin.cpp): a force that comes to it has been through
+  // the host's limiter and has left its type behind at the boundary, which is plain C. Nobody else
+  // may name a force that is not a LimitedWrench.
+  friend class HostedFalcon;
+  THIMBLE_RT_IO IoStatus drive(Force3 force) noexcept;
+
   using MotorCounts = std::array<std::int16_t, 3>;
 
   IoStatus take_packets() noexcept;

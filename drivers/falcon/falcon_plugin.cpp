@@ -1,6 +1,5 @@
 // The Falcon's driver as a shared object: the same code, behind the ABI for drivers from outside.
 #include <algorithm>
-#include <bit>
 #include <memory>
 #include <new>
 #include <string_view>
@@ -15,6 +14,15 @@
 #include "hal/plugin/plugin_abi.h"
 
 namespace thimble::falcon {
+
+// What the boundary may ask of a device, and a program may not: a force without its limiter.
+class HostedFalcon {
+ public:
+  static IoStatus write(FalconDevice& arm, const thimble_wrench& limited) noexcept {
+    return arm.drive({limited.force_newton[0], limited.force_newton[1], limited.force_newton[2]});
+  }
+};
+
 namespace {
 
 // The host's pipes, as a driver of the house knows them.
@@ -177,10 +185,7 @@ std::int32_t read_arm(void* device, thimble_usb_sample* sample) {
 }
 
 std::int32_t write_arm(void* device, const thimble_wrench* wrench) {
-  const Force3 force{wrench->force_newton[0], wrench->force_newton[1], wrench->force_newton[2]};
-  // The host's limiter has let it through, and only that can say so; here it keeps its name.
-  static_assert(sizeof(LimitedWrench) == sizeof(Force3));
-  return plugin::abi_status(arm_of(device).write(std::bit_cast<LimitedWrench>(force)));
+  return plugin::abi_status(HostedFalcon::write(arm_of(device), *wrench));
 }
 
 void read_instruction(void* device, thimble_reason* instruction) {

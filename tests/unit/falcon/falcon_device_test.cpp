@@ -3,12 +3,22 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <type_traits>
 
 #include "tests/unit/falcon/falcon_device_fixture.hpp"
 #include "tests/unit/falcon/scripted_loader.hpp"
 
 namespace thimble::falcon {
 namespace {
+
+// No way around the limiter: the one for the plugin is private.
+template <class Arm>
+concept TakesABareForce = requires(Arm& arm, Force3 force) {
+  arm.write(force);
+}
+|| requires(Arm& arm, Force3 force) { arm.drive(force); };
+static_assert(!TakesABareForce<FalconDevice>);
+static_assert(!std::is_constructible_v<LimitedWrench, Force3>);
 
 TEST_F(FalconDeviceTest, SaysWhatTheTableSays) {
   const HapticCapabilities& capabilities = sut_->capabilities();
