@@ -14,10 +14,10 @@ def norm(vector):
     return math.sqrt(sum(value * value for value in vector))
 
 
-def wait_for_state(guest, state):
-    """Until the daemon's first arm is in it: what the status says of that arm."""
+def wait_for_state(guest, *states):
+    """Until the daemon's first arm is in one of them: what the status says of that arm."""
     return guest.wait_for("thimble status --json | python3 -c 'import json, sys; arm = json.load(sys.stdin)[\"arms\"][0]; "
-                          f"print(json.dumps(arm)); sys.exit(arm[\"state\"] != \"{state}\")'")
+                          f"print(json.dumps(arm)); sys.exit(arm[\"state\"] not in \"{' '.join(states)}\".split())'")
 
 
 class Simdev:

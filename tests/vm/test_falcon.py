@@ -4,40 +4,9 @@ The firmware is made up here: a boot stream as the processor's maker defines it,
 for one. What is felt is judged by the arm's own log.
 """
 
-import hashlib
-import random
-import struct
-
+import arms
 import guest
 import simdev
-
-CONFIGURATION = """
-[servo]
-rate_hz = 1000
-realtime = "best-effort"
-
-[[arm]]
-name = "right"
-device = "{address}"
-firmware = "{firmware}"
-firmware_sha256 = "{sha256}"
-newton_per_count = 0.00244
-world = "box"
-
-[[world]]
-name = "box"
-source = "box:3"
-workspace_m = 0.09
-"""
-FIRMWARE = "/etc/thimble/falcon.bin"
-
-
-def firmware(words=600):
-    """Key, eight reserved words and the entry point; one block; the end."""
-    noise = random.Random(1)
-    code = [noise.randrange(0x10000) for _ in range(words)]
-    stream = [0x08AA] + 8 * [0] + [0x003F, 0x8000] + [words, 0x003F, 0x8000] + code + [0]
-    return struct.pack(f"<{len(stream)}H", *stream)
 
 
 class Falcon(guest.GuestTest):
@@ -48,19 +17,11 @@ class Falcon(guest.GuestTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.guest.run("modprobe vhci-hcd")
-        cls.arm = simdev.Simdev(cls.guest, "falcon", "--usbip", "3240", "falcon")
-        cls.arm.attach()
-        port = cls.guest.wait_for("basename $(dirname $(grep -lx cb48 /sys/bus/usb/devices/*/idProduct))").strip()
-        cls.address = f"usb:{port}"
-        image = firmware()
-        text = CONFIGURATION.format(address=cls.address, firmware=FIRMWARE, sha256=hashlib.sha256(image).hexdigest())
-        cls.guest.run(f"python3 -c 'import sys; open(sys.argv[1], \"wb\").write(bytes.fromhex(sys.argv[2]))' {FIRMWARE} {image.hex()}\n"
-                      f"cat > /etc/thimble/thimble.toml <<'E'\n{text}E\nudevadm settle; systemctl restart thimbled")
+        cls.arm = arms.Falcon(cls.guest)
 
     def test_1_its_node_is_the_daemons_and_the_daemon_has_claimed_it(self):
         self.guest.wait_for("systemctl is-active thimbled")
-        node = self.guest.run("udevadm info --query=name /sys/bus/usb/devices/" + self.address.removeprefix("usb:")).strip()
+        node = self.guest.run("udevadm info --query=name /sys/bus/usb/devices/" + self.arm.address.removeprefix("usb:")).strip()
         self.assertEqual(self.guest.run(f"stat -c '%U:%G %a' /dev/{node}").strip(), "root:thimble 660")
         self.guest.wait_for(f"ls -l /proc/$(systemctl show thimbled -p MainPID --value)/fd | grep -q /dev/{node}")
         self.assertEqual(self.arm.status()["counters"]["malformed"], 0)

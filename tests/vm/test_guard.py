@@ -6,9 +6,9 @@ that the time between the blow and the last force may be asserted; both are of t
 
 import json
 
+import arms
 import guest
 import simdev
-from test_hid_arm import CONFIGURATION, SERIAL
 
 PID = "$(systemctl show thimbled -p MainPID --value)"
 SERVO = f"$(ps -L -o lwp=,comm= -p {PID} | awk '$2 == \"servo-right\" {{print $1}}')"
@@ -27,16 +27,11 @@ class Guard(guest.GuestTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.guest.run("modprobe uhid")
-        cls.arm = simdev.Simdev(cls.guest, "arm", "--uhid", "--serial", SERIAL, "phantom-vintage")
-        cls.guest.wait_for("ls -d /sys/bus/hid/devices/0003:1234:0006.*/hidraw/hidraw*")
-        cls.guest.run(f"cat > /etc/thimble/thimble.toml <<'E'\n{CONFIGURATION}E\nudevadm settle")
+        cls.arm = arms.HidArm(cls.guest)
 
     def setUp(self):
         self.guest.run("systemctl reset-failed thimbled; systemctl restart thimbled")
-        simdev.wait_for_state(self.guest, "calibrating")
-        self.arm.calibrate()
-        simdev.wait_for_state(self.guest, "active")
+        self.arm.activate()
         self.arm.say("move 0 0 0 0.3")
         self.guest.run("sleep 0.5")
         self.arm.say("move 0.018 0 0 0.3")

@@ -3,48 +3,21 @@
 Through uhid and over USB/IP. What is felt is judged by the arm's own log, of what its motors did.
 """
 
+import arms
 import guest
 import simdev
-
-SERIAL = "VM-ARM-1"
-CONFIGURATION = f"""
-[servo]
-rate_hz = 1000
-realtime = "best-effort"
-
-[[arm]]
-name = "right"
-device = "hid:{SERIAL}"
-model = "phantom-vintage"
-amplifier_max_a = 3.0
-world = "box"
-
-[[world]]
-name = "box"
-source = "box:3"
-workspace_m = 0.09
-"""
 
 
 class Uhid(guest.GuestTest):
     """Numbered: each test goes on where the one before it ended."""
 
     pace = guest.COUNTED
-    offered = ("--uhid",)
+    way = "uhid"
 
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.guest.run("modprobe -a uhid vhci-hcd")
-        cls.arm = simdev.Simdev(cls.guest, "arm", *cls.offered, "--serial", SERIAL, "phantom-vintage")
-        cls.plug_in()
-        # The node, and its rule, which may come a little later.
-        cls.guest.wait_for("stat -c %G /dev/$(basename /sys/bus/hid/devices/0003:1234:0006.*/hidraw/hidraw*) | grep -qx thimble")
-        cls.guest.run(f"cat > /etc/thimble/thimble.toml <<'E'\n{CONFIGURATION}E\nudevadm settle; systemctl restart thimbled")
-
-    @classmethod
-    def plug_in(cls):
-        """uhid has plugged it in already."""
+        cls.arm = arms.HidArm(cls.guest, cls.way)
 
     def test_1_its_node_is_the_daemons_and_the_daemon_has_it_open(self):
         self.guest.wait_for("systemctl is-active thimbled")
@@ -88,8 +61,4 @@ class Uhid(guest.GuestTest):
 
 
 class Usbip(Uhid):
-    offered = ("--usbip", "3240")
-
-    @classmethod
-    def plug_in(cls):
-        cls.arm.attach()
+    way = "usbip"

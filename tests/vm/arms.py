@@ -1,0 +1,82 @@
+"""Simulated arms as the packaged daemon has them: plugged into the guest, named in its configuration, with a box to feel."""
+
+import hashlib
+import random
+import struct
+
+import simdev
+
+SERIAL = "VM-ARM-1"
+FIRMWARE = "/etc/thimble/falcon.bin"
+BOX = """
+world = "box"
+
+[[world]]
+name = "box"
+source = "box:3"
+workspace_m = 0.09
+"""
+# How a HID arm comes to the kernel.
+WAYS = {"uhid": ("--uhid",), "usbip": ("--usbip", simdev.PORT)}
+
+
+class Arm(simdev.Simdev):
+    """`words`: in the configuration, that say which one it is."""
+
+    words = ""
+
+    def configure(self, rate_hz=1000):
+        """The daemon starts anew with it alone."""
+        text = f'[servo]\nrate_hz = {rate_hz}\nrealtime = "best-effort"\n\n[[arm]]\nname = "right"\n{self.words}{BOX}'
+        self.guest.run(f"cat > /etc/thimble/thimble.toml <<'E'\n{text}E\nudevadm settle; systemctl restart thimbled")
+
+
+class HidArm(Arm):
+    """Of the PHANToM family; `way`: of WAYS."""
+
+    words = f'device = "hid:{SERIAL}"\nmodel = "phantom-vintage"\namplifier_max_a = 3.0'
+
+    def __init__(self, guest, way="uhid"):
+        guest.run("modprobe -a uhid vhci-hcd")
+        super().__init__(guest, "arm", *WAYS[way], "--serial", SERIAL, "phantom-vintage")
+        if way == "usbip":
+            self.attach()
+        # The node, and its rule, which may come a little later.
+        guest.wait_for("stat -c %G /dev/$(basename /sys/bus/hid/devices/0003:1234:0006.*/hidraw/hidraw*) | grep -qx thimble")
+        self.configure()
+
+    def activate(self):
+        simdev.wait_for_state(self.guest, "calibrating")
+        self.calibrate()
+        simdev.wait_for_state(self.guest, "active")
+
+
+def firmware(words=600):
+    """A boot stream as the processor's maker defines it, with noise for code: key, eight reserved words and the entry point; one
+    block; the end."""
+    noise = random.Random(1)
+    code = [noise.randrange(0x10000) for _ in range(words)]
+    stream = [0x08AA] + 8 * [0] + [0x003F, 0x8000] + [words, 0x003F, 0x8000] + code + [0]
+    return struct.pack(f"<{len(stream)}H", *stream)
+
+
+class Falcon(Arm):
+    """Nothing is in its memory yet; `address`: how the configuration names it."""
+
+    def __init__(self, guest):
+        guest.run("modprobe vhci-hcd")
+        super().__init__(guest, "falcon", "--usbip", simdev.PORT, "falcon")
+        self.attach()
+        port = guest.wait_for("basename $(dirname $(grep -lx cb48 /sys/bus/usb/devices/*/idProduct))").strip()
+        self.address = f"usb:{port}"
+        image = firmware()
+        guest.run(f"python3 -c 'import sys; open(sys.argv[1], \"wb\").write(bytes.fromhex(sys.argv[2]))' {FIRMWARE} {image.hex()}")
+        self.words = (f'device = "{self.address}"\nfirmware = "{FIRMWARE}"\nfirmware_sha256 = "{hashlib.sha256(image).hexdigest()}"\n'
+                      "newton_per_count = 0.00244")
+        self.configure()
+
+    def activate(self):
+        # A firmware that runs already knows where it is.
+        simdev.wait_for_state(self.guest, "calibrating", "active")
+        self.say("home 0.6")
+        simdev.wait_for_state(self.guest, "active")
