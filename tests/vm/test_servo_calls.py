@@ -1,0 +1,79 @@
+"""What the servo thread of the packaged daemon asks of a stock kernel and of the C library while it drives hidraw.
+
+strace tells the system calls, probes of the kernel in the C library the allocations. Both see the threads of the bus, too, whose calls
+may block and allocate: that is how the tests know that they see.
+"""
+
+import json
+import pathlib
+import sys
+
+import arms
+import guest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+import servo_calls  # noqa: E402
+
+SERVO = "servo-right"
+BUS = "bus"
+LIBRARIES = ("libusb-1.0.so.", "libhidapi-hidraw.so.")  # theirs is no memory of ours
+CALLS = 500  # of each kind, at least; strace slows the servo down
+
+
+class Hidraw(guest.GuestTest):
+    """The arm hangs on USB/IP, so that a write to its node takes a frame of the bus."""
+
+    pace = guest.COUNTED
+    blocking_call = "write(", "</dev/hidraw"
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.arm = cls.plug_in()
+        cls.arm.activate()
+
+    @classmethod
+    def plug_in(cls):
+        return arms.HidArm(cls.guest, "usbip")
+
+    def lean(self):
+        """A hand leans on a wall, and feels it."""
+        self.arm.say("move 0.018 0 0 0.3")
+        self.guest.run("sleep 1")
+        self.assertLess(self.arm.felt()[0], -0.3)
+
+    def run_for_daemon(self, script):
+        return self.guest.run(f"pid=$(systemctl show thimbled -p MainPID --value)\n{script}")
+
+    def trace(self, thread):
+        """System calls of the threads of that name within two seconds, one a line."""
+        self.lean()
+        threads = f"$(grep -lx '{thread}' /proc/$pid/task/*/comm | cut -d / -f 5 | sed 's/^/-p /')"
+        self.run_for_daemon(f"timeout 2 strace -y -o /run/strace {threads}; test -s /run/strace")
+        return self.guest.fetch("/run/strace").decode().splitlines()
+
+    def test_its_system_calls_are_the_sleep_and_the_wake_of_others(self):
+        calls = self.trace(SERVO)
+        self.assertEqual(servo_calls.forbidden(calls), [])
+        for expected in (servo_calls.SLEEP, servo_calls.WAKE):
+            self.assertGreater(sum(bool(expected.fullmatch(call)) for call in calls), CALLS)
+
+    def test_what_may_block_is_asked_by_threads_of_the_bus(self):
+        """The filter can fail."""
+        seen = [call for call in servo_calls.forbidden(self.trace(BUS)) if all(word in call for word in self.blocking_call)]
+        self.assertGreater(len(seen), CALLS)
+
+    def test_its_memory_comes_from_nowhere(self):
+        self.lean()
+        asked = "(sleep 1; thimble status > /dev/null)&"
+        calls = json.loads(self.run_for_daemon(f"{asked} python3 -B /run/tests/allocations.py $pid 4 || exit 1; wait"))
+        names = [name.split("/")[0] for name in calls]
+        self.assertEqual(names.count(SERVO), 1, names)
+        for name, counts in calls.items():
+            print(f"{type(self).__name__}: {name}: {counts}", file=sys.stderr)
+            if name.startswith(SERVO):
+                self.assertEqual(counts, {})
+            if name.startswith(BUS):
+                self.assertEqual([call for call in counts if not call.split(" by ")[1].startswith(LIBRARIES)], [])
+        # It does see them: who answers for the status takes memory, by our program and by the C++ library.
+        self.assertTrue(any(f"malloc by {taker}" in counts for counts in calls.values() for taker in ("thimbled", "libstdc++.so.6.0.30")))
