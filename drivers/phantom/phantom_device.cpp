@@ -14,7 +14,8 @@ bool has_gimbal(const PhantomModel& model) noexcept {
                      [](double counts) { return counts > 0; });
 }
 
-HapticCapabilities capabilities_of(const PhantomModel& model, double amplifier_max_a) {
+HapticCapabilities capabilities_of(const PhantomModel& model, double amplifier_max_a,
+                                   Duration watchdog) {
   HapticCapabilities capabilities;
   capabilities.model = model.name;
   capabilities.joint_count = has_gimbal(model) ? kMaxJoints : kFirstGimbalJoint;
@@ -27,31 +28,28 @@ HapticCapabilities capabilities_of(const PhantomModel& model, double amplifier_m
     capabilities.continuous_current_a[i] = std::min(amplifier_max_a, model.continuous_current_a[i]);
   }
   capabilities.sample_period = wire::kSamplePeriod;
-  capabilities.device_watchdog = wire::kWatchdog;
+  capabilities.device_watchdog = watchdog;
   return capabilities;
 }
 
 }  // namespace
 
-PhantomDevice::PhantomDevice(std::unique_ptr<bus::HidDevice> bus, const PhantomModel& model,
-                             const Settings& settings)
-    : bus_(std::move(bus)),
+PhantomDevice::PhantomDevice(std::unique_ptr<ControllerLink> link, const PhantomModel& model,
+                             double amplifier_max_a)
+    : link_(std::move(link)),
       model_(model),
-      form_(settings.form),
-      capabilities_(capabilities_of(model, settings.amplifier_max_a)),
+      capabilities_(capabilities_of(model, amplifier_max_a, link_->watchdog())),
       home_instruction_("Hold the arm in " + std::string(model.home_pose) +
                         " and press the calibration button on the controller"),
       tracker_(model),
       pose_(pose_at(model, model.home_angle_rad)) {}
 
-PhantomDevice::~PhantomDevice() {
-  const HostReport zero = encode_currents({}, form_);
-  static_cast<void>(bus_->submit(zero.payload()));
-}
+PhantomDevice::~PhantomDevice() { static_cast<void>(link_->write_currents({})); }
 
 const HapticCapabilities& PhantomDevice::capabilities() const noexcept { return capabilities_; }
 
 std::string_view PhantomDevice::calibration_instruction() const noexcept {
+  if (const std::string_view trouble = link_->trouble(); !trouble.empty()) return trouble;
   switch (calibration_.load(std::memory_order_relaxed)) {
     case CalibrationState::Unknown:
       return kNoReportYet;
@@ -64,20 +62,12 @@ std::string_view PhantomDevice::calibration_instruction() const noexcept {
 }
 
 std::optional<ZeroCommand> PhantomDevice::zero_command() const noexcept {
-  ZeroCommand zero;
-  const HostReport report = encode_currents({}, form_);
-  for (const std::uint8_t byte : report.payload()) zero.bytes.push_back(byte);
-  return zero;
+  return link_->zero_command();
 }
 
 DeviceCounters PhantomDevice::counters() const noexcept {
-  const bus::HidCounters on_bus = bus_->counters();
-  DeviceCounters counters;
-  counters.reports_in = on_bus.reports_in;
-  counters.reports_skipped = on_bus.reports_skipped;
-  counters.malformed = malformed_.load(std::memory_order_relaxed);
-  counters.commands_out = on_bus.reports_out;
-  counters.commands_superseded = on_bus.writes_superseded;
+  DeviceCounters counters = link_->counters();
+  counters.malformed += malformed_.load(std::memory_order_relaxed);
   return counters;
 }
 
@@ -88,23 +78,21 @@ void PhantomDevice::forget_calibration() noexcept {
 }
 
 IoStatus PhantomDevice::read(HapticState& out) noexcept {
-  const IoStatus status = bus_->read_newest(report_);
+  const IoStatus status = link_->read(report_);
   if (status == IoStatus::Disconnected) forget_calibration();
   if (status != IoStatus::Ok) return status;
-  const auto parsed = parse_device_report(report_.payload(), form_);
-  if (!parsed) return count_malformed();
   const Arrival arrival{report_.arrived_at, report_.sequence};
-  const IoStatus taken = take(*parsed, arrival);
+  const IoStatus taken = take(report_.values, arrival);
   last_ = arrival;
   has_last_ = true;
   if (taken != IoStatus::Ok) return taken;
 
   out.sampled_at = arrival.at;
   out.sample_sequence = arrival.sequence;
-  out.joint_position_rad = joint_angle_rad(*parsed);
+  out.joint_position_rad = joint_angle_rad(report_.values);
   out.tip = pose_.tip;
   out.motor_current_per_force = pose_.motor_current_per_force;
-  out.buttons = parsed->is_stylus_pressed ? 1U : 0U;
+  out.buttons = report_.values.is_stylus_pressed ? 1U : 0U;
   out.calibration = homing_.state();
   return IoStatus::Ok;
 }
@@ -120,9 +108,11 @@ std::array<double, kMaxJoints> PhantomDevice::joint_angle_rad(
 
 IoStatus PhantomDevice::take(const DeviceReport& report, const Arrival& arrival) noexcept {
   const Duration elapsed = since_last(arrival);
-  if (elapsed > wire::kWatchdog) forget_calibration();
+  const bool is_outage = elapsed > capabilities_.device_watchdog;
+  if (is_outage && link_->may_be_reset_unseen()) forget_calibration();
   const bool was_calibrated = homing_.state() == CalibrationState::Ok;
-  if (was_calibrated && !tracker_.follow(report.base_counts, elapsed)) {
+  const bool is_zeroed = link_->is_zeroed_by_press() && report.is_calibration_pressed;
+  if (was_calibrated && (is_zeroed || !tracker_.follow(report.base_counts, elapsed))) {
     forget_calibration();
     return count_malformed();
   }
@@ -144,10 +134,8 @@ Duration PhantomDevice::since_last(const Arrival& arrival) const noexcept {
 }
 
 IoStatus PhantomDevice::write(const LimitedWrench& wrench) noexcept {
-  const HostReport report = homing_.wants_zero_counters()
-                                ? encode_zero_counters(form_)
-                                : encode_currents(currents_for(wrench.force()), form_);
-  return bus_->submit(report.payload());
+  if (homing_.wants_zero_counters()) return link_->zero_counters();
+  return link_->write_currents(currents_for(wrench.force()));
 }
 
 // The limiter has kept the currents in range already; this is the last line. Scaling all

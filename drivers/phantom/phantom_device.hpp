@@ -6,37 +6,33 @@
 #include <memory>
 #include <string>
 
+#include "drivers/phantom/controller_link.hpp"
 #include "drivers/phantom/counter_tracker.hpp"
 #include "drivers/phantom/homing.hpp"
-#include "drivers/phantom/phantom_codec.hpp"
 #include "drivers/phantom/phantom_kinematics.hpp"
-#include "hal/bus/hid_device.hpp"
 #include "hal/device/haptic_device.hpp"
 
 namespace thimble::phantom {
 
-// A PHANToM or WoodenHaptics arm behind the open HID controller.
+// A PHANToM or WoodenHaptics arm behind the open controller.
 //
 // Until calibrated the state carries the home pose: the counters have no reference yet, and a
-// made-up place had better be a known one. Every write sends a report, so that the controller's
-// lock-step and watchdog live; before calibration it holds no current.
+// made-up place had better be a known one. Every write sends a command, so that the controller's
+// exchange and watchdog live; before calibration it holds no current.
 //
 // The reference is forgotten, and the person must press the button again, when the counters
 // jump (CounterTracker says what a jump is: counted as malformed, ProtocolError), when no
-// report came for the controller's watchdog time (it may have been reset), when the bus is
-// lost, and by forget_calibration().
+// report came for the watchdog time of a controller that may have been reset meanwhile, when the
+// bus is lost, by forget_calibration(), and when the controller zeroes its counters at a press by
+// itself.
 //
 // Thread, RT, Ownership: as HapticDevice; no allocation after the constructor.
 class PhantomDevice final : public HapticDevice {
  public:
-  struct Settings {
-    ReportForm form{ReportForm::Mbed};
-    double amplifier_max_a{};  // full scale of the firmware build
-  };
-
-  // `model` must outlive the device; those of the table do.
-  PhantomDevice(std::unique_ptr<bus::HidDevice> bus, const PhantomModel& model,
-                const Settings& settings);
+  // `model` must outlive the device; those of the table do. `amplifier_max_a`: full scale of the
+  // firmware build.
+  PhantomDevice(std::unique_ptr<ControllerLink> link, const PhantomModel& model,
+                double amplifier_max_a);
   ~PhantomDevice() override;
   PhantomDevice(const PhantomDevice&) = delete;
   PhantomDevice& operator=(const PhantomDevice&) = delete;
@@ -64,12 +60,11 @@ class PhantomDevice final : public HapticDevice {
       const DeviceReport& report) const noexcept;
   [[nodiscard]] std::array<double, 3> currents_for(Force3 force) const noexcept;
 
-  std::unique_ptr<bus::HidDevice> bus_;
+  std::unique_ptr<ControllerLink> link_;
   const PhantomModel& model_;
-  ReportForm form_;
   HapticCapabilities capabilities_;
   std::string home_instruction_;
-  bus::HidReport report_{};
+  ControllerReport report_{};
   Homing homing_{};
   CounterTracker tracker_;
   ArmPose pose_;

@@ -1,10 +1,30 @@
 #include "drivers/phantom/phantom_driver.hpp"
 
+#include "drivers/phantom/hid_link.hpp"
 #include "drivers/phantom/phantom_device.hpp"
 #include "drivers/phantom/phantom_match.hpp"
+#include "drivers/phantom/text_link.hpp"
 
 namespace thimble::phantom {
 namespace {
+
+using Link = std::unique_ptr<ControllerLink>;
+
+Result<Link> open_hid(bus::BusEnumerator& buses, const bus::DeviceAddress& address,
+                      ReportForm form) {
+  auto hid = buses.open_hid(address);
+  if (!hid) return tl::unexpected<Error>(hid.error().in("phantom"));
+  return std::make_unique<HidLink>(std::move(*hid), form);
+}
+
+// Its rate is that of the upstream host; the device takes no notice.
+Result<Link> open_text(bus::BusEnumerator& buses, const bus::DeviceAddress& address,
+                       const Match& found, const Clock* clock) {
+  if (clock == nullptr) return fail(Errc::InvalidArgument, "phantom: no clock was given");
+  auto port = buses.open_serial(address, {});
+  if (!port) return tl::unexpected<Error>(port.error().in("phantom"));
+  return std::make_unique<TextLink>(std::move(*port), *found.model, found.amplifier_max_a, *clock);
+}
 
 class PhantomDriver final : public plugin::Driver {
  public:
@@ -22,9 +42,10 @@ class PhantomDriver final : public plugin::Driver {
       const plugin::DriverSettings& settings) const override {
     const auto found = match(info, settings);
     if (!found) return tl::unexpected<Error>(found.error());
-    auto hid = buses.open_hid(info.address);
-    if (!hid) return tl::unexpected<Error>(hid.error().in("phantom"));
-    return std::make_unique<PhantomDevice>(std::move(*hid), *found->model, found->settings);
+    Result<Link> link = found->form ? open_hid(buses, info.address, *found->form)
+                                    : open_text(buses, info.address, *found, settings.clock);
+    if (!link) return tl::unexpected<Error>(link.error());
+    return std::make_unique<PhantomDevice>(std::move(*link), *found->model, found->amplifier_max_a);
   }
 };
 

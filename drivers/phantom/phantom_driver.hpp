@@ -6,7 +6,8 @@
 
 namespace thimble::phantom {
 
-// Finds the family's controllers on HID and opens them as PhantomDevice.
+// Finds the family's controllers on HID, and on a serial port those that speak text, and opens
+// them as PhantomDevice.
 //
 // probe(): NotMine for other ids, buses and report lengths. The ids are shared by the world, so
 // a device that is neither simulated nor named by the configuration is refused: Permission.

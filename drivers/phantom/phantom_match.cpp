@@ -6,9 +6,15 @@
 
 #include "drivers/phantom/find_model.hpp"
 #include "drivers/phantom/phantom_wire.hpp"
+#include "drivers/phantom/text_wire.hpp"
 
 namespace thimble::phantom {
 namespace {
+
+bool is_text(const bus::BusDeviceInfo& info) noexcept {
+  return info.kind == bus::BusKind::Serial && info.vendor_id == text::kVendorId &&
+         info.product_id == text::kProductId;
+}
 
 bool has_known_ids(const bus::BusDeviceInfo& info) noexcept {
   return (info.vendor_id == wire::kMbedVendorId && info.product_id == wire::kMbedProductId) ||
@@ -47,7 +53,10 @@ Result<double> checked_amplifier(const plugin::DriverSettings& settings) {
 Result<const PhantomModel*> chosen_model(const bus::BusDeviceInfo& info,
                                          const plugin::DriverSettings& settings) {
   std::string name = settings.model;
-  if (name.empty()) name = bus::simulated_model(info.address.text);
+  if (name.empty()) {
+    name = bus::simulated_model(info.address.text);
+    if (name.ends_with(text::kSimSuffix)) name.resize(name.size() - text::kSimSuffix.size());
+  }
   if (const PhantomModel* model = find_model(name)) return model;
   std::string known;
   for (const PhantomModel& model : kPhantomModels) {
@@ -60,14 +69,19 @@ Result<const PhantomModel*> chosen_model(const bus::BusDeviceInfo& info,
   return fail(Errc::InvalidArgument, problem + "; known models: " + known);
 }
 
-}  // namespace
-
-Result<Match> match(const bus::BusDeviceInfo& info, const plugin::DriverSettings& settings) {
-  if (info.kind != bus::BusKind::Hid || !has_known_ids(info)) {
-    return fail(Errc::NotMine, "not the ids of a WoodenHaptics-family controller");
+// The text protocol is that of some arms' firmware only.
+Result<void> check_text_build(const PhantomModel& model) {
+  if (text::build_number(model.name)) return {};
+  std::string known;
+  for (const text::Build& build : text::kBuilds) {
+    known += known.empty() ? "" : ", ";
+    known += build.model;
   }
-  const auto form = form_of(info.input_report_bytes, info.output_report_bytes);
-  if (!form) return fail(Errc::NotMine, "reports are neither 14 nor 64 bytes both ways");
+  return fail(Errc::InvalidArgument, "no firmware with the text protocol is known for the model '" +
+                                         std::string(model.name) + "', but for: " + known);
+}
+
+Result<Match> match_known(const bus::BusDeviceInfo& info, const plugin::DriverSettings& settings) {
   if (const auto permission = check_permission(info, settings); !permission) {
     return tl::unexpected<Error>(permission.error());
   }
@@ -75,7 +89,28 @@ Result<Match> match(const bus::BusDeviceInfo& info, const plugin::DriverSettings
   if (!full_scale_a) return tl::unexpected<Error>(full_scale_a.error());
   const auto model = chosen_model(info, settings);
   if (!model) return tl::unexpected<Error>(model.error());
-  return Match{*model, {*form, *full_scale_a}};
+  return Match{*model, *full_scale_a, {}};
+}
+
+}  // namespace
+
+Result<Match> match(const bus::BusDeviceInfo& info, const plugin::DriverSettings& settings) {
+  if (is_text(info)) {
+    Result<Match> found = match_known(info, settings);
+    if (!found) return found;
+    if (const auto build = check_text_build(*found->model); !build) {
+      return tl::unexpected<Error>(build.error());
+    }
+    return found;
+  }
+  if (info.kind != bus::BusKind::Hid || !has_known_ids(info)) {
+    return fail(Errc::NotMine, "not the ids of a WoodenHaptics-family controller");
+  }
+  const auto form = form_of(info.input_report_bytes, info.output_report_bytes);
+  if (!form) return fail(Errc::NotMine, "reports are neither 14 nor 64 bytes both ways");
+  Result<Match> found = match_known(info, settings);
+  if (found) found->form = form;
+  return found;
 }
 
 }  // namespace thimble::phantom

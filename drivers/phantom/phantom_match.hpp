@@ -1,6 +1,9 @@
 #pragma once
 
-#include "drivers/phantom/phantom_device.hpp"
+#include <optional>
+
+#include "drivers/phantom/phantom_codec.hpp"
+#include "drivers/phantom/phantom_model.hpp"
 #include "hal/base/result.hpp"
 #include "hal/plugin/driver.hpp"
 
@@ -9,7 +12,8 @@ namespace thimble::phantom {
 // What a descriptor and the configuration together say: which arm, which firmware.
 struct Match {
   const PhantomModel* model{nullptr};  // never null in a result; a row of the table
-  PhantomDevice::Settings settings{};
+  double amplifier_max_a{};
+  std::optional<ReportForm> form{};  // of HID; nothing: the text protocol
 };
 
 // Decides whether the device is one of ours and may be used, by its descriptor alone.

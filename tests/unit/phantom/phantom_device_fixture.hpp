@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "drivers/phantom/find_model.hpp"
+#include "drivers/phantom/hid_link.hpp"
 #include "drivers/phantom/phantom_device.hpp"
 #include "tests/unit/phantom/scripted_hid.hpp"
 
@@ -31,8 +32,8 @@ class PhantomDeviceTest : public testing::Test {
  protected:
   explicit PhantomDeviceTest(const char* model = "phantom-vintage") : model_(*find_model(model)) {}
   void open(ReportForm form = ReportForm::Mbed, double amplifier_max_a = 3) {
-    sut_ = std::make_unique<PhantomDevice>(std::make_unique<ScriptedHid>(script_), model_,
-                                           PhantomDevice::Settings{form, amplifier_max_a});
+    auto link = std::make_unique<HidLink>(std::make_unique<ScriptedHid>(script_), form);
+    sut_ = std::make_unique<PhantomDevice>(std::move(link), model_, amplifier_max_a);
   }
   IoStatus read(const std::array<int, 7>& field, Duration after = std::chrono::milliseconds(1)) {
     script_.arrive(field, after, form_bytes_);

@@ -71,6 +71,48 @@ TEST_F(PhantomDriverTest, TakesADeviceThatAPersonNamed) {
   EXPECT_TRUE(sut->probe(teensy, named_vintage()));
 }
 
+bus::BusDeviceInfo teensy_at(std::string address) {
+  bus::BusDeviceInfo info;
+  info.address = {std::move(address)};
+  info.kind = bus::BusKind::Serial;
+  info.vendor_id = 0x16c0;
+  info.product_id = 0x0483;
+  return info;
+}
+
+TEST_F(PhantomDriverTest, TakesASerialPortWithTheTeensysIdsThatAPersonNamed) {
+  EXPECT_TRUE(sut->probe(teensy_at("serial:123"), named_vintage()));
+  plugin::DriverSettings settings = named_vintage();
+  settings.is_named_by_person = false;
+  EXPECT_EQ(refusal(teensy_at("serial:123"), settings), Errc::Permission);
+  EXPECT_TRUE(says("serial:123"));
+  bus::BusDeviceInfo bare = teensy_at("usb:1-4");
+  bare.kind = bus::BusKind::Usb;
+  EXPECT_EQ(refusal(bare, named_vintage()), Errc::NotMine);
+  bus::BusDeviceInfo other = teensy_at("serial:123");
+  other.product_id = 0x0486;
+  EXPECT_EQ(refusal(other, named_vintage()), Errc::NotMine);
+}
+
+TEST_F(PhantomDriverTest, OfASerialPortItWantsAnArmWhoseFirmwareSpeaksText) {
+  plugin::DriverSettings settings = named_vintage();
+  settings.model = "polhem-1";
+  EXPECT_EQ(refusal(teensy_at("serial:123"), settings), Errc::InvalidArgument);
+  EXPECT_TRUE(says("polhem-1"));
+  EXPECT_TRUE(says("phantom-vintage, premium-1.5, woody-2015"));
+  settings = named_vintage();
+  settings.amplifier_max_a.reset();
+  EXPECT_EQ(refusal(teensy_at("serial:123"), settings), Errc::InvalidArgument);
+  EXPECT_TRUE(says("amplifier_max_a"));
+}
+
+TEST_F(PhantomDriverTest, ASimulatedSerialArmIsOfTheModelInItsName) {
+  plugin::DriverSettings settings;
+  settings.amplifier_max_a = 6.0;
+  EXPECT_TRUE(sut->probe(teensy_at("sim:woody-2015-serial"), settings));
+  EXPECT_EQ(refusal(teensy_at("sim:nobody-serial"), settings), Errc::InvalidArgument);
+}
+
 TEST_F(PhantomDriverTest, LeavesOtherDevicesToOtherDrivers) {
   for (const auto& change : std::vector<void (*)(bus::BusDeviceInfo&)>{
            [](bus::BusDeviceInfo& info) { info.vendor_id = 0x1235; },

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "drivers/phantom/find_model.hpp"
+#include "drivers/phantom/hid_link.hpp"
 #include "drivers/phantom/phantom_device.hpp"
 #include "tests/unit/phantom/scripted_hid.hpp"
 
@@ -100,8 +101,9 @@ class PhantomHomingLoop : public testing::TestWithParam<Conditions> {
   std::mt19937 random_{GetParam().seed};
   const PhantomModel& model_{*find_model("phantom-vintage")};
   HidScript script_;
-  PhantomDevice sut_{std::make_unique<ScriptedHid>(script_), model_,
-                     PhantomDevice::Settings{ReportForm::Mbed, 3}};
+  PhantomDevice sut_{
+      std::make_unique<HidLink>(std::make_unique<ScriptedHid>(script_), ReportForm::Mbed), model_,
+      3};
   HapticState state_;
   PlainController controller_;
   BadCable cable_{random_, GetParam().loss_percent, GetParam().late_frames};
