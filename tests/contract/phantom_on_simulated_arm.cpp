@@ -9,6 +9,7 @@
 #include "drivers/phantom/phantom_driver.hpp"
 #include "sim/bus/sim_enumerator.hpp"
 #include "sim/model/arm/register_arm_models.hpp"
+#include "sim/model/arm/text_arm_model.hpp"
 #include "tests/support/open_limiter.hpp"
 #include "tests/support/steady_grip.hpp"
 
@@ -30,11 +31,13 @@ class PhantomOnSimulatedArm : public testing::TestWithParam<Setting> {
   void SetUp() override {
     plugin::SimModelRegistry models;
     sim::register_arm_models(models);
-    auto model = models.find(GetParam().model)->create_hid({.amplifier_max_a = 6, .seed = 1});
+    sim::register_text_arm_models(models);
+    auto model = models.find(GetParam().model)->create({.amplifier_max_a = 6, .seed = 1});
     ASSERT_TRUE(model);
-    ASSERT_TRUE(buses_.plug(address_, std::move(*model)));
+    ASSERT_TRUE(buses_.plug_any(address_, std::move(*model)));
     plugin::DriverSettings settings;
     settings.amplifier_max_a = 6.0;
+    settings.clock = &clock_;
     auto device = phantom::make_phantom_driver()->open(buses_, buses_.list().at(0), settings);
     ASSERT_TRUE(device) << device.error().message;
     sut_ = std::move(*device);
@@ -86,7 +89,10 @@ INSTANTIATE_TEST_SUITE_P(Arms, PhantomOnSimulatedArm,
                                          Setting{"woody-2015", milliseconds(2)},
                                          Setting{"premium-1.5", milliseconds(1)},
                                          Setting{"aluhaptics-2", microseconds(500)},
-                                         Setting{"polhem-1", milliseconds(1)}));
+                                         Setting{"polhem-1", milliseconds(1)},
+                                         Setting{"phantom-vintage-serial", milliseconds(1)},
+                                         Setting{"premium-1.5-serial", milliseconds(2)},
+                                         Setting{"woody-2015-serial", microseconds(250)}));
 
 TEST_P(PhantomOnSimulatedArm, SeesTheTipWhereItIsAndPushesAsAsked) {
   calibrate();

@@ -8,12 +8,9 @@
 #include "hal/base/time.hpp"
 #include "hal/bus/hid_device.hpp"
 #include "hal/rt/annotations.hpp"
-#include "sim/model/arm/motor_amplifier.hpp"
+#include "sim/model/arm/controller_board.hpp"
 
 namespace thimble::sim {
-
-// Whole quadrature counts since some fixed pose, never wrapping: what the wheels have turned.
-using EncoderTotals = std::array<std::int64_t, 6>;
 
 // What the firmware did and what it was asked that it cannot do.
 struct FirmwareCounters {
@@ -39,7 +36,7 @@ struct FirmwareCounters {
 //
 // Thread: one. RT: all but the constructor. Errors: none: any bytes are taken, ignored or
 // misunderstood as the board would, and counted.
-class ControllerFirmware {
+class ControllerFirmware final : public ControllerBoard {
  public:
   struct Settings {
     double amplifier_max_a{3};
@@ -54,24 +51,27 @@ class ControllerFirmware {
   explicit ControllerFirmware(const Settings& settings) noexcept;
 
   // Counters are zero at whatever pose the arm has now. `boot`: how long it blinks its LEDs.
-  THIMBLE_RT void power_up(MonotonicTime t, Duration boot, const EncoderTotals& totals) noexcept;
+  THIMBLE_RT void power_up(MonotonicTime t, Duration boot,
+                           const EncoderTotals& totals) noexcept override;
   // When something is to be done next, if nothing happens before.
   THIMBLE_RT [[nodiscard]] MonotonicTime next_event() const noexcept;
   // Does everything that falls due until `t`, with the encoders as they are at `t`.
-  THIMBLE_RT void run_until(MonotonicTime t, const EncoderTotals& totals) noexcept;
+  THIMBLE_RT void run_until(MonotonicTime t, const EncoderTotals& totals) noexcept override;
 
   // USB side, at the frame that begins at `t`.
   THIMBLE_RT void out_report(MonotonicTime t, std::span<const std::uint8_t> bytes) noexcept;
   THIMBLE_RT std::size_t in_report(MonotonicTime t, std::span<std::uint8_t> out) noexcept;
 
   // The calibration button's pin; its pressing edge sets the flag that reports carry.
-  THIMBLE_RT void set_calibration_button(bool pressed) noexcept;
+  THIMBLE_RT void set_calibration_button(bool pressed) noexcept override;
   // The level of the stylus button; without effect on the mbed build.
-  THIMBLE_RT void set_stylus_button(bool pressed) noexcept { is_stylus_pressed_ = pressed; }
+  THIMBLE_RT void set_stylus_button(bool pressed) noexcept override {
+    is_stylus_pressed_ = pressed;
+  }
   [[nodiscard]] std::size_t report_bytes() const noexcept;
 
   [[nodiscard]] State state() const noexcept { return state_; }
-  [[nodiscard]] const MotorAmplifier& amplifier() const noexcept { return amplifier_; }
+  [[nodiscard]] const MotorAmplifier& amplifier() const noexcept override { return amplifier_; }
   [[nodiscard]] FirmwareCounters counters() const noexcept;
 
  private:

@@ -18,14 +18,14 @@ void MotorAmplifier::power_up(MonotonicTime t) noexcept {
 double MotorAmplifier::duty_of(double current_a) noexcept {
   if (std::abs(current_a) > full_scale_a_) ++saturations_;
   const double duty = kPwmNeutral + kPwmSpan * current_a / full_scale_a_;
-  return std::round(std::clamp(duty, 0.0, 1.0) * kPwmTicks) / kPwmTicks;
+  return std::round(std::clamp(duty, 0.0, 1.0) * pwm_.period_counts) / pwm_.period_counts;
 }
 
 MonotonicTime MotorAmplifier::next_period_start(MonotonicTime t) const noexcept {
   const Duration since_first = t - (powered_at_ + phase_);
   if (since_first <= Duration{0}) return powered_at_ + phase_;
-  const auto periods = (since_first.count() + kPwmPeriod.count() - 1) / kPwmPeriod.count();
-  return powered_at_ + phase_ + periods * kPwmPeriod;
+  const auto periods = (since_first.count() + pwm_.period.count() - 1) / pwm_.period.count();
+  return powered_at_ + phase_ + periods * pwm_.period;
 }
 
 void MotorAmplifier::write_current(MonotonicTime t,

@@ -24,9 +24,17 @@ inline constexpr double kPwmTicks = 48'000;
 // current at its end, so that no value can drive more than `full_scale_a`.
 class MotorAmplifier {
  public:
+  // Of the PWM outputs; the HID build's unless said otherwise.
+  struct Pwm {
+    Duration period{kPwmPeriod};
+    double period_counts{kPwmTicks};
+  };
+
   // `phase`: when, after power-up, the first PWM period starts.
   MotorAmplifier(double full_scale_a, Duration phase) noexcept
-      : full_scale_a_(full_scale_a), phase_(phase) {}
+      : MotorAmplifier(full_scale_a, phase, {}) {}
+  MotorAmplifier(double full_scale_a, Duration phase, const Pwm& pwm) noexcept
+      : full_scale_a_(full_scale_a), phase_(phase), pwm_(pwm) {}
 
   THIMBLE_RT void power_up(MonotonicTime t) noexcept;
   THIMBLE_RT void write_current(MonotonicTime t, const std::array<double, 3>& current_a) noexcept;
@@ -46,6 +54,7 @@ class MotorAmplifier {
 
   double full_scale_a_;
   Duration phase_;
+  Pwm pwm_;
   MonotonicTime powered_at_{};
   bool is_on_{false};
   bool has_pending_{false};
