@@ -73,7 +73,7 @@ class Walk {
 
  private:
   // Of 16 bytes of the window: what the list does with them.
-  enum Use : std::uint8_t { kStep = 1, kReadInto = 2, kRunData = 4 };
+  enum Use : std::uint8_t { Step = 1, ReadInto = 2, RunData = 4 };
   enum class Next { Follow, Done };
 
   Result<Next> visit(std::uint32_t at);
@@ -118,7 +118,7 @@ Result<ListSummary> Walk::run(std::uint32_t head) {
 
 Result<Walk::Next> Walk::visit(std::uint32_t at) {
   const Descriptor step = *descriptor_at(window_, at);
-  if (is_used(at, wire::kDescriptorBytes, kStep)) {
+  if (is_used(at, wire::kDescriptorBytes, Step)) {
     if (is_in_loop_ && at == loop_start_) return end_of_loop(at);
     if (!is_in_loop_) {
       is_in_loop_ = true;
@@ -141,10 +141,10 @@ Result<Walk::Next> Walk::end_of_loop(std::uint32_t at) {
 }
 
 Result<void> Walk::check_first_time(const Descriptor& step, std::uint32_t at) {
-  if (is_used(at, wire::kDescriptorBytes, kReadInto)) {
+  if (is_used(at, wire::kDescriptorBytes, ReadInto)) {
     return malformed("an earlier step reads into this descriptor");
   }
-  use(at, wire::kDescriptorBytes, kStep);
+  use(at, wire::kDescriptorBytes, Step);
   ++summary_.steps;
   return check_opcode(step).and_then(
       [&] { return step.is_delay() ? check_delay(step) : check_transfer(step); });
@@ -174,10 +174,10 @@ Result<void> Walk::check_buffer(const Descriptor& step) {
                      " is not within the window, or not at a multiple of 16");
   }
   if (!step.is_read()) return {};
-  if (is_used(step.buffer, size, kStep | kRunData)) {
+  if (is_used(step.buffer, size, Step | RunData)) {
     return malformed("it reads into the list itself");
   }
-  use(step.buffer, size, kReadInto);
+  use(step.buffer, size, ReadInto);
   return {};
 }
 
@@ -185,7 +185,7 @@ Result<void> Walk::check_data(const Descriptor& step) {
   if (step.is_read()) return {};
   const Register target = *step.target();
   if (target == Register::Run) return check_run(step);
-  if (!step.is_immediate() && is_used(step.buffer, step.buffer_bytes(), kReadInto)) return {};
+  if (!step.is_immediate() && is_used(step.buffer, step.buffer_bytes(), ReadInto)) return {};
   const auto words = register_words(window_, step);
   return words ? check_codes(*words) : Result<void>{};  // a port takes any words
 }
@@ -193,10 +193,10 @@ Result<void> Walk::check_data(const Descriptor& step) {
 Result<void> Walk::check_run(const Descriptor& step) {
   ++summary_.runs;
   if (!step.is_immediate()) {
-    if (is_used(step.buffer, step.buffer_bytes(), kReadInto)) {
+    if (is_used(step.buffer, step.buffer_bytes(), ReadInto)) {
       return malformed("what it runs is only known when the list has read it");
     }
-    use(step.buffer, step.buffer_bytes(), kRunData);
+    use(step.buffer, step.buffer_bytes(), RunData);
   }
   const auto words = register_words(window_, step);
   for (int layer = 0; layer < kLayers && !limits_.has_sync; ++layer) {

@@ -30,7 +30,7 @@ std::string fields_text(const RegisterWords& words, int layer) {
 std::string layers_text(const RegisterWords& words) {
   std::string text;
   for (int first = 0; first < kLayers;) {
-    const std::string here = fields_text(words, first);
+    std::string here = fields_text(words, first);
     int end = first + 1;
     while (end < kLayers && fields_text(words, end) == here) ++end;
     if (first == 0 && end == kLayers) return here;
