@@ -1,0 +1,87 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "drivers/cambus/register_words.hpp"
+#include "hal/base/result.hpp"
+
+namespace thimble::cambus {
+
+// Along x, y, z.
+using Axes = std::array<int, 3>;
+
+// How the modules of a board are wired: a torus of 1, 2 or 4 along each axis. Module n is the n-th
+// of a way through all of them that always goes to a neighbour; for a box of eight it is the order
+// of MIT's software.
+struct BoardShape {
+  Axes log2_modules{0, 0, 0};
+  int log2_sites{22};  // of a module: 22 or 24
+
+  [[nodiscard]] int modules() const noexcept {
+    return 1 << (log2_modules[0] + log2_modules[1] + log2_modules[2]);
+  }
+};
+
+// Where a module stands in the torus.
+[[nodiscard]] Axes position_of(const BoardShape& board, int module) noexcept;
+
+// The glue pin, in the order of field::kConnect, that leads a module to the next one of the way.
+[[nodiscard]] std::size_t pin_to_next(const BoardShape& board, int module) noexcept;
+
+// How the cells of a space are divided: over a torus as it is wired, or in strips along one axis.
+enum class Division { Mesh, StripX, StripY, StripZ };
+
+struct LayerKick {
+  LayerMask layers{0};
+  Axes cells{0, 0, 0};  // +1 moves what is in these layers by one cell
+};
+
+// A cell: which module has it, and at which site address.
+struct CellPlace {
+  int module{0};
+  std::uint32_t site{0};
+  bool operator==(const CellPlace&) const = default;
+};
+
+// A space of cells on a board: sizes are powers of two, each axis wraps. Gives the registers that
+// lay it out (docs/cambus.md, sections 1 and 2). Pure.
+class CamSpace {
+ public:
+  // Errors: InvalidArgument when the cells do not fit, or an axis that is divided leaves less than
+  // two cells for a module.
+  [[nodiscard]] static Result<CamSpace> make(const BoardShape& board, const Axes& log2_cells,
+                                             Division division);
+
+  [[nodiscard]] const BoardShape& board() const noexcept { return board_; }
+  [[nodiscard]] int modules() const noexcept { return board_.modules(); }
+  // Of a module, by axis and in all.
+  [[nodiscard]] const Axes& log2_sector() const noexcept { return sector_; }
+  [[nodiscard]] int log2_sector_sites() const noexcept {
+    return sector_[0] + sector_[1] + sector_[2];
+  }
+  [[nodiscard]] CellPlace place_of(const Axes& cell) const noexcept;
+
+  [[nodiscard]] RegisterWords dimension() const;
+  [[nodiscard]] RegisterWords scan_format() const;
+  [[nodiscard]] RegisterWords scan_perm() const;
+  [[nodiscard]] RegisterWords connect(int module) const;
+  // Layers that are not named stand still; of a layer named twice the last counts.
+  // Errors: InvalidArgument when a kick is longer than a module is, on an axis that is divided.
+  [[nodiscard]] Result<RegisterWords> kick(std::span<const LayerKick> kicks) const;
+
+ private:
+  CamSpace() = default;
+  [[nodiscard]] bool is_divided(std::size_t axis) const noexcept { return log2_parts_[axis] > 0; }
+  [[nodiscard]] int first_bit(std::size_t axis) const noexcept;
+  [[nodiscard]] RegisterWords strip_connect(int module, std::size_t axis) const;
+
+  BoardShape board_;
+  Division division_{Division::Mesh};
+  Axes sector_{};
+  Axes log2_parts_{};  // modules along each axis of the space
+};
+
+}  // namespace thimble::cambus

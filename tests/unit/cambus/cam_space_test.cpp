@@ -1,0 +1,133 @@
+#include "drivers/cambus/cam_space.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <set>
+#include <utility>
+
+
+namespace thimble::cambus {
+namespace {
+
+std::vector<BoardShape> all_boards() {
+  std::vector<BoardShape> boards;
+  for (int n = 0; n < 27; ++n) boards.push_back({{n % 3, n / 3 % 3, n / 9}, 22});
+  return boards;
+}
+
+// Whether a pin of a module at `from` leads to `to`: XM, XP, YM, YP, ZM, ZP.
+bool leads(const BoardShape& board, Axes from, std::size_t pin, const Axes& to) {
+  const std::size_t axis = pin / 2;
+  const int length = 1 << board.log2_modules[axis];
+  from[axis] = (from[axis] + (pin % 2 == 1 ? 1 : length - 1)) % length;
+  return from == to;
+}
+
+TEST(CamSpace, TheWayGoesThroughAllModulesByTheirWires) {
+  for (const BoardShape& board : all_boards()) {
+    std::set<Axes> passed;
+    std::set<std::pair<int, std::size_t>> ends;  // of wires: none is used twice
+    for (int n = 0; n < board.modules(); ++n) {
+      passed.insert(position_of(board, n));
+      if (board.modules() == 1) continue;
+      const int next = (n + 1) % board.modules();
+      const std::size_t pin = pin_to_next(board, n);
+      EXPECT_TRUE(leads(board, position_of(board, n), pin, position_of(board, next)));
+      EXPECT_TRUE(ends.insert({n, pin}).second);
+      EXPECT_TRUE(ends.insert({next, pin ^ 1U}).second);
+    }
+    EXPECT_EQ(passed.size(), static_cast<std::size_t>(board.modules()));
+  }
+}
+
+// Ports of the y-strip of eight, from step/step-lang.fth: y- and y+ by module; XM is pin 0, ZP 5.
+TEST(CamSpace, EightModulesInAStripAreConnectedAsMitDid) {
+  constexpr std::array<std::pair<int, int>, 8> kPins{
+      {{5, 1}, {0, 3}, {2, 0}, {1, 5}, {4, 1}, {0, 2}, {3, 0}, {1, 4}}};
+  const CamSpace space = CamSpace::make({{1, 1, 1}, 22}, {9, 9, 0}, Division::StripY).value();
+  for (int module = 0; module < 8; ++module) {
+    const RegisterWords words = space.connect(module);
+    for (int pin = 0; pin < 6; ++pin) {
+      const auto [minus, plus] = kPins[static_cast<std::size_t>(module)];
+      const std::uint32_t expected = pin == minus ? 2 : pin == plus ? 3 : 7;
+      EXPECT_EQ(words.get(field::kConnect[static_cast<std::size_t>(pin)], 7), expected)
+          << module << " " << pin;
+    }
+  }
+}
+
+TEST(CamSpace, EveryCellHasASiteOfItsOwn) {
+  for (const Division division :
+       {Division::Mesh, Division::StripX, Division::StripY, Division::StripZ}) {
+    const CamSpace space = CamSpace::make({{1, 1, 1}, 22}, {4, 4, 4}, division).value();
+    std::set<std::pair<int, std::uint32_t>> places;
+    for (int i = 0; i < 4096; ++i) {
+      const CellPlace place = space.place_of({i % 16, i / 16 % 16, i / 256});
+      EXPECT_LT(place.module, 8);
+      EXPECT_LT(place.site, 512U);
+      places.insert({place.module, place.site});
+    }
+    EXPECT_EQ(places.size(), 4096U);
+  }
+}
+
+TEST(CamSpace, A512SquareOnEightBoardsIsLaidOutAsTheThesisHadIt) {
+  const CamSpace space = CamSpace::make({{1, 1, 1}, 22}, {9, 9, 0}, Division::StripY).value();
+  EXPECT_EQ(space.log2_sector(), (Axes{9, 6, 0}));
+  const RegisterWords dimension = space.dimension();
+  EXPECT_EQ(dimension.get(field::kCuts, 0), (1U << 8) | (1U << 14));
+  EXPECT_EQ(dimension.get(field::kDimension[1], 0), 31U);  // x wraps within
+  EXPECT_EQ(dimension.get(field::kDimension[2], 0), 14U);
+  EXPECT_EQ(dimension.get(field::kDimension[3], 0), 31U);
+  const RegisterWords format = space.scan_format();
+  EXPECT_EQ(format.get(field::kScanMode, 0), 3U);
+  EXPECT_EQ(format.get(field::kEndOfScan, 0), 15U);
+  EXPECT_EQ(format.get(field::kEndOfSweep, 0), 9U);
+  EXPECT_EQ(format.get(field::kRefreshLength, 0), 2U);
+  EXPECT_EQ(space.scan_perm().get(field::kScanPerm[14], 0), 14U);
+  EXPECT_EQ(space.scan_perm().get(field::kScanPerm[15], 0), kConstant0);
+}
+
+// The manual's table of kicks for a dimension of eight bits.
+TEST(CamSpace, KicksHaveTheManualsForm) {
+  const CamSpace space = CamSpace::make({{1, 0, 0}, 22}, {9, 4, 0}, Division::Mesh).value();
+  struct Row {
+    int cells;
+    std::uint32_t amount, sign, most;
+  };
+  for (const Row& row : {Row{256, 0, 0, 1}, Row{255, 255, 0, 0}, Row{1, 1, 0, 0}, Row{0, 0, 0, 0},
+                         Row{-1, 255, 1, 0}, Row{-255, 1, 1, 0}, Row{-256, 0, 1, 0}}) {
+    const std::vector<LayerKick> kicks{{1U << 3, {row.cells, 0, 0}}};
+    const RegisterWords words = space.kick(kicks).value();
+    EXPECT_EQ(words.get(field::kKickAmount, 3), row.amount) << row.cells;
+    EXPECT_EQ(words.get(field::kKick[1], 3), row.sign) << row.cells;
+    EXPECT_EQ(words.get(field::kKick[4], 3), row.most) << row.cells;
+    EXPECT_EQ(words.get(field::kKickAmount, 2), 0U);
+  }
+}
+
+TEST(CamSpace, KicksThatAreTooLongAreRefused) {
+  const CamSpace space = CamSpace::make({{1, 0, 0}, 22}, {4, 4, 0}, Division::Mesh).value();
+  const auto is_taken = [&](const Axes& cells) {
+    const std::vector<LayerKick> kicks{{0x0001, cells}};
+    return space.kick(kicks).has_value();
+  };
+  EXPECT_TRUE(is_taken({8, 0, 0}));
+  EXPECT_TRUE(is_taken({-8, 1000, 0}));  // y is within a module
+  EXPECT_FALSE(is_taken({9, 0, 0}));
+  EXPECT_FALSE(is_taken({-9, 0, 0}));
+}
+
+TEST(CamSpace, SpacesThatDoNotFitAreRefused) {
+  const BoardShape box{{1, 1, 1}, 22};
+  EXPECT_TRUE(CamSpace::make(box, {9, 9, 7}, Division::Mesh));
+  EXPECT_FALSE(CamSpace::make(box, {9, 9, 8}, Division::Mesh));
+  EXPECT_FALSE(CamSpace::make(box, {9, 3, 0}, Division::StripY));  // a cell for each module
+  EXPECT_TRUE(CamSpace::make(box, {9, 4, 0}, Division::StripY));
+  EXPECT_FALSE(CamSpace::make({{3, 0, 0}, 22}, {9, 9, 0}, Division::Mesh));
+  EXPECT_FALSE(CamSpace::make(box, {9, 9, -1}, Division::StripY));
+}
+
+}  // namespace
+}  // namespace thimble::cambus
