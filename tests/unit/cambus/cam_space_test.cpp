@@ -6,6 +6,8 @@
 #include <set>
 #include <utility>
 
+#include "drivers/cambus/cam_program.hpp"
+#include "drivers/cambus/step_list_check.hpp"
 
 namespace thimble::cambus {
 namespace {
@@ -127,6 +129,39 @@ TEST(CamSpace, SpacesThatDoNotFitAreRefused) {
   EXPECT_TRUE(CamSpace::make(box, {9, 4, 0}, Division::StripY));
   EXPECT_FALSE(CamSpace::make({{3, 0, 0}, 22}, {9, 9, 0}, Division::Mesh));
   EXPECT_FALSE(CamSpace::make(box, {9, 9, -1}, Division::StripY));
+}
+
+TEST(CamProgram, EveryWordOfItIsTakenByTheChecker) {
+  for (const BoardShape& board : all_boards()) {
+    const CamSpace space = CamSpace::make(board, {5, 5, 5}, Division::Mesh).value();
+    CamProgram program(space);
+    program.number_modules();
+    program.set_up();
+    program.load_table(LookupTable(kTableEntries, 1));
+    ASSERT_TRUE(program.kick({}));
+    program.fix(layers(4, 9), 0x03f0);
+    program.count(CamProgram::Events::Table);
+    program.run({.takes_counts = true, .swaps_tables = true});
+    EXPECT_EQ(program.read_counts().size(), static_cast<std::size_t>(board.modules()));
+    program.write_sites(0, LookupTable(std::size_t{1} << space.log2_sector_sites(), 7));
+    static_cast<void>(program.read_sites(space.modules() - 1));
+    const StepList list = program.finish();
+    const auto summary = check_step_list(list.view(), list.head);
+    EXPECT_TRUE(summary) << summary.error().message;
+  }
+}
+
+TEST(CamProgram, LayersAndCounts) {
+  EXPECT_EQ(layers(0, 0), 0x0001);
+  EXPECT_EQ(layers(4, 9), 0x03f0);
+  EXPECT_EQ(layers(10, 15), 0xfc00);
+  EXPECT_EQ(layers(0, 15), 0xffff);
+  std::vector<std::uint16_t> words(kEventBits);
+  words[0] = 0x8001;
+  words[24] = 0x8000;
+  EXPECT_EQ(count_of_layer(words, 0), 1U);
+  EXPECT_EQ(count_of_layer(words, 15), (1U << 24) + 1);
+  EXPECT_EQ(count_of_layer(words, 7), 0U);
 }
 
 }  // namespace

@@ -1,0 +1,163 @@
+#include "drivers/cambus/cam_program.hpp"
+
+#include <algorithm>
+#include <cstddef>
+
+#include "hal/base/check.hpp"
+
+namespace thimble::cambus {
+namespace {
+
+constexpr std::array kSetUpOnce{
+    Register::SaBit,   Register::FlySrc,    Register::Display,  Register::LutIndex,
+    Register::LutPerm, Register::ScanIndex, Register::Offset,   Register::IntFlags,
+    Register::Verify,  Register::IntEnable, Register::ShowScan,
+};
+
+// Of the select register, with source 0.
+constexpr std::uint32_t kTargetOne = 1;   // the id's bit is 1
+constexpr std::uint32_t kTargetGlue = 3;  // the glue pins' AND is 0
+constexpr std::uint32_t kPinDrives0 = 6;
+
+}  // namespace
+
+CamProgram::CamProgram(const CamSpace& space, std::uint32_t base) : space_(space), builder_(base) {}
+
+void CamProgram::number_modules() {
+  constexpr LayerMask kFirst = 1;
+  // All but the marked one get an id that none keeps; then the marked one is the first.
+  RegisterWords others = default_words(Register::Select);
+  builder_.write(others.set(field::kSelect[0], 0, kFirst).set(field::kSelect[1], 0, kFirst));
+  builder_.write(RegisterWords(Register::ModuleId).set(field::kModuleId[0], 1));
+  select(kFirst);
+  builder_.write(RegisterWords(Register::ModuleId));
+  for (int module = 0; module + 1 < space_.modules(); ++module) {
+    const Field& pin = field::kConnect[pin_to_next(space_.board(), module)];
+    select(module);
+    builder_.write(default_words(Register::Connect).set(pin, kPinDrives0, kFirst));
+    // Whoever senses it and has no number yet.
+    builder_.write(RegisterWords(Register::Select)
+                       .set(field::kSelect[1], kTargetOne)
+                       .set(field::kSelect[1], kTargetGlue, kFirst));
+    builder_.write(RegisterWords(Register::ModuleId)
+                       .set(field::kModuleId[0], 1, static_cast<LayerMask>(module + 1)));
+    select(module);
+    builder_.write(default_words(Register::Connect));
+  }
+  select_all();
+}
+
+void CamProgram::set_up() {
+  select_all();
+  for (const Register number : kSetUpOnce) builder_.write(default_words(number));
+  builder_.write(space_.dimension());
+  builder_.write(space_.scan_format());
+  builder_.write(space_.scan_perm());
+  stand_still();
+  fix(0, 0);
+  set_source(Register::SiteSrc, kSelectLutOrAddress, kMapSource);
+  count(Events::None);
+  for (int module = 0; module < space_.modules(); ++module) {
+    select(module);
+    builder_.write(space_.connect(module));
+  }
+  // Who says when a scan ends: one is enough, they scan in lockstep.
+  select(0);
+  builder_.write(RegisterWords(Register::ShowScan).set(field::kShowScan[0], 1));
+  select_all();
+}
+
+Result<void> CamProgram::kick(std::span<const LayerKick> kicks) {
+  const auto words = space_.kick(kicks);
+  if (!words) return tl::unexpected(words.error());
+  builder_.write(*words);
+  return {};
+}
+
+void CamProgram::load_table(std::span<const std::uint16_t> table) {
+  THIMBLE_CHECK(table.size() == kTableEntries);
+  builder_.write(default_words(Register::LutIndex));
+  builder_.write_port(Register::LutIo, table);
+}
+
+void CamProgram::fix(LayerMask fixed, std::uint16_t bits) {
+  const auto ones = static_cast<LayerMask>(fixed & bits);
+  const auto zeros = static_cast<LayerMask>(fixed & ~bits);
+  const auto& source = field::kSource<Register::LutSrc>;
+  lut_source_.set(source[1], kMapSite).set(source[1], kMapOne, ones);
+  lut_source_.set(source[1], kMapZero, zeros);
+  builder_.write(lut_source_);
+}
+
+void CamProgram::count(Events events) {
+  const std::uint32_t map = events == Events::Site    ? kMapSite
+                            : events == Events::Table ? kMapSource
+                                                      : kMapZero;
+  set_source(Register::EventSrc, kSelectLutOrAddress, map);
+}
+
+void CamProgram::run(const RunOptions& options) {
+  builder_.write(RegisterWords(Register::Run)
+                     .set(field::kSync, options.is_scan ? kSyncFree : kSyncNone)
+                     .set(field::kNewCount, options.takes_counts ? 1 : 0)
+                     .set(field::kRepeatKick, options.repeats_kick ? 1 : 0)
+                     .set(field::kNewTable, options.swaps_tables ? 1 : 0));
+}
+
+std::vector<ReadSlot> CamProgram::read_counts() {
+  std::vector<ReadSlot> slots;
+  for (int module = 0; module < space_.modules(); ++module) {
+    select(module);
+    slots.push_back(builder_.read(Register::Event, kEventBits));
+  }
+  select_all();
+  return slots;
+}
+
+void CamProgram::write_sites(int module, std::span<const std::uint16_t> sites) {
+  THIMBLE_CHECK(sites.size() == std::size_t{1} << space_.log2_sector_sites());
+  stand_still();
+  select(module);
+  set_source(Register::SiteSrc, kSelectHost, kMapSource);
+  builder_.write_port(Register::ScanIo, sites);
+  set_source(Register::SiteSrc, kSelectLutOrAddress, kMapSource);
+  select_all();
+}
+
+ReadSlot CamProgram::read_sites(int module) {
+  stand_still();
+  select(module);
+  set_source(Register::SiteSrc, kSelectLutOrAddress, kMapSite);
+  set_source(Register::Display, kSelectLutOrAddress, kMapSite);
+  const ReadSlot slot =
+      builder_.read(Register::ScanIo, std::uint32_t{1} << space_.log2_sector_sites());
+  set_source(Register::SiteSrc, kSelectLutOrAddress, kMapSource);
+  set_source(Register::Display, kSelectLutOrAddress, kMapZero);
+  select_all();
+  return slot;
+}
+
+void CamProgram::select_all() { builder_.write(default_words(Register::Select)); }
+
+// Target n of a layer is bit n of the module's id; source 0 is the id itself.
+void CamProgram::select(int module) {
+  builder_.write(
+      RegisterWords(Register::Select).set(field::kSelect[1], 1, static_cast<LayerMask>(module)));
+}
+
+void CamProgram::set_source(Register destination, std::uint32_t select, std::uint32_t map) {
+  const auto fields = facts_of(destination).fields;
+  builder_.write(RegisterWords(destination).set(fields[0], select).set(fields[1], map));
+}
+
+void CamProgram::stand_still() { builder_.write(RegisterWords(Register::Kick)); }
+
+std::uint32_t count_of_layer(std::span<const std::uint16_t> words, int layer) {
+  std::uint32_t count = 0;
+  for (std::size_t bit = 0; bit < std::min<std::size_t>(words.size(), kEventBits); ++bit) {
+    count |= ((words[bit] >> layer) & 1U) << bit;
+  }
+  return count;
+}
+
+}  // namespace thimble::cambus

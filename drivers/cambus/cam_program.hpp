@@ -1,0 +1,78 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "drivers/cambus/cam_space.hpp"
+#include "drivers/cambus/step_list_builder.hpp"
+
+namespace thimble::cambus {
+
+// What becomes of the 16 bits of a site: entry n is for the site with the bits of n.
+using LookupTable = std::vector<std::uint16_t>;  // of kTableEntries
+
+// A run of layers that a rule takes for a number.
+[[nodiscard]] constexpr LayerMask layers(int first, int last) noexcept {
+  return static_cast<LayerMask>(((2U << last) - 1U) & ~((1U << first) - 1U));
+}
+
+struct RunOptions {
+  bool is_scan{true};        // else only what follows is done
+  bool takes_counts{false};  // copy the event counters to where they are read, and clear them
+  bool swaps_tables{false};  // the table loaded last becomes the one in force
+  bool repeats_kick{false};
+};
+
+// Programs of a cellular automaton as step lists: what a scan does is set once and holds for all
+// that follow. Pure. Thread: one at a time. Calls with a table of another size, or of layers that
+// are not there, are mistakes of the caller.
+class CamProgram {
+ public:
+  explicit CamProgram(const CamSpace& space, std::uint32_t base = wire::kReservedBytes);
+
+  // Gives each module its number, from the one that is marked after a reset on (docs/cambus.md,
+  // register 23), over the glue wires between them.
+  void number_modules();
+  // Every register of every module, with nothing moving, every bit through the table, and nothing
+  // counted or shown.
+  void set_up();
+
+  // Layers that are not named stand still.
+  Result<void> kick(std::span<const LayerKick> kicks);
+  // Into the inactive table of all modules; a run swaps them.
+  void load_table(std::span<const std::uint16_t> table);
+  // The table is told these constants instead of the bits of some layers; the sites keep theirs.
+  void fix(LayerMask fixed, std::uint16_t bits);
+  // What is counted for each layer: its bit before the table, or after.
+  enum class Events { None, Site, Table };
+  void count(Events events);
+  void run(const RunOptions& options = {});
+  // One slot of 25 words for each module, in order: word k has bit k of the 16 counts, as of the
+  // last run that took them.
+  [[nodiscard]] std::vector<ReadSlot> read_counts();
+
+  // All sites of one module in the order of their addresses; nothing may be kicked.
+  void write_sites(int module, std::span<const std::uint16_t> sites);
+  [[nodiscard]] ReadSlot read_sites(int module);
+
+  void delay(std::uint32_t clocks) { builder_.delay(clocks); }
+  // The list so far; what is set holds for the next one.
+  [[nodiscard]] StepList finish() { return builder_.finish(); }
+
+ private:
+  void select_all();
+  void select(int module);
+  void set_source(Register destination, std::uint32_t select, std::uint32_t map);
+  void stand_still();
+
+  CamSpace space_;
+  StepListBuilder builder_;
+  RegisterWords lut_source_{default_words(Register::LutSrc)};
+};
+
+// A count out of the words that read_counts() brought, of one module.
+[[nodiscard]] std::uint32_t count_of_layer(std::span<const std::uint16_t> words, int layer);
+
+}  // namespace thimble::cambus
