@@ -1,0 +1,134 @@
+#include "sim/model/cam/cam_machine.hpp"
+
+#include <algorithm>
+#include <bit>
+
+#include "sim/model/cam/cam_scan.hpp"
+
+namespace thimble::sim::cam {
+namespace {
+
+using cambus::Register;
+namespace field = cambus::field;
+
+constexpr std::uint64_t kIdle_clocks = 8;
+constexpr std::uint64_t kDirection_clocks = 1;
+constexpr std::uint64_t kParity_clocks = 1;
+constexpr std::uint64_t kHop_clocks = 1;
+
+bool exists(std::uint32_t number) { return number < cambus::kRegisterCount; }
+
+bool is_set(const CamRegisters& registers, const cambus::Field& of) {
+  for (std::size_t layer = 0; layer < cambus::kLayers; ++layer) {
+    if (registers.get(of, layer) != 0) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+void CamMachine::spend_frame(std::uint32_t number, std::size_t words) {
+  now_ += kIdle_clocks + static_cast<std::uint64_t>(std::bit_width(number)) + kDirection_clocks +
+          words + kParity_clocks + kHop_clocks;
+}
+
+void CamMachine::note_touch(std::uint32_t number, bool is_write) {
+  const auto of = static_cast<Register>(number);
+  if (cambus::facts_of(of).waits && is_scanning()) ++counters_.disturbed_scans;
+  const bool is_modelled =
+      of != Register::FlySrc && of != Register::Multi && of != Register::Environment;
+  if (is_write && !is_modelled) ++counters_.unmodelled;
+}
+
+std::vector<std::size_t> CamMachine::selected() const {
+  std::vector<std::size_t> which;
+  for (std::size_t i = 0; i < is_selected_.size(); ++i) {
+    if (is_selected_[i]) which.push_back(i);
+  }
+  return which;
+}
+
+void CamMachine::latch_selection() {
+  for (std::size_t i = 0; i < torus_.size(); ++i) {
+    is_selected_[i] = torus_.modules[i].is_selected(torus_.glue_and(i));
+  }
+}
+
+void CamMachine::write(std::uint32_t number, std::span<const std::uint16_t> words) {
+  spend_frame(number, words.size());
+  if (!exists(number)) {
+    for (const std::size_t i : selected()) torus_.modules[i].note_unknown_register();
+    return;
+  }
+  note_touch(number, true);
+  const auto of = static_cast<Register>(number);
+  if (of == Register::ScanIo) return write_sites(words);
+  if (of == Register::Select) {
+    for (CamModule& module : torus_.modules) module.write(of, words);
+    return latch_selection();
+  }
+  for (const std::size_t i : selected()) torus_.modules[i].write(of, words);
+  if (of == Register::Run) start_scan();
+}
+
+std::optional<std::vector<std::uint16_t>> CamMachine::read(std::uint32_t number,
+                                                           std::uint32_t length) {
+  spend_frame(number, length);
+  spend(kHop_clocks);
+  std::vector<std::size_t> talkers = selected();
+  if (exists(number) && static_cast<Register>(number) == Register::Select) {
+    talkers.clear();
+    for (std::size_t i = 0; i < torus_.size(); ++i) {
+      if (is_set(torus_.modules[i].registers, field::kEnvironment[6])) talkers.push_back(i);
+    }
+  }
+  if (talkers.empty()) return std::nullopt;
+  std::vector<std::uint16_t> words(length);
+  if (!exists(number)) {
+    for (const std::size_t i : talkers) torus_.modules[i].note_unknown_register();
+    return words;
+  }
+  note_touch(number, false);
+  const auto of = static_cast<Register>(number);
+  const std::vector<std::uint16_t> silence(length);
+  for (const std::size_t i : talkers) {
+    const auto said =
+        of == Register::ScanIo ? scan_io(torus_, i, silence) : torus_.modules[i].read(of, length);
+    std::transform(words.begin(), words.end(), said.begin(), words.begin(),
+                   [](std::uint16_t a, std::uint16_t b) { return std::uint16_t(a | b); });
+  }
+  return words;
+}
+
+void CamMachine::write_sites(std::span<const std::uint16_t> words) {
+  for (const std::size_t i : selected()) static_cast<void>(scan_io(torus_, i, words));
+}
+
+void CamMachine::start_scan() {
+  std::vector<std::size_t> which;
+  for (const std::size_t i : selected()) {
+    const std::uint32_t sync = torus_.modules[i].registers.get(field::kSync, 0);
+    if (sync == cambus::kSyncFrame || sync == cambus::kSyncLine) hangs_ = true;
+    if (sync == cambus::kSyncFree) which.push_back(i);
+  }
+  if (hangs_ || which.empty()) return;
+  ++counters_.scans;
+  scan_end_ = now_ + scan(torus_, which);
+  for (const std::size_t i : which) torus_.modules[i].registers.planes(Register::Run) = {};
+}
+
+void CamMachine::wait_for_scan() { now_ = std::max(now_, scan_end_); }
+
+void CamMachine::reset() {
+  for (CamModule& module : torus_.modules) module.reset();
+  hangs_ = false;
+  scan_end_ = now_;
+  latch_selection();
+}
+
+bool CamMachine::has_interrupt() const noexcept {
+  return std::any_of(torus_.modules.begin(), torus_.modules.end(),
+                     [](const CamModule& module) { return module.has_interrupt(); });
+}
+
+}  // namespace thimble::sim::cam

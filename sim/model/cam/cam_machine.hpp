@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sim/model/cam/cam_torus.hpp"
+
+namespace thimble::sim::cam {
+
+// What was asked of the machine that it answers in a way of its own, since construction.
+struct CamCounters {
+  std::uint64_t scans{0};
+  std::uint64_t disturbed_scans{0};  // registers that wait were touched while one ran
+  std::uint64_t unmodelled{0};       // registers were set whose effect is not modelled (README)
+  bool operator==(const CamCounters&) const = default;
+};
+
+// The modules behind their bus, with a clock that counts what moves (docs/cambus.md, section 5).
+// A scan's bits move at once when it is started, and the machine is busy until its clocks are over.
+// Thread: one at a time.
+class CamMachine {
+ public:
+  explicit CamMachine(const TorusShape& shape) : torus_(shape) {}
+
+  // A frame that writes to whoever is selected, and to all where the register is `select`.
+  void write(std::uint32_t number, std::span<const std::uint16_t> words);
+  // What the selected modules answer, ORed; nothing when none does.
+  [[nodiscard]] std::optional<std::vector<std::uint16_t>> read(std::uint32_t number,
+                                                               std::uint32_t length);
+  void reset();
+  void wait_for_scan();
+  void spend(std::uint64_t clocks) { now_ += clocks; }
+
+  [[nodiscard]] std::uint64_t now_clocks() const noexcept { return now_; }
+  // A scan runs that never ends: it waits for sync pulses, which there are none of.
+  [[nodiscard]] bool hangs() const noexcept { return hangs_; }
+  [[nodiscard]] bool is_scanning() const noexcept { return hangs_ || scan_end_ > now_; }
+  [[nodiscard]] bool has_interrupt() const noexcept;
+  [[nodiscard]] const CamCounters& counters() const noexcept { return counters_; }
+
+  // The inside, for tests and for what puts patterns into a world.
+  [[nodiscard]] CamTorus& torus() noexcept { return torus_; }
+
+ private:
+  void spend_frame(std::uint32_t number, std::size_t words);
+  void note_touch(std::uint32_t number, bool is_write);
+  [[nodiscard]] std::vector<std::size_t> selected() const;
+  void latch_selection();
+  void start_scan();
+  void write_sites(std::span<const std::uint16_t> words);
+
+  CamTorus torus_;
+  std::vector<bool> is_selected_ = std::vector<bool>(torus_.size(), false);
+  std::uint64_t now_{0};
+  std::uint64_t scan_end_{0};
+  bool hangs_{false};
+  CamCounters counters_;
+};
+
+}  // namespace thimble::sim::cam

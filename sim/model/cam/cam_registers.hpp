@@ -1,0 +1,42 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "drivers/cambus/cambus_registers.hpp"
+
+namespace thimble::sim::cam {
+
+// The registers of the 16 chips of a module: plane k of a register has bit k of each layer.
+class CamRegisters {
+ public:
+  [[nodiscard]] std::uint32_t get(const cambus::Field& of, std::size_t layer) const noexcept {
+    std::uint32_t value = 0;
+    for (std::size_t bit = 0; bit < of.bits; ++bit) {
+      const std::uint32_t plane = planes(of.of)[of.first_bit + bit];
+      value |= ((plane >> layer) & 1U) << bit;
+    }
+    return value;
+  }
+  void set(const cambus::Field& of, std::size_t layer, std::uint32_t value) noexcept {
+    for (std::size_t bit = 0; bit < of.bits; ++bit) {
+      std::uint16_t& plane = planes(of.of)[of.first_bit + bit];
+      const std::uint32_t cleared = plane & ~(1U << layer);
+      plane = static_cast<std::uint16_t>(cleared | ((value >> bit) & 1U) << layer);
+    }
+  }
+
+  using Planes = std::array<std::uint16_t, cambus::kMaxRegisterBits>;
+  [[nodiscard]] Planes& planes(cambus::Register number) noexcept {
+    return all_[static_cast<std::size_t>(number)];
+  }
+  [[nodiscard]] const Planes& planes(cambus::Register number) const noexcept {
+    return all_[static_cast<std::size_t>(number)];
+  }
+
+ private:
+  std::array<Planes, cambus::kRegisterCount> all_{};
+};
+
+}  // namespace thimble::sim::cam
