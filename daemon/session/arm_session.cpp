@@ -1,6 +1,5 @@
 #include "daemon/session/arm_session.hpp"
 
-#include <algorithm>
 #include <utility>
 
 #include "daemon/devices/arm_opener.hpp"
@@ -75,12 +74,7 @@ std::optional<Recording> ArmSession::take_recording() {
 void ArmSession::on_bus_event(const bus::BusEvent& event) {
   const bool is_ours = event.device.address.text == arm_.device;
   if (!is_ours || event.kind != bus::BusEvent::Kind::Arrived) return;
-  look_at_once();
-}
-
-void ArmSession::look_at_once() {
-  next_try_.reset();
-  retry_ = kFirstRetry;
+  pace_.restart();
 }
 
 Result<void> ArmSession::follow(MonotonicTime now) {
@@ -88,7 +82,7 @@ Result<void> ArmSession::follow(MonotonicTime now) {
   if (!is_lost_for_servo()) {
     trouble_.clear();
     // One that dies before its first report was never had: the tries go on as rare as they were.
-    if (device_.counters().reports_in > 0) look_at_once();
+    if (device_.counters().reports_in > 0) pace_.restart();
     Result<void> guarded = guard_.follow(now);
     if (!guarded) trouble_ = guarded.error().message;
     return guarded;
@@ -98,9 +92,8 @@ Result<void> ArmSession::follow(MonotonicTime now) {
     offered_at_tick_ = snapshot().frame.tick;
     return {};
   }
-  if (next_try_ && now < *next_try_) return {};
-  next_try_ = now + retry_;
-  retry_ = std::min(2 * retry_, kLongestRetry);
+  if (!pace_.is_due(now)) return {};
+  pace_.tried(now);
   Result<void> opened = reopen();
   trouble_ = opened ? "" : opened.error().message;
   return opened;

@@ -13,6 +13,7 @@
 #include "daemon/servo/flight_file.hpp"
 #include "daemon/servo/servo_loop.hpp"
 #include "daemon/session/guarded_arm.hpp"
+#include "daemon/session/retry_pace.hpp"
 #include "hal/base/result.hpp"
 #include "hal/bus/bus_enumerator.hpp"
 #include "hal/plugin/driver_registry.hpp"
@@ -68,18 +69,12 @@ class ArmSession {
   // Why a returned arm is still lost, for a person; empty when nothing is wrong.
   [[nodiscard]] const std::string& trouble() const noexcept { return trouble_; }
 
-  // Between tries for a lost arm: doubled each time from the first to the second. Ours: a
-  // freshly plugged device is ready within a second, and a look at the bus costs milliseconds.
-  static constexpr Duration kFirstRetry = std::chrono::milliseconds(50);
-  static constexpr Duration kLongestRetry = std::chrono::seconds(2);
-
  private:
   ArmSession(const config::ArmConfig& arm, const ArmSessionParts& parts,
              std::unique_ptr<HapticDevice> device, std::unique_ptr<coupling::ArmCoupling> coupling);
 
   [[nodiscard]] bool is_lost_for_servo();
   Result<void> reopen();
-  void look_at_once();  // when next the arm is lost
 
   config::ArmConfig arm_;
   ArmSessionParts parts_;
@@ -91,8 +86,7 @@ class ArmSession {
   std::unique_ptr<servo::ServoLoop> loop_;
   servo::ServoSnapshot snapshot_{};
   std::string trouble_;
-  Duration retry_{kFirstRetry};
-  std::optional<MonotonicTime> next_try_;  // nothing: at once
+  RetryPace pace_;  // of a lost arm
   std::uint64_t offered_at_tick_{0};
 };
 

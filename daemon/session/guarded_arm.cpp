@@ -1,7 +1,5 @@
 #include "daemon/session/guarded_arm.hpp"
 
-#include <algorithm>
-
 namespace thimble::session {
 
 Result<void> GuardedArm::begin(const HapticDevice& device) {
@@ -27,16 +25,15 @@ Result<void> GuardedArm::watch() {
   const Result<void> watched = guard_->watch(address_, zero_);
   controls_.is_guarded.store(watched.has_value(), std::memory_order_relaxed);
   if (!watched) return tl::unexpected(watched.error().in(name_ + ": guard"));
-  retry_ = kFirstRetry;
+  pace_.ease();
   return {};
 }
 
 Result<void> GuardedArm::follow(MonotonicTime now) {
   if (!guard_ || guard_->is_watching()) return {};
   controls_.is_guarded.store(false, std::memory_order_relaxed);
-  if (now < next_try_) return {};
-  next_try_ = now + retry_;
-  retry_ = std::min(2 * retry_, kLongestRetry);
+  if (!pace_.is_due(now)) return {};
+  pace_.tried(now);
   return watch();
 }
 

@@ -5,6 +5,7 @@
 
 #include "daemon/devices/arm_guard.hpp"
 #include "daemon/servo/servo_controls.hpp"
+#include "daemon/session/retry_pace.hpp"
 #include "hal/base/result.hpp"
 #include "hal/device/haptic_device.hpp"
 
@@ -37,9 +38,6 @@ class GuardedArm {
     return guard_ ? &guard_->heartbeat() : nullptr;
   }
 
-  static constexpr Duration kFirstRetry = std::chrono::milliseconds(50);
-  static constexpr Duration kLongestRetry = std::chrono::seconds(2);
-
  private:
   [[nodiscard]] Result<void> watch();
 
@@ -49,8 +47,7 @@ class GuardedArm {
   servo::ServoControls& controls_;
   ZeroCommand zero_{};
   std::unique_ptr<devices::ArmGuard> guard_;
-  Duration retry_{kFirstRetry};
-  MonotonicTime next_try_{};
+  RetryPace pace_;
 };
 
 }  // namespace thimble::session

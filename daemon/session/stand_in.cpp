@@ -1,6 +1,5 @@
 #include "daemon/session/stand_in.hpp"
 
-#include <algorithm>
 #include <utility>
 
 #include "daemon/devices/arm_opener.hpp"
@@ -27,20 +26,14 @@ Result<config::ArmConfig> stand_in_for(const config::ArmConfig& arm,
 }
 
 void AwaitedArm::on_bus_event(const bus::BusEvent& event) {
-  if (event.device.address.text == arm_.device) look_at_once();
-}
-
-void AwaitedArm::look_at_once() {
-  next_try_.reset();
-  retry_ = kFirstRetry;
+  if (event.device.address.text == arm_.device) pace_.restart();
 }
 
 bool AwaitedArm::follow(MonotonicTime now, bool is_resting) {
-  if (is_resting && !was_resting_) look_at_once();
+  if (is_resting && !was_resting_) pace_.restart();
   was_resting_ = is_resting;
-  if (next_try_ && now < *next_try_) return false;
-  next_try_ = now + retry_;
-  retry_ = std::min(2 * retry_, kLongestRetry);
+  if (!pace_.is_due(now)) return false;
+  pace_.tried(now);
   is_there_ = devices::find_device(*buses_, {arm_.device}).has_value();
   if (!is_there_) trouble_.clear();
   return is_there_ && is_resting;

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "daemon/config/config.hpp"
+#include "daemon/session/retry_pace.hpp"
 #include "hal/base/result.hpp"
 #include "hal/bus/bus_enumerator.hpp"
 #include "hal/plugin/sim_model.hpp"
@@ -37,21 +38,14 @@ class AwaitedArm {
   // How it stands, for a person.
   [[nodiscard]] std::string sentence() const;
 
-  // As ArmSession's for a lost arm.
-  static constexpr Duration kFirstRetry = std::chrono::milliseconds(50);
-  static constexpr Duration kLongestRetry = std::chrono::seconds(2);
-
  private:
-  void look_at_once();
-
   config::ArmConfig arm_;
   std::string stand_in_;
   bus::BusEnumerator* buses_;
   bool is_there_{false};
   bool was_resting_{false};
   std::string trouble_;
-  Duration retry_{kFirstRetry};
-  std::optional<MonotonicTime> next_try_;  // nothing: at once
+  RetryPace pace_;  // as a lost arm's
 };
 
 }  // namespace thimble::session

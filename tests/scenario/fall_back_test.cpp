@@ -194,7 +194,7 @@ TEST_F(FallBack, ARealArmThatCannotBeOpenedLeavesTheStandInAndIsTriedAgain) {
   ASSERT_FALSE(troubles_.empty());
   EXPECT_THAT(troubles_.front().message, HasSubstr("'right'"));
   bus_.is_busy = false;
-  run(seconds(session::AwaitedArm::kLongestRetry) + 0.5);
+  run(seconds(session::RetryPace::kLongest) + 0.5);
   EXPECT_EQ(device(), "hid:right");
 }
 

@@ -195,7 +195,7 @@ TEST_F(HotPlug, AReturnedArmThatSomebodyElseHoldsIsTriedAgainUntilItCanBeHad) {
   EXPECT_THAT(arm(0).trouble(), AllOf(HasSubstr("left"), HasSubstr("held by somebody else")));
   EXPECT_EQ(arm(1).trouble(), "");
   bus_.is_busy = false;
-  run(seconds(ArmSession::kLongestRetry) + 0.5);
+  run(seconds(session::RetryPace::kLongest) + 0.5);
   EXPECT_EQ(state(0), OperatingState::Calibrating);
   EXPECT_EQ(arm(0).trouble(), "");
 }
@@ -240,7 +240,7 @@ TEST_F(HotPlug, AnArmWhoseHandlesDieAtOnceIsTriedLessAndLessOften) {
   EXPECT_LE(bus_.tries, 2 * 12) << "as often as one that cannot be opened";
   EXPECT_GE(bus_.tries, 2 * 8);
   bus_.are_born_dead = false;
-  run(seconds(ArmSession::kLongestRetry) + 0.5);
+  run(seconds(session::RetryPace::kLongest) + 0.5);
   EXPECT_EQ(state(0), OperatingState::Calibrating);
   EXPECT_EQ(bus_.open, 2);
 }
