@@ -77,6 +77,10 @@ Result<void> Daemon::start(const linux::RealtimeProcess& process) {
   parts.stopwatch = &clock_;
   parts.wake = wake_.get();
   parts.io = &io_;
+  parts.on_wait = [this](const Error& why) {
+    spdlog::warn("waiting: {}", why.message);
+    notifier_.status("waiting: " + why.message);
+  };
   // Sixteenths of a second of the machine's uptime: larger after a restart of the daemon.
   parts.first_session = static_cast<std::uint32_t>(seconds(clock_.now().since_epoch) * 16.0) + 1;
   Result<std::unique_ptr<session::Runtime>> runtime = session::Runtime::create(config_, parts);

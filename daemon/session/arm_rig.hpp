@@ -31,6 +31,8 @@ struct RigParts {
   // Puts something between an arm's link and its session, such as a world that lies; nullptr:
   // nothing.
   std::function<std::unique_ptr<coupling::ArmLink>(coupling::ArmLink&)> wrap_link{};
+  // Hears why a start waits: somebody else holds an arm.
+  std::function<void(const Error&)> on_wait{};
 };
 
 // One arm with everything below and beside it: bus and time, device, coupling, servo, link.

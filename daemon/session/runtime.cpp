@@ -1,6 +1,9 @@
 #include "daemon/session/runtime.hpp"
 
+#include <algorithm>
 #include <utility>
+
+#include "daemon/session/retry_pace.hpp"
 
 namespace thimble::session {
 
@@ -14,7 +17,7 @@ Result<std::unique_ptr<Runtime>> Runtime::create(const config::Config& config,
     runtime->worlds_.push_back(*std::move(host));
   }
   for (const config::ArmConfig& said : config.arms) {
-    Result<std::unique_ptr<ArmRig>> rig = runtime->make_rig(said);
+    Result<std::unique_ptr<ArmRig>> rig = runtime->make_rig_when_free(said);
     if (!rig) return tl::unexpected(rig.error());
     runtime->arms_.push_back(*std::move(rig));
   }
@@ -23,6 +26,22 @@ Result<std::unique_ptr<Runtime>> Runtime::create(const config::Config& config,
 
 Result<std::unique_ptr<ArmRig>> Runtime::make_rig(const config::ArmConfig& said) {
   return ArmRig::create(said, servo_, said.world ? find_world(*said.world) : nullptr, parts_);
+}
+
+// Only at the start, where no other arm runs that would miss who waits here.
+Result<std::unique_ptr<ArmRig>> Runtime::make_rig_when_free(const config::ArmConfig& said) {
+  Result<std::unique_ptr<ArmRig>> rig = make_rig(said);
+  if (parts_.real_clock == nullptr) return rig;
+  Clock& clock = *parts_.real_clock;
+  const MonotonicTime deadline = clock.now() + kBusyPatience;
+  RetryPace pace;
+  while (!rig && rig.error().code == Errc::Busy && clock.now() < deadline) {
+    if (!pace.next() && parts_.on_wait) parts_.on_wait(rig.error());
+    pace.tried(clock.now());
+    static_cast<void>(clock.sleep_until(std::min(*pace.next(), deadline)));
+    rig = make_rig(said);
+  }
+  return rig;
 }
 
 WorldHost* Runtime::find_world(std::string_view name) noexcept {

@@ -20,7 +20,8 @@ namespace thimble::session {
 //         net plane's one thread; each arm's loop to its servo thread.
 class Runtime {
  public:
-  // Errors: the first thing that cannot be had, named by arm or world.
+  // Errors: the first thing that cannot be had, named by arm or world. What somebody else holds is
+  // waited for, kBusyPatience at most; RigParts::on_wait hears why.
   [[nodiscard]] static Result<std::unique_ptr<Runtime>> create(const config::Config& config,
                                                                const RigParts& parts);
 
@@ -47,10 +48,15 @@ class Runtime {
   // The real arm is not active, whatever the configuration says: nobody asked for that one.
   void take_over(Arrival arrival);
 
+  // Ours. The guard of a daemon that died holds its arm for 120 ms (guard::WatchSettings), and for
+  // longer on a busy machine; who starts a second daemon by mistake need not wait long.
+  static constexpr Duration kBusyPatience = std::chrono::seconds(2);
+
  private:
   Runtime(const config::Config& config, const RigParts& parts)
       : servo_(config.servo), parts_(parts) {}
   [[nodiscard]] Result<std::unique_ptr<ArmRig>> make_rig(const config::ArmConfig& said);
+  [[nodiscard]] Result<std::unique_ptr<ArmRig>> make_rig_when_free(const config::ArmConfig& said);
   void tell_events_of(bus::BusEnumerator& buses);
   Result<void> follow_awaited(std::size_t arm, MonotonicTime now);
 

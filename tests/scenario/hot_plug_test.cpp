@@ -75,7 +75,8 @@ class ReluctantBus final : public bus::BusEnumerator {
   [[nodiscard]] Result<std::unique_ptr<bus::HidDevice>> open_hid(
       const bus::DeviceAddress& address) override {
     ++tries;
-    if (is_busy) return fail(Errc::Busy, address.text + " is held by somebody else");
+    if (is_busy || busy_tries-- > 0)
+      return fail(Errc::Busy, address.text + " is held by somebody else");
     auto device = below_.open_hid(address);
     if (!device) return device;
     return std::make_unique<CountedHid>(*std::move(device), open, generation_,
@@ -87,6 +88,7 @@ class ReluctantBus final : public bus::BusEnumerator {
 
   std::map<std::string, std::string> serial_numbers;  // instead of the models' own
   bool is_busy{false};
+  int busy_tries{0};  // so many are refused from now on
   bool are_born_dead{false};
   int tries{0};
   int open{0};
@@ -125,16 +127,20 @@ class HotPlug : public testing::Test {
     drivers_.add(std::make_unique<ChangingDriver>(is_weaker_));
     sim::register_arm_models(models_);
     for (const char* address : {"hid:left", "hid:right"}) plug(address);
+    auto runtime = start();
+    if (!runtime) throw std::runtime_error(runtime.error().message);
+    sut_ = *std::move(runtime);
+    run(0.02);
+  }
+  Result<std::unique_ptr<session::Runtime>> start() {
     const config::ConfigResult config = config::parse(kTwoArms, "two-arms.toml", {});
     if (!config) throw std::runtime_error(to_string(config.error().front()));
     session::RigParts parts{models_, drivers_};
     parts.real_buses = &bus_;
     parts.guards = &guards_;
     parts.real_clock = &clock_;
-    auto runtime = session::Runtime::create(*config, parts);
-    if (!runtime) throw std::runtime_error(runtime.error().message);
-    sut_ = *std::move(runtime);
-    run(0.02);
+    parts.on_wait = [this](const Error& why) { troubles_.push_back(why); };
+    return session::Runtime::create(*config, parts);
   }
   void plug(const char* address) {
     auto model = models_.find("phantom-vintage")->create_hid({.amplifier_max_a = 3, .seed = 1});
@@ -300,6 +306,32 @@ TEST_F(HotPlug, AnArmWhoseHandleDiedIsOpenedAgainThoughItNeverLeft) {
   EXPECT_EQ(state(1), OperatingState::Calibrating);
   EXPECT_EQ(bus_.open, 2);
   EXPECT_EQ(troubles_.size(), 0U);
+}
+
+// The guard of a daemon that was killed holds the arm until the arm has taken its zeros.
+TEST_F(HotPlug, ADaemonThatIsStartedAnewWaitsUntilTheGuardOfTheOneBeforeLetsGo) {
+  sut_.reset();
+  const MonotonicTime begun = clock_.now();
+  bus_.busy_tries = 3;
+  auto runtime = start();
+  ASSERT_TRUE(runtime) << runtime.error().message;
+  EXPECT_EQ(clock_.now() - begun, milliseconds(50 + 100 + 200));
+  ASSERT_EQ(troubles_.size(), 1U) << "told once, before anything is there that has a status";
+  EXPECT_THAT(troubles_[0].message, AllOf(HasSubstr("left"), HasSubstr("held by somebody else")));
+  sut_ = *std::move(runtime);
+  run(1.2);
+  EXPECT_EQ(state(0), OperatingState::Calibrating);
+  EXPECT_EQ(state(1), OperatingState::Calibrating);
+}
+
+TEST_F(HotPlug, AnArmThatSomebodyKeepsEndsTheStartAfterAWhile) {
+  sut_.reset();
+  const MonotonicTime begun = clock_.now();
+  bus_.is_busy = true;
+  const auto runtime = start();
+  ASSERT_FALSE(runtime);
+  EXPECT_EQ(runtime.error().code, Errc::Busy);
+  EXPECT_EQ(clock_.now() - begun, session::Runtime::kBusyPatience);
 }
 
 TEST_F(HotPlug, ALinkToAnotherHostIsRefusedInVirtualTime) {
