@@ -1,4 +1,4 @@
-"""What the servo thread of the packaged daemon asks of a stock kernel and of the C library while it drives hidraw.
+"""What the servo thread of the packaged daemon asks of a stock kernel and of the C library while it drives a real bus: hidraw, usbfs.
 
 strace tells the system calls, probes of the kernel in the C library the allocations. Both see the threads of the bus, too, whose calls
 may block and allocate: that is how the tests know that they see.
@@ -77,3 +77,12 @@ class Hidraw(guest.GuestTest):
                 self.assertEqual([call for call in counts if not call.split(" by ")[1].startswith(LIBRARIES)], [])
         # It does see them: who answers for the status takes memory, by our program and by the C++ library.
         self.assertTrue(any(f"malloc by {taker}" in counts for counts in calls.values() for taker in ("thimbled", "libstdc++.so.6.0.30")))
+
+
+class Usbfs(Hidraw):
+    pace = guest.counted(1)  # its bus has 8,000 rounds a second
+    blocking_call = "ioctl(", "USBDEVFS_SUBMITURB"
+
+    @classmethod
+    def plug_in(cls):
+        return arms.Falcon(cls.guest)
