@@ -73,6 +73,32 @@ def check_corpora(root, paths, breaches):
                         f"tests/data/corpus/{name}")
 
 
+def check_fuzz_table(root, paths, breaches):
+    """tests/fuzz/README.md says of each target which parser it tries."""
+    page = "tests/fuzz/README.md"
+    makefile = "tests/fuzz/CMakeLists.txt"
+    if page not in paths or makefile not in paths:
+        return
+    targets = set(_FUZZ.findall(cpp_source.read(root, makefile)))
+    named = set()
+    for number, line in enumerate(cpp_source.read(root, page).splitlines(), 1):
+        cells = [cell.strip() for cell in line.strip().strip("|").split("|")]
+        if not line.startswith("|") or cells[0] == "bytes of" or re.fullmatch(r"[|\s:-]+", line):
+            continue
+        parsers, tried_by = (re.findall(r"`([^`]+)`", cell) for cell in (cells + ["", ""])[1:3])
+        if len(cells) != 3 or not parsers or not tried_by:
+            breaches.append(f"{page}:{number}: a row is bytes of whom | `parser` | `target`")
+        for place in parsers:
+            if not pathlib.Path(root, place).exists():
+                breaches.append(f"{page}:{number}: {place} does not exist; name where the parser lives now")
+        for target in tried_by:
+            if target not in targets:
+                breaches.append(f"{page}:{number}: there is no fuzz target {target}; {makefile} lists them")
+        named.update(tried_by)
+    for target in sorted(targets - named):
+        breaches.append(f"{page}: {target} has no row; write whose bytes it tries on which parser")
+
+
 def check_readmes(paths, breaches):
     folders = {"/".join(path.split("/")[:-1]) for path in paths if "/" in path}
     for folder in sorted(folders):
@@ -240,6 +266,7 @@ def check(root):
     for path in cpp_source.cpp_files(root, CODE_FOLDERS):
         check_code(path, cpp_source.read(root, path), breaches)
     check_corpora(root, paths, breaches)
+    check_fuzz_table(root, set(paths), breaches)
     check_readmes(set(paths), breaches)
     check_features(root, set(paths), breaches)
     check_defects(root, set(paths), breaches)

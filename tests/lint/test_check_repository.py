@@ -42,9 +42,16 @@ class CheckRepository(PlantedTreeTest):
         self.assert_one_breach(self.check_code("tests/a.cpp", "GTEST_SKIP();\n"), "reason")
         self.assertEqual(self.check_code("tests/a.cpp", 'GTEST_SKIP() << "no strace";\n'), [])
 
+    def plant_fuzz_table(self, *rows):
+        self.plant("tests/fuzz/README.md", "| bytes of | parser | target |\n|---|---|---|\n" + "".join(rows))
+
+    @staticmethod
+    def fuzz_row(target, parser="tests/README.md"):
+        return f"| somebody | `{parser}` | `{target}` |\n"
+
     def test_refuses_a_corpus_without_a_target_and_the_reverse(self):
         self.plant("tests/README.md", "")
-        self.plant("tests/fuzz/README.md", "")
+        self.plant_fuzz_table(self.fuzz_row("codec_fuzz"))
         self.plant("tests/fuzz/CMakeLists.txt", "thimble_fuzz(codec_fuzz\n  SOURCES a.cpp)\n")
         self.plant("tests/data/README.md", "")
         self.plant("tests/data/corpus/codec_fuzz/seed", "")
@@ -53,9 +60,26 @@ class CheckRepository(PlantedTreeTest):
         self.plant("tests/data/corpus/lonely_fuzz/seed", "")
         self.assert_one_breach(self.check_all(), "corpus/lonely_fuzz", "thimble_fuzz")
 
+        self.plant_fuzz_table(*(self.fuzz_row(f"{name}_fuzz") for name in ("codec", "lonely", "bare")))
         self.plant("tests/fuzz/CMakeLists.txt",
                    "thimble_fuzz(codec_fuzz)\nthimble_fuzz(lonely_fuzz)\nthimble_fuzz(bare_fuzz)\n")
         self.assert_one_breach(self.check_all(), "bare_fuzz", "seed files")
+
+    def test_refuses_a_fuzz_target_without_its_row_and_the_reverse(self):
+        self.plant("tests/README.md", "")
+        self.plant("tests/data/README.md", "")
+        self.plant("tests/data/corpus/codec/seed", "")
+        self.plant("tests/fuzz/CMakeLists.txt", "thimble_fuzz(codec SOURCES a.cpp)\n")
+        for rows, words in (((), ("codec has no row",)),
+                            ((self.fuzz_row("codec"), self.fuzz_row("gone")), ("no fuzz target gone",)),
+                            ((self.fuzz_row("codec", "hal/gone.hpp"),), ("hal/gone.hpp does not exist",)),
+                            ((self.fuzz_row("codec"), "| somebody | a parser | `codec` |\n"),
+                             ("README.md:4:", "a row is"))):
+            with self.subTest(words):
+                self.plant_fuzz_table(*rows)
+                self.assert_one_breach(self.check_all(), *words)
+        self.plant_fuzz_table(self.fuzz_row("codec"))
+        self.assertEqual(self.check_all(), [])
 
     def test_refuses_a_folder_without_readme(self):
         self.plant("hal/README.md", "")
