@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <utility>
 
+#include "hal/linux/serial_port.hpp"
 #include "hal/linux/system_error.hpp"
 #include "hal/linux/usb_device.hpp"
 
@@ -21,6 +22,12 @@ bool is_among(const FoundDevice& wanted, const std::vector<FoundDevice>& devices
   return std::any_of(devices.begin(), devices.end(), [&](const FoundDevice& device) {
     return device.identity == wanted.identity && device.info == wanted.info;
   });
+}
+
+Result<Descriptor> share_open(const bus::DeviceAddress& address, int node) {
+  Descriptor shared(::fcntl(node, F_DUPFD_CLOEXEC, 0));
+  if (shared.get() < 0) return tl::unexpected(system_error(address.text + kRefused, errno));
+  return shared;
 }
 
 }  // namespace
@@ -98,12 +105,26 @@ Result<std::unique_ptr<bus::UsbDevice>> BusEnumerator::open_usb(const bus::Devic
                          settings_.process);
 }
 
+Result<std::unique_ptr<bus::SerialPort>> BusEnumerator::open_serial(
+    const bus::DeviceAddress& address, const bus::SerialLine& line) {
+  const Result<FoundDevice> found = find(address, bus::BusKind::Serial);
+  if (!found.has_value()) return tl::unexpected(found.error());
+  auto port = SerialPort::open(found->node, address, line, settings_);
+  if (!port.has_value()) return tl::unexpected(port.error());
+  const Result<void> same = check_same(found.value());
+  if (!same.has_value()) return tl::unexpected(same.error());
+  serial_nodes_[address] = (*port)->node();
+  return std::move(port.value());
+}
+
 Result<Descriptor> BusEnumerator::share(const bus::DeviceAddress& address) {
   const auto usb = usb_nodes_.find(address);
-  if (usb != usb_nodes_.end()) {
-    Descriptor shared(::fcntl(usb->second.get(), F_DUPFD_CLOEXEC, 0));
-    if (shared.get() < 0) return tl::unexpected(system_error(address.text + kRefused, errno));
-    return shared;
+  if (usb != usb_nodes_.end()) return share_open(address, usb->second.get());
+  const auto serial = serial_nodes_.find(address);
+  if (serial != serial_nodes_.end()) {
+    const std::shared_ptr<const Descriptor> node = serial->second.lock();
+    if (node == nullptr) return fail(Errc::NotFound, address.text + " is not open");
+    return share_open(address, node->get());
   }
   const Result<FoundDevice> found = find(address, bus::BusKind::Hid);
   if (!found.has_value()) return tl::unexpected(found.error());

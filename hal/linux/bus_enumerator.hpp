@@ -14,14 +14,15 @@
 
 namespace thimble::linux {
 
-// The HID and USB devices of this machine. Addresses: hid_address.hpp, and "usb:1-4" for port 4 of
-// bus 1. To list opens no device and sends nothing.
+// The HID devices, serial ports and USB devices of this machine. Addresses: hid_address.hpp, and
+// "usb:1-4" for port 4 of bus 1. To list opens no device and sends nothing.
 //
 // What came and went is found by looking again when udevd says that something has: a device that
 // left and returned between two looks is told of as Left, then Arrived.
 //
 // Thread, errors: as bus::BusEnumerator; open_hid() as HidHost::open(), open_usb() as
-// UsbDevice::open(). Ownership: must outlive the devices it opened.
+// UsbDevice::open(), open_serial() as SerialPort::open(). Ownership: must outlive the devices it
+// opened.
 class BusEnumerator final : public bus::BusEnumerator {
  public:
   explicit BusEnumerator(const BusSettings& settings);
@@ -32,8 +33,11 @@ class BusEnumerator final : public bus::BusEnumerator {
       const bus::DeviceAddress& address) override;
   [[nodiscard]] Result<std::unique_ptr<bus::UsbDevice>> open_usb(
       const bus::DeviceAddress& address, const bus::UsbClaim& claim) override;
+  [[nodiscard]] Result<std::unique_ptr<bus::SerialPort>> open_serial(
+      const bus::DeviceAddress& address, const bus::SerialLine& line) override;
   // Another descriptor of a device that this opened, for a process that may have to let the arm go
-  // when this one cannot: of a USB device with the same claim. NotFound, Permission or System.
+  // when this one cannot: of a USB device with the same claim, of a
+  // serial port the very node, for nobody else can open it. NotFound, Permission or System.
   [[nodiscard]] Result<Descriptor> share(const bus::DeviceAddress& address);
 
  private:
@@ -49,6 +53,7 @@ class BusEnumerator final : public bus::BusEnumerator {
   std::deque<bus::BusEvent> events_;
   HidHost hids_;
   std::map<bus::DeviceAddress, Descriptor> usb_nodes_;  // of the newest opening of each
+  std::map<bus::DeviceAddress, std::weak_ptr<const Descriptor>> serial_nodes_;
 };
 
 }  // namespace thimble::linux

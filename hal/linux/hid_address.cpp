@@ -25,6 +25,18 @@ bool is_alone(std::span<const HidPlace> places, const HidPlace& place) {
   });
 }
 
+std::vector<bus::DeviceAddress> addresses_of(std::string_view scheme,
+                                             std::span<const HidPlace> places) {
+  std::vector<bus::DeviceAddress> addresses;
+  for (const HidPlace& place : places) {
+    const bool has_serial = is_usable_serial(place.serial_number) && is_alone(places, place);
+    std::string text = std::string(scheme) + (has_serial ? place.serial_number : place.port);
+    if (place.interface_number > 0) text += ":1." + std::to_string(place.interface_number);
+    addresses.push_back({text});
+  }
+  return addresses;
+}
+
 }  // namespace
 
 bool is_usable_serial(const std::string& serial_number) noexcept {
@@ -34,14 +46,11 @@ bool is_usable_serial(const std::string& serial_number) noexcept {
 }
 
 std::vector<bus::DeviceAddress> hid_addresses(std::span<const HidPlace> places) {
-  std::vector<bus::DeviceAddress> addresses;
-  for (const HidPlace& place : places) {
-    const bool has_serial = is_usable_serial(place.serial_number) && is_alone(places, place);
-    std::string text = "hid:" + (has_serial ? place.serial_number : place.port);
-    if (place.interface_number > 0) text += ":1." + std::to_string(place.interface_number);
-    addresses.push_back({text});
-  }
-  return addresses;
+  return addresses_of("hid:", places);
+}
+
+std::vector<bus::DeviceAddress> serial_addresses(std::span<const HidPlace> places) {
+  return addresses_of("serial:", places);
 }
 
 }  // namespace thimble::linux

@@ -8,12 +8,12 @@
 
 namespace thimble::linux {
 
-// What there is to name a HID device by.
+// What there is to name a HID device, or a serial port, by.
 struct HidPlace {
   // Where it is plugged in: "1-4.2" (bus 1, port 4, port 2 of the hub there); what is on no USB
   // has a name of its own there.
   std::string port;
-  unsigned interface_number{0};  // of a USB device that shows as several HID devices
+  unsigned interface_number{0};  // of a USB device that shows as several of them
   std::string serial_number;     // as the device says it; empty: none
 };
 
@@ -25,5 +25,7 @@ struct HidPlace {
 // interface N above 0 (decision 0246). All differ where port and interface do.
 // Thread: any. Not RT. Pure.
 [[nodiscard]] std::vector<bus::DeviceAddress> hid_addresses(std::span<const HidPlace> places);
+// The same of serial ports, "serial:SERIAL" and "serial:PORT".
+[[nodiscard]] std::vector<bus::DeviceAddress> serial_addresses(std::span<const HidPlace> places);
 
 }  // namespace thimble::linux

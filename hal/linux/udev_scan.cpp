@@ -105,6 +105,18 @@ void read_lengths(udev_device* hid, bus::BusDeviceInfo& info) {
   info.has_report_ids = lengths->has_report_ids;
 }
 
+// Of a node that hangs, somewhere, on a USB interface.
+std::uint8_t interface_number(udev_device* node) {
+  udev_device* interface =
+      ::udev_device_get_parent_with_subsystem_devtype(node, "usb", "usb_interface");
+  const std::string number = interface == nullptr ? "" : attribute(interface, "bInterfaceNumber");
+  return number_of<std::uint8_t>(number, 16).value_or(0);
+}
+
+udev_device* usb_device_of(udev_device* node) {
+  return ::udev_device_get_parent_with_subsystem_devtype(node, "usb", "usb_device");
+}
+
 std::optional<ReadDevice> read_hid(udev_device* hidraw) {
   udev_device* hid = ::udev_device_get_parent_with_subsystem_devtype(hidraw, "hid", nullptr);
   if (hid == nullptr) return std::nullopt;
@@ -114,14 +126,11 @@ std::optional<ReadDevice> read_hid(udev_device* hidraw) {
   bus::BusDeviceInfo& info = found.device.info;
   info.kind = bus::BusKind::Hid;
   if (found.device.node.empty() || !read_ids(property(hid, "HID_ID"), info)) return std::nullopt;
-  udev_device* usb = ::udev_device_get_parent_with_subsystem_devtype(hid, "usb", "usb_device");
+  udev_device* usb = usb_device_of(hid);
   if (usb != nullptr) {
     read_strings(usb, info);
     place.port = text_of(::udev_device_get_sysname(usb));
-    udev_device* interface =
-        ::udev_device_get_parent_with_subsystem_devtype(hid, "usb", "usb_interface");
-    const std::string number = interface == nullptr ? "" : attribute(interface, "bInterfaceNumber");
-    place.interface_number = number_of<std::uint8_t>(number, 16).value_or(0);
+    place.interface_number = interface_number(hid);
   } else {
     info.product = property(hid, "HID_NAME");
     place.port = text_of(::udev_device_get_sysname(hid));
@@ -132,17 +141,36 @@ std::optional<ReadDevice> read_hid(udev_device* hidraw) {
   return found;
 }
 
+bool read_usb_ids(udev_device* usb, bus::BusDeviceInfo& info) {
+  const auto vendor = number_of<std::uint16_t>(attribute(usb, "idVendor"), 16);
+  const auto product = number_of<std::uint16_t>(attribute(usb, "idProduct"), 16);
+  if (!vendor || !product) return false;
+  info.vendor_id = *vendor;
+  info.product_id = *product;
+  return true;
+}
+
+std::optional<ReadDevice> read_serial(udev_device* tty) {
+  udev_device* usb = usb_device_of(tty);
+  if (usb == nullptr) return std::nullopt;
+  ReadDevice found;
+  found.device.node = text_of(::udev_device_get_devnode(tty));
+  bus::BusDeviceInfo& info = found.device.info;
+  info.kind = bus::BusKind::Serial;
+  if (found.device.node.empty() || !read_usb_ids(usb, info)) return std::nullopt;
+  read_strings(usb, info);
+  found.place = {text_of(::udev_device_get_sysname(usb)), interface_number(tty),
+                 info.serial_number};
+  return found;
+}
+
 std::optional<ReadDevice> read_usb(udev_device* usb) {
   ReadDevice found;
   found.device.node = text_of(::udev_device_get_devnode(usb));
-  const auto vendor = number_of<std::uint16_t>(attribute(usb, "idVendor"), 16);
-  const auto product = number_of<std::uint16_t>(attribute(usb, "idProduct"), 16);
-  if (found.device.node.empty() || !vendor || !product) return std::nullopt;
   bus::BusDeviceInfo& info = found.device.info;
+  if (found.device.node.empty() || !read_usb_ids(usb, info)) return std::nullopt;
   info.kind = bus::BusKind::Usb;
   info.address = {"usb:" + text_of(::udev_device_get_sysname(usb))};
-  info.vendor_id = *vendor;
-  info.product_id = *product;
   read_strings(usb, info);
   const auto configuration =
       number_of<std::uint8_t>(attribute(usb, "bConfigurationValue"), 10).value_or(0);
@@ -162,7 +190,14 @@ struct Place {
 
 std::optional<Place> place_of(udev_device* device) {
   const std::string path = text_of(::udev_device_get_syspath(device));
-  if (text_of(::udev_device_get_subsystem(device)) != "usb") return Place{path, path};
+  const std::string subsystem = text_of(::udev_device_get_subsystem(device));
+  if (subsystem == "tty") {
+    // Those on no USB are the machine's own, of which it lists dozens that are not there.
+    udev_device* usb = usb_device_of(device);
+    if (usb == nullptr) return std::nullopt;
+    return Place{path, path + " " + attribute(usb, "devnum")};
+  }
+  if (subsystem != "usb") return Place{path, path};
   const std::string type = text_of(::udev_device_get_devtype(device));
   if (type != "usb_device" || attribute(device, "bDeviceClass") == kHubClass) return std::nullopt;
   return Place{path, path + " " + attribute(device, "devnum")};
@@ -188,24 +223,35 @@ std::optional<ReadDevice> read_at(const Place& place) {
   if (context == nullptr) return std::nullopt;
   const Device device(::udev_device_new_from_syspath(context.get(), place.path.c_str()));
   if (device == nullptr) return std::nullopt;
-  const bool is_usb = text_of(::udev_device_get_subsystem(device.get())) == "usb";
-  std::optional<ReadDevice> found = is_usb ? read_usb(device.get()) : read_hid(device.get());
+  const std::string subsystem = text_of(::udev_device_get_subsystem(device.get()));
+  const auto read = subsystem == "usb" ? &read_usb : subsystem == "tty" ? &read_serial : &read_hid;
+  std::optional<ReadDevice> found = read(device.get());
   if (found) found->device.identity = place.identity;
   return found;
 }
 
-std::vector<FoundDevice> with_addresses(std::vector<ReadDevice> read) {
+// Those of one kind, by their places among each other.
+void address(std::vector<ReadDevice>& read, bus::BusKind kind,
+             std::vector<bus::DeviceAddress> (*addresses_of)(std::span<const HidPlace>)) {
+  const auto is_meant = [&](const ReadDevice& one) {
+    return one.place && one.device.info.kind == kind;
+  };
   std::vector<HidPlace> places;
   for (const ReadDevice& one : read) {
-    if (one.place) places.push_back(*one.place);
+    if (is_meant(one)) places.push_back(*one.place);
   }
-  std::vector<bus::DeviceAddress> addresses = hid_addresses(places);
-  std::vector<FoundDevice> found;
+  const std::vector<bus::DeviceAddress> addresses = addresses_of(places);
   std::size_t next = 0;
   for (ReadDevice& one : read) {
-    if (one.place) one.device.info.address = std::move(addresses[next++]);
-    found.push_back(std::move(one.device));
+    if (is_meant(one)) one.device.info.address = addresses[next++];
   }
+}
+
+std::vector<FoundDevice> with_addresses(std::vector<ReadDevice> read) {
+  address(read, bus::BusKind::Hid, &hid_addresses);
+  address(read, bus::BusKind::Serial, &serial_addresses);
+  std::vector<FoundDevice> found;
+  for (ReadDevice& one : read) found.push_back(std::move(one.device));
   return found;
 }
 
@@ -222,6 +268,7 @@ UdevScan::UdevScan() : context_(::udev_new()) {
   monitor_.reset(::udev_monitor_new_from_netlink(context_.get(), "udev"));
   if (monitor_ == nullptr) return;
   ::udev_monitor_filter_add_match_subsystem_devtype(monitor_.get(), "hidraw", nullptr);
+  ::udev_monitor_filter_add_match_subsystem_devtype(monitor_.get(), "tty", nullptr);
   ::udev_monitor_filter_add_match_subsystem_devtype(monitor_.get(), "usb", "usb_device");
   if (::udev_monitor_enable_receiving(monitor_.get()) < 0) monitor_.reset();
 }
@@ -232,6 +279,7 @@ std::vector<FoundDevice> UdevScan::devices() {
   std::vector<Place> places;
   if (context_ != nullptr) {
     add_places(context_.get(), "hidraw", places);
+    add_places(context_.get(), "tty", places);
     add_places(context_.get(), "usb", places);
   }
   std::set<std::string> identities;

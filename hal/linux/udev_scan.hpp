@@ -10,8 +10,9 @@ struct udev_monitor;
 
 namespace thimble::linux {
 
-// Looks at the machine's HID and USB devices through libudev: descriptors and strings as the
-// kernel keeps them since each was plugged in. Opens no device and sends nothing to any.
+// Looks at the machine's HID devices, serial ports on USB, and USB devices through libudev:
+// descriptors and strings as the kernel keeps them since each was plugged in. Opens no device and
+// sends nothing to any.
 //
 // Whatever a device says is bounded and total: strings are cut after 256 bytes, descriptors that
 // do not parse give a device without reports or endpoints.
@@ -28,10 +29,9 @@ class UdevScan {
   UdevScan(const UdevScan&) = delete;
   UdevScan& operator=(const UdevScan&) = delete;
 
-  // HID devices, then USB devices but hubs; also those whose rules udevd is about to apply: who may
-  // not open one yet tries again.
-  // Waits kPatience for the first that is held up, and kFurtherPatience for each that is from then
-  // on.
+  // HID devices, then serial ports, then USB devices but hubs; also those whose rules udevd is
+  // about to apply: who may not open one yet tries again. Waits kPatience for the first that is
+  // held up, and kFurtherPatience for each that is from then on.
   [[nodiscard]] std::vector<FoundDevice> devices();
   // Whether something came or went since the last call, as far as udevd tells, or can be read at
   // last. Never waits.

@@ -102,6 +102,41 @@ TEST_F(LinuxEnumerator, DescribesAUsbDeviceAndLeavesHubsOut) {
                                                {0, 0x02, bus::UsbTransferKind::Bulk, 64, 0}}));
 }
 
+TEST_F(LinuxEnumerator, DescribesASerialPortOnUsbAndLeavesTheMachinesOwnOut) {
+  machine.plug_console("ttyS0");
+  machine.plug(
+      Usb{.port = "1-4", .vendor_id = "16c0", .product_id = "0483", .serial_number = "1234567"});
+  machine.plug(MockMachine::SerialDevice{.port = "1-4"});
+  EXPECT_EQ(addresses(), (Texts{"serial:1234567", "usb:1-4"}));
+  const bus::BusDeviceInfo info = info_of("serial:1234567");
+  EXPECT_EQ(info.kind, bus::BusKind::Serial);
+  EXPECT_EQ(info.vendor_id, 0x16C0);
+  EXPECT_EQ(info.product_id, 0x0483);
+  EXPECT_EQ(info.serial_number, "1234567");
+  EXPECT_EQ(events(), (Texts{"+serial:1234567", "+usb:1-4"}));
+}
+
+TEST_F(LinuxEnumerator, APortWithoutASerialNumberOrOfAnInterfaceOfManyIsNamedByItsPlace) {
+  machine.plug(Usb{.port = "1-4", .number = 4});
+  machine.plug(MockMachine::SerialDevice{.port = "1-4", .name = "ttyACM0"});
+  machine.plug(Usb{.port = "1-5", .serial_number = "AB", .number = 5});
+  machine.plug(MockMachine::SerialDevice{.port = "1-5", .interface_number = 2, .name = "ttyUSB3"});
+  EXPECT_EQ(addresses(), (Texts{"serial:1-4", "serial:AB:1.2", "usb:1-4", "usb:1-5"}));
+}
+
+TEST_F(LinuxEnumerator, ASerialPortIsOpenedAsNothingElseAndSharedOnlyWhileItIsOpen) {
+  machine.plug(Usb{.serial_number = "AB"});
+  const std::string path = machine.plug(MockMachine::SerialDevice{});
+  EXPECT_EQ(sut->open_hid({"serial:AB"}).error().code, Errc::NotFound);
+  EXPECT_EQ(sut->open_serial({"usb:1-4"}, {}).error().code, Errc::NotFound);
+  const auto port = sut->open_serial({"serial:AB"}, {});  // the node is a plain file here
+  ASSERT_FALSE(port.has_value());
+  EXPECT_NE(port.error().message.find("no terminal"), std::string::npos) << port.error().message;
+  EXPECT_FALSE(sut->share({"serial:AB"}).has_value());
+  machine.unplug(path);
+  EXPECT_EQ(sut->open_serial({"serial:AB"}, {}).error().code, Errc::NotFound);
+}
+
 TEST_F(LinuxEnumerator, ASecondOneOfTheSameSerialNumberLeavesThemTheirPorts) {
   plug_arm("1-4", "X", 0);
   EXPECT_EQ(events(), (Texts{"+hid:X", "+usb:1-4"}));

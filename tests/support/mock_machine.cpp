@@ -73,13 +73,34 @@ std::string MockMachine::plug(const UsbDevice& device) {
 }
 
 std::string MockMachine::plug(const HidDevice& device) {
-  const std::string number = std::to_string(device.interface_number);
-  const std::string usb = std::string(kController) + "/" + device.port;
+  return plug_below(plug_interface(device.port, device.interface_number), device);
+}
+
+std::string MockMachine::plug(const SerialDevice& device) {
+  return plug_node("tty", device.name, plug_interface(device.port, device.interface_number));
+}
+
+std::string MockMachine::plug_console(const std::string& name) {
+  return plug_node("tty", name, "");
+}
+
+std::string MockMachine::plug_interface(const std::string& port, int number) {
+  const std::string digits = std::to_string(number);
   const std::string interface =
-      add(bed_, "usb", device.port + ":1." + number, usb, Pairs({"bInterfaceNumber", "0" + number}),
-          Pairs({"DEVTYPE", "usb_interface"}));
+      add(bed_, "usb", port + ":1." + digits, std::string(kController) + "/" + port,
+          Pairs({"bInterfaceNumber", "0" + digits}), Pairs({"DEVTYPE", "usb_interface"}));
   paths_.push_back(interface);
-  return plug_below(interface, device);
+  return interface;
+}
+
+std::string MockMachine::plug_node(const char* subsystem, const std::string& name,
+                                   const std::string& parent) {
+  const std::string path =
+      add(bed_, subsystem, name, parent, Pairs({}), Pairs({"DEVNAME", "/dev/" + name}));
+  paths_.push_back(path);
+  nodes_[path] = make_node("/dev/" + name);
+  say(path, "add");
+  return path;
 }
 
 std::string MockMachine::plug_virtual(const HidDevice& device) {
@@ -93,13 +114,7 @@ std::string MockMachine::plug_below(const std::string& parent, const HidDevice& 
           Pairs({"HID_ID", device.ids, "HID_NAME", "Maker Arm", "HID_UNIQ", device.serial_number}));
   set_bytes(bed_, hid, "report_descriptor", device.report_descriptor);
   paths_.push_back(hid);
-  const std::string name = "hidraw" + std::to_string(device.node_number);
-  const std::string path =
-      add(bed_, "hidraw", name, hid, Pairs({}), Pairs({"DEVNAME", "/dev/" + name}));
-  paths_.push_back(path);
-  nodes_[path] = make_node("/dev/" + name);
-  say(path, "add");
-  return path;
+  return plug_node("hidraw", "hidraw" + std::to_string(device.node_number), hid);
 }
 
 // A plain file: what is below it, others stand in for.

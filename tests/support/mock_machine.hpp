@@ -42,9 +42,18 @@ class MockMachine {
     Bytes report_descriptor{};
   };
 
+  struct SerialDevice {
+    std::string port{"1-4"};
+    int interface_number{0};
+    std::string name{"ttyACM0"};
+  };
+
   // Each returns the path below /sys, and is told of to who listens.
   std::string plug(const UsbDevice& device);
   std::string plug(const HidDevice& device);
+  std::string plug(const SerialDevice& device);
+  // One of the machine's own, on no USB.
+  std::string plug_console(const std::string& name);
   // One that is on no USB, as of uhid.
   std::string plug_virtual(const HidDevice& device);
   // With all that is below it.
@@ -61,6 +70,8 @@ class MockMachine {
  private:
   [[nodiscard]] std::string root() const;
   std::string make_node(const std::string& name);
+  std::string plug_interface(const std::string& port, int number);
+  std::string plug_node(const char* subsystem, const std::string& name, const std::string& parent);
   std::string plug_below(const std::string& parent, const HidDevice& device);
 
   _UMockdevTestbed* bed_;

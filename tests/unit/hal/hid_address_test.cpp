@@ -30,6 +30,15 @@ TEST(HidAddress, NamesFurtherInterfacesOfADevice) {
             (Texts{"hid:A1", "hid:A1:1.1", "hid:1-5:1.2"}));
 }
 
+TEST(HidAddress, OfASerialPortIsMadeInTheSameWay) {
+  const std::vector<HidPlace> places{{"1-4", 0, "A1"}, {"1-5", 0, ""}, {"1-6", 2, "B"}};
+  const std::vector<bus::DeviceAddress> addresses = serial_addresses(places);
+  ASSERT_EQ(addresses.size(), 3U);
+  EXPECT_EQ(addresses[0].text, "serial:A1");
+  EXPECT_EQ(addresses[1].text, "serial:1-5");
+  EXPECT_EQ(addresses[2].text, "serial:B:1.2");
+}
+
 TEST(HidAddress, TakesNoSerialNumberThatReadsLikeSomethingElse) {
   for (const std::string& odd :
        {std::string("1-4"), std::string("10-4.2.1"), std::string("4-"), std::string("A1:1.1"),
