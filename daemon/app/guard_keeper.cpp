@@ -29,12 +29,14 @@ using linux::Descriptor;
 constexpr const char* kEnded =
     "it ended; the journal has its word, journalctl -u 'thimble-guard@*'";
 
-// USB devices take the bytes as they are; hidraw wants the report's number first, 0 for none.
-guard::Handover handover_of(const ZeroCommand& zero) {
+// USB devices and serial ports take the bytes as they are; hidraw wants the report's number first,
+// 0 for none.
+guard::Handover handover_of(const bus::DeviceAddress& address, const ZeroCommand& zero) {
   guard::Handover handover;
   handover.endpoint = zero.endpoint;
-  const bool is_hid = zero.endpoint == 0;
-  handover.route = is_hid ? guard::ZeroRoute::Write : guard::ZeroRoute::UsbBulk;
+  const bool is_written = zero.endpoint == 0;
+  const bool is_hid = is_written && !address.text.starts_with("serial:");
+  handover.route = is_written ? guard::ZeroRoute::Write : guard::ZeroRoute::UsbBulk;
   static_assert(ZeroCommand::kMaxBytes + 1 <= guard::kMaxZeroBytes);
   const std::size_t first = is_hid ? 1 : 0;
   std::copy(zero.bytes.begin(), zero.bytes.end(), handover.bytes.begin() + first);
@@ -69,8 +71,8 @@ class GuardProcess final : public devices::ArmGuard {
     if (!node) return tl::unexpected(node.error());
     auto connection = keeper_.connect();
     if (!connection) return tl::unexpected(connection.error());
-    const Result<void> sent =
-        guard::send_handover(connection->get(), handover_of(zero), node->get(), page_.descriptor());
+    const Result<void> sent = guard::send_handover(connection->get(), handover_of(address, zero),
+                                                   node->get(), page_.descriptor());
     if (!sent) return fail(Errc::System, kEnded);
     Result<void> answered = wait_for_answer(connection->get());
     if (answered) connection_ = *std::move(connection);

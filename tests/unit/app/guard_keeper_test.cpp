@@ -79,6 +79,13 @@ TEST_F(GuardKeeperTest, StartsAGuardThatLetsTheArmGoWhenTheBeatsStop) {
   EXPECT_TRUE(guard->is_watching());
 }
 
+TEST_F(GuardKeeperTest, ASerialPortTakesTheBytesAsTheyAre) {
+  const auto guard = make();
+  ASSERT_TRUE(guard->watch({"serial:42"}, zero_));
+  guard->heartbeat().is_driven = 1;
+  EXPECT_EQ(next_report().substr(0, 2), "\7\11");
+}
+
 TEST_F(GuardKeeperTest, AGuardThatIsGivenUpLetsTheArmGo) {
   auto guard = make();
   ASSERT_EQ(refusal(*guard), "");
