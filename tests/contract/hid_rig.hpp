@@ -26,6 +26,8 @@ class HidRig {
   virtual void unplug() = 0;
   virtual void run_for(Duration duration) = 0;
   [[nodiscard]] virtual std::size_t input_report_bytes() const = 0;
+  // What is shorter may be lost on the way.
+  [[nodiscard]] virtual std::size_t least_report_bytes() const { return 1; }
   [[nodiscard]] virtual std::size_t output_report_bytes() const = 0;
   [[nodiscard]] virtual Duration frame_period() const = 0;
 };
