@@ -35,8 +35,8 @@ class TextLink final : public ControllerLink {
   THIMBLE_RT_IO IoStatus write_currents(const std::array<double, 3>& current_a) noexcept override;
   THIMBLE_RT_IO IoStatus zero_counters() noexcept override;
   [[nodiscard]] bool is_zeroed_by_press() const noexcept override { return true; }
-  // Its USB is the processor's own: a reset takes the port away.
-  [[nodiscard]] bool may_be_reset_unseen() const noexcept override { return false; }
+  // By a press of its button: nobody sees the jump while it is silent.
+  [[nodiscard]] bool may_be_reset_unseen() const noexcept override { return true; }
   [[nodiscard]] Duration watchdog() const noexcept override { return text::kWatchdog; }
   [[nodiscard]] DeviceCounters counters() const noexcept override;
   [[nodiscard]] ZeroCommand zero_command() const noexcept override;

@@ -9,7 +9,7 @@ namespace {
 
 namespace text = phantom::text;
 
-constexpr MotorAmplifier::Pwm kPwm{from_seconds(1 / text::kPwmHz), 8191};  // 13 bits
+constexpr MotorAmplifier::Pwm kPwm{from_seconds(1 / text::kPwmHz), 8192};  // 13 bits
 constexpr double kAmperesPerStep = 0.001;
 
 }  // namespace
