@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <boost/asio/ip/udp.hpp>
+#include <cstdio>
 #include <memory>
 #include <mutex>
 #include <ostream>
@@ -132,35 +133,56 @@ TEST_F(ServoThreadGuard, NorInAReleaseAStopItsRecordingAndTheReturn) {
 // Something in the simulated arm that does what it must not.
 class PlantedBreach final : public sim::Event {
  public:
-  explicit PlantedBreach(bool is_lock) : is_lock_(is_lock) {}
+  enum class Kind { Allocation, Lock, Print };
+  explicit PlantedBreach(Kind kind) : kind_(kind) {}
   void fire(MonotonicTime) noexcept override {
-    if (is_lock_) {
+    if (kind_ == Kind::Lock) {
       const std::lock_guard lock(mutex_);
-      return;
     }
+    if (kind_ == Kind::Print) std::fputs("here", stdout);
+    if (kind_ != Kind::Allocation) return;
     word_ = std::make_unique<std::string>("short");
     word_.reset();
   }
 
  private:
-  bool is_lock_;
+  Kind kind_;
   std::mutex mutex_;
   std::unique_ptr<std::string> word_;
 };
+
+// All that the process writes to its standard streams while `work` runs, buffered or not.
+template <class Work>
+std::string printed_by(Work work) {
+  ::testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStderr();
+  work();
+  return ::testing::internal::GetCapturedStdout() + ::testing::internal::GetCapturedStderr();
+}
 
 // The printed callback shared critical sections with the network and printed ten times a second.
 using ThesisDefect = ServoThreadGuard;
 TEST_F(ThesisDefect, TheServoWaitsForNoLockAndPrintsNothing) {
   GuardedLoop sut(over_loopback(), Pace::RealTimeBrake);
   ASSERT_TRUE(sut.is_made());
-  EXPECT_EQ(sut.run(kTicks), kNothing);
+  ThreadCalls calls;
+  EXPECT_EQ(printed_by([&] { calls = sut.run(kTicks); }), "");
+  EXPECT_EQ(calls, kNothing);
   EXPECT_GT(sut.snapshot().total_contacts, 0U) << "the guard saw nothing of interest";
+}
+
+TEST_F(ServoThreadGuard, CatchesOneWordInTenThousandTicks) {
+  GuardedLoop sut(one_host(), Pace::Virtual);
+  ASSERT_TRUE(sut.is_made());
+  PlantedBreach breach(PlantedBreach::Kind::Print);
+  sut.arm().sim_arm()->clock().events().schedule_at(breach, MonotonicTime{std::chrono::seconds(7)});
+  EXPECT_EQ(printed_by([&] { sut.run(kTicks); }), "here");
 }
 
 TEST_F(ServoThreadGuard, CatchesOneAllocationInTenThousandTicks) {
   GuardedLoop sut(one_host(), Pace::RealTimeBrake);
   ASSERT_TRUE(sut.is_made());
-  PlantedBreach breach(false);
+  PlantedBreach breach(PlantedBreach::Kind::Allocation);
   sut.arm().sim_arm()->clock().events().schedule_at(breach, MonotonicTime{std::chrono::seconds(7)});
   EXPECT_EQ(sut.run(kTicks), (ThreadCalls{.allocations = 1, .frees = 1, .locks = 0}));
 }
@@ -168,7 +190,7 @@ TEST_F(ServoThreadGuard, CatchesOneAllocationInTenThousandTicks) {
 TEST_F(ServoThreadGuard, CatchesOneLockInTenThousandTicks) {
   GuardedLoop sut(one_host(), Pace::RealTimeBrake);
   ASSERT_TRUE(sut.is_made());
-  PlantedBreach breach(true);
+  PlantedBreach breach(PlantedBreach::Kind::Lock);
   sut.arm().sim_arm()->clock().events().schedule_at(breach, MonotonicTime{std::chrono::seconds(7)});
   EXPECT_EQ(sut.run(kTicks), (ThreadCalls{.allocations = 0, .frees = 0, .locks = 1}));
 }
