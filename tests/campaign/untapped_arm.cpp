@@ -43,6 +43,8 @@ class UntappedArm final : public Invariant {
     const bool is_unreached =
         frame.state == OperatingState::Lost && frame.now - well_since <= kLookedFor;
     if (norm(frame.force) > 0 || is_unreached) asked_at_ = frame.now;
+    // Its motors keep what they had, in whatever pose a hand brings it to.
+    if (is_unreached) doubted_at_ = frame.now;
     if (frame.now - std::max(asked_at_, well_since + kFoundAgain) > reach) {
       findings.at_most("force of motors of which nothing is asked, N", norm(force), 0);
     }

@@ -68,6 +68,17 @@ TEST(UntappedArm, SeesANormBeyondTheLimitButForAPoseThatWasReadWrong) {
   EXPECT_THAT(course.broken(), HasSubstr("norm of the force at the arm"));
 }
 
+TEST(UntappedArm, GrantsALostArmThePoseThatAHandBringsItTo) {
+  GoodCourse course(&make_untapped_arm);
+  course.run(300, [](Observation& now) {
+    now.servo.frame.state = OperatingState::Lost;
+    too_strong(now);
+  });
+  EXPECT_EQ(course.broken(), "");
+  course.run(61, &too_strong);
+  EXPECT_THAT(course.broken(), HasSubstr("norm of the force at the arm"));
+}
+
 TEST(UntappedArm, SeesWhatIsNotFinite) {
   GoodCourse course(&make_untapped_arm);
   course.run(1, [](Observation& now) { now.truth.motor_force.y = 1.0 / 0.0; });
