@@ -61,9 +61,12 @@ Verdict missing_chip(const Facts& facts, const std::string& chip) {
 
 // What /sys calls the device, or, of HID, all devices with its ids: their numbers are counted on.
 std::string lasting_name(const std::string& device) {
-  const std::size_t dot = device.rfind('.');
-  const bool is_hid = std::count(device.begin(), device.end(), ':') == 2 && dot != device.npos;
-  return is_hid ? "*" + device.substr(device.find(':'), dot - device.find(':')) + ".*" : device;
+  // "0003:10C4:EA90.0007"; a place on PCI, "0000:00:1f.0", lasts as it is.
+  constexpr std::size_t kBusEnd = 4;
+  constexpr std::size_t kProductEnd = 14;
+  const bool is_hid = device.size() == 19 && device[kBusEnd] == ':' && device[9] == ':' &&
+                      device[kProductEnd] == '.';
+  return is_hid ? "*" + device.substr(kBusEnd, kProductEnd - kBusEnd) + ".*" : device;
 }
 
 Verdict closed_chip(const Facts& facts, const GpioChip& chip) {

@@ -98,10 +98,13 @@ TEST_F(DoctorSafety, NamesAChipOfTheBoardByItsDevice) {
   safety_.chip = "board";
   safety_.estop = {"a"};
   machine_.chmod("dev/gpiochip0", 0600);
-  machine_.plant("sys/devices/platform/INT33FC:00/gpiochip0/dev", "254:0\n");
-  std::filesystem::create_symlink("../../../devices/platform/INT33FC:00/gpiochip0",
-                                  machine_.root() / "sys/bus/gpio/devices/gpiochip0");
-  expect("safety-chip", "/dev/gpiochip0 may not", "KERNELS==\"INT33FC:00\", GROUP", "");
+  for (const std::string device : {"INT33FC:00", "0000:00:1f.0"}) {
+    machine_.plant("sys/devices/platform/" + device + "/gpiochip0/dev", "254:0\n");
+    std::filesystem::create_symlink("../../../devices/platform/" + device + "/gpiochip0",
+                                    machine_.root() / "sys/bus/gpio/devices/gpiochip0");
+    expect("safety-chip", "/dev/gpiochip0 may not", "KERNELS==\"" + device + "\", GROUP", "");
+    machine_.remove("sys/bus/gpio/devices/gpiochip0");
+  }
 }
 
 TEST_F(DoctorSafety, NamesALineThatTheChipDoesNotHave) {
