@@ -21,7 +21,7 @@ namespace thimble::session {
 class Runtime {
  public:
   // Errors: the first thing that cannot be had, named by arm or world. What somebody else holds is
-  // waited for, kBusyPatience at most; RigParts::on_wait hears why.
+  // waited for, kBusyPatience at most for each arm; RigParts::on_wait hears why.
   [[nodiscard]] static Result<std::unique_ptr<Runtime>> create(const config::Config& config,
                                                                const RigParts& parts);
 
