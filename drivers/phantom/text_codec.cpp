@@ -56,6 +56,7 @@ std::optional<TextReport> parse_text_report(std::span<const std::uint8_t> line) 
 TextMessage encode_text_currents(const std::array<double, 3>& current_a,
                                  double full_scale_a) noexcept {
   TextMessage message;
+  append(message, text::kToLose);
   append(message, '[');
   for (std::size_t i = 0; i < current_a.size(); ++i) {
     if (i > 0) append(message, ',');

@@ -34,7 +34,8 @@ THIMBLE_RT [[nodiscard]] std::optional<TextReport> parse_text_report(
     std::span<const std::uint8_t> line) noexcept;
 
 // Currents a, b, c in ampere: rounded to mA, held within ±`full_scale_a` (above 0, at most
-// 32.767 A), for beyond it the controller takes 0; not finite: 0. Thread: any. RT: THIMBLE_RT.
+// 32.767 A), for beyond it the controller takes 0; not finite: 0. It begins with a byte that the
+// controller may lose (text::kToLose). Thread: any. RT: THIMBLE_RT.
 THIMBLE_RT [[nodiscard]] TextMessage encode_text_currents(const std::array<double, 3>& current_a,
                                                           double full_scale_a) noexcept;
 

@@ -61,7 +61,7 @@ void TextLink::take_chunk() noexcept {
 }
 
 void TextLink::take_line(std::span<const std::uint8_t> line) noexcept {
-  is_answer_owed_ = false;
+  if (answers_owed_ > 0) --answers_owed_;
   const std::optional<TextReport> report = parse_text_report(line);
   const bool is_good = report && (report->error & ~text::kErrorGimbal) == 0 &&
                        std::all_of(report->counts.begin(), report->counts.end(), fits);
@@ -89,11 +89,16 @@ void TextLink::take_line(std::span<const std::uint8_t> line) noexcept {
 
 IoStatus TextLink::write_currents(const std::array<double, 3>& current_a) noexcept {
   const MonotonicTime now = clock_->now();
-  if (is_answer_owed_ && now - asked_at_ < kPatience) return IoStatus::Backlogged;
+  if (now - asked_at_ >= kPatience) answers_owed_ = 0;
+  const bool is_current = current_a != std::array<double, 3>{};
+  const bool overtakes = is_current_sent_ && !is_current;
+  if (answers_owed_ > 0 && !overtakes) return IoStatus::Backlogged;
   const IoStatus status =
       port_->submit(encode_text_currents(current_a, amplifier_max_a_).payload());
   if (status != IoStatus::Ok && status != IoStatus::Backlogged) return status;
-  is_answer_owed_ = true;
+  // Backlogged: it may have taken the place of the one before, which then has no answer.
+  answers_owed_ = status == IoStatus::Ok ? answers_owed_ + 1 : 1;
+  is_current_sent_ = is_current;
   asked_at_ = now;
   return status;
 }

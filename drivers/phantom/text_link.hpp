@@ -14,10 +14,12 @@ namespace thimble::phantom {
 
 // The controller's lines of text (text_wire.hpp) over a serial port.
 //
-// One message is under way: the controller throws away two that it finds together. The next leaves
-// when the last is answered, or kPatience after it. An answer that says that the message was not
-// taken, that is of another arm than the configuration's, or whose counters no arm of the table can
-// have, is no sample. A press of the button shows as a flag (ZeroJump) until zero_counters().
+// One message is under way, so that none queues behind others: the next leaves when the last is
+// answered, or kPatience after it. Only a zero does not wait while a current is under way: it goes
+// at once, and of two that the controller finds together it takes the newer (kToLose). An answer
+// that says that the message was not taken, that is of another arm than the configuration's, or
+// whose counters no arm of the table can have, is no sample. A press of the button shows as a flag
+// (ZeroJump) until zero_counters().
 //
 // Thread, RT, Errors: as ControllerLink. Ownership: owns the port; the clock must outlive it.
 class TextLink final : public ControllerLink {
@@ -31,7 +33,7 @@ class TextLink final : public ControllerLink {
   TextLink& operator=(const TextLink&) = delete;
 
   THIMBLE_RT_IO IoStatus read(ControllerReport& out) noexcept override;
-  // Backlogged as long as an answer is owed.
+  // Backlogged as long as an answer is owed, but for a zero behind a current.
   THIMBLE_RT_IO IoStatus write_currents(const std::array<double, 3>& current_a) noexcept override;
   THIMBLE_RT_IO IoStatus zero_counters() noexcept override;
   [[nodiscard]] bool is_zeroed_by_press() const noexcept override { return true; }
@@ -62,7 +64,8 @@ class TextLink final : public ControllerLink {
   ControllerReport newest_{};
   bool is_fresh_{false};
   bool is_disturbed_{false};
-  bool is_answer_owed_{false};
+  std::uint8_t answers_owed_{0};
+  bool is_current_sent_{false};  // by the newest message
   MonotonicTime asked_at_{};
   // Read from any thread.
   std::atomic<bool> is_other_arm_{false};

@@ -22,6 +22,10 @@ inline constexpr std::uint16_t kProductId = 0x0483;
 // Host to device: "[ma,ma,ma]" and a newline, whole mA of the motors a, b, c. Behind the bracket
 // the device bears newlines, returns and NULs only; hosts pad with NULs to this.
 inline constexpr std::size_t kShortestMessageBytes = 16;
+// A message that has already come when the device looks behind the bracket of the one before makes
+// that one an error, and loses its own first byte: without its bracket it is an error, too. So ours
+// begin with a byte that the device skips; then the newer of the two is taken.
+inline constexpr char kToLose = ' ';
 // What the device keeps of a message; without a bracket by then it starts anew.
 inline constexpr std::size_t kBufferBytes = 127;
 

@@ -93,20 +93,19 @@ TEST(TextCodec, ALineThatIsCutIsNone) {
 }
 
 TEST(TextCodec, WritesCurrentsInMilliampereAndPadsWithNul) {
-  EXPECT_EQ(encode({0, 0, 0}), std::string("[0,0,0]\n") + std::string(8, '\0'));
-  EXPECT_EQ(encode({1.2344, -0.0006, 5.9999}),
-            std::string("[1234,-1,6000]\n") + std::string(1, '\0'));
-  EXPECT_EQ(encode({-6, -6, -6}), "[-6000,-6000,-6000]\n");
+  EXPECT_EQ(encode({0, 0, 0}), std::string(" [0,0,0]\n") + std::string(7, '\0'));
+  EXPECT_EQ(encode({1.2344, -0.0006, 5.9999}), " [1234,-1,6000]\n");
+  EXPECT_EQ(encode({-6, -6, -6}), " [-6000,-6000,-6000]\n");
 }
 
 TEST(TextCodec, WhatIsBeyondFullScaleIsFullScaleAndWhatIsNoNumberIsZero) {
   const double nan = std::nan("");
   const double huge = std::numeric_limits<double>::max();
-  EXPECT_EQ(encode({6.0001, -1e9, huge}), "[6000,-6000,6000]\n");
+  EXPECT_EQ(encode({6.0001, -1e9, huge}), " [6000,-6000,6000]\n");
   EXPECT_EQ(encode({nan, HUGE_VAL, -HUGE_VAL}), encode({0, 0, 0}));
-  EXPECT_TRUE(encode({9, 9, 9}, 0.29).starts_with("[290,290,290]"));
-  EXPECT_TRUE(encode({9, 9, 9}, 2.9996).starts_with("[2999,2999,2999]")) << "never above";
-  EXPECT_EQ(encode({99, -99, 99}, 32.767), "[32767,-32767,32767]\n");
+  EXPECT_TRUE(encode({9, 9, 9}, 0.29).starts_with(" [290,290,290]"));
+  EXPECT_TRUE(encode({9, 9, 9}, 2.9996).starts_with(" [2999,2999,2999]")) << "never above";
+  EXPECT_EQ(encode({99, -99, 99}, 32.767), " [32767,-32767,32767]\n");
 }
 
 TEST(TextCodec, NoCurrentIsEverMoreThanTheFirmwareTakes) {
@@ -119,7 +118,7 @@ TEST(TextCodec, NoCurrentIsEverMoreThanTheFirmwareTakes) {
     ASSERT_GE(text.size(), text::kShortestMessageBytes);
     ASSERT_LE(text.size(), text::kBufferBytes);
     std::array<int, 3> ma{};
-    ASSERT_EQ(std::sscanf(text.c_str(), "[%d,%d,%d]\n", &ma[0], &ma[1], &ma[2]), 3) << text;
+    ASSERT_EQ(std::sscanf(text.c_str(), " [%d,%d,%d]\n", &ma[0], &ma[1], &ma[2]), 3) << text;
     for (const int value : ma) ASSERT_LE(std::abs(value), most_a * 1000 + 1e-3) << text;
   }
 }

@@ -19,6 +19,7 @@ struct SerialScript : Clock {
   std::deque<std::string> chunks;
   std::vector<std::string> submitted;
   bool is_connected{true};
+  IoStatus submits_as{IoStatus::Ok};
   MonotonicTime time{milliseconds(1000)};
   std::uint64_t sequence{0};
   [[nodiscard]] MonotonicTime now() const noexcept override { return time; }
@@ -42,7 +43,7 @@ class ScriptedSerial final : public bus::SerialPort {
   IoStatus submit(std::span<const std::uint8_t> message) noexcept override {
     if (!script_.is_connected) return IoStatus::Disconnected;
     script_.submitted.emplace_back(message.begin(), message.end());
-    return IoStatus::Ok;
+    return script_.submits_as;
   }
   [[nodiscard]] bus::SerialCounters counters() const noexcept override { return {}; }
 
@@ -126,7 +127,7 @@ TEST_F(TextLinkTest, OneMessageIsUnderWayUntilItIsAnswered) {
   EXPECT_EQ(hear_counts(0, 0, 0), IoStatus::Ok);
   EXPECT_EQ(sut->write_currents({2, 0, 0}), IoStatus::Ok);
   ASSERT_EQ(script.submitted.size(), 2U);
-  EXPECT_TRUE(script.submitted.back().starts_with("[2000,0,0]\n"));
+  EXPECT_TRUE(script.submitted.back().starts_with(" [2000,0,0]\n"));
 }
 
 TEST_F(TextLinkTest, ARefusalIsAnAnswerToo) {
@@ -143,16 +144,38 @@ TEST_F(TextLinkTest, WithoutAnAnswerItAsksAgainAfterItsPatience) {
   EXPECT_EQ(sut->write_currents({}), IoStatus::Ok);
 }
 
+TEST_F(TextLinkTest, AZeroOvertakesACurrentWithoutItsAnswerAndOnlyOnce) {
+  EXPECT_EQ(sut->write_currents({1, 0, 0}), IoStatus::Ok);
+  EXPECT_EQ(sut->write_currents({}), IoStatus::Ok);
+  ASSERT_EQ(script.submitted.size(), 2U);
+  EXPECT_TRUE(script.submitted.back().starts_with(" [0,0,0]\n"));
+  EXPECT_EQ(sut->write_currents({}), IoStatus::Backlogged) << "a zero is under way already";
+  EXPECT_EQ(hear("[2,0,0,0,0,0,0,8]\n"), IoStatus::ProtocolError) << "found with the zero";
+  EXPECT_EQ(sut->write_currents({1, 0, 0}), IoStatus::Backlogged) << "the zero's answer is owed";
+  EXPECT_EQ(hear_counts(0, 0, 0), IoStatus::Ok);
+  EXPECT_EQ(sut->write_currents({1, 0, 0}), IoStatus::Ok);
+}
+
+TEST_F(TextLinkTest, AZeroThatTookACurrentsPlaceHasTheOnlyAnswer) {
+  EXPECT_EQ(sut->write_currents({1, 0, 0}), IoStatus::Ok);
+  script.submits_as = IoStatus::Backlogged;
+  EXPECT_EQ(sut->write_currents({}), IoStatus::Backlogged);
+  ASSERT_EQ(script.submitted.size(), 2U);
+  EXPECT_EQ(hear_counts(0, 0, 0), IoStatus::Ok);
+  script.submits_as = IoStatus::Ok;
+  EXPECT_EQ(sut->write_currents({1, 0, 0}), IoStatus::Ok);
+}
+
 TEST_F(TextLinkTest, TheLastThatIsSentIsZeroThoughAnAnswerIsOwed) {
   EXPECT_EQ(sut->write_currents({1, 1, 1}), IoStatus::Ok);
   sut.reset();
   ASSERT_EQ(script.submitted.size(), 2U);
-  EXPECT_TRUE(script.submitted.back().starts_with("[0,0,0]\n"));
+  EXPECT_TRUE(script.submitted.back().starts_with(" [0,0,0]\n"));
 }
 
 TEST_F(TextLinkTest, CurrentsAreHeldWithinTheFirmwaresFullScale) {
   EXPECT_EQ(sut->write_currents({3.5, -100, 2.9}), IoStatus::Ok);
-  EXPECT_TRUE(script.submitted.back().starts_with("[3000,-3000,2900]\n"));
+  EXPECT_TRUE(script.submitted.back().starts_with(" [3000,-3000,2900]\n"));
 }
 
 TEST_F(TextLinkTest, APressIsAFlagUntilTheCountersWereAskedToBeZero) {
@@ -163,7 +186,7 @@ TEST_F(TextLinkTest, APressIsAFlagUntilTheCountersWereAskedToBeZero) {
     EXPECT_TRUE(report.values.is_calibration_pressed);
   }
   EXPECT_EQ(sut->zero_counters(), IoStatus::Ok);
-  EXPECT_TRUE(script.submitted.back().starts_with("[0,0,0]\n"));
+  EXPECT_TRUE(script.submitted.back().starts_with(" [0,0,0]\n"));
   ASSERT_EQ(hear_counts(0, 0, 1), IoStatus::Ok);
   EXPECT_FALSE(report.values.is_calibration_pressed);
 }
@@ -179,7 +202,7 @@ TEST_F(TextLinkTest, TheGuardsZeroIsAWholeMessageOfZeros) {
   const ZeroCommand zero = sut->zero_command();
   EXPECT_EQ(zero.endpoint, 0);
   EXPECT_EQ(std::string(zero.bytes.begin(), zero.bytes.end()),
-            std::string("[0,0,0]\n") + std::string(8, '\0'));
+            std::string(" [0,0,0]\n") + std::string(7, '\0'));
 }
 
 }  // namespace

@@ -67,6 +67,21 @@ TEST_F(TextFirmwareTest, ThrowsAwayTwoMessagesThatItFindsTogether) {
   EXPECT_FALSE(sut.amplifier().is_on());
 }
 
+TEST_F(TextFirmwareTest, OfTwoFoundTogetherItTakesTheNewerIfThatHasAByteToLose) {
+  ask(" [1000,0,0]\n");
+  pass(milliseconds(1));
+  EXPECT_NEAR(current_a(), 1, 0.01);
+  const std::string padding(5, '\0');
+  EXPECT_EQ(ask(" [2000,0,0]\n" + padding + " [0,0,0]\n"),
+            "[3,0,0,0,0,0,0,8]\n[3,0,0,0,0,0,0,0]\n");
+  pass(milliseconds(1));
+  EXPECT_NEAR(current_a(), 0, 0.01);
+  EXPECT_TRUE(sut.amplifier().is_on());
+  EXPECT_EQ(ask("[7,7,7 [1000,0,0]\n [0,0,0]\n").substr(0, 2), "[3") << "what went before is torn";
+  pass(milliseconds(1));
+  EXPECT_NEAR(current_a(), 0, 0.01);
+}
+
 TEST_F(TextFirmwareTest, ACurrentBeyondFullScaleIsNoCurrent) {
   ask("[6000,-6000,6001]");
   pass(milliseconds(1));
