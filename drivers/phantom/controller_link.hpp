@@ -38,6 +38,8 @@ class ControllerLink {
   [[nodiscard]] virtual bool is_zeroed_by_press() const noexcept = 0;
   // It may have been reset while it was silent, its counters zero somewhere, and nothing tells.
   [[nodiscard]] virtual bool may_be_reset_unseen() const noexcept = 0;
+  // The arm stands where a press of the button, now, would not be seen.
+  [[nodiscard]] virtual bool is_press_unseen() const noexcept = 0;
   [[nodiscard]] virtual Duration watchdog() const noexcept = 0;
   [[nodiscard]] virtual DeviceCounters counters() const noexcept = 0;
   [[nodiscard]] virtual ZeroCommand zero_command() const noexcept = 0;

@@ -18,6 +18,7 @@ class HidLink final : public ControllerLink {
   THIMBLE_RT_IO IoStatus zero_counters() noexcept override;
   [[nodiscard]] bool is_zeroed_by_press() const noexcept override { return false; }
   [[nodiscard]] bool may_be_reset_unseen() const noexcept override { return true; }
+  [[nodiscard]] bool is_press_unseen() const noexcept override { return false; }
   [[nodiscard]] Duration watchdog() const noexcept override { return wire::kWatchdog; }
   [[nodiscard]] DeviceCounters counters() const noexcept override;
   [[nodiscard]] ZeroCommand zero_command() const noexcept override;

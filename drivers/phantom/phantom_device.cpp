@@ -41,6 +41,11 @@ PhantomDevice::PhantomDevice(std::unique_ptr<ControllerLink> link, const Phantom
       capabilities_(capabilities_of(model, amplifier_max_a, link_->watchdog())),
       home_instruction_("Hold the arm in " + std::string(model.home_pose) +
                         " and press the calibration button on the controller"),
+      // A press elsewhere would make that place the home pose, so only the power helps there.
+      unseen_instruction_(
+          "Move the arm away from where it stands now, for here a press would not be seen. " +
+          home_instruction_ +
+          "; if it stood in that pose already, switch the controller off and on while it is away"),
       tracker_(model),
       pose_(pose_at(model, model.home_angle_rad)) {}
 
@@ -54,7 +59,7 @@ std::string_view PhantomDevice::calibration_instruction() const noexcept {
     case CalibrationState::Unknown:
       return kNoReportYet;
     case CalibrationState::NeedsUser:
-      return home_instruction_;
+      return link_->is_press_unseen() ? unseen_instruction_ : home_instruction_;
     case CalibrationState::Ok:
       return {};
   }

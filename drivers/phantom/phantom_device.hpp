@@ -64,6 +64,7 @@ class PhantomDevice final : public HapticDevice {
   const PhantomModel& model_;
   HapticCapabilities capabilities_;
   std::string home_instruction_;
+  std::string unseen_instruction_;
   ControllerReport report_{};
   Homing homing_{};
   CounterTracker tracker_;

@@ -74,7 +74,9 @@ void TextLink::take_line(std::span<const std::uint8_t> line) noexcept {
   }
   const Duration since_last =
       newest_.sequence == 0 ? Duration(0) : chunk_.arrived_at - newest_.arrived_at;
-  jump_.on_counts({report->counts[0], report->counts[1], report->counts[2]}, since_last);
+  const ZeroJump::Counts counts{report->counts[0], report->counts[1], report->counts[2]};
+  jump_.on_counts(counts, since_last);
+  is_press_unseen_.store(ZeroJump::is_unseen_at(counts), std::memory_order_relaxed);
   if (is_fresh_) skipped_.fetch_add(1, std::memory_order_relaxed);
   is_fresh_ = true;
   newest_ = {.values = {},

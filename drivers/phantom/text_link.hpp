@@ -39,6 +39,9 @@ class TextLink final : public ControllerLink {
   [[nodiscard]] bool is_zeroed_by_press() const noexcept override { return true; }
   // By a press of its button: nobody sees the jump while it is silent.
   [[nodiscard]] bool may_be_reset_unseen() const noexcept override { return true; }
+  [[nodiscard]] bool is_press_unseen() const noexcept override {
+    return is_press_unseen_.load(std::memory_order_relaxed);
+  }
   [[nodiscard]] Duration watchdog() const noexcept override { return text::kWatchdog; }
   [[nodiscard]] DeviceCounters counters() const noexcept override;
   [[nodiscard]] ZeroCommand zero_command() const noexcept override;
@@ -69,6 +72,7 @@ class TextLink final : public ControllerLink {
   MonotonicTime asked_at_{};
   // Read from any thread.
   std::atomic<bool> is_other_arm_{false};
+  std::atomic<bool> is_press_unseen_{false};
   std::atomic<std::uint64_t> reports_{0};
   std::atomic<std::uint64_t> skipped_{0};
   std::atomic<std::uint64_t> malformed_{0};

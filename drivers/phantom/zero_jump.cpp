@@ -17,6 +17,11 @@ std::int64_t largest(const ZeroJump::Counts& a, const ZeroJump::Counts& b) noexc
 
 }  // namespace
 
+// With a margin for the hand that trembles.
+bool ZeroJump::is_unseen_at(const Counts& counts) noexcept {
+  return largest(counts, {}) < kJump_counts + kStill_counts;
+}
+
 void ZeroJump::on_counts(const Counts& counts, Duration since_last) noexcept {
   const std::int64_t step = last_ ? largest(counts, *last_) : 0;
   last_ = counts;

@@ -15,7 +15,8 @@ namespace thimble::phantom {
 // So a press is a jump of an arm that is held still: all three counters stood for kStillFor, then
 // in one report all are near zero and one at least came from far. The counter that a controller
 // makes up before its first press never gets near zero, and it jumps only at the press. A press
-// with the counters near zero already is not seen: an arm that was switched on in this very pose.
+// with the counters near zero already is not seen (is_unseen_at()): an arm that was switched on, or
+// whose button was pressed, in this very pose.
 // No motion of an arm that was still a report ago is a jump.
 //
 // Thread: one. RT: all THIMBLE_RT.
@@ -27,6 +28,8 @@ class ZeroJump {
   THIMBLE_RT void on_counts(const Counts& counts, Duration since_last) noexcept;
   // From the jump on until lower(), or until the counters jump again: then it was a broken line.
   [[nodiscard]] bool is_pressed() const noexcept { return is_pressed_; }
+  // A press with these counters would be no jump.
+  THIMBLE_RT [[nodiscard]] static bool is_unseen_at(const Counts& counts) noexcept;
   THIMBLE_RT void lower() noexcept { is_pressed_ = false; }
   // Reports are missing: what follows is no jump.
   THIMBLE_RT void forget() noexcept { *this = ZeroJump(); }

@@ -166,6 +166,17 @@ TEST_F(TextLinkTest, AZeroThatTookACurrentsPlaceHasTheOnlyAnswer) {
   EXPECT_EQ(sut->write_currents({1, 0, 0}), IoStatus::Ok);
 }
 
+TEST_F(TextLinkTest, TellsWhereAPressWouldNotBeSeen) {
+  for (const int counts : {0, 23, -23}) {
+    ASSERT_EQ(hear_counts(counts, 0, 0), IoStatus::Ok);
+    EXPECT_TRUE(sut->is_press_unseen()) << counts;
+  }
+  for (const int counts : {24, -24, 700}) {
+    ASSERT_EQ(hear_counts(0, 0, counts), IoStatus::Ok);
+    EXPECT_FALSE(sut->is_press_unseen()) << counts;
+  }
+}
+
 TEST_F(TextLinkTest, TheLastThatIsSentIsZeroThoughAnAnswerIsOwed) {
   EXPECT_EQ(sut->write_currents({1, 1, 1}), IoStatus::Ok);
   sut.reset();
