@@ -67,7 +67,8 @@ class Walk {
   Walk(const WindowView& window, const ListLimits& limits)
       : window_(window),
         limits_(limits),
-        cells_((window.bytes.size() + wire::kBufferAlignment - 1) / wire::kBufferAlignment) {}
+        cells_((window.bytes.size() + wire::kBufferAlignment - 1) / wire::kBufferAlignment),
+        numbers_(cells_.size()) {}
 
   Result<ListSummary> run(std::uint32_t head);
 
@@ -84,12 +85,16 @@ class Walk {
   Result<void> check_run(const Descriptor& step);
   Result<void> check_order(const Descriptor& step);
   Result<Next> end_of_loop(std::uint32_t at);
+  std::size_t cell_of(std::uint32_t offset) const {
+    return (offset - window_.base) / wire::kBufferAlignment;
+  }
   bool is_used(std::uint32_t offset, std::uint64_t size, std::uint8_t how) const;
   void use(std::uint32_t offset, std::uint64_t size, Use how);
 
   WindowView window_;
   ListLimits limits_;
   std::vector<std::uint8_t> cells_;
+  std::vector<std::uint32_t> numbers_;  // by cell: of the step that lies there; 0 for none yet
   ListSummary summary_;
   std::uint32_t loop_start_{0};
   bool is_in_loop_{false};   // the second time through
@@ -106,7 +111,8 @@ Result<ListSummary> Walk::run(std::uint32_t head) {
       return malformed("step " + std::to_string(summary_.steps + 1) + " would be at " + hex(at) +
                        ": no descriptor can lie there");
     }
-    const std::uint32_t number = summary_.steps + (is_in_loop_ ? 0 : 1);
+    std::uint32_t& number = numbers_[cell_of(at)];
+    if (number == 0) number = ++summary_.steps;
     const auto next = visit(at);
     if (!next) {
       return tl::unexpected(next.error().in("step " + std::to_string(number) + " at " + hex(at)));
@@ -145,7 +151,6 @@ Result<void> Walk::check_first_time(const Descriptor& step, std::uint32_t at) {
     return malformed("an earlier step reads into this descriptor");
   }
   use(at, wire::kDescriptorBytes, Step);
-  ++summary_.steps;
   return check_opcode(step).and_then(
       [&] { return step.is_delay() ? check_delay(step) : check_transfer(step); });
 }
@@ -233,7 +238,7 @@ Result<void> Walk::check_order(const Descriptor& step) {
 }
 
 bool Walk::is_used(std::uint32_t offset, std::uint64_t size, std::uint8_t how) const {
-  const std::size_t first = (offset - window_.base) / wire::kBufferAlignment;
+  const std::size_t first = cell_of(offset);
   const std::size_t cells = static_cast<std::size_t>(size / wire::kBufferAlignment);
   return std::any_of(cells_.begin() + static_cast<std::ptrdiff_t>(first),
                      cells_.begin() + static_cast<std::ptrdiff_t>(first + cells),
@@ -241,7 +246,7 @@ bool Walk::is_used(std::uint32_t offset, std::uint64_t size, std::uint8_t how) c
 }
 
 void Walk::use(std::uint32_t offset, std::uint64_t size, Use how) {
-  const std::size_t first = (offset - window_.base) / wire::kBufferAlignment;
+  const std::size_t first = cell_of(offset);
   const std::size_t cells = static_cast<std::size_t>(size / wire::kBufferAlignment);
   for (std::size_t i = first; i < first + cells; ++i) {
     cells_[i] = static_cast<std::uint8_t>(cells_[i] | how);

@@ -237,7 +237,8 @@ TEST(StepListCheck, ALoopComesBackWhileItsScanRuns) {
   window.step(0x10, {op(Register::Offset, kNow | wire::kWait), 0, 24, 0x20})
       .step(0x20, {op(Register::Offset, kNow), 0, 24, 0x30})
       .step(0x30, {op(Register::Run, kNow | wire::kJump), 0xffffffff, 6, 0x20});
-  EXPECT_REASON(window.reason(), "at 0x20: offset has to wait");
+  EXPECT_EQ(window.reason(),
+            "step 2 at 0x20: offset has to wait for the end of the scan, and does not");
 }
 
 TEST(StepListCheck, SynchronisedScansNeedSync) {
