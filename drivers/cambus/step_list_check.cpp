@@ -218,7 +218,9 @@ Result<void> Walk::check_order(const Descriptor& step) {
   const bool is_flush = step.is_delay() && step.length >= kShortestFlush_clocks;
   const bool is_write = !step.is_delay() && !step.is_read();
   const bool must_flush_next = is_write && step.target() == Register::ScanIo;
-  if ((must_flush_ && !is_flush) || (must_flush_next && step.has(wire::kStop))) {
+  // Where the host's next list may begin, nobody knows that it begins with a delay.
+  const bool leaves = step.has(wire::kStop) || step.has(wire::kJump);
+  if ((must_flush_ && !is_flush) || (must_flush_next && leaves)) {
     return malformed("a write to scan-io needs a delay of " +
                      std::to_string(kShortestFlush_clocks) + " clocks or more behind it");
   }

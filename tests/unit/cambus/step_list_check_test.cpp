@@ -260,9 +260,12 @@ TEST(StepListCheck, AfterScanIoComesADelay) {
   EXPECT_EQ(reason({wire::kDelay, 0, 42, 0x30}), "");
   EXPECT_REASON(reason({wire::kDelay, 0, 41, 0x30}), "behind it");
   EXPECT_REASON(reason({op(Register::Select, kNow), 0, 3, 0x30}), "behind it");
-  Descriptor stopping = write;
-  stopping.opcode |= wire::kStop;
-  EXPECT_REASON(Window().step(0x10, stopping).reason(), "behind it");
+  for (const std::uint32_t leaves : {wire::kStop, wire::kJump, wire::kStop | wire::kJump}) {
+    Descriptor leaving = write;
+    leaving.opcode |= leaves;
+    const Window window = Window().step(0x10, leaving).step(0x20, {wire::kDelay, 0, 42, 0x30});
+    EXPECT_REASON(Window(window).step(0x30, kEnd).reason(), "step 1 at 0x10: a write to scan-io");
+  }
   EXPECT_EQ(reason_for({op(Register::ScanIo, wire::kRead | wire::kWait), 0x40, 1, 0}), "");
 }
 
