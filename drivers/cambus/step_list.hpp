@@ -20,6 +20,12 @@ struct WindowView {
   std::span<const std::uint8_t> bytes;
 };
 
+// Enough after any write to scan-io: with the longest refresh that scan-format can ask for, as a
+// list does not say which one is in force in which module.
+inline constexpr std::uint32_t kLongestFlush_clocks =
+    wire::kFlushClocks + wire::kClocksPerRefresh * ((1U << field::kRefreshLength.bits) - 1U) +
+    2 * wire::kBusLevels;
+
 struct Descriptor {
   std::uint32_t opcode{0};
   std::uint32_t buffer{0};  // offset in the window, or immediate data

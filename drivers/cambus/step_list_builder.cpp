@@ -8,11 +8,6 @@
 namespace thimble::cambus {
 namespace {
 
-// Enough after any write to scan-io: no program of ours has a refresh longer than this.
-constexpr std::uint32_t kMostRefreshes = 31;
-constexpr std::uint32_t kFlush_clocks =
-    wire::kFlushClocks + wire::kClocksPerRefresh * kMostRefreshes + 2 * wire::kBusLevels;
-
 void store32(std::vector<std::uint8_t>& bytes, std::size_t offset, std::uint32_t value) {
   for (std::size_t i = 0; i < 4; ++i) {
     bytes[offset + i] = static_cast<std::uint8_t>(value >> (8 * i));
@@ -56,7 +51,7 @@ void StepListBuilder::write_port(Register port, std::span<const std::uint16_t> w
       bytes_[buffer + 2 * k + 1] = static_cast<std::uint8_t>(words[k] >> 8);
     }
   }
-  if (port == Register::ScanIo) delay(kFlush_clocks);
+  if (port == Register::ScanIo) delay(kLongestFlush_clocks);
 }
 
 ReadSlot StepListBuilder::read(Register number, std::uint32_t words) {

@@ -8,8 +8,6 @@
 namespace thimble::cambus {
 namespace {
 
-constexpr std::uint32_t kShortestFlush_clocks = wire::kFlushClocks + 2 * wire::kBusLevels;
-
 tl::unexpected<Error> malformed(std::string message) {
   return fail(Errc::Malformed, std::move(message));
 }
@@ -215,14 +213,14 @@ Result<void> Walk::check_run(const Descriptor& step) {
 
 // What depends on the steps before.
 Result<void> Walk::check_order(const Descriptor& step) {
-  const bool is_flush = step.is_delay() && step.length >= kShortestFlush_clocks;
+  const bool is_flush = step.is_delay() && step.length >= kLongestFlush_clocks;
   const bool is_write = !step.is_delay() && !step.is_read();
   const bool must_flush_next = is_write && step.target() == Register::ScanIo;
   // Where the host's next list may begin, nobody knows that it begins with a delay.
   const bool leaves = step.has(wire::kStop) || step.has(wire::kJump);
   if ((must_flush_ && !is_flush) || (must_flush_next && leaves)) {
-    return malformed("a write to scan-io needs a delay of " +
-                     std::to_string(kShortestFlush_clocks) + " clocks or more behind it");
+    return malformed("a write to scan-io needs a delay of " + std::to_string(kLongestFlush_clocks) +
+                     " clocks or more behind it");
   }
   must_flush_ = must_flush_next;
   if (step.has(wire::kWait) || step.has(wire::kReset)) may_scan_ = false;

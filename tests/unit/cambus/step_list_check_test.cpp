@@ -257,14 +257,15 @@ TEST(StepListCheck, AfterScanIoComesADelay) {
   const auto reason = [&](const Descriptor& next) {
     return Window().step(0x10, write).step(0x20, next).step(0x30, kEnd).reason();
   };
-  EXPECT_EQ(reason({wire::kDelay, 0, 42, 0x30}), "");
-  EXPECT_REASON(reason({wire::kDelay, 0, 41, 0x30}), "behind it");
+  EXPECT_EQ(reason({wire::kDelay, 0, 1062, 0x30}), "");  // of the longest refresh there is
+  EXPECT_REASON(reason({wire::kDelay, 0, 1061, 0x30}), "1062 clocks or more behind it");
   EXPECT_REASON(reason({op(Register::Select, kNow), 0, 3, 0x30}), "behind it");
   for (const std::uint32_t leaves : {wire::kStop, wire::kJump, wire::kStop | wire::kJump}) {
     Descriptor leaving = write;
     leaving.opcode |= leaves;
-    const Window window = Window().step(0x10, leaving).step(0x20, {wire::kDelay, 0, 42, 0x30});
-    EXPECT_REASON(Window(window).step(0x30, kEnd).reason(), "step 1 at 0x10: a write to scan-io");
+    Window window;
+    window.step(0x10, leaving).step(0x20, {wire::kDelay | wire::kStop, 0, 1062, 0});
+    EXPECT_REASON(window.reason(), "step 1 at 0x10: a write to scan-io");
   }
   EXPECT_EQ(reason_for({op(Register::ScanIo, wire::kRead | wire::kWait), 0x40, 1, 0}), "");
 }
