@@ -10,6 +10,8 @@ namespace field = cambus::field;
 constexpr std::uint16_t kAllLayers = 0xffff;
 constexpr std::uint32_t kCounterMask = (1U << cambus::kEventBits) - 1U;
 
+bool has_layer(std::uint16_t layers, std::size_t layer) { return ((layers >> layer) & 1U) != 0; }
+
 // Codes of the select register: source + 2 * target.
 enum Source : std::uint32_t { ModuleId = 0, GroupId = 1 };
 enum Target : std::uint32_t { Zero = 0, One = 1, TableIndex = 2, Special = 3 };
@@ -134,15 +136,16 @@ void CamModule::write(Register number, std::span<const std::uint16_t> words) {
   // Layers that verify compare and change nothing, but for the register that turns it off.
   const std::uint16_t verifying =
       number == Register::Verify ? std::uint16_t{0} : registers.planes(Register::Verify)[0];
-  write_register(number, words, static_cast<std::uint16_t>(~verifying));
-  if (verifying == kAllLayers) return;
-  if (number == Register::Kick) kick();
-  if (number == Register::Run) begin_run();
+  const auto written = static_cast<std::uint16_t>(~verifying);
+  write_register(number, words, written);
+  if (number == Register::Kick) kick(written);
+  if (number == Register::Run) begin_run(written);
   if (number == Register::Environment) {
     active_table_ = registers.get(field::kEnvironment[7], 0);
   }
   if (number == Register::Event) {
     for (std::size_t layer = 0; layer < cambus::kLayers; ++layer) {
+      if (!has_layer(written, layer)) continue;
       event_counters[layer] = registers.get(field::kEvent[0], layer);
     }
   }
@@ -201,24 +204,32 @@ std::vector<std::uint16_t> CamModule::read_table(std::uint32_t length) {
   return words;
 }
 
-void CamModule::begin_run() {
-  if (registers.get(field::kNewCount, 0) != 0) {
-    for (std::size_t layer = 0; layer < cambus::kLayers; ++layer) {
-      registers.set(field::kEvent[0], layer, event_counters[layer] & kCounterMask);
-      event_counters[layer] = 0;
-    }
-  }
-  if (registers.get(field::kNewTable, 0) != 0) {
+void CamModule::begin_run(std::uint16_t layers) {
+  const CamRegisters::Planes& run = registers.planes(Register::Run);
+  const auto told = [&](const Field& of) {
+    return static_cast<std::uint16_t>(run[of.first_bit] & layers);
+  };
+  copy_counts(told(field::kNewCount));
+  if (has_layer(told(field::kNewTable), 0)) {
     active_table_ = 1 - active_table_;
     for (std::size_t layer = 0; layer < cambus::kLayers; ++layer) {
       registers.set(field::kEnvironment[7], layer, static_cast<std::uint32_t>(active_table_));
     }
   }
-  if (registers.get(field::kRepeatKick, 0) != 0) kick();
+  kick(told(field::kRepeatKick));
 }
 
-void CamModule::kick() {
+void CamModule::copy_counts(std::uint16_t layers) {
   for (std::size_t layer = 0; layer < cambus::kLayers; ++layer) {
+    if (!has_layer(layers, layer)) continue;
+    registers.set(field::kEvent[0], layer, event_counters[layer] & kCounterMask);
+    event_counters[layer] = 0;
+  }
+}
+
+void CamModule::kick(std::uint16_t layers) {
+  for (std::size_t layer = 0; layer < cambus::kLayers; ++layer) {
+    if (!has_layer(layers, layer)) continue;
     const std::uint32_t offset = registers.get(field::kOffset[0], layer);
     const std::uint32_t amount = registers.get(field::kKickAmount, layer);
     const std::uint32_t cuts = registers.get(field::kCuts, layer);

@@ -54,8 +54,10 @@ class CamModule {
                       std::uint16_t writable);
   void write_table(std::span<const std::uint16_t> words);
   [[nodiscard]] std::vector<std::uint16_t> read_table(std::uint32_t length);
-  void begin_run();
-  void kick();
+  // Of some layers; each does what its own register says.
+  void begin_run(std::uint16_t layers);
+  void copy_counts(std::uint16_t layers);
+  void kick(std::uint16_t layers);
   void flag(std::size_t interrupt);
 
   bool is_marked_;

@@ -148,6 +148,48 @@ TEST(CamMachine, LayersThatVerifyAreNotWritten) {
   EXPECT_EQ(module.registers.get(field::kSaBit[0], 0), 9U);
 }
 
+TEST(CamMachine, LayersThatVerifyAreNotKicked) {
+  CamMachine sut({{1, 1, 1}, 6});
+  select_all(sut);
+  const CamModule& module = sut.torus().modules[0];
+  const auto expect_offsets = [&](std::uint32_t low, std::uint32_t high, const char* after) {
+    for (std::size_t layer = 0; layer < kLayers; ++layer) {
+      const std::uint32_t offset = module.registers.get(field::kOffset[0], layer);
+      EXPECT_EQ(offset, layer < 8 ? low : high) << after << ", layer " << layer;
+    }
+  };
+  send(sut, RegisterWords(Register::Kick).set(field::kKickAmount, 1));
+  send(sut, RegisterWords(Register::Offset).set(field::kOffset[0], 100));
+  send(sut, RegisterWords(Register::Verify).set(field::kVerify[0], 1, 0x00ff));
+  send(sut, RegisterWords(Register::Kick).set(field::kKickAmount, 3));
+  expect_offsets(100, 97, "kick");
+  const auto repeat = RegisterWords(Register::Run).set(field::kRepeatKick, 1);
+  send(sut, repeat);
+  expect_offsets(100, 94, "repeat");
+  send(sut, RegisterWords(Register::Verify));
+  send(sut, repeat);
+  expect_offsets(99, 91, "repeat of all");
+}
+
+TEST(CamMachine, LayersThatVerifyKeepTheirCounts) {
+  CamMachine sut({{1, 1, 1}, 6});
+  select_all(sut);
+  send(sut, default_words(Register::ScanFormat));
+  CamModule& module = sut.torus().modules[0];
+  module.event_counters.fill(5);
+  send(sut, RegisterWords(Register::Verify).set(field::kVerify[0], 1, 0x00ff));
+  send(sut, RegisterWords(Register::Event).set(field::kEvent[0], 7));
+  for (std::size_t layer = 0; layer < kLayers; ++layer) {
+    EXPECT_EQ(module.event_counters[layer], layer < 8 ? 5U : 7U) << layer;
+    EXPECT_EQ(module.registers.get(field::kEvent[0], layer), layer < 8 ? 0U : 7U) << layer;
+  }
+  send(sut, RegisterWords(Register::Run).set(field::kNewCount, 1));
+  for (std::size_t layer = 0; layer < kLayers; ++layer) {
+    EXPECT_EQ(module.event_counters[layer], layer < 8 ? 5U : 0U) << layer;
+    EXPECT_EQ(module.registers.get(field::kEvent[0], layer), layer < 8 ? 0U : 7U) << layer;
+  }
+}
+
 TEST(CamMachine, WrongLengthsAndUnknownRegistersAreFlaggedAndInterruptWhereEnabled) {
   CamMachine sut({{1, 1, 1}, 6});
   select_all(sut);
