@@ -177,14 +177,16 @@ CouplingConfig read_coupling(TableReader reader) {
 void read_device(TableReader& reader, ArmConfig& arm) {
   reader.require("device", "a device such as \"sim:phantom-vintage\" or \"hid:SERIAL\"");
   if (!reader.read("device", arm.device)) return;
-  constexpr std::array<std::string_view, 4> kSchemeNames = {"sim:", "hid:", "usb:", "pci:"};
+  constexpr std::array<std::string_view, 5> kSchemeNames = {
+      "sim:", "hid:", "usb:", "serial:", "pci:"};
   const bool is_good =
       std::any_of(kSchemeNames.begin(), kSchemeNames.end(), [&](std::string_view s) {
         return arm.device.starts_with(s) && arm.device.size() > s.size();
       });
   if (is_good) return;
-  reader.reject("device", "expected sim:MODEL, hid:SERIAL, usb:PORT or pci:SLOT, found " +
-                              in_quotes(arm.device));
+  reader.reject("device",
+                "expected sim:MODEL, hid:SERIAL, usb:PORT, serial:SERIAL or pci:SLOT, found " +
+                    in_quotes(arm.device));
   arm.device.clear();
 }
 

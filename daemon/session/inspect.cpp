@@ -42,7 +42,9 @@ class ArmInspection {
       arm_ = *simulated;  // what is wrong with it is wrong with the real one
     }
     const std::string_view address = arm_.device;
-    if (address.starts_with("hid:") || address.starts_with("usb:")) return;  // plugged in or not
+    for (const std::string_view scheme : {"hid:", "usb:", "serial:"}) {
+      if (address.starts_with(scheme)) return;  // plugged in or not
+    }
     if (!bus::is_simulated(address)) {
       const std::string bus = arm_.device.substr(0, arm_.device.find(':'));
       return object("device",

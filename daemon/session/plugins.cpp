@@ -5,6 +5,7 @@
 #include "drivers/spacemouse/spacemouse_driver.hpp"
 #include "hal/plugin/plugin_loader.hpp"
 #include "sim/model/arm/register_arm_models.hpp"
+#include "sim/model/arm/text_arm_model.hpp"
 #include "sim/model/falcon/register_falcon_model.hpp"
 #include "sim/model/spacemouse/register_spacemouse_models.hpp"
 
@@ -15,6 +16,7 @@ Plugins::Plugins() {
   drivers.add(falcon::make_falcon_driver());
   drivers.add(spacemouse::make_spacemouse_driver());
   sim::register_arm_models(models);
+  sim::register_text_arm_models(models);
   sim::register_falcon_model(models);
   sim::register_spacemouse_models(models);
 }

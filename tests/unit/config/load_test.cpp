@@ -268,6 +268,14 @@ TEST(ConfigLoad, RefusesTheSameHardwareOrListenerTwiceButNotTheSameModel) {
               ElementsAre(HasSubstr(":7:10: arm.1.device"), HasSubstr(":24:10: world.1.listen")));
 }
 
+TEST(ConfigLoad, TakesADeviceOnEachBusThatItKnows) {
+  const std::string arm = "[[arm]]\nname = \"a\"\ndevice = \"";
+  const std::string rest = "\"\nworld = \"w\"\n[[world]]\nname = \"w\"\nsource = \"box:3\"\n";
+  for (const char* device : {"sim:x", "hid:1", "usb:1-4", "serial:1234567", "pci:0"})
+    EXPECT_THAT(mistakes(arm + device + rest), ElementsAre()) << device;
+  EXPECT_THAT(mistakes(arm + "serial:" + rest), ElementsAre(HasSubstr("serial:SERIAL")));
+}
+
 TEST(ConfigLoad, HintsAtTheDoubleBracketsOfArms) {
   EXPECT_THAT(mistakes("[arm]\nname = \"a\"\n"),
               ElementsAre(HasSubstr("[[arm]] or [[world]]"),

@@ -29,6 +29,20 @@ class InspectSphere : public ::testing::Test {
   config::Config config{with_sphere()};
 };
 
+TEST_F(InspectSphere, LooksForNoRealDeviceAndObjectsToABusThatIsNotThere) {
+  config::ArmConfig arm;
+  arm.world = "hello";
+  for (const char* device : {"hid:1", "usb:1-4", "serial:1234567"}) {
+    arm.device = device;
+    config.arms = {arm};
+    EXPECT_TRUE(inspected().empty()) << device;
+  }
+  arm.device = "pci:0";
+  config.arms = {arm};
+  ASSERT_EQ(inspected().size(), 1U);
+  EXPECT_EQ(inspected()[0].key, "device");
+}
+
 TEST_F(InspectSphere, HasNothingAgainstIt) { EXPECT_TRUE(inspected().empty()); }
 
 TEST_F(InspectSphere, ObjectsToTheModelThatWorksOnCells) {
