@@ -69,6 +69,14 @@ class Simdev(ProcessTest):
                 process.kill()
                 process.wait()
 
+    def test_a_model_on_a_serial_port_is_refused_with_a_sentence(self):
+        for way in (("--usbip", "0"), ("--uhid",)):
+            with self.subTest(way):
+                done = subprocess.run([BIN / "thimble-simdev", *way, "sim:phantom-vintage-serial"],
+                                      capture_output=True, text=True, timeout=TIMEOUT_S, env=clean_environment())
+                self.assertEqual(done.returncode, 1)
+                self.assertIn("sim:phantom-vintage-serial is on a serial port", done.stderr)
+
     def test_its_verbs_are_answered_while_it_runs(self):
         self.offer("phantom-vintage", "--serial", "ABC")
         (home,), (status,), log = self.say("home 0.2", "status", "log 0.2")

@@ -20,6 +20,7 @@
 #include "sim/export/usbip_plug.hpp"
 #include "sim/export/verb_server.hpp"
 #include "sim/model/arm/register_arm_models.hpp"
+#include "sim/model/arm/text_arm_model.hpp"
 #include "sim/model/cp2112/cp2112_model.hpp"
 #include "sim/model/falcon/register_falcon_model.hpp"
 #include "sim/model/spacemouse/register_spacemouse_models.hpp"
@@ -33,6 +34,7 @@ constexpr const char* kUhidNode = "/dev/uhid";
 Result<plugin::SimModel> make_model(const SimdevOptions& options) {
   plugin::SimModelRegistry models;
   register_arm_models(models);
+  register_text_arm_models(models);
   register_falcon_model(models);
   register_spacemouse_models(models);
   models.add({"cp2112", "Silicon Labs CP2112, eight lines (HID)",
@@ -40,8 +42,15 @@ Result<plugin::SimModel> make_model(const SimdevOptions& options) {
   const plugin::SimModelEntry* entry = models.find(options.model);
   if (entry == nullptr) {
     std::string known;
-    for (const plugin::SimModelEntry& model : models.entries()) known += " sim:" + model.name;
+    for (const plugin::SimModelEntry& model : models.entries()) {
+      if (!model.create_serial) known += " sim:" + model.name;
+    }
     return fail(Errc::NotFound, "no simulated device " + options.model + "; there are:" + known);
+  }
+  if (entry->create_serial) {
+    return fail(Errc::Unsupported, "sim:" + entry->name +
+                                       " is on a serial port: only HID and USB devices can be "
+                                       "offered to the kernel");
   }
   return entry->create({.amplifier_max_a = options.amplifier_max_a, .seed = options.seed});
 }
