@@ -20,6 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kHidraw = "/sys/class/hidraw";
+constexpr const char* kTty = "/sys/class/tty";
 constexpr const char* kUsb = "/sys/bus/usb/devices";
 
 // Whether a driver calls it its own. What it lacks in a configuration, such as the full scale of
@@ -81,6 +82,11 @@ void read_usb_above(const FileTree& tree, fs::path folder, const HidIds& ids,
   }
 }
 
+std::string_view scheme_of(bus::BusKind kind) {
+  if (kind == bus::BusKind::Hid) return "hid:";
+  return kind == bus::BusKind::Serial ? "serial:" : "usb:";
+}
+
 // Ids and place, as the real buses give them.
 void describe(bus::BusKind kind, const HidIds& ids, Controller& controller,
               bus::BusDeviceInfo& info) {
@@ -89,7 +95,7 @@ void describe(bus::BusKind kind, const HidIds& ids, Controller& controller,
   controller.serial_number = info.serial_number = ids.serial_number;
   info.kind = kind;
   const std::string& place = ids.serial_number.empty() ? controller.usb_port : ids.serial_number;
-  controller.address = (kind == bus::BusKind::Hid ? "hid:" : "usb:") + place;
+  controller.address = std::string(scheme_of(kind)) + place;
   info.address = {controller.address};
 }
 
@@ -139,6 +145,28 @@ std::optional<Controller> read_hid(const FileTree& tree, const plugin::DriverReg
   return controller;
 }
 
+// Of a terminal on USB; of the machine's own there is nothing above it.
+std::optional<Controller> read_serial(const FileTree& tree, const plugin::DriverRegistry& drivers,
+                                      const std::string& name) {
+  fs::path folder = tree.resolved(fs::path(kTty) / name);
+  std::optional<Node> raw;
+  while (folder.has_relative_path() && !(raw = raw_usb_node(tree, folder))) {
+    folder = folder.parent_path();
+  }
+  const auto vendor = parse_hexadecimal(tree.text(folder / "idVendor"));
+  const auto product = parse_hexadecimal(tree.text(folder / "idProduct"));
+  if (!raw || !vendor || !product) return std::nullopt;
+  Controller controller;
+  controller.node = tree.node("/dev/" + name);
+  controller.raw_nodes = {*raw};
+  bus::BusDeviceInfo info;
+  read_device(tree, folder, controller, info);
+  describe(bus::BusKind::Serial, {*vendor, *product, trimmed(tree.text(folder / "serial")), 0},
+           controller, info);
+  if (!is_an_arm(drivers, info)) return std::nullopt;
+  return controller;
+}
+
 std::optional<Controller> read_usb(const FileTree& tree, const plugin::DriverRegistry& drivers,
                                    const std::string& name) {
   const fs::path folder = fs::path(kUsb) / name;
@@ -164,6 +192,9 @@ std::vector<Controller> read_controllers(const FileTree& tree,
   std::vector<Controller> found;
   for (const std::string& name : tree.names_in(kHidraw)) {
     if (auto controller = read_hid(tree, drivers, name)) found.push_back(*std::move(controller));
+  }
+  for (const std::string& name : tree.names_in(kTty)) {
+    if (auto controller = read_serial(tree, drivers, name)) found.push_back(*std::move(controller));
   }
   for (const std::string& name : tree.names_in(kUsb)) {
     const bool is_known =

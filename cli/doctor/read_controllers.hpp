@@ -9,8 +9,8 @@
 namespace thimble::doctor {
 
 // The arms that are plugged in, by the drivers' passive probes, who shall see what the real buses
-// would show them: HID devices by their hidraw nodes, then USB devices by their descriptors, as far
-// as sysfs has them. Holders are not looked for. Thread: any. Not RT.
+// would show them: HID devices by their hidraw nodes, terminals on USB by theirs, then USB devices
+// by their descriptors, as far as sysfs has them. Holders are not looked for. Thread: any. Not RT.
 [[nodiscard]] std::vector<Controller> read_controllers(const FileTree& tree,
                                                        const plugin::DriverRegistry& drivers);
 

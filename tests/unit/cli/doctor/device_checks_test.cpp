@@ -241,6 +241,26 @@ TEST_F(Doctor, LooksAtAnArmOnBareUsb) {
   EXPECT_THAT(complaints(), SizeIs(0)) << "another device with these ids";
 }
 
+TEST_F(Doctor, LooksAtAnArmOnASerialPortAndAtNoOtherTerminal) {
+  machine_.plant_teensy();
+  const Facts facts = this->facts();
+  ASSERT_THAT(facts.controllers, SizeIs(2));
+  EXPECT_EQ(facts.controllers[1].address, "serial:1234567");
+  EXPECT_EQ(facts.controllers[1].node.path, "/dev/ttyACM0");
+  EXPECT_EQ(facts.controllers[1].usb_port, "1-6");
+  EXPECT_THAT(complaints(facts), SizeIs(0));
+  machine_.chmod("dev/ttyACM0", 0666);
+  expect_complaint(Level::Wrong, "node /dev/ttyACM0", "every user may open",
+                   "/etc/udev/rules.d/0-thimble-16c0-0483.rules");
+  machine_.chmod("dev/ttyACM0", 0640);
+  expect_complaint(Level::Wrong, "node /dev/ttyACM0", "may not be read and written by the daemon",
+                   "--parent-match=/sys/bus/usb/devices/1-6");
+  machine_.chmod("dev/ttyACM0", 0660);
+  machine_.chmod("dev/bus/usb/001/010", 0666);
+  expect_complaint(Level::Wrong, "raw-node /dev/bus/usb/001/010", "every user may write",
+                   "/etc/udev/rules.d/0-thimble-16c0-0483.rules");
+}
+
 // Knows one more arm, by its descriptor alone.
 class PlantedDriver : public plugin::Driver {
  public:

@@ -108,6 +108,30 @@ class PlantedMachine {
     std::filesystem::create_symlink("../../../devices/pci0000:00/0000:00:14.0/usb1/1-5", link);
     plant_node("dev/bus/usb/001/009", 0660);
   }
+  // A Teensy in port 1-6 that is a serial port, and a terminal of the machine's own.
+  void plant_teensy() const {
+    const std::string usb = "sys/devices/pci0000:00/0000:00:14.0/usb1/1-6/";
+    for (const auto& [file, text] : {std::pair{"idVendor", "16c0"},
+                                     {"idProduct", "0483"},
+                                     {"serial", "1234567"},
+                                     {"busnum", "1"},
+                                     {"devnum", "10"},
+                                     {"speed", "480"},
+                                     {"power/control", "on"},
+                                     {"1-6:1.0/bInterfaceNumber", "00"},
+                                     {"1-6:1.0/tty/ttyACM0/dev", "166:0"}}) {
+      plant(usb + file, std::string(text) + "\n");
+    }
+    plant("sys/devices/platform/serial8250/tty/ttyS0/dev", "4:64\n");
+    const std::filesystem::path links = root_ / "sys/class/tty";
+    std::filesystem::create_directories(links);
+    std::filesystem::create_symlink(
+        "../../devices/pci0000:00/0000:00:14.0/usb1/1-6/1-6:1.0/tty/ttyACM0", links / "ttyACM0");
+    std::filesystem::create_symlink("../../devices/platform/serial8250/tty/ttyS0", links / "ttyS0");
+    plant_node("dev/ttyACM0", 0660);
+    plant_node("dev/ttyS0", 0666);
+    plant_node("dev/bus/usb/001/010", 0660);
+  }
   // What a process runs, as /proc/PID/exe shows it.
   void run_program(int pid, const std::string& program) const {
     const std::filesystem::path link = root_ / "proc" / std::to_string(pid) / "exe";
