@@ -91,6 +91,7 @@ Result<void> SerialTransfers::set_up(const std::string& node, const bus::SerialL
     return tl::unexpected(system_error(node + " is no terminal", errno));
   }
   ::cfmakeraw(&settings);
+  settings.c_iflag = 0;  // IXOFF, IXANY and INPCK would stay as whoever had it before left them
   settings.c_cflag |= CLOCAL | CREAD;
   settings.c_cflag &= ~static_cast<tcflag_t>(CRTSCTS | CSTOPB);
   settings.c_cc[VMIN] = 1;  // so that no byte there is EAGAIN, and 0 bytes the end
