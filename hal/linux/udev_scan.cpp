@@ -251,6 +251,7 @@ std::vector<FoundDevice> with_addresses(std::vector<ReadDevice> read) {
   address(read, bus::BusKind::Hid, &hid_addresses);
   address(read, bus::BusKind::Serial, &serial_addresses);
   std::vector<FoundDevice> found;
+  found.reserve(read.size());
   for (ReadDevice& one : read) found.push_back(std::move(one.device));
   return found;
 }
