@@ -61,7 +61,10 @@ std::uint16_t buffer_word(const WindowView& window, std::uint32_t buffer,
 
 std::optional<RegisterWords> register_words(const WindowView& window, const Descriptor& step) {
   const auto target = step.target();
-  if (!target || step.is_delay() || step.is_read()) return std::nullopt;
+  // Bytes come with reads alone: of a write that says so the buffer is too short for its words.
+  if (!target || step.is_delay() || step.is_read() || step.has(wire::kByteMode)) {
+    return std::nullopt;
+  }
   const std::uint32_t bits = facts_of(*target).bits;
   if (bits == 0 || step.length == 0 || step.length > bits) return std::nullopt;
   if (!step.is_immediate() && !holds(window, step.buffer, step.buffer_bytes())) return std::nullopt;

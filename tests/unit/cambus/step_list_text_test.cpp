@@ -60,6 +60,23 @@ TEST(StepListText, ShowsWhatMeansNothing) {
             "0x10      write register 29, 1 words of 0xabcd; stop; unknown bits 0x100\n");
 }
 
+TEST(StepListText, ReadsNoWordsFromABufferOfBytes) {
+  StepList list;
+  list.base = wire::kReservedBytes;
+  list.head = list.base;
+  // A write of 20 words to register 18, of which the buffer behind it has 32 bytes: 20 bytes, says
+  // the opcode's flag of reads.
+  list.bytes.resize(16 + 32);
+  list.bytes[0] = 18;
+  list.bytes[1] = 0x40;  // stop
+  list.bytes[3] = 0x10;  // bytes
+  list.bytes[4] = 0x20;
+  list.bytes[8] = 20;
+  EXPECT_EQ(disassemble(list.view(), list.head),
+            "0x10      write offset, 20 bytes from 0x20; stop\n");
+  EXPECT_FALSE(register_words(list.view(), *descriptor_at(list.view(), list.head)).has_value());
+}
+
 TEST(StepListText, HasALineForEachStep) {
   std::mt19937 random(3);
   for (int i = 0; i < 100; ++i) {
