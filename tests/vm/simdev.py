@@ -14,9 +14,9 @@ def norm(vector):
     return math.sqrt(sum(value * value for value in vector))
 
 
-def wait_for_state(guest, *states):
-    """Until the daemon's first arm is in one of them: what the status says of that arm."""
-    return guest.wait_for("thimble status --json | python3 -c 'import json, sys; arm = json.load(sys.stdin)[\"arms\"][0]; "
+def wait_for_state(guest, *states, arm=0):
+    """Until the daemon's arm, counted as in its configuration, is in one of them: what the status says of that arm."""
+    return guest.wait_for("thimble status --json | python3 -c 'import json, sys; arm = json.load(sys.stdin)[\"arms\"]" f"[{arm}]; "
                           f"print(json.dumps(arm)); sys.exit(arm[\"state\"] not in \"{' '.join(states)}\".split())'")
 
 

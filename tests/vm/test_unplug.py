@@ -1,0 +1,32 @@
+"""The plug of an arm is pulled while a hand presses on a wall: it stops, says why and has recorded it, the arm beside it notices nothing.
+
+A HID arm through uhid.
+"""
+
+import json
+
+import simdev
+import two_arms
+
+
+class Unplugged(two_arms.TwoArms):
+    """Numbered: each test goes on where the one before it ended."""
+
+    def test_1_both_arms_press_on_a_wall(self):
+        self.press_both()
+
+    def test_2_pulled_out_it_is_lost_and_the_arm_beside_presses_on(self):
+        at_s, left, right = self.log_around(self.right.command("unplug"))
+        self.assertGreater(min(force for when_s, force in two_arms.forces(right) if when_s < at_s), two_arms.WALL_NEWTON)
+        self.assert_pressed_without_a_gap(left)
+
+    def test_3_it_says_why_and_shows_what_it_recorded(self):
+        arm = json.loads(simdev.wait_for_state(self.guest, "lost"))
+        self.assertEqual(arm["force_newton"], [0, 0, 0])
+        self.assertEqual([fault["code"] for fault in arm["faults"]], ["disconnected"])
+        self.assertIn("the arm was unplugged", arm["faults"][0]["message"])
+        shown = self.guest.wait_for("file=$(thimble status --json | python3 -c 'import json, sys; "
+                                    "print(json.load(sys.stdin)[\"arms\"][0][\"faults\"][0][\"recording\"])'); "
+                                    "test -f \"$file\" && thimble flight show $file")
+        self.assertIn("disconnected", shown)
+        self.assertIn("touch", shown)
