@@ -31,9 +31,9 @@ std::optional<Register> Descriptor::target() const noexcept {
 }
 
 std::uint64_t Descriptor::buffer_bytes() const noexcept {
-  if (has(wire::kImmediate)) return 0;  // a delay, too
-  const std::uint64_t used =
-      has(wire::kByteMode) ? std::uint64_t{length} : 2 * std::uint64_t{length};
+  if (has(wire::kImmediate)) return 0;                      // a delay, too
+  const bool is_bytes = is_read() && has(wire::kByteMode);  // a write sends words, flag or not
+  const std::uint64_t used = is_bytes ? std::uint64_t{length} : 2 * std::uint64_t{length};
   const std::uint64_t more = wire::kBufferAlignment - 1;
   return (used + more) / wire::kBufferAlignment * wire::kBufferAlignment;
 }
@@ -61,10 +61,7 @@ std::uint16_t buffer_word(const WindowView& window, std::uint32_t buffer,
 
 std::optional<RegisterWords> register_words(const WindowView& window, const Descriptor& step) {
   const auto target = step.target();
-  // Bytes come with reads alone: of a write that says so the buffer is too short for its words.
-  if (!target || step.is_delay() || step.is_read() || step.has(wire::kByteMode)) {
-    return std::nullopt;
-  }
+  if (!target || step.is_delay() || step.is_read()) return std::nullopt;
   const std::uint32_t bits = facts_of(*target).bits;
   if (bits == 0 || step.length == 0 || step.length > bits) return std::nullopt;
   if (!step.is_immediate() && !holds(window, step.buffer, step.buffer_bytes())) return std::nullopt;

@@ -44,7 +44,8 @@ std::string layers_text(const RegisterWords& words) {
 }
 
 std::string words_text(const Descriptor& step) {
-  return std::to_string(step.length) + (step.has(wire::kByteMode) ? " bytes" : " words");
+  const bool is_bytes = step.is_read() && step.has(wire::kByteMode);
+  return std::to_string(step.length) + (is_bytes ? " bytes" : " words");
 }
 
 std::string transfer_text(const WindowView& window, const Descriptor& step) {
@@ -72,7 +73,9 @@ std::string step_text(const WindowView& window, const Descriptor& step) {
   if (step.has(wire::kInterrupt)) text += "; interrupt";
   if (step.has(wire::kJump)) text += "; jump";
   if (step.has(wire::kStop)) text += "; stop";
-  const std::uint32_t unknown = step.opcode & ~wire::kOpcodeMask;
+  const std::uint32_t known =
+      step.is_read() ? wire::kOpcodeMask : wire::kOpcodeMask & ~wire::kByteMode;
+  const std::uint32_t unknown = step.opcode & ~known;
   if (unknown != 0) text += "; unknown bits " + hex(unknown);
   return text;
 }

@@ -60,21 +60,24 @@ TEST(StepListText, ShowsWhatMeansNothing) {
             "0x10      write register 29, 1 words of 0xabcd; stop; unknown bits 0x100\n");
 }
 
-TEST(StepListText, ReadsNoWordsFromABufferOfBytes) {
-  StepList list;
-  list.base = wire::kReservedBytes;
-  list.head = list.base;
-  // A write of 20 words to register 18, of which the buffer behind it has 32 bytes: 20 bytes, says
-  // the opcode's flag of reads.
-  list.bytes.resize(16 + 32);
-  list.bytes[0] = 18;
-  list.bytes[1] = 0x40;  // stop
-  list.bytes[3] = 0x10;  // bytes
-  list.bytes[4] = 0x20;
-  list.bytes[8] = 20;
-  EXPECT_EQ(disassemble(list.view(), list.head),
-            "0x10      write offset, 20 bytes from 0x20; stop\n");
-  EXPECT_FALSE(register_words(list.view(), *descriptor_at(list.view(), list.head)).has_value());
+// A write of 20 words to register 18 with the flag of byte reads, and so many bytes behind it.
+StepList write_flagged_as_bytes(std::size_t buffer_bytes) {
+  StepList list{16, 16, {18, 0x40, 0, 0x10, 0x20, 0, 0, 0, 20, 0, 0, 0, 0, 0, 0, 0}};
+  list.bytes.resize(list.bytes.size() + buffer_bytes);
+  return list;
+}
+
+TEST(StepListText, AWriteSendsWordsWhateverItsFlagOfByteReadsSays) {
+  const StepList whole = write_flagged_as_bytes(48);
+  const Descriptor step = *descriptor_at(whole.view(), whole.head);
+  EXPECT_EQ(step.buffer_bytes(), 48U);  // 40, rounded up
+  EXPECT_TRUE(register_words(whole.view(), step).has_value());
+  const StepList cut = write_flagged_as_bytes(32);
+  EXPECT_FALSE(register_words(cut.view(), step).has_value());
+  for (const StepList& list : {whole, cut}) {
+    EXPECT_EQ(disassemble(list.view(), list.head),
+              "0x10      write offset, 20 words from 0x20; stop; unknown bits 0x10000000\n");
+  }
 }
 
 TEST(StepListText, HasALineForEachStep) {
