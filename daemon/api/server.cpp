@@ -61,6 +61,9 @@ class Server::Core : public std::enable_shared_from_this<Core> {
   }
 
   [[nodiscard]] std::size_t connections() const noexcept { return connections_.size(); }
+  [[nodiscard]] bool has_replaced_dead_one() const noexcept {
+    return file_ && file_->has_replaced_stale();
+  }
 
  private:
   void on_accept(boost::system::error_code error, Protocol::socket socket) {
@@ -120,6 +123,8 @@ Result<std::unique_ptr<Server>> Server::create(net::io_context& context,
 Server::Server(std::shared_ptr<Core> core) : core_(std::move(core)) {}
 
 Server::~Server() { core_->stop(); }
+
+bool Server::has_replaced_dead_one() const noexcept { return core_->has_replaced_dead_one(); }
 
 std::size_t Server::connections() const noexcept { return core_->connections(); }
 

@@ -45,6 +45,8 @@ class Server {
   Server& operator=(const Server&) = delete;
 
   [[nodiscard]] std::size_t connections() const noexcept;
+  // Whether the daemon that listened here before was killed or came to grief.
+  [[nodiscard]] bool has_replaced_dead_one() const noexcept;
 
  private:
   class Core;

@@ -10,6 +10,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <exception>
 #include <filesystem>
 #include <utility>
 
@@ -84,10 +85,11 @@ SocketFile::SocketFile(SocketFile&& other) noexcept
     : path_(std::move(other.path_)),
       lock_(std::exchange(other.lock_, -1)),
       socket_(std::exchange(other.socket_, -1)),
-      is_bound_(std::exchange(other.is_bound_, false)) {}
+      is_bound_(std::exchange(other.is_bound_, false)),
+      has_replaced_stale_(other.has_replaced_stale_) {}
 
 SocketFile::~SocketFile() {
-  if (is_bound_) ::unlink(path_.c_str());
+  if (is_bound_ && std::uncaught_exceptions() == 0) ::unlink(path_.c_str());
   if (socket_ >= 0) ::close(socket_);
   if (lock_ >= 0) ::close(lock_);
 }
@@ -108,7 +110,7 @@ Result<void> SocketFile::take_lock() {
   return busy();
 }
 
-Result<void> SocketFile::remove_stale() const {
+Result<void> SocketFile::remove_stale() {
   struct stat info {};
   if (::lstat(path_.c_str(), &info) != 0) {
     if (errno == ENOENT) return {};
@@ -123,6 +125,7 @@ Result<void> SocketFile::remove_stale() const {
   ::close(probe);
   if (!is_refused) return busy();
   if (::unlink(path_.c_str()) != 0) return fail_errno("cannot remove the stale socket " + path_);
+  has_replaced_stale_ = true;
   return {};
 }
 

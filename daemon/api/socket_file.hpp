@@ -13,7 +13,8 @@ struct SocketFileSettings {
   std::string group;  // empty: that of the process
 };
 
-// A listening Unix stream socket in the file system, removed again by the destructor. A lock
+// A listening Unix stream socket in the file system, removed again by the destructor, unless an
+// exception destroys it: a name that is left behind says that its daemon came to grief. A lock
 // file beside it (PATH.lock, left behind) decides who may replace a stale one.
 //
 // Thread: one. Not RT.
@@ -29,18 +30,21 @@ class SocketFile {
 
   // The listening descriptor, once; the caller closes it.
   [[nodiscard]] int release_descriptor() noexcept;
+  // The one that had the name before did not live to remove it.
+  [[nodiscard]] bool has_replaced_stale() const noexcept { return has_replaced_stale_; }
 
  private:
   SocketFile() = default;
   Result<void> take_lock();
   [[nodiscard]] Result<void> busy() const;
-  Result<void> remove_stale() const;
+  Result<void> remove_stale();
   Result<void> listen(const SocketFileSettings& settings);
 
   std::string path_;
   int lock_{-1};
   int socket_{-1};
   bool is_bound_{false};
+  bool has_replaced_stale_{false};
 };
 
 }  // namespace thimble::api

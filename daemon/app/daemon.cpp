@@ -100,6 +100,7 @@ Result<void> Daemon::start(const linux::RealtimeProcess& process) {
       api::Server::create(io_, server_settings(config_), *this, *commands_);
   if (!server) return tl::unexpected(server.error());
   server_ = *std::move(server);
+  if (server_->has_replaced_dead_one()) hold_back_after_crash();
 
   wait_for_wake();
   Result<std::unique_ptr<ServoThreads>> threads =
@@ -133,6 +134,22 @@ void Daemon::run() {
                   kDiskPatience.count());
   }
   take_recordings();
+}
+
+// An arm that needs nobody to be calibrated, as a Falcon whose firmware runs on, would push again a
+// second after it was let go. Before there are servos.
+void Daemon::hold_back_after_crash() {
+  for (std::size_t i = 0; i < runtime_->arms().size(); ++i) {
+    if (leases_.holder(i) == Leases::Holder::Nobody) continue;
+    session::ArmSession& session = runtime_->arms()[i]->session();
+    const std::string& name = session.config().name;
+    static_cast<void>(leases_.release(name));
+    session.controls().want_active = false;
+    spdlog::warn(
+        "arm '{}' is not activated: the daemon before this one was killed or came to grief; look "
+        "at the arm, then: thimble activate {}",
+        name, name);
+  }
 }
 
 void Daemon::wait_for_signals() {

@@ -50,6 +50,7 @@ class Daemon final : private api::StatusView {
  private:
   [[nodiscard]] api::Status status() const override;
 
+  void hold_back_after_crash();
   void wait_for_signals();
   void wait_for_wake();
   void pump();

@@ -217,6 +217,27 @@ class Places(ProcessTest):
         second = self.start(config=HELLO, name="same")
         self.assert_servo_goes_on(second)
 
+    def test_after_a_daemon_that_was_killed_no_arm_is_driven_before_somebody_asks(self):
+        first = self.start(config=HELLO, name="same")
+        first.status_when(lambda s: s["arms"][0]["state"] == "active")
+        first.process.kill()
+        first.wait()
+        first.close()
+        for number in (signal.SIGKILL, signal.SIGTERM):  # it is no second start that forgives
+            held = self.start(config=HELLO, name="same")
+            held.status_when(lambda s: s["arms"][0]["state"] == "inactive")
+            self.assert_servo_goes_on(held)
+            arm = held.status()["arms"][0]
+            self.assertEqual((arm["state"], arm["lease"], arm["peak_force_newton"]), ("inactive", "none", 0))
+            if number == signal.SIGTERM:
+                self.assertEqual(self.thimble(held, "activate", arm["name"]).returncode, 0)
+                held.status_when(lambda s: s["arms"][0]["state"] == "active" and s["arms"][0]["lease"] == "configuration")
+            held.process.send_signal(number)
+            held.wait()
+            held.close()
+        asked = self.start(config=HELLO, name="same")
+        asked.status_when(lambda s: s["arms"][0]["state"] == "active")
+
     def test_a_file_where_the_socket_should_be_is_left_alone(self):
         file = self.write("precious", "text")
         result = self.thimbled("--config", EXAMPLES / "hello-voxel.toml",

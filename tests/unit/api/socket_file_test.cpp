@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <stdexcept>
 
 #include "tests/support/temporary_folder.hpp"
 
@@ -69,7 +70,28 @@ TEST_F(SocketFileTest, ReplacesAStaleSocket) {
     std::filesystem::create_hard_link(path_, path_ + ".kept");
   }
   std::filesystem::rename(path_ + ".kept", path_);
-  EXPECT_TRUE(SocketFile::create({path_, 0660, ""}));
+  const auto sut = SocketFile::create({path_, 0660, ""});
+  ASSERT_TRUE(sut);
+  EXPECT_TRUE(sut->has_replaced_stale());
+}
+
+TEST_F(SocketFileTest, TellsAnOrderlyEndFromAnException) {
+  for (int i = 0; i < 2; ++i) {
+    const auto sut = SocketFile::create({path_, 0660, ""});
+    ASSERT_TRUE(sut);
+    EXPECT_FALSE(sut->has_replaced_stale());
+  }
+  try {
+    const auto dead = SocketFile::create({path_, 0660, ""});
+    ASSERT_TRUE(dead);
+    throw std::runtime_error("out of memory, say");
+  } catch (const std::runtime_error&) {
+    EXPECT_TRUE(std::filesystem::exists(path_));
+  }
+  auto sut = SocketFile::create({path_, 0660, ""});
+  ASSERT_TRUE(sut);
+  const SocketFile moved = *std::move(sut);
+  EXPECT_TRUE(moved.has_replaced_stale());
 }
 
 TEST_F(SocketFileTest, NeverRemovesAFileThatIsNoSocket) {
