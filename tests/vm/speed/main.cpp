@@ -1,0 +1,91 @@
+// How long an exchange with a device takes through hal/linux, beside a bare one through the same
+// library; and the device, which sends back what it is sent.
+//
+// usage: vm_round_trip offer hid uhid|PORT     until a signal
+//        vm_round_trip offer usb PORT
+//        vm_round_trip measure NAME hid|usb ADDRESS NODE    prints a line of JSON
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bench/comparison.hpp"
+#include "hal/linux/bus_enumerator.hpp"
+#include "hal/linux/monotonic_clock.hpp"
+#include "tests/vm/offer/offer_model.hpp"
+#include "tests/vm/speed/echo.hpp"
+#include "tests/vm/speed/reference_round_trips.hpp"
+#include "tests/vm/speed/round_trips.hpp"
+
+namespace {
+
+using namespace thimble;
+
+constexpr std::size_t kTrips = 200;
+constexpr double kGoal = 1.15;
+
+int offer(const std::string& kind, const std::string& way) {
+  const bool is_uhid = way == "uhid";
+  const auto port = static_cast<std::uint16_t>(std::atoi(way.c_str()));
+  speed::EchoHid hid;
+  speed::EchoUsb usb;
+  const Result<void> done =
+      kind == "hid"
+          ? test::offer_model(hid, hid.describe(), is_uhid ? std::nullopt : std::optional(port))
+          : test::offer_model(usb, usb.describe(), port);
+  if (done) return 0;
+  std::fprintf(stderr, "vm_round_trip: %s\n", done.error().message.c_str());
+  return 1;
+}
+
+using Trips = std::optional<std::vector<double>>;
+
+Trips ours(bool is_hid, const bus::DeviceAddress& address) {
+  const linux::MonotonicClock clock;
+  linux::RealtimeThreadSettings threads;
+  threads.name = "bus";
+  linux::BusEnumerator buses({clock, threads, {}});
+  return is_hid ? speed::hid_round_trips(buses, address, clock, kTrips)
+                : speed::usb_round_trips(buses, address, clock, kTrips);
+}
+
+int measure(const std::string& name, bool is_hid, const bus::DeviceAddress& address,
+            const std::string& node) {
+  bench::Slices ours_us;
+  bench::Slices reference_us;
+  bench::alternate(
+      2 * bench::kSlices + 1,
+      [&] {
+        if (const Trips trips = ours(is_hid, address))
+          ours_us.push_back(1e6 * bench::median(*trips));
+      },
+      [&] {
+        const auto reference = is_hid ? reference_hid_round_trips : reference_usb_round_trips;
+        const std::vector<double> trips = reference(node.c_str(), kTrips);
+        if (!trips.empty()) reference_us.push_back(1e6 * bench::median(trips));
+      });
+  if (ours_us.size() != 2 * bench::kSlices + 1 || reference_us.size() != ours_us.size()) {
+    std::fprintf(stderr, "vm_round_trip: the device does not answer: %zu and %zu slices\n",
+                 ours_us.size(), reference_us.size());
+    return 1;
+  }
+  bench::print(bench::compare(name, "us", {bench::Goal::Of::Ratio, kGoal}, ours_us, reference_us));
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::vector<std::string> words(argv + 1, argv + argc);
+  if (words.size() == 3 && words[0] == "offer") return offer(words[1], words[2]);
+  if (words.size() == 5 && words[0] == "measure") {
+    const bus::DeviceAddress address{words[3]};
+    return measure(words[1], words[2] == "hid", address, words[4]);
+  }
+  std::fputs(
+      "usage: vm_round_trip offer hid|usb uhid|PORT, vm_round_trip measure NAME hid|usb ADDRESS "
+      "NODE\n",
+      stderr);
+  return 2;
+}

@@ -1,0 +1,124 @@
+"""What an exchange takes in the guest beside a bare one through the same library, and what four arms take of its processor.
+
+The guest's clock counts instructions; the figures are printed, for docs/benchmarks.md, and what was done to get them is asserted. What
+they are: docs/decisions/0359.
+"""
+
+import contextlib
+import json
+import sys
+
+import arms
+import guest
+import simdev
+
+PROGRAM = "/run/bin/vm_round_trip"
+ECHO = "VM-ECHO-1"
+
+
+def tell(text):
+    print(text, file=sys.stderr)
+
+
+class RoundTrips(guest.GuestTest):
+    pace = guest.counted(0)
+    installs = ()
+
+    @contextlib.contextmanager
+    def offered(self, kind, way):
+        """A device that sends back what it is sent, above all others, as hardware is."""
+        self.guest.run("modprobe -a uhid vhci-hcd; systemd-run --quiet --collect --unit echo "
+                       f"-p CPUSchedulingPolicy=fifo -p CPUSchedulingPriority=85 {PROGRAM} offer {kind} {way}")
+        if way != "uhid":
+            self.guest.wait_for(simdev.ATTACH)
+        try:
+            yield
+        finally:
+            self.guest.run("systemctl stop echo; usbip detach -p 00 || true; udevadm settle")
+
+    def measure(self, name, kind, address, node):
+        printed = self.guest.run(f"udevadm settle; {PROGRAM} measure '{name}' {kind} {address} {node}", timeout_s=900)
+        figure = json.loads(printed)
+        tell(printed.strip())
+        # Not how long: that both went there and back.
+        self.assertGreater(figure["value"], 0)
+        self.assertGreater(figure["reference"], 0)
+
+    def measure_hid(self, name, way):
+        with self.offered("hid", way):
+            found = self.guest.wait_for("ls -d /sys/bus/hid/devices/0003:1234:0006.*/hidraw/hidraw*").strip()
+            self.measure(name, "hid", f"hid:{ECHO}", f"/dev/{found.rsplit('/', 1)[1]}")
+
+    def test_hidraw_through_uhid(self):
+        self.measure_hid("hidraw, uhid", "uhid")
+
+    def test_hidraw_over_usbip(self):
+        self.measure_hid("hidraw, USB/IP", simdev.PORT)
+
+    def test_usbfs(self):
+        with self.offered("usb", simdev.PORT):
+            port = self.guest.wait_for("basename $(dirname $(grep -lx cb48 /sys/bus/usb/devices/*/idProduct))").strip()
+            node = self.guest.run(f"udevadm info -q name /sys/bus/usb/devices/{port}").strip()
+            self.measure("usbfs, USB/IP", "usb", f"usb:{port}", f"/dev/{node}")
+
+
+# Processor time of each thread of the daemon, by its name, and ticks of the servos, around ten seconds in one script: between two
+# commands an idle guest's clock runs ahead.
+SHARES = """
+look() {
+  thimble status --json | tr -d '\\n'; echo
+  awk '{print $1}' /proc/uptime
+  for task in /proc/$pid/task/*; do echo "$(cat $task/comm) $(awk '{print $1}' $task/schedstat)"; done
+}
+pid=$(systemctl show thimbled -p MainPID --value)
+look > /run/before; sleep 10; look > /run/after
+cat /run/before; echo; cat /run/after
+"""
+
+
+def parse(text):
+    status, uptime_s, *threads = text.strip().splitlines()
+    busy_s = {}
+    for line in threads:
+        name, busy_ns = line.rsplit(" ", 1)
+        kind = name.split("-")[0]
+        busy_s[kind] = busy_s.get(kind, 0) + 1e-9 * int(busy_ns)
+    return json.loads(status)["servos"], float(uptime_s), busy_s
+
+
+class FourArms(guest.GuestTest):
+    """At 1 kHz, each pressed against a wall of the box."""
+
+    pace = guest.counted(0)
+    names = ("right", "left", "third", "fourth")
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        right = arms.HidArm(cls.guest)
+        cls.arms = [right]
+        words = [right.words]
+        for name in cls.names[1:]:
+            serial = f"VM-{name}"
+            cls.arms.append(simdev.Simdev(cls.guest, name, "--uhid", "--serial", serial, "phantom-vintage"))
+            cls.guest.wait_for(f"thimble devices | grep -q {serial}")
+            words.append(f'[[arm]]\nname = "{name}"\ndevice = "hid:{serial}"\nmodel = "phantom-vintage"\namplifier_max_a = 3.0')
+        right.words = '\nworld = "box"\n\n'.join(words)
+        right.configure()
+
+    def test_share_of_a_processor(self):
+        for number, arm in enumerate(self.arms):
+            simdev.wait_for_state(self.guest, "calibrating", arm=number)
+            arm.calibrate()
+            simdev.wait_for_state(self.guest, "active", arm=number)
+            arm.say("move 0.018 0 0 0.3")
+        before, after = (parse(part) for part in self.guest.run(SHARES, timeout_s=900).split("\n\n"))
+        seconds = after[1] - before[1]
+        shares = {name: round((after[2][name] - before[2].get(name, 0)) / seconds, 4) for name in sorted(after[2])}
+        ticks = [servo["ticks"] - earlier["ticks"] for servo, earlier in zip(after[0], before[0])]
+        tell(f"four arms: {sum(shares.values()):.3f} of a processor in {seconds:.1f} s; of it {shares}; ticks {ticks}")
+        self.assertEqual(len(ticks), len(self.names))
+        for count in ticks:
+            self.assertAlmostEqual(count / seconds, 1000, delta=50)
+        for arm in self.arms:
+            self.assertLess(arm.felt(0.2)[0], -0.3)
