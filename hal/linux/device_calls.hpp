@@ -1,0 +1,29 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <span>
+
+namespace thimble::linux {
+
+// The kernel's calls by which a device is told something, where a test must be able to answer for
+// the kernel: what it says of a device that hangs, or of a line that is full, no test can bring
+// about.
+//
+// Thread: any. RT: as the kernel's call. Errors: as there, -1 and errno.
+class DeviceCalls {
+ public:
+  virtual ~DeviceCalls() = default;
+  virtual ssize_t write(int node, std::span<const std::uint8_t> bytes) noexcept = 0;
+  // ioctl().
+  virtual int control(int node, unsigned long request, void* argument) noexcept = 0;
+};
+
+class KernelCalls final : public DeviceCalls {
+ public:
+  ssize_t write(int node, std::span<const std::uint8_t> bytes) noexcept override;
+  int control(int node, unsigned long request, void* argument) noexcept override;
+};
+
+}  // namespace thimble::linux
