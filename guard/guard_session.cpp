@@ -9,22 +9,23 @@
 
 namespace thimble::guard {
 
-Result<GuardSession> GuardSession::accept(int socket, int timeout_ms) {
+Result<GuardSession> GuardSession::accept(int socket, int timeout_ms, linux::DeviceCalls& calls) {
   auto received = receive_handover(socket, timeout_ms);
   if (!received) return tl::unexpected(received.error());
   auto page = SharedPage::map(std::move(received->page));
   if (!page) return tl::unexpected(page.error());
-  GuardSession session(socket, std::move(*received), std::move(*page));
+  GuardSession session(socket, std::move(*received), std::move(*page), calls);
   if (::send(socket, &kWatching, 1, MSG_NOSIGNAL | MSG_DONTWAIT) != 1) {
     return fail(Errc::Disconnected, std::string("the daemon is gone: ") + std::strerror(errno));
   }
   return session;
 }
 
-GuardSession::GuardSession(int socket, Received received, SharedPage page) noexcept
+GuardSession::GuardSession(int socket, Received received, SharedPage page,
+                           linux::DeviceCalls& calls) noexcept
     : socket_(socket),
       page_(std::move(page)),
-      writer_(received.handover, std::move(received.node)) {}
+      writer_(received.handover, std::move(received.device), calls) {}
 
 // Nothing is ever said after the handover: whatever can be read is the end, or no daemon of ours.
 bool GuardSession::has_ended() noexcept {
@@ -33,7 +34,8 @@ bool GuardSession::has_ended() noexcept {
   return got >= 0 || (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR);
 }
 
-bool GuardSession::step(MonotonicTime now) noexcept {
+bool GuardSession::step(const Clock& clock) noexcept {
+  const MonotonicTime now = clock.now();
   is_ended_ = is_ended_ || has_ended();
   rt::Heartbeat& heart = page_.heartbeat();
   const std::uint64_t beats = heart.beats.load(std::memory_order_acquire);
@@ -44,7 +46,12 @@ bool GuardSession::step(MonotonicTime now) noexcept {
   // Told before it is done: a servo that wakes in between must not drive on. Guards before this one
   // have counted there, too.
   heart.interventions.fetch_add(watch_.interventions() - before, std::memory_order_release);
-  if (must_write) watch_.wrote(now, writer_.write());
+  if (must_write) {
+    // What held it up for seconds may have held up a force, too, that leaves beside it: the while
+    // in which zero is written begins when the kernel returns.
+    const bool is_taken = writer_.write();
+    watch_.wrote(clock.now(), is_taken);
+  }
   return !is_ended_ || must_write;
 }
 

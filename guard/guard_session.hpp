@@ -21,20 +21,21 @@ inline constexpr char kWatching = 'W';
 // The guard of one arm, from its handover to the end of the connection.
 //
 // Thread: one, SCHED_FIFO above the servos where it may be: a servo that spins must not starve it.
-// Ownership: `socket` is the caller's and outlives it.
+// Ownership: `socket` and `calls` are the caller's and outlive it.
 class GuardSession {
  public:
   // Waits for the handover and answers it. Errors: as receive_handover() and SharedPage::map().
-  [[nodiscard]] static Result<GuardSession> accept(int socket, int timeout_ms);
+  [[nodiscard]] static Result<GuardSession> accept(int socket, int timeout_ms,
+                                                   linux::DeviceCalls& calls);
 
-  // One look; `now` never goes backwards. False: the connection ended and the arm was let go.
-  [[nodiscard]] bool step(MonotonicTime now) noexcept;
+  // One look. False: the connection ended and the arm was let go.
+  [[nodiscard]] bool step(const Clock& clock) noexcept;
 
   [[nodiscard]] std::uint32_t interventions() const noexcept { return watch_.interventions(); }
   [[nodiscard]] const ZeroWriter& zeros() const noexcept { return writer_; }
 
  private:
-  GuardSession(int socket, Received received, SharedPage page) noexcept;
+  GuardSession(int socket, Received received, SharedPage page, linux::DeviceCalls& calls) noexcept;
   [[nodiscard]] bool has_ended() noexcept;
 
   int socket_;

@@ -16,12 +16,16 @@ namespace {
 
 constexpr std::array<std::uint8_t, 3> kMark{'T', 'G', 0};
 constexpr std::size_t kHead = kMark.size() + 2;
-constexpr std::size_t kDescriptors = 2;
+constexpr std::size_t kMostDescriptors = 3;
+
+std::size_t descriptors_of(ZeroRoute route) noexcept {
+  return route == ZeroRoute::HiddevAndWrite ? 3 : 2;
+}
 
 // Room for one packet and one more byte, so that a longer one is seen to be longer.
 struct Packet {
   std::array<std::uint8_t, kHead + kMaxZeroBytes + 1> bytes{};
-  alignas(cmsghdr) std::array<char, CMSG_SPACE(kDescriptors * sizeof(int))> control{};
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(kMostDescriptors * sizeof(int))> control{};
   iovec part{};
   msghdr message{};
 
@@ -71,7 +75,7 @@ Result<Handover> parse_handover(std::span<const std::uint8_t> packet) {
   if (!std::equal(kMark.begin(), kMark.end(), packet.begin())) {
     return fail(Errc::Malformed, "handover: not one of version 0");
   }
-  if (packet[kMark.size()] > static_cast<std::uint8_t>(ZeroRoute::UsbBulk)) {
+  if (packet[kMark.size()] > static_cast<std::uint8_t>(ZeroRoute::HiddevAndWrite)) {
     return fail(Errc::Malformed,
                 "handover: there is no route " + std::to_string(packet[kMark.size()]));
   }
@@ -79,11 +83,15 @@ Result<Handover> parse_handover(std::span<const std::uint8_t> packet) {
   handover.route = static_cast<ZeroRoute>(packet[kMark.size()]);
   handover.endpoint = packet[kMark.size() + 1];
   handover.size = packet.size() - kHead;
+  if (handover.route == ZeroRoute::HiddevAndWrite && handover.size < 2) {
+    return fail(Errc::Malformed, "handover: a report of no bytes");
+  }
   std::copy(packet.begin() + kHead, packet.end(), handover.bytes.begin());
   return handover;
 }
 
-Result<void> send_handover(int socket, const Handover& handover, int node, int page) {
+Result<void> send_handover(int socket, const Handover& handover, const linux::SharedDevice& device,
+                           int page) {
   Packet packet;
   const std::vector<std::uint8_t> bytes = encode(handover);
   std::copy(bytes.begin(), bytes.end(), packet.bytes.begin());
@@ -91,9 +99,11 @@ Result<void> send_handover(int socket, const Handover& handover, int node, int p
   cmsghdr* const rights = CMSG_FIRSTHDR(&packet.message);
   rights->cmsg_level = SOL_SOCKET;
   rights->cmsg_type = SCM_RIGHTS;
-  rights->cmsg_len = CMSG_LEN(kDescriptors * sizeof(int));
-  const std::array<int, kDescriptors> descriptors{node, page};
-  std::memcpy(CMSG_DATA(rights), descriptors.data(), sizeof(descriptors));
+  const std::array<int, kMostDescriptors> descriptors{device.node.get(), page, device.hiddev.get()};
+  const std::size_t size = descriptors_of(handover.route) * sizeof(int);
+  rights->cmsg_len = CMSG_LEN(size);
+  packet.message.msg_controllen = CMSG_SPACE(size);
+  std::memcpy(CMSG_DATA(rights), descriptors.data(), size);
   if (::sendmsg(socket, &packet.message, MSG_NOSIGNAL | MSG_DONTWAIT) < 0) {
     return tl::unexpected(linux::system_error("cannot hand the arm over", errno));
   }
@@ -112,11 +122,14 @@ Result<Received> receive_handover(int socket, int timeout_ms) {
   std::vector<linux::Descriptor> descriptors = take_descriptors(packet.message);
   auto handover = parse_handover({packet.bytes.data(), static_cast<std::size_t>(size)});
   if (!handover) return tl::unexpected(handover.error());
-  if (descriptors.size() != kDescriptors || (packet.message.msg_flags & MSG_CTRUNC) != 0) {
-    return fail(Errc::Malformed, "handover: expected the arm's node and a page of memory, found " +
-                                     std::to_string(descriptors.size()) + " descriptors");
+  const std::size_t expected = descriptors_of(handover->route);
+  if (descriptors.size() != expected || (packet.message.msg_flags & MSG_CTRUNC) != 0) {
+    return fail(Errc::Malformed, "handover: expected " + std::to_string(expected) +
+                                     " descriptors, found " + std::to_string(descriptors.size()));
   }
-  return Received{*handover, std::move(descriptors[0]), std::move(descriptors[1])};
+  Received received{*handover, {std::move(descriptors[0]), {}}, std::move(descriptors[1])};
+  if (expected > 2) received.device.hiddev = std::move(descriptors[2]);
+  return received;
 }
 
 }  // namespace thimble::guard

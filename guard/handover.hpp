@@ -8,6 +8,7 @@
 
 #include "hal/base/result.hpp"
 #include "hal/linux/descriptor.hpp"
+#include "hal/linux/shared_device.hpp"
 
 namespace thimble::guard {
 
@@ -17,14 +18,18 @@ inline constexpr std::size_t kMaxZeroBytes = 65;  // a HID report of 64 and its 
 enum class ZeroRoute : std::uint8_t {
   Write,    // one write() of the bytes: hidraw (the report's number first), a terminal
   UsbBulk,  // one synchronous bulk transfer on the claim that belongs to the shared descriptor
+  // As Write, of a report without a number, and each time before it all but the first byte over
+  // hiddev: that one waits for no other device (docs/decisions/0358-hidraw-has-one-lock.md).
+  HiddevAndWrite,
 };
 
 // All that a guard is told of its arm; it goes over a Unix socket in one packet, with the
-// descriptors of the arm's node and of the page with the servo's heartbeat.
+// descriptors of the arm's node, of the page with the servo's heartbeat and, for HiddevAndWrite, of
+// the arm's hiddev.
 struct Handover {
   ZeroRoute route{ZeroRoute::Write};
   std::uint8_t endpoint{0};  // UsbBulk
-  std::size_t size{0};       // of `bytes`, 1 to kMaxZeroBytes
+  std::size_t size{0};       // of `bytes`, 1 to kMaxZeroBytes; of HiddevAndWrite from 2
   std::array<std::uint8_t, kMaxZeroBytes> bytes{};
 
   [[nodiscard]] std::span<const std::uint8_t> zero() const noexcept { return {bytes.data(), size}; }
@@ -41,10 +46,11 @@ struct Handover {
 // a packet that is refused are closed.
 struct Received {
   Handover handover;
-  linux::Descriptor node;
+  linux::SharedDevice device;
   linux::Descriptor page;
 };
-[[nodiscard]] Result<void> send_handover(int socket, const Handover& handover, int node, int page);
+[[nodiscard]] Result<void> send_handover(int socket, const Handover& handover,
+                                         const linux::SharedDevice& device, int page);
 [[nodiscard]] Result<Received> receive_handover(int socket, int timeout_ms);
 
 }  // namespace thimble::guard

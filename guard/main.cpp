@@ -18,7 +18,7 @@ constexpr int kConnection = 0;
 void watch(guard::GuardSession& session) noexcept {
   linux::MonotonicClock clock;
   MonotonicTime next = clock.now();
-  while (session.step(clock.now())) {
+  while (session.step(clock)) {
     next = std::max(next + guard::kLookEvery, clock.now());
     clock.sleep_until(next);
   }
@@ -26,7 +26,8 @@ void watch(guard::GuardSession& session) noexcept {
 
 int run() {
   const linux::RealtimeProcess process;
-  auto session = guard::GuardSession::accept(kConnection, guard::kHandoverTimeout_ms);
+  linux::KernelCalls calls;
+  auto session = guard::GuardSession::accept(kConnection, guard::kHandoverTimeout_ms, calls);
   if (!session) {
     std::fprintf(stderr, "thimble-guard: %s\n", session.error().message.c_str());
     return 1;

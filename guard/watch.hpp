@@ -36,6 +36,7 @@ class Watch {
   [[nodiscard]] bool look(MonotonicTime now, std::uint64_t beats, bool is_driven) noexcept;
   // The same when the daemon is gone: what it said last of its arm stays.
   [[nodiscard]] bool look_alone(MonotonicTime now, bool was_driven) noexcept;
+  // `now`: when it had been written.
   void wrote(MonotonicTime now, bool is_taken) noexcept;
 
   // How often it began to let the arm go.

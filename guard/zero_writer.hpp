@@ -1,25 +1,35 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "guard/handover.hpp"
-#include "hal/linux/descriptor.hpp"
+#include "hal/linux/device_calls.hpp"
+#include "hal/linux/hiddev.hpp"
+#include "hal/linux/shared_device.hpp"
 
 namespace thimble::guard {
 
-// Lets one arm go over its node.
+// Lets one arm go over its node, and first over its second way where it has one: a write to hidraw
+// may wait for another device, and what waits there beside it may be a force.
 //
-// Thread: one. write() may block as long as the kernel does: seconds for hidraw; for a bulk
-// transfer kBulkTimeout_ms. Ownership: owns its copy of the node's descriptor.
+// Thread: one. write() may block as long as the kernel does: seconds for hidraw, and for hiddev
+// where the arm itself takes nothing; for a bulk transfer kBulkTimeout_ms.
+// Ownership: owns its copies of the descriptors; the calls must outlive it.
 // Errors: counted; an arm that is gone needs no zero, and whatever else is wrong, the next try is
 // all that can be done.
 class ZeroWriter {
  public:
   static constexpr unsigned kBulkTimeout_ms = 20;
 
-  ZeroWriter(const Handover& handover, linux::Descriptor node) noexcept
-      : handover_(handover), node_(std::move(node)) {}
+  ZeroWriter(const Handover& handover, linux::SharedDevice device,
+             linux::DeviceCalls& calls) noexcept
+      : handover_(handover),
+        device_(std::move(device)),
+        calls_(&calls),
+        report_(handover.zero().last(std::max<std::size_t>(handover.size, 1) - 1)) {}
 
+  // True: it went the first way to its end.
   bool write() noexcept;
   [[nodiscard]] std::uint64_t written() const noexcept { return written_; }
   [[nodiscard]] std::uint64_t refused() const noexcept { return refused_; }
@@ -28,7 +38,9 @@ class ZeroWriter {
   bool try_once() noexcept;
 
   Handover handover_;
-  linux::Descriptor node_;
+  linux::SharedDevice device_;
+  linux::DeviceCalls* calls_;
+  linux::HiddevReport report_;  // without the byte for the number, which is hidraw's
   std::uint64_t written_{0};
   std::uint64_t refused_{0};
 };

@@ -31,12 +31,14 @@ constexpr const char* kEnded =
 
 // USB devices and serial ports take the bytes as they are; hidraw wants the report's number first,
 // 0 for none.
-guard::Handover handover_of(const bus::DeviceAddress& address, const ZeroCommand& zero) {
+guard::Handover handover_of(const bus::DeviceAddress& address, const ZeroCommand& zero,
+                            bool has_second_way) {
   guard::Handover handover;
   handover.endpoint = zero.endpoint;
   const bool is_written = zero.endpoint == 0;
   const bool is_hid = is_written && !address.text.starts_with("serial:");
   handover.route = is_written ? guard::ZeroRoute::Write : guard::ZeroRoute::UsbBulk;
+  if (is_hid && has_second_way) handover.route = guard::ZeroRoute::HiddevAndWrite;
   static_assert(ZeroCommand::kMaxBytes + 1 <= guard::kMaxZeroBytes);
   const std::size_t first = is_hid ? 1 : 0;
   std::copy(zero.bytes.begin(), zero.bytes.end(), handover.bytes.begin() + first);
@@ -67,12 +69,13 @@ class GuardProcess final : public devices::ArmGuard {
 
   Result<void> watch(const bus::DeviceAddress& address, const ZeroCommand& zero) override {
     connection_ = Descriptor();  // the guard of the device before ends
-    const Result<Descriptor> node = keeper_.settings_.share(address);
-    if (!node) return tl::unexpected(node.error());
+    const auto device = keeper_.settings_.share(address);
+    if (!device) return tl::unexpected(device.error());
     auto connection = keeper_.connect();
     if (!connection) return tl::unexpected(connection.error());
-    const Result<void> sent = guard::send_handover(connection->get(), handover_of(address, zero),
-                                                   node->get(), page_.descriptor());
+    const Result<void> sent = guard::send_handover(
+        connection->get(), handover_of(address, zero, device->hiddev.get() >= 0), *device,
+        page_.descriptor());
     if (!sent) return fail(Errc::System, kEnded);
     Result<void> answered = wait_for_answer(connection->get());
     if (answered) connection_ = *std::move(connection);

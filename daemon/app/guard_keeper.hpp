@@ -10,6 +10,7 @@
 #include "daemon/devices/arm_guard.hpp"
 #include "hal/base/result.hpp"
 #include "hal/linux/descriptor.hpp"
+#include "hal/linux/shared_device.hpp"
 
 namespace thimble::app {
 
@@ -19,9 +20,8 @@ struct GuardSettings {
   std::filesystem::path socket;
   // Started by the daemon itself where there is no such socket, in a session of its own.
   std::filesystem::path program;
-  // A descriptor of its own of the device's node that may be written:
-  // linux::BusEnumerator::share().
-  std::function<Result<linux::Descriptor>(const bus::DeviceAddress&)> share;
+  // The open device, for the guard: linux::BusEnumerator::share().
+  std::function<Result<linux::SharedDevice>(const bus::DeviceAddress&)> share;
 };
 // As they are on this machine: /run/thimble-guard.sock, and thimble-guard beside this program.
 [[nodiscard]] GuardSettings default_guard_settings();

@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <utility>
 
+#include "hal/linux/hiddev.hpp"
 #include "hal/linux/serial_port.hpp"
 #include "hal/linux/system_error.hpp"
 #include "hal/linux/usb_device.hpp"
@@ -24,10 +25,20 @@ bool is_among(const FoundDevice& wanted, const std::vector<FoundDevice>& devices
   });
 }
 
-Result<Descriptor> share_open(const bus::DeviceAddress& address, int node) {
+Result<SharedDevice> share_open(const bus::DeviceAddress& address, int node) {
   Descriptor shared(::fcntl(node, F_DUPFD_CLOEXEC, 0));
   if (shared.get() < 0) return tl::unexpected(system_error(address.text + kRefused, errno));
-  return shared;
+  return SharedDevice{std::move(shared), {}};
+}
+
+// Beside the first way: what it cannot be had for is no reason to have none.
+Descriptor open_second_way(const FoundDevice& device) {
+  if (device.hiddev.empty() || device.info.has_report_ids) return {};
+  Descriptor hiddev(::open(device.hiddev.c_str(), O_RDONLY | O_CLOEXEC));
+  KernelCalls calls;
+  const bool is_usable =
+      hiddev.get() >= 0 && takes_plain_bytes(hiddev.get(), device.info.output_report_bytes, calls);
+  return is_usable ? std::move(hiddev) : Descriptor();
 }
 
 }  // namespace
@@ -117,7 +128,7 @@ Result<std::unique_ptr<bus::SerialPort>> BusEnumerator::open_serial(
   return std::move(port.value());
 }
 
-Result<Descriptor> BusEnumerator::share(const bus::DeviceAddress& address) {
+Result<SharedDevice> BusEnumerator::share(const bus::DeviceAddress& address) {
   const auto usb = usb_nodes_.find(address);
   if (usb != usb_nodes_.end()) return share_open(address, usb->second.get());
   const auto serial = serial_nodes_.find(address);
@@ -128,7 +139,13 @@ Result<Descriptor> BusEnumerator::share(const bus::DeviceAddress& address) {
   }
   const Result<FoundDevice> found = find(address, bus::BusKind::Hid);
   if (!found.has_value()) return tl::unexpected(found.error());
-  return open_node(found.value(), O_WRONLY);
+  SharedDevice shared;
+  shared.hiddev = open_second_way(found.value());
+  // After the second way: it is the same device's when it is still there now.
+  Result<Descriptor> node = open_node(found.value(), O_WRONLY);
+  if (!node.has_value()) return tl::unexpected(node.error());
+  shared.node = std::move(node.value());
+  return shared;
 }
 
 }  // namespace thimble::linux

@@ -10,6 +10,7 @@
 #include "hal/linux/bus_settings.hpp"
 #include "hal/linux/descriptor.hpp"
 #include "hal/linux/hid_device.hpp"
+#include "hal/linux/shared_device.hpp"
 #include "hal/linux/udev_scan.hpp"
 
 namespace thimble::linux {
@@ -35,10 +36,11 @@ class BusEnumerator final : public bus::BusEnumerator {
       const bus::DeviceAddress& address, const bus::UsbClaim& claim) override;
   [[nodiscard]] Result<std::unique_ptr<bus::SerialPort>> open_serial(
       const bus::DeviceAddress& address, const bus::SerialLine& line) override;
-  // Another descriptor of a device that this opened, for a process that may have to let the arm go
-  // when this one cannot: of a USB device with the same claim, of a
-  // serial port the very node, for nobody else can open it. NotFound, Permission or System.
-  [[nodiscard]] Result<Descriptor> share(const bus::DeviceAddress& address);
+  // Descriptors of a device that this opened, for a process that may have to let the arm go when
+  // this one cannot: of a USB device with the same claim, of a serial port the very node, for
+  // nobody else can open it. NotFound, Permission or System; where only the second way of a HID
+  // device cannot be had, it is left out.
+  [[nodiscard]] Result<SharedDevice> share(const bus::DeviceAddress& address);
 
  private:
   void note_changes();

@@ -20,6 +20,7 @@ namespace thimble::linux {
 struct FoundDevice {
   bus::BusDeviceInfo info;
   std::string node;      // "/dev/hidraw0", "/dev/bus/usb/001/004"
+  std::string hiddev;    // of a HID device, "/dev/usb/hiddev0"; empty: none
   std::string identity;  // another one after it was plugged in anew
 };
 

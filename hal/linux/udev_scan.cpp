@@ -16,6 +16,7 @@
 #include "hal/bus/hid_report_descriptor.hpp"
 #include "hal/bus/usb_descriptor.hpp"
 #include "hal/linux/hid_address.hpp"
+#include "hal/linux/hiddev.hpp"
 
 // Names of files and properties: the kernel's Documentation/ABI/{stable,testing}/sysfs-bus-usb and
 // sysfs-driver-hid, and hid_uevent() in its hid-core.c.
@@ -123,6 +124,7 @@ std::optional<ReadDevice> read_hid(udev_device* hidraw) {
   ReadDevice found;
   HidPlace& place = found.place.emplace();
   found.device.node = text_of(::udev_device_get_devnode(hidraw));
+  found.device.hiddev = hiddev_node_of(hid);
   bus::BusDeviceInfo& info = found.device.info;
   info.kind = bus::BusKind::Hid;
   if (found.device.node.empty() || !read_ids(property(hid, "HID_ID"), info)) return std::nullopt;

@@ -10,6 +10,7 @@
 
 #include "hal/linux/bus_enumerator.hpp"
 #include "hal/linux/monotonic_clock.hpp"
+#include "hal/linux/udev_scan.hpp"
 #include "tests/rt/in_child_process.hpp"
 #include "tests/support/fake_hidapi.hpp"
 #include "tests/support/mock_machine.hpp"
@@ -286,12 +287,40 @@ TEST_F(LinuxEnumerator, SharesTheNodeOfAHidDeviceWithWhoMayHaveToLetItGo) {
   plug_arm("1-4", "X", 0);
   const auto shared = sut->share({"hid:X"});
   ASSERT_TRUE(shared.has_value()) << shared.error().message;
-  EXPECT_EQ(::write(shared->get(), "zero", 4), 4);
+  EXPECT_EQ(::write(shared->node.get(), "zero", 4), 4);
   std::string written(4, ' ');
   const int node = ::open("/dev/hidraw0", O_RDONLY | O_CLOEXEC);
   EXPECT_EQ(::read(node, written.data(), written.size()), 4);
   EXPECT_EQ(written, "zero");
   EXPECT_EQ(::close(node), 0);
+}
+
+TEST_F(LinuxEnumerator, TheHiddevOfAHidDeviceIsThatOfItsInterface) {
+  plug_arm("1-4", "X", 0);
+  machine.plug_hiddev("1-4", 0, "hiddev4");
+  machine.plug(Hid{.interface_number = 1, .node_number = 3, .instance = "0103"});
+  machine.plug_hiddev("1-4", 1, "hiddev3");
+  static_cast<void>(events());  // more at once than a mock machine can tell of
+  plug_arm("1-5", "Y", 1);
+  machine.plug_virtual({.node_number = 2, .instance = "0102", .serial_number = "Z"});
+  linux::UdevScan scan;
+  std::map<std::string, std::string> hiddevs;
+  for (const linux::FoundDevice& device : scan.devices()) {
+    if (device.info.kind == bus::BusKind::Hid) hiddevs[device.info.address.text] = device.hiddev;
+  }
+  EXPECT_EQ(hiddevs, (std::map<std::string, std::string>{{"hid:X", "/dev/usb/hiddev4"},
+                                                         {"hid:X:1.1", "/dev/usb/hiddev3"},
+                                                         {"hid:Y", ""},
+                                                         {"hid:Z", ""}}));
+}
+
+TEST_F(LinuxEnumerator, WithoutASecondWayThatAnswersTheFirstIsSharedAlone) {
+  plug_arm("1-4", "X", 0);
+  machine.plug_hiddev("1-4", 0, "hiddev0");  // a plain file: no report, says the kernel
+  const auto shared = sut->share({"hid:X"});
+  ASSERT_TRUE(shared.has_value()) << shared.error().message;
+  EXPECT_GE(shared->node.get(), 0);
+  EXPECT_LT(shared->hiddev.get(), 0);
 }
 
 TEST_F(LinuxEnumerator, SharesNoUsbDeviceThatItDidNotOpen) {

@@ -80,6 +80,13 @@ std::string MockMachine::plug(const SerialDevice& device) {
   return plug_node("tty", device.name, plug_interface(device.port, device.interface_number));
 }
 
+std::string MockMachine::plug_hiddev(const std::string& port, int interface_number,
+                                     const std::string& name) {
+  const std::string interface =
+      std::string(kController) + "/" + port + "/" + port + ":1." + std::to_string(interface_number);
+  return plug_node("usbmisc", name, interface, "/dev/usb/");
+}
+
 std::string MockMachine::plug_console(const std::string& name) {
   return plug_node("tty", name, "");
 }
@@ -94,11 +101,11 @@ std::string MockMachine::plug_interface(const std::string& port, int number) {
 }
 
 std::string MockMachine::plug_node(const char* subsystem, const std::string& name,
-                                   const std::string& parent) {
+                                   const std::string& parent, const std::string& folder) {
   const std::string path =
-      add(bed_, subsystem, name, parent, Pairs({}), Pairs({"DEVNAME", "/dev/" + name}));
+      add(bed_, subsystem, name, parent, Pairs({}), Pairs({"DEVNAME", folder + name}));
   paths_.push_back(path);
-  nodes_[path] = make_node("/dev/" + name);
+  nodes_[path] = make_node(folder + name);
   say(path, "add");
   return path;
 }

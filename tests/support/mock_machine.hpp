@@ -52,6 +52,8 @@ class MockMachine {
   std::string plug(const UsbDevice& device);
   std::string plug(const HidDevice& device);
   std::string plug(const SerialDevice& device);
+  // The hiddev of an interface, "/dev/usb/NAME".
+  std::string plug_hiddev(const std::string& port, int interface_number, const std::string& name);
   // One of the machine's own, on no USB.
   std::string plug_console(const std::string& name);
   // One that is on no USB, as of uhid.
@@ -71,7 +73,8 @@ class MockMachine {
   [[nodiscard]] std::string root() const;
   std::string make_node(const std::string& name);
   std::string plug_interface(const std::string& port, int number);
-  std::string plug_node(const char* subsystem, const std::string& name, const std::string& parent);
+  std::string plug_node(const char* subsystem, const std::string& name, const std::string& parent,
+                        const std::string& folder = "/dev/");
   std::string plug_below(const std::string& parent, const HidDevice& device);
 
   _UMockdevTestbed* bed_;

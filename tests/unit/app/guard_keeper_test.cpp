@@ -30,10 +30,12 @@ class GuardKeeperTest : public testing::Test {
     arm_ = Descriptor(ends[0]);
     node_ = Descriptor(ends[1]);
     settings_.program = THIMBLE_GUARD;
-    settings_.share = [this](const bus::DeviceAddress& address) -> Result<Descriptor> {
+    settings_.share = [this](const bus::DeviceAddress& address) -> Result<linux::SharedDevice> {
       asked_for_ = address.text;
       if (is_gone_) return fail(Errc::NotFound, "no device at " + address.text);
-      return Descriptor(::fcntl(node_.get(), F_DUPFD_CLOEXEC, 0));
+      linux::SharedDevice device{Descriptor(::fcntl(node_.get(), F_DUPFD_CLOEXEC, 0)), {}};
+      if (has_second_way_) device.hiddev = Descriptor(::open("/dev/null", O_RDONLY | O_CLOEXEC));
+      return device;
     };
     zero_.bytes.push_back(7);
     zero_.bytes.push_back(9);
@@ -61,6 +63,7 @@ class GuardKeeperTest : public testing::Test {
   GuardSettings settings_;
   std::string asked_for_;
   bool is_gone_{false};
+  bool has_second_way_{false};
   ZeroCommand zero_;
   std::unique_ptr<GuardKeeper> keeper_;
 };
@@ -138,8 +141,11 @@ TEST_F(GuardKeeperTest, PrefersTheSocketOfTheServiceAndSeesItsGuardEnd) {
     connection = Descriptor(::accept4(listener.get(), nullptr, nullptr, SOCK_CLOEXEC));
     const auto received = guard::receive_handover(connection.get(), kPatience_ms);
     EXPECT_TRUE(received.has_value());
+    EXPECT_EQ(received->handover.route, guard::ZeroRoute::HiddevAndWrite);
+    EXPECT_GE(received->device.hiddev.get(), 0);
     EXPECT_EQ(::send(connection.get(), "W", 1, 0), 1);
   });
+  has_second_way_ = true;
   EXPECT_EQ(refusal(*guard), "");
   service.join();
   EXPECT_TRUE(guard->is_watching());

@@ -8,6 +8,9 @@
 #include <array>
 #include <string>
 
+#include "sim/time/virtual_clock.hpp"
+#include "tests/support/fake_hid_kernel.hpp"
+
 // A guard on a pipe instead of an arm, in hand-moved time.
 namespace thimble::guard {
 namespace {
@@ -25,20 +28,21 @@ class Rig {
     guard_ = Descriptor(ends[1]);
     EXPECT_EQ(::pipe2(ends.data(), O_CLOEXEC | O_NONBLOCK), 0);
     arm_ = Descriptor(ends[0]);
-    node_ = Descriptor(ends[1]);
+    device_ = {Descriptor(ends[1]), Descriptor(::fcntl(ends[1], F_DUPFD_CLOEXEC, 0))};
   }
-  Result<GuardSession> accept() {
+  Result<GuardSession> accept() { return accept(ZeroRoute::Write, kernel_); }
+  Result<GuardSession> accept(ZeroRoute route, linux::DeviceCalls& calls) {
     page.heartbeat().is_driven = 1;
-    const Handover handover{ZeroRoute::Write, 0, 3, {0, 7, 9}};
-    EXPECT_TRUE(send_handover(daemon.get(), handover, node_.get(), page.descriptor()).has_value());
-    return GuardSession::accept(guard_.get(), 1000);
+    const Handover handover{route, 0, 3, {0, 7, 9}};
+    EXPECT_TRUE(send_handover(daemon.get(), handover, device_, page.descriptor()).has_value());
+    return GuardSession::accept(guard_.get(), 1000, calls);
   }
   // Looks for `ms` at a servo that beats or does not; how often the arm was given zero meanwhile.
   int run(GuardSession& guard, int ms, bool is_alive) {
     for (int i = 0; i < ms; i += 2) {
-      now_ = now_ + kLookEvery;
+      clock.run_for(kLookEvery);
       if (is_alive) page.heartbeat().beat();
-      is_over = !guard.step(now_);
+      is_over = !guard.step(clock);
       if (is_over) break;
     }
     return zeros();
@@ -55,13 +59,14 @@ class Rig {
 
   Descriptor daemon;
   SharedPage page{std::move(SharedPage::create().value())};
+  sim::VirtualClock clock;
   bool is_over{false};
 
  private:
   Descriptor guard_;
   Descriptor arm_;
-  Descriptor node_;
-  MonotonicTime now_{};
+  linux::SharedDevice device_;
+  linux::KernelCalls kernel_;
 };
 
 TEST(GuardSession, AnswersThatItWatches) {
@@ -141,19 +146,73 @@ TEST(GuardSession, OfAnArmThatIsGoneGoesOnAndCountsWhatWasRefused) {
   const Descriptor daemon(ends[0]);
   const Descriptor guard(ends[1]);
   SharedPage page = std::move(SharedPage::create().value());
-  const Descriptor null(::open("/dev/null", O_RDONLY | O_CLOEXEC));
-  for (const ZeroRoute route : {ZeroRoute::Write, ZeroRoute::UsbBulk}) {
-    ASSERT_TRUE(
-        send_handover(daemon.get(), {route, 2, 16, {}}, null.get(), page.descriptor()).has_value());
-    auto session = GuardSession::accept(guard.get(), 1000);
+  const auto null = [] { return Descriptor(::open("/dev/null", O_RDONLY | O_CLOEXEC)); };
+  linux::KernelCalls kernel;
+  for (const ZeroRoute route : {ZeroRoute::Write, ZeroRoute::UsbBulk, ZeroRoute::HiddevAndWrite}) {
+    ASSERT_TRUE(send_handover(daemon.get(), {route, 2, 16, {}}, {null(), null()}, page.descriptor())
+                    .has_value());
+    auto session = GuardSession::accept(guard.get(), 1000, kernel);
     ASSERT_TRUE(session.has_value());
     page.heartbeat().is_driven = 1;
     page.heartbeat().beat();
-    EXPECT_TRUE(session->step(MonotonicTime{milliseconds(2)}));
-    EXPECT_TRUE(session->step(MonotonicTime{milliseconds(30)}));
+    sim::VirtualClock clock;
+    EXPECT_TRUE(session->step(clock));
+    clock.run_for(milliseconds(28));
+    EXPECT_TRUE(session->step(clock));
     EXPECT_EQ(session->zeros().refused(), 1U);
     EXPECT_EQ(session->zeros().written(), 0U);
   }
+}
+
+using Report = test::FakeHidKernel::Report;
+const Report kZeroByHiddev{"dev", {7, 9}};
+const Report kZeroByHidraw{"raw", {0, 7, 9}};
+
+TEST(GuardSession, TheSecondWayIsTakenBeforeEachWrite) {
+  Rig rig;
+  test::FakeHidKernel kernel;
+  auto guard = rig.accept(ZeroRoute::HiddevAndWrite, kernel);
+  rig.run(*guard, 100, true);
+  EXPECT_TRUE(kernel.sent.empty());
+  rig.run(*guard, 1000, false);
+  ASSERT_EQ(kernel.sent.size(), 102U);
+  for (std::size_t i = 0; i < kernel.sent.size(); i += 2) {
+    EXPECT_EQ(kernel.sent[i], kZeroByHiddev);
+    EXPECT_EQ(kernel.sent[i + 1], kZeroByHidraw);
+  }
+}
+
+// hidraw's lock is held because of another device. What the daemon had on its way leaves when the
+// lock is free, just before or just after the guard's own: zero must follow for as long as ever.
+TEST(GuardSession, WhereHidrawHangsTheArmIsLetGoTheSecondWayAndAgainWhenHidrawIsFree) {
+  Rig rig;
+  test::FakeHidKernel kernel;
+  auto guard = rig.accept(ZeroRoute::HiddevAndWrite, kernel);
+  rig.run(*guard, 100, true);
+  std::vector<Report> sent_before_it_hung;
+  MonotonicTime free_at{};
+  kernel.on_write = [&] {
+    if (free_at > MonotonicTime{}) return;
+    sent_before_it_hung = kernel.sent;
+    rig.clock.run_for(std::chrono::seconds(5));
+    free_at = rig.clock.now();
+  };
+  rig.run(*guard, 22, false);
+  EXPECT_EQ(sent_before_it_hung, std::vector<Report>{kZeroByHiddev});
+  ASSERT_GT(free_at, MonotonicTime{});
+  kernel.sent.clear();
+  rig.run(*guard, 1000, false);
+  EXPECT_EQ(kernel.sent.size(), 100U) << "50 looks in the 100 ms after it";
+}
+
+TEST(GuardSession, ASecondWayThatIsRefusedLeavesTheFirst) {
+  Rig rig;
+  test::FakeHidKernel kernel;
+  kernel.has_hiddev = false;
+  auto guard = rig.accept(ZeroRoute::HiddevAndWrite, kernel);
+  rig.run(*guard, 10, true);
+  rig.run(*guard, 1000, false);
+  EXPECT_EQ(kernel.sent, std::vector<Report>(51, kZeroByHidraw));
 }
 
 TEST(SharedPage, OfAnotherProcessMustNotBeAbleToShrink) {
