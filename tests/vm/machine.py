@@ -1,4 +1,4 @@
-"""A guest under QEMU, started from the cached image, which it does not change; and the base of the tests in it."""
+"""A guest under QEMU, started from the cached image, which it does not change."""
 
 import base64
 import contextlib
@@ -6,14 +6,16 @@ import gzip
 import os
 import pathlib
 import select
+import shlex
 import shutil
 import socket
 import subprocess
 import tempfile
 import time
-import unittest
+import typing
 
 import guest_image
+import qmp
 
 HERE = pathlib.Path(__file__).resolve().parent
 BUILD = HERE.parents[1] / "build"
@@ -21,6 +23,8 @@ DEBS = pathlib.Path(os.environ.get("THIMBLE_DEBS", BUILD / "deb"))
 BIN = pathlib.Path(os.environ.get("THIMBLE_BIN", BUILD / "release" / "bin"))
 # Waits are bounded, never asserted: an emulated machine beside other work boots in 10 s, or in 60.
 BOOT_S = 400
+START_S = 30
+SAVE_S = 120
 COMMAND_S = 120
 
 
@@ -28,58 +32,89 @@ class GuestError(Exception):
     """The guest did not do what it was told; the message has its words."""
 
 
+class Pace(typing.NamedTuple):
+    """How the guest's time passes: a name for files, words for QEMU and words for the guest's kernel."""
+
+    name: str
+    machine: tuple
+    kernel: str
+
+
 # With several processors that run as the host lets them. On a busy one an emulated timer is late: the kernel must neither take
 # it for broken nor learn from it how fast the TSC is, or the guest's clock runs several times too fast.
-AS_IT_COMES = ("-smp", "2", "-accel", "tcg,thread=multi"), "clocksource=acpi_pm tsc=unstable no_timer_check"
+AS_IT_COMES = Pace("as-it-comes", ("-smp", "2", "-accel", "tcg,thread=multi"), "clocksource=acpi_pm tsc=unstable no_timer_check")
 
 
 def counted(shift):
     """The guest's clock counts instructions, 2^shift ns each, and leaps over idle time: however busy the host is, nobody in the
     guest is late for it. For tests with a device that must be served in time; it runs in the guest, too."""
-    return ("-smp", "1", "-accel", "tcg,thread=single", "-icount", f"shift={shift},sleep=off"), "clocksource=tsc tsc=reliable"
+    return Pace(f"counted-{shift}", ("-smp", "1", "-accel", "tcg,thread=single", "-icount", f"shift={shift},sleep=off"),
+                "clocksource=tsc tsc=reliable")
 
 
 COUNTED = counted(2)  # fast enough for what has 1,000 frames a second
 
 
-class Guest:
-    """One virtual machine. Use as a context manager, or call close()."""
+def words(kernel, pace):
+    """The words for QEMU that make the machine what it is: a saved state fits only into the same."""
+    return ("-nodefaults", "-no-shutdown", "-display", "none", "-machine", "q35", "-m", "1024", *pace.machine,
+            # Never KVM: it is there on machines where it hangs. Under it all processors look alike.
+            "-cpu", "qemu64,+ssse3,+sse4.1,+sse4.2,+popcnt",
+            "-append", f"root=LABEL=root rw console=ttyS0 quiet panic=-1 {pace.kernel}")
 
-    def __init__(self, kernel="amd64", share=DEBS, pace=AS_IT_COMES):
+
+class Guest:
+    """One virtual machine. Use as a context manager, or call close().
+
+    It boots, from `disk`, a qcow2 file that save_disk() made, or from the image; or it goes on where save_state() wrote both.
+    """
+
+    def __init__(self, kernel="amd64", share=DEBS, pace=AS_IT_COMES, disk=None, memory=None):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="thimble-vm-"))
         self.console = self.folder / "console"
         image = guest_image.image_folder()
-        listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-        listener.bind(str(self.folder / "cmd"))
-        listener.listen(1)
         command = [
             "setpriv", "--pdeathsig", "KILL",  # it ends with the test, whatever ends that
-            "qemu-system-x86_64", "-nodefaults", "-display", "none", "-machine", "q35", "-m", "1024", *pace[0],
-            # Never KVM: it is there on machines where it hangs. Under it all processors look alike.
-            "-cpu", "qemu64,+ssse3,+sse4.1,+sse4.2,+popcnt",
+            "qemu-system-x86_64", *words(kernel, pace),
             "-kernel", image / f"vmlinuz-{kernel}", "-initrd", image / f"initrd-{kernel}",
-            "-append", f"root=LABEL=root rw console=ttyS0 quiet panic=-1 {pace[1]}",
-            "-drive", f"file={image / 'disk.img'},format=raw,if=virtio,snapshot=on",
+            "-drive", f"file={disk},format=qcow2,if=virtio,snapshot=on" if disk else
+                      f"file={image / 'disk.img'},format=raw,if=virtio,snapshot=on",
             "-serial", f"file:{self.console}",
+            "-chardev", f"socket,id=qmp,path={self.folder / 'qmp'}", "-mon", "chardev=qmp,mode=control",
             "-device", "virtio-serial-pci", "-chardev", f"socket,id=cmd,path={self.folder / 'cmd'}",
             "-device", "virtserialport,chardev=cmd,name=vm.cmd"]
         for tag, path in (("debs", share), ("tests", HERE / "guest"), ("bin", BIN)):
             command += ["-virtfs", f"local,path={path},mount_tag={tag},security_model=none,readonly=on"]
-        with open(self.folder / "qemu.log", "wb") as log:
-            self.process = subprocess.Popen([str(word) for word in command], stdin=subprocess.DEVNULL,
-                                            stdout=log, stderr=log)
-        listener.settimeout(30)
-        try:
-            self.channel, _ = listener.accept()
-        except OSError:
-            words = self.words()
-            self.close()
-            raise GuestError(f"QEMU did not start: {words}") from None
-        finally:
-            listener.close()
+        if memory:
+            command += ["-incoming", f"exec:cat {shlex.quote(str(memory))}"]
         self.pending = b""
         with self.closed_on_failure():
-            self.wait_until_up()
+            self.start(command)
+            if memory:
+                # It was saved while it was stopped.
+                self.wait_until(lambda: self.monitor.execute("query-status")["status"] == "paused", "its state is not read")
+                self.monitor.execute("cont")
+            else:
+                self.read_answer(BOOT_S)
+            self.mount()
+
+    def start(self, command):
+        """QEMU, which connects to us."""
+        with contextlib.ExitStack() as stack:
+            listeners = []
+            for name in ("qmp", "cmd"):
+                listeners.append(stack.enter_context(socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)))
+                listeners[-1].bind(str(self.folder / name))
+                listeners[-1].listen(1)
+                listeners[-1].settimeout(START_S)
+            with open(self.folder / "qemu.log", "wb") as log:
+                self.process = subprocess.Popen([str(word) for word in command], stdin=subprocess.DEVNULL, stdout=log, stderr=log)
+            try:
+                channels = [listener.accept()[0] for listener in listeners]
+            except OSError:
+                raise GuestError(f"QEMU did not start: {self.words()}") from None
+        channels[0].settimeout(SAVE_S)
+        self.monitor, self.channel = qmp.Monitor(channels[0]), channels[1]
 
     @contextlib.contextmanager
     def closed_on_failure(self):
@@ -96,10 +131,12 @@ class Guest:
         self.close()
 
     def close(self):
-        self.process.kill()
-        self.process.wait()
-        if hasattr(self, "channel"):
-            self.channel.close()
+        if hasattr(self, "process"):
+            self.process.kill()
+            self.process.wait()
+        for end in ("monitor", "channel"):
+            if hasattr(self, end):
+                getattr(self, end).close()
         shutil.rmtree(self.folder, ignore_errors=True)
 
     def words(self):
@@ -108,9 +145,8 @@ class Guest:
                  for path in (self.console, self.folder / "qemu.log") if path.exists()]
         return "\n".join(texts)
 
-    def wait_until_up(self):
-        """Until the agent answers; then the folders of the host are mounted: packages, scripts of the guest, programs of the tests."""
-        self.read_answer(BOOT_S)
+    def mount(self):
+        """The folders of the host: packages, scripts of the guest, programs of the tests."""
         self.run("for tag in debs tests bin; do mkdir -p /run/$tag; mountpoint -q /run/$tag || "
                  "mount -t 9p -o trans=virtio,version=9p2000.L,ro $tag /run/$tag; done")
 
@@ -150,11 +186,6 @@ class Guest:
             if not piece:
                 return gzip.decompress(packed)
 
-    def reboot(self):
-        """The systemd way, so that services are stopped and started as ever."""
-        self.ask("systemctl --no-block reboot")
-        self.wait_until_up()
-
     def wait_for(self, script, timeout_s=COMMAND_S):
         """Until the script succeeds: its output. Polls, with a bound."""
         end = time.monotonic() + timeout_s
@@ -171,22 +202,42 @@ class Guest:
         return self.run("export DEBIAN_FRONTEND=noninteractive; dpkg -i " +
                         " ".join(f"/run/debs/{name}_*.deb" for name in names), timeout_s=300)
 
+    def save_disk(self, path):
+        """Switches it off, writes what its disk has that differs from the one below it, and ends."""
+        self.ask("systemctl --no-block poweroff")
+        self.wait_until(lambda: self.monitor.execute("query-status")["status"] == "shutdown", "it does not switch off")
+        self.copy_disk(path)
+        self.close()
 
-class GuestTest(unittest.TestCase):
-    """A class of tests in one guest, in the order of their names."""
+    def save_state(self, disk, memory):
+        """Writes its disk as it is, and all that is not on the disk, and ends."""
+        # A folder that is mounted would keep the machine from being saved.
+        self.run("sync; umount /run/debs /run/tests /run/bin")
+        self.monitor.execute("stop")
+        self.copy_disk(disk)
+        self.monitor.execute("migrate", uri=f"exec:cat > {shlex.quote(str(memory))}")
+        self.wait_until(self.is_saved, "its state is not written")
+        self.close()
 
-    kernel = "amd64"
-    pace = AS_IT_COMES
-    installs = ("thimbled", "thimble")
+    def copy_disk(self, path):
+        try:
+            self.monitor.copy_layer("virtio0", path)
+        except (OSError, qmp.QmpError) as error:
+            raise GuestError(f"its disk cannot be copied: {error}") from None
 
-    @classmethod
-    def setUpClass(cls):
-        cls.guest = Guest(cls.kernel, pace=cls.pace)
-        cls.addClassCleanup(cls.guest.close)
-        if cls.installs:
-            cls.guest.install(*cls.installs)
+    def is_saved(self):
+        progress = self.monitor.execute("query-migrate")
+        if progress["status"] == "failed":
+            raise GuestError(f"its state cannot be written: {progress.get('error-desc')}")
+        return progress["status"] == "completed"
 
-    @classmethod
-    def properties(cls, *names, unit="thimbled.service"):
-        text = cls.guest.run(f"systemctl show {unit} " + " ".join(f"-p {name}" for name in names))
-        return dict(line.split("=", 1) for line in text.splitlines())
+    def wait_until(self, condition, trouble):
+        """Of QEMU; polls, with a bound."""
+        end = time.monotonic() + SAVE_S
+        try:
+            while not condition():
+                if time.monotonic() > end:
+                    raise GuestError(f"{trouble} within {SAVE_S} s")
+                time.sleep(0.05)
+        except (OSError, qmp.QmpError) as error:
+            raise GuestError(f"{trouble}: {error}; it said:\n{self.words()}") from None

@@ -1,12 +1,16 @@
 #!/usr/bin/env python3
-"""Runs one file of guest tests for ctest: run_vm_test.py test_boot. Status 77, with the reason, where there can be no guest."""
+"""Runs one file of guest tests for ctest: run_vm_test.py test_boot. Status 77, with the reason, where there can be no guest.
+
+run_vm_test.py --save PACE makes the saved guest that tests of this pace start from; PACE: as-it-comes, or the shift of a counted one.
+"""
 
 import os
 import sys
 import unittest
 
-import guest
 import guest_image
+import guest_states
+import machine
 
 SKIPPED = 77  # SKIP_RETURN_CODE of CMakeLists.txt
 
@@ -19,7 +23,7 @@ def obstacle():
         return f"no guest without {', '.join(guest_image.missing())}: ./run vm installs what it can"
     if not guest_image.image_folder().exists():
         return "the guest's root is not made: ./run vm makes it"
-    if not list(guest.DEBS.glob("*.deb")):
+    if not list(machine.DEBS.glob("*.deb")):
         return "there are no packages to install: ./run vm makes them"
     return ""
 
@@ -29,4 +33,7 @@ if __name__ == "__main__":
     if REASON:
         print(f"Skipped\n{REASON}")
         sys.exit(SKIPPED)
+    if sys.argv[1] == "--save":
+        guest_states.prepare(machine.AS_IT_COMES if sys.argv[2] == "as-it-comes" else machine.counted(int(sys.argv[2])))
+        sys.exit()
     unittest.main(module=sys.argv[1], argv=["vm", "-v"])

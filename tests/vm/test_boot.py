@@ -12,7 +12,6 @@ class Boot(guest.GuestTest):
         super().setUpClass()
         cls.guest.run("for name in member other; do adduser --quiet --disabled-password --gecos '' $name; done; "
                       "adduser --quiet member thimble-users")
-        cls.guest.reboot()
         cls.guest.wait_for("systemctl is-active thimbled")
         # Before any test touches it.
         cls.first_words = cls.guest.run("journalctl --no-pager -b -u thimbled")

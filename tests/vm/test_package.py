@@ -20,7 +20,7 @@ def repacked(package, version, folder):
 class Package(guest.GuestTest):
     """Numbered: each test goes on where the one before it ended."""
 
-    installs = ()
+    installed = False
 
     @classmethod
     def setUpClass(cls):

@@ -14,7 +14,7 @@ NO_FORCE = 48 * "0"
 
 class Replay(guest.GuestTest):
     pace = guest.counted(1)
-    installs = ()
+    runs_daemon = False
 
     def play(self, arm, where, name):
         """A line for each tick: number, state, force and the bytes that were sent."""

@@ -22,7 +22,7 @@ def tell(text):
 
 class RoundTrips(guest.GuestTest):
     pace = guest.counted(0)
-    installs = ()
+    runs_daemon = False
 
     @contextlib.contextmanager
     def offered(self, kind, way):

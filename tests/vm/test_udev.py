@@ -4,7 +4,7 @@ import guest
 
 
 class Udev(guest.GuestTest):
-    installs = ()
+    installed = False
 
     @classmethod
     def setUpClass(cls):

@@ -1,0 +1,30 @@
+"""What a test of the guest names: the base class, the guest itself, the paces that it can have."""
+
+import unittest
+
+import guest_states
+from machine import AS_IT_COMES, COUNTED, DEBS, Guest, counted
+
+__all__ = ["AS_IT_COMES", "COUNTED", "DEBS", "Guest", "GuestTest", "counted"]
+
+
+class GuestTest(unittest.TestCase):
+    """A class of tests in one guest, in the order of their names. `installed`: it has the packages already, and the daemon runs;
+    `runs_daemon`: it goes on doing so, or the devices of the test are not for it."""
+
+    kernel = "amd64"
+    pace = AS_IT_COMES
+    installed = True
+    runs_daemon = True
+
+    @classmethod
+    def setUpClass(cls):
+        cls.guest = guest_states.start(cls.kernel, cls.pace) if cls.installed else Guest(cls.kernel, pace=cls.pace)
+        cls.addClassCleanup(cls.guest.close)
+        if cls.installed and not cls.runs_daemon:
+            cls.guest.run("systemctl stop thimbled")
+
+    @classmethod
+    def properties(cls, *names, unit="thimbled.service"):
+        text = cls.guest.run(f"systemctl show {unit} " + " ".join(f"-p {name}" for name in names))
+        return dict(line.split("=", 1) for line in text.splitlines())
