@@ -14,11 +14,6 @@ constexpr std::array kSetUpOnce{
     Register::Verify,  Register::IntEnable, Register::ShowScan,
 };
 
-// Of the select register, with source 0.
-constexpr std::uint32_t kTargetOne = 1;   // the id's bit is 1
-constexpr std::uint32_t kTargetGlue = 3;  // the glue pins' AND is 0
-constexpr std::uint32_t kPinDrives0 = 6;
-
 }  // namespace
 
 CamProgram::CamProgram(const CamSpace& space, std::uint32_t base) : space_(space), builder_(base) {}
@@ -27,18 +22,19 @@ void CamProgram::number_modules() {
   constexpr LayerMask kFirst = 1;
   // All but the marked one get an id that none keeps; then the marked one is the first.
   RegisterWords others = default_words(Register::Select);
-  builder_.write(others.set(field::kSelect[0], 0, kFirst).set(field::kSelect[1], 0, kFirst));
+  builder_.write(others.set(field::kSelect[0], kSourceModuleId, kFirst)
+                     .set(field::kSelect[1], kTargetZero, kFirst));
   builder_.write(RegisterWords(Register::ModuleId).set(field::kModuleId[0], 1));
   select(kFirst);
   builder_.write(RegisterWords(Register::ModuleId));
   for (int module = 0; module + 1 < space_.modules(); ++module) {
     const Field& pin = field::kConnect[pin_to_next(space_.board(), module)];
     select(module);
-    builder_.write(default_words(Register::Connect).set(pin, kPinDrives0, kFirst));
+    builder_.write(default_words(Register::Connect).set(pin, kPinIs0, kFirst));
     // Whoever senses it and has no number yet.
     builder_.write(RegisterWords(Register::Select)
                        .set(field::kSelect[1], kTargetOne)
-                       .set(field::kSelect[1], kTargetGlue, kFirst));
+                       .set(field::kSelect[1], kTargetSpecial, kFirst));
     builder_.write(RegisterWords(Register::ModuleId)
                        .set(field::kModuleId[0], 1, static_cast<LayerMask>(module + 1)));
     select(module);
@@ -141,8 +137,8 @@ void CamProgram::select_all() { builder_.write(default_words(Register::Select));
 
 // Target n of a layer is bit n of the module's id; source 0 is the id itself.
 void CamProgram::select(int module) {
-  builder_.write(
-      RegisterWords(Register::Select).set(field::kSelect[1], 1, static_cast<LayerMask>(module)));
+  builder_.write(RegisterWords(Register::Select)
+                     .set(field::kSelect[1], kTargetOne, static_cast<LayerMask>(module)));
 }
 
 void CamProgram::set_source(Register destination, std::uint32_t select, std::uint32_t map) {

@@ -5,14 +5,14 @@
 #include <string>
 #include <string_view>
 
+#include "drivers/cambus/cambus_wire.hpp"
+
 namespace thimble::cambus {
 namespace {
 
 constexpr std::array<std::string_view, 3> kAxisNames{"x", "y", "z"};
 constexpr int kMostPerAxis_log2 = 2;
-constexpr std::uint32_t kPinDrives1 = 7;
-// Docs/cambus.md, section 5: clocks beyond the sites of a sweep, and between refreshes.
-constexpr std::uint32_t kSweepOverhead_clocks = 40;
+// Docs/cambus.md, section 5.
 constexpr std::uint32_t kRefreshEvery_clocks = 390;
 constexpr std::uint32_t kMostRefreshes = 31;
 
@@ -126,7 +126,7 @@ RegisterWords CamSpace::dimension() const {
 RegisterWords CamSpace::scan_format() const {
   RegisterWords words = default_words(Register::ScanFormat);
   const int sweep = std::min(sector_[0], row_bits(board_));
-  const std::uint32_t clocks = (1U << sweep) + kSweepOverhead_clocks;
+  const std::uint32_t clocks = (1U << sweep) + wire::kSweepOverhead_clocks;
   const std::uint32_t mode = sector_[0] > row_bits(board_) ? 2 : 3;
   words.set(field::kScanMode, mode)
       .set(field::kEndOfScan, static_cast<std::uint32_t>(log2_sector_sites()))
@@ -153,7 +153,7 @@ RegisterWords CamSpace::connect(int module) const {
 
 RegisterWords CamSpace::strip_connect(int module, std::size_t axis) const {
   RegisterWords words(Register::Connect);
-  for (const Field& pin : field::kConnect) words.set(pin, kPinDrives1);
+  for (const Field& pin : field::kConnect) words.set(pin, kPinIs1);
   const auto minus = static_cast<std::uint32_t>(2 * axis);
   const std::size_t to_next = pin_to_next(board_, module);
   const std::size_t from_last = pin_to_next(board_, (module + modules() - 1) % modules()) ^ 1U;

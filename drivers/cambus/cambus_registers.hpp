@@ -227,8 +227,16 @@ inline constexpr std::uint32_t kMapZero = 0;
 inline constexpr std::uint32_t kMapSite = 10;
 inline constexpr std::uint32_t kMapSource = 12;
 inline constexpr std::uint32_t kMapOne = 15;
-// Of the select register: source + 2 * target.
-inline constexpr std::uint32_t kSelectAnyModule = 7;
+// Of the select register: what has to match, and what it has to be.
+inline constexpr std::uint32_t kSourceModuleId = 0;
+inline constexpr std::uint32_t kSourceGroupId = 1;
+inline constexpr std::uint32_t kTargetZero = 0;
+inline constexpr std::uint32_t kTargetOne = 1;
+inline constexpr std::uint32_t kTargetTableIndex = 2;
+inline constexpr std::uint32_t kTargetSpecial = 3;  // id: the AND of the glue is 0; group: any
+// Of a glue pin: 0 to 5 are ports; these it drives itself.
+inline constexpr std::uint32_t kPinIs0 = 6;
+inline constexpr std::uint32_t kPinIs1 = 7;
 inline constexpr std::uint32_t kEventBits = 25;
 
 struct RegisterFacts {

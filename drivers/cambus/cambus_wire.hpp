@@ -18,6 +18,9 @@ inline constexpr std::uint32_t kLengthByte = 8;  // 16-bit words to move, or clo
 inline constexpr std::uint32_t kLinkByte = 12;
 // A buffer begins at a multiple of it, and its end is rounded up to one.
 inline constexpr std::uint32_t kBufferAlignment = 16;
+[[nodiscard]] constexpr std::uint64_t buffer_end(std::uint64_t bytes) noexcept {
+  return (bytes + kBufferAlignment - 1) / kBufferAlignment * kBufferAlignment;
+}
 // The window's first bytes hold no descriptor and no buffer: a link of 0 leads nowhere.
 inline constexpr std::uint32_t kReservedBytes = 16;
 
@@ -33,6 +36,10 @@ inline constexpr std::uint32_t kDelay = kImmediate | kRead;  // nothing moves
 inline constexpr std::uint32_t kReset = 1U << 31;            // with kDelay
 inline constexpr std::uint32_t kOpcodeMask =
     kRegisterMask | kWait | kInterrupt | kStop | kJump | kByteMode | kImmediate | kRead | kReset;
+
+// Clocks of a scan (docs/cambus.md, section 5), beyond one for each site.
+inline constexpr std::uint32_t kSweepOverhead_clocks = 40;
+inline constexpr std::uint32_t kSlowSite_clocks = 4;  // in modes 0 and 1
 
 // After a write to scan-io nothing may move for 40 + 4 * refresh-length + 2 * levels clocks.
 inline constexpr std::uint32_t kFlushClocks = 40;

@@ -4,14 +4,10 @@
 #include <array>
 #include <cstddef>
 
+#include "drivers/cambus/little_endian.hpp"
+
 namespace thimble::cambus {
 namespace {
-
-std::uint32_t load32(std::span<const std::uint8_t> bytes) noexcept {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < 4; ++i) value |= std::uint32_t{bytes[i]} << (8 * i);
-  return value;
-}
 
 std::span<const std::uint8_t> at(const WindowView& window, std::uint32_t offset) noexcept {
   return window.bytes.subspan(offset - window.base);
@@ -33,9 +29,7 @@ std::optional<Register> Descriptor::target() const noexcept {
 std::uint64_t Descriptor::buffer_bytes() const noexcept {
   if (has(wire::kImmediate)) return 0;                      // a delay, too
   const bool is_bytes = is_read() && has(wire::kByteMode);  // a write sends words, flag or not
-  const std::uint64_t used = is_bytes ? std::uint64_t{length} : 2 * std::uint64_t{length};
-  const std::uint64_t more = wire::kBufferAlignment - 1;
-  return (used + more) / wire::kBufferAlignment * wire::kBufferAlignment;
+  return wire::buffer_end(is_bytes ? std::uint64_t{length} : 2 * std::uint64_t{length});
 }
 
 bool holds(const WindowView& window, std::uint32_t offset, std::uint64_t size) noexcept {
@@ -86,9 +80,7 @@ std::string hex(std::uint32_t value) {
 std::vector<std::uint8_t> to_file(const StepList& list) {
   std::vector<std::uint8_t> file(list.base, 0);
   std::copy(wire::kFileMagic.begin(), wire::kFileMagic.end(), file.begin());
-  for (std::size_t i = 0; i < 4; ++i) {
-    file[wire::kFileHeadByte + i] = static_cast<std::uint8_t>(list.head >> (8 * i));
-  }
+  store32(std::span(file).subspan(wire::kFileHeadByte), list.head);
   file.insert(file.end(), list.bytes.begin(), list.bytes.end());
   return file;
 }

@@ -3,16 +3,11 @@
 #include <cstddef>
 #include <utility>
 
+#include "drivers/cambus/little_endian.hpp"
 #include "hal/base/check.hpp"
 
 namespace thimble::cambus {
 namespace {
-
-void store32(std::vector<std::uint8_t>& bytes, std::size_t offset, std::uint32_t value) {
-  for (std::size_t i = 0; i < 4; ++i) {
-    bytes[offset + i] = static_cast<std::uint8_t>(value >> (8 * i));
-  }
-}
 
 // Whether two words by turns say it all.
 bool repeats(std::span<const std::uint16_t> words) {
@@ -41,7 +36,7 @@ void StepListBuilder::write_port(Register port, std::span<const std::uint16_t> w
   if (repeats(words)) {
     begin_step(opcode | wire::kImmediate, length);
     const std::uint32_t second = words.size() > 1 ? words[1] : words[0];
-    store32(bytes_, last_step_ + wire::kBufferByte, words[0] | second << 16);
+    store_word(last_step_ + wire::kBufferByte, words[0] | second << 16);
   } else {
     begin_step(opcode, length);
     add_buffer(2 * length);
@@ -88,6 +83,10 @@ void StepListBuilder::flag_last(std::uint32_t flag) {
   bytes_[last_step_ + 1] = static_cast<std::uint8_t>(bytes_[last_step_ + 1] | flag >> 8);
 }
 
+void StepListBuilder::store_word(std::size_t place, std::uint32_t value) {
+  store32(std::span(bytes_).subspan(place), value);
+}
+
 std::uint32_t StepListBuilder::window_offset(std::size_t place) const {
   return base_ + static_cast<std::uint32_t>(place);
 }
@@ -95,20 +94,18 @@ std::uint32_t StepListBuilder::window_offset(std::size_t place) const {
 void StepListBuilder::begin_step(std::uint32_t opcode, std::uint32_t length) {
   const std::size_t here = bytes_.size();
   if (here > 0) {
-    store32(bytes_, last_step_ + wire::kLinkByte, window_offset(here));
+    store_word(last_step_ + wire::kLinkByte, window_offset(here));
   }
   bytes_.resize(here + wire::kDescriptorBytes, 0);
-  store32(bytes_, here + wire::kOpcodeByte, opcode);
-  store32(bytes_, here + wire::kLengthByte, length);
+  store_word(here + wire::kOpcodeByte, opcode);
+  store_word(here + wire::kLengthByte, length);
   last_step_ = here;
 }
 
 void StepListBuilder::add_buffer(std::uint32_t bytes) {
   const std::size_t here = bytes_.size();
-  const std::size_t rounded = (std::size_t{bytes} + wire::kBufferAlignment - 1) /
-                              wire::kBufferAlignment * wire::kBufferAlignment;
-  store32(bytes_, last_step_ + wire::kBufferByte, window_offset(here));
-  bytes_.resize(here + rounded, 0);
+  store_word(last_step_ + wire::kBufferByte, window_offset(here));
+  bytes_.resize(here + wire::buffer_end(bytes), 0);
 }
 
 }  // namespace thimble::cambus

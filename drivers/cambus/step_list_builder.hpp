@@ -40,6 +40,7 @@ class StepListBuilder {
 
  private:
   std::uint32_t window_offset(std::size_t place) const;
+  void store_word(std::size_t place, std::uint32_t value);
   void begin_step(std::uint32_t opcode, std::uint32_t length);
   void add_buffer(std::uint32_t bytes);
   void flag_last(std::uint32_t flag);

@@ -65,7 +65,7 @@ class Walk {
   Walk(const WindowView& window, const ListLimits& limits)
       : window_(window),
         limits_(limits),
-        cells_((window.bytes.size() + wire::kBufferAlignment - 1) / wire::kBufferAlignment),
+        cells_(wire::buffer_end(window.bytes.size()) / wire::kBufferAlignment),
         numbers_(cells_.size()) {}
 
   Result<ListSummary> run(std::uint32_t head);

@@ -12,10 +12,6 @@ constexpr std::uint32_t kCounterMask = (1U << cambus::kEventBits) - 1U;
 
 bool has_layer(std::uint16_t layers, std::size_t layer) { return ((layers >> layer) & 1U) != 0; }
 
-// Codes of the select register: source + 2 * target.
-enum Source : std::uint32_t { ModuleId = 0, GroupId = 1 };
-enum Target : std::uint32_t { Zero = 0, One = 1, TableIndex = 2, Special = 3 };
-
 // Where a table is read or written: layer n contributes the bit of its own index that its
 // permutation names.
 class TablePointer {
@@ -105,13 +101,16 @@ bool CamModule::is_selected(std::uint16_t glue_and) const noexcept {
     const std::uint32_t target = registers.get(field::kSelect[1], layer);
     const std::uint32_t module_id = registers.get(field::kModuleId[0], layer);
     const std::uint32_t group_id = registers.get(field::kGroupId[0], layer);
-    const std::uint32_t id = source == GroupId ? group_id : module_id;
+    const std::uint32_t id = source == cambus::kSourceGroupId ? group_id : module_id;
     const std::uint32_t glue = (glue_and >> layer) & 1U;
-    if (target == Zero && id != 0) return false;
-    if (target == One && id != 1) return false;
-    if (target == TableIndex && id != ((TablePointer(registers).entry() >> layer) & 1U))
+    if (target == cambus::kTargetZero && id != 0) return false;
+    if (target == cambus::kTargetOne && id != 1) return false;
+    if (target == cambus::kTargetTableIndex &&
+        id != ((TablePointer(registers).entry() >> layer) & 1U)) {
       return false;
-    if (target == Special && source == ModuleId && glue != 0) return false;
+    }
+    const bool is_by_glue = target == cambus::kTargetSpecial && source == cambus::kSourceModuleId;
+    if (is_by_glue && glue != 0) return false;
   }
   return true;
 }

@@ -3,15 +3,15 @@
 #include <algorithm>
 #include <array>
 
+#include "drivers/cambus/cambus_wire.hpp"
+
 namespace thimble::sim::cam {
 namespace {
 
 using cambus::Register;
 namespace field = cambus::field;
+namespace wire = cambus::wire;
 
-constexpr std::uint64_t kSweepOverhead_clocks = 40;
-constexpr std::uint64_t kRefresh_clocks = 4;
-constexpr std::uint64_t kSlowSite_clocks = 4;
 constexpr std::uint32_t kIndexBits = cambus::kAddressBits;  // no scan is longer than its index
 
 std::uint32_t bit_of(std::uint32_t value, std::size_t bit) { return (value >> bit) & 1U; }
@@ -187,7 +187,7 @@ std::uint32_t Lockstep::taken(std::size_t i, std::size_t layer, std::size_t axis
     if (code == out_port) {
       value |= bits_[other][layer].glued;
     } else {
-      value |= code == kPinIs0 ? 0U : 1U;  // undriven wires are pulled up
+      value |= code == cambus::kPinIs0 ? 0U : 1U;  // undriven wires are pulled up
     }
   }
   return value;
@@ -247,10 +247,10 @@ std::uint64_t scan(CamTorus& torus, std::span<const std::size_t> which) {
   Lockstep modules(torus, which);
   for (std::uint64_t visited = 0; visited < sites; ++visited) {
     modules.visit(0);
-    clocks += is_fast ? 1 : kSlowSite_clocks;
+    clocks += is_fast ? 1 : wire::kSlowSite_clocks;
     if ((visited + 1) % sweep != 0) continue;
-    clocks += kSweepOverhead_clocks;
-    if (++sweeps % sweeps_between == 0) clocks += kRefresh_clocks * refreshes;
+    clocks += wire::kSweepOverhead_clocks;
+    if (++sweeps % sweeps_between == 0) clocks += wire::kClocksPerRefresh * refreshes;
   }
   modules.finish();
   return clocks;

@@ -34,7 +34,8 @@ std::uint16_t CamTorus::glue_and(std::size_t module) const noexcept {
     for (std::size_t layer = 0; layer < cambus::kLayers; ++layer) {
       const std::uint32_t here = connection(modules[module], pin, layer);
       const std::uint32_t there = connection(other, opposite(pin), layer);
-      const bool is_0 = here == kPinIs0 || (here != kPinIs1 && there == kPinIs0);
+      const bool is_0 =
+          here == cambus::kPinIs0 || (here != cambus::kPinIs1 && there == cambus::kPinIs0);
       if (is_0) all &= ~(1U << layer);
     }
   }

@@ -42,10 +42,6 @@ class CamTorus {
   std::vector<std::array<std::size_t, kPins>> neighbors_;
 };
 
-// Codes of a pin's connection from here on are constants.
-inline constexpr std::uint32_t kPinIs0 = 6;
-inline constexpr std::uint32_t kPinIs1 = 7;
-
 // Which code connects a pin of a module, for one layer.
 [[nodiscard]] std::uint32_t connection(const CamModule& module, std::size_t pin,
                                        std::size_t layer) noexcept;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "drivers/cambus/cambus_wire.hpp"
+#include "tests/unit/cambus/hand_list.hpp"
 
 // Lists written by hand, without the driver.
 namespace thimble::sim::cam {
@@ -20,10 +21,7 @@ class StepInterfaceTest : public testing::Test {
  protected:
   void step_at(std::uint32_t at, std::uint32_t opcode, std::uint32_t buffer, std::uint32_t length,
                std::uint32_t link) {
-    const std::array<std::uint32_t, 4> words{opcode, buffer, length, link};
-    for (std::uint32_t i = 0; i < 16; ++i) {
-      window_.at(at + i) = static_cast<std::uint8_t>(words[i / 4] >> (8 * (i % 4)));
-    }
+    cambus::test::put_descriptor(window_, at, opcode, buffer, length, link);
   }
   // All modules selected, the machine's interrupts enabled; then whatever lies at 0x40.
   void begin(std::uint32_t next = 0x40) {

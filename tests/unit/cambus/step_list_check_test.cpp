@@ -5,6 +5,7 @@
 #include <string>
 
 #include "drivers/cambus/step_list_builder.hpp"
+#include "tests/unit/cambus/hand_list.hpp"
 #include "tests/unit/cambus/random_list.hpp"
 
 namespace thimble::cambus {
@@ -17,10 +18,7 @@ class Window {
 
   explicit Window(std::size_t bytes = 0x400) : bytes_(bytes) {}
   Window& step(std::uint32_t at, Descriptor what) {
-    const std::uint32_t words[] = {what.opcode, what.buffer, what.length, what.link};
-    for (std::uint32_t i = 0; i < 16; ++i) {
-      bytes_.at(at + i) = static_cast<std::uint8_t>(words[i / 4] >> (8 * (i % 4)));
-    }
+    test::put_descriptor(bytes_, at, what.opcode, what.buffer, what.length, what.link);
     return *this;
   }
   Window& word(std::uint32_t at, std::uint16_t value) {
