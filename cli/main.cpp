@@ -50,6 +50,7 @@ struct Arguments {
   thimble::cli::WorldEdit edit;
   thimble::cli::CalibrateOptions calibrate;
   thimble::cambus::ListLimits board;
+  int log2_sites{thimble::cambus::kLog2ModuleSites.front()};
 };
 
 // As a check: what a person gave for a number is one (cli/numbers.hpp).
@@ -157,8 +158,15 @@ void add_cam_commands(CLI::App& app, Arguments& arguments, int& code) {
       ->required();
   disassemble->add_flag("--sync", arguments.board.has_sync,
                         "The board's sync pulses run: synchronised scans come to an end");
-  disassemble->callback(
-      [&] { code = thimble::cam::run_disassemble(arguments.file, arguments.board); });
+  disassemble
+      ->add_option("--sites", arguments.log2_sites,
+                   "Sites of a module, as a power of two: 22 or 24")
+      ->check(CLI::IsMember(thimble::cambus::kLog2ModuleSites))
+      ->capture_default_str();
+  disassemble->callback([&] {
+    arguments.board.module_sites = std::uint32_t{1} << arguments.log2_sites;
+    code = thimble::cam::run_disassemble(arguments.file, arguments.board);
+  });
 }
 
 CLI::App* add_arm_command(CLI::App& app, const char* verb, const char* what, Arguments& arguments,

@@ -20,6 +20,7 @@ _thimble() {
     --socket | --plugin | --config) mapfile -t COMPREPLY < <(compgen -f -- "$word"); return ;;
     --root) mapfile -t COMPREPLY < <(compgen -d -- "$word"); return ;;
     --interval | --for | --before | --min | --max | --center | --radius | --cell | --fault | --most | --steps) return ;;
+    --sites) mapfile -t COMPREPLY < <(compgen -W "22 24" -- "$word"); return ;;
   esac
   case $command in
     "") options="--help --version --socket $commands" ;;
@@ -37,7 +38,7 @@ _thimble() {
       fi ;;
     cam)
       if [[ $word == -* ]]; then
-        options+=" --sync"
+        options+=" --sync --sites"
       elif [[ " ${COMP_WORDS[*]:0:COMP_CWORD} " == *" disassemble "* ]]; then
         mapfile -t COMPREPLY < <(compgen -f -- "$word"); return
       else

@@ -17,6 +17,7 @@ inline constexpr int kLayers = 16;
 inline constexpr int kAddressBits = 24;
 inline constexpr std::size_t kTableEntries = 65536;
 inline constexpr int kMaxModules = 64;
+inline constexpr std::array<int, 2> kLog2ModuleSites{22, 24};  // by the DRAM of a chip
 
 enum class Register : std::uint8_t {
   Select,

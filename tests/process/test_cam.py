@@ -38,6 +38,15 @@ class StepLists(ProcessTest):
         self.assertEqual(self.disassemble(frame).returncode, 1)
         self.assertEqual(self.disassemble(frame, "--sync").returncode, 0)
 
+    def test_a_transfer_is_as_long_as_a_module_of_the_board(self):
+        # A read of all sites of a module of 2^24: more than the window of this file has.
+        whole = list_file((0x40001010, 0x100, 1 << 24), (DELAY | STOP, 0, 40))
+        small, large = self.disassemble(whole), self.disassemble(whole, "--sites", "24")
+        self.assert_one_sentence(small.stderr, "scan-io takes 1 to 4194304 words")
+        self.assert_one_sentence(large.stderr, "its buffer of 33554432 bytes")
+        for wrong in ("23", "0", "-1", "two"):
+            self.assertEqual(self.disassemble(whole, "--sites", wrong).returncode, 2, wrong)
+
     def test_what_is_no_list_is_one_sentence(self):
         for content in (b"", b"CAMLIST1", b"\x7fELF" * 100):
             shown = self.disassemble(content)
