@@ -163,6 +163,7 @@ void Circumstances::describe(Observation& observation) {
                                     has_been_on(EventKind::RefuseOpen) ||
                                     has_been_on(EventKind::Disconnect);
   if (is_opening_disturbed) opening_ok_since_ = now;
+  if (has_been_on(EventKind::Shove)) tip_ok_since_ = now;
   observation.is_estop_healthy = !is_on(EventKind::Estop);
   observation.is_deadman_held = !is_on(EventKind::DeadmanOpen);
   observation.is_network_up = !is_on(EventKind::NetworkDown);
@@ -172,6 +173,7 @@ void Circumstances::describe(Observation& observation) {
   observation.cable_ok_since = cable_ok_since_;
   observation.network_ok_since = network_ok_since_;
   observation.opening_ok_since = opening_ok_since_;
+  observation.tip_ok_since = tip_ok_since_;
   look_at_world(observation);
 }
 

@@ -73,6 +73,7 @@ class Circumstances {
   MonotonicTime network_ok_since_{};
   MonotonicTime opening_ok_since_{};
   MonotonicTime world_ok_since_{Duration::min() / 2};
+  MonotonicTime tip_ok_since_{Duration::min() / 2};
   MonotonicTime edits_ok_since_{};
   MonotonicTime replies_ok_since_{};
 };

@@ -23,6 +23,7 @@ void push_and_return(GoodCourse& course, double back, const Observation& quirk) 
       now.servo.frame.is_limited = quirk.servo.frame.is_limited;
       now.truth.tip_velocity = quirk.truth.tip_velocity;
       now.world_ok_since = quirk.world_ok_since;
+      now.tip_ok_since = quirk.tip_ok_since;
       now.servo.frame.contacts = 1;
       now.servo.frame.wish = {-800 * depth_m, 0, 0};
       now.truth.motor_force = {-(i <= 20 ? 800 : back * 800) * depth_m, 0, 0};
@@ -64,6 +65,9 @@ TEST(Energy, HoldsForASpringAndSeesOneThatGivesMoreThanItTook) {
   EXPECT_THAT(push_and_return(1.5, quirk), HasSubstr("energy"));
   quirk.world_ok_since = {};
   EXPECT_EQ(push_and_return(1.5, quirk), "") << "nor one in a world that moves";
+  quirk.world_ok_since = Observation{}.world_ok_since;
+  quirk.tip_ok_since = MonotonicTime{std::chrono::milliseconds(800)};  // when it is touched
+  EXPECT_EQ(push_and_return(1.5, quirk), "") << "nor one of a tip that is shoved slowly";
 }
 
 // Walls that come back from a silence while the finger is in them: 3.3 mJ by the growing gain.

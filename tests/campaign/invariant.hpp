@@ -34,6 +34,7 @@ struct Observation {
   MonotonicTime cable_ok_since{};
   MonotonicTime network_ok_since{};
   MonotonicTime world_ok_since{Duration::min() / 2};  // nobody edits it
+  MonotonicTime tip_ok_since{Duration::min() / 2};    // nobody shoves it
   MonotonicTime edits_ok_since{};                     // none waits, or the network hears nothing
   MonotonicTime replies_ok_since{};                   // it has room for a hand
   MonotonicTime opening_ok_since{};                   // the arm is there and may be opened
