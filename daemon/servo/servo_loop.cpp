@@ -23,10 +23,13 @@ ServoLoop::ServoLoop(const ServoParts& parts, const ServoSettings& settings)
       freshness_(settings.freshness),
       gain_(settings.activation_ramp, settings.release_ramp),
       recorder_(frames_for(settings)),
-      has_watchdog_(parts.device.capabilities().device_watchdog > Duration::zero()) {
+      has_watchdog_(parts.device.capabilities().device_watchdog > Duration::zero()),
+      state_(parts.is_lost ? OperatingState::Lost : OperatingState::Configured) {
   previous_now_ = parts_.clock.now() - settings_.period();
   snapshot_.clear_answered = parts_.controls.clear_request.load(std::memory_order_relaxed).id;
-  publish(ServoFrame{});
+  ServoFrame before;
+  before.state = state_;
+  publish(before);
 }
 
 // The life of a tick: docs/architecture.md walks through it.

@@ -55,6 +55,7 @@ struct ServoParts {
   const Clock& clock;                 // stamps the arm's samples too; virtual for a simulated arm
   const Clock& stopwatch;             // only measures what a tick costs; never decides anything
   rt::Heartbeat* heartbeat{nullptr};  // of the arm's guard; nullptr: it has none
+  bool is_lost{false};                // the arm is not there yet: Lost from the start, and no stop
 };
 
 // One arm's servo: state → freshness → safety inputs → lifecycle → velocity → coupling →
@@ -126,7 +127,7 @@ class ServoLoop {
   rt::WordSeqlock<ServoSnapshot> published_;
 
   const bool has_watchdog_;  // the arm's own
-  OperatingState state_{OperatingState::Configured};
+  OperatingState state_;
   HapticState arm_{};                // the newest sample
   coupling::ConstraintSet reply_{};  // scratch of one tick: clearing half a kilobyte costs time
   Force3 last_wish_{};               // held while no sample comes
