@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Rules of udev/: nobody but the daemon may open what makes a force, and each id that a driver knows has its rules.
+"""Rules of udev/: nobody but the daemon may open what makes a force, and each id that a driver knows has its rules. Its hwdb: none of them sleeps.
 
 udevadm of Debian 12 cannot check a file of rules; whether the kernel's events meet them is tested in the guest
 (tests/vm).
@@ -29,6 +29,11 @@ _ID = re.compile(r"[0-9a-f]{4}")
 NO_ID = {"cpu_dma_latency"}
 # Serial over ACM, which ModemManager tries.
 ACM = {("16c0", "0483")}
+# After 60-autosuspend*.hwdb of systemd: of several files the last one counts.
+HWDB_FILE = "61-thimble.hwdb"
+_HWDB_MATCH = re.compile(r"usb:v([0-9A-F]{4})p([0-9A-F]{4})\*")
+_HWDB_PROPERTY = re.compile(r" ([A-Z_]+)=(\S.*)")
+_HWDB_KEYS = {"ID_AUTOSUSPEND", "ID_MODEL_FROM_DATABASE"}
 _WIRE_ID = re.compile(r"\bk(\w*)(Vendor|Product)Id\s*=\s*0x([0-9a-fA-F]{4})\b")
 
 
@@ -171,6 +176,58 @@ def check_file(path, text, covered, breaches):
             covered.add(rule, f"{path}:{number}")
 
 
+class Hwdb:
+    """A file of properties by id, as hwdb(7) has it: matches, then properties, then an empty line."""
+
+    def __init__(self, path, breaches):
+        self.path = path
+        self.breaches = breaches
+        self.awake = set()  # (vendor, product) whose suspension is turned off
+        self.ids = []  # of the record that is being read
+        self.properties = {}
+
+    def read(self, text):
+        for number, line in enumerate(text.splitlines(), 1):
+            if line.startswith("#"):
+                continue
+            match, said = _HWDB_MATCH.fullmatch(line), _HWDB_PROPERTY.fullmatch(line)
+            if not line:
+                self.end_record()
+            elif match and not self.properties:
+                self.ids.append((match.group(1).lower(), match.group(2).lower()))
+            elif said and self.ids and said.group(1) in _HWDB_KEYS:
+                self.properties[said.group(1)] = said.group(2)
+            else:
+                self.breaches.append(f"{self.path}:{number}: is neither usb:vVVVVpPPPP* in upper case, nor a property that is used here, nor "
+                                     "the empty line before the next record")
+        self.end_record()
+
+    def end_record(self):
+        if self.properties.get("ID_AUTOSUSPEND") == "0":
+            self.awake.update(self.ids)
+        self.ids, self.properties = [], {}
+
+
+def awake_by_hwdb(root, paths, breaches):
+    awake = set()
+    for path in paths:
+        if pathlib.PurePosixPath(path).name != HWDB_FILE:
+            breaches.append(f"{path}: would sort wrongly: {HWDB_FILE} comes after systemd's 60-autosuspend")
+            continue
+        hwdb = Hwdb(path, breaches)
+        hwdb.read(cpp_source.read(root, path))
+        awake |= hwdb.awake
+    return awake
+
+
+def check_hwdb(covered, awake, breaches):
+    closed = {key[1:] for key in covered.closed if key[0] == "usb"}
+    for pair in sorted(closed - awake):
+        breaches.append(f"{FOLDER}{HWDB_FILE}: {':'.join(pair)} needs ID_AUTOSUSPEND=0: another's entry would let it sleep")
+    for pair in sorted(awake - closed):
+        breaches.append(f"{FOLDER}{HWDB_FILE}: {':'.join(pair)} has no rights in {RIGHTS_FILE}")
+
+
 def table_ids(text):
     """(vendor, product) of each model of a table that has them."""
     for model in tomllib.loads(text).values():
@@ -202,8 +259,10 @@ def check(root):
     covered = Covered()
     for path in files:
         check_file(path, cpp_source.read(root, path), covered, breaches)
+    awake = awake_by_hwdb(root, [path for path in paths if path.startswith(FOLDER) and path.endswith(".hwdb")], breaches)
     if not breaches:  # else a rule that is wrong would be missed here, too
         covered.check(breaches)
+        check_hwdb(covered, awake, breaches)
     closed = {key[1:] for key in covered.closed}
     for pair, path in sorted(driver_ids(root, paths).items()):
         if pair not in closed and pair not in covered.pucks:

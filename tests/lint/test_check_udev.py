@@ -26,11 +26,13 @@ class CheckUdev(PlantedTreeTest):
         self.rights = ['ACTION=="remove", GOTO="end"', FALCON, awake("0403", "cb48"), f"{ARM}, {RIGHTS}", PUCK, PORT,
                        awake("16c0", "0483"),
                        'SUBSYSTEM=="misc", KERNEL=="cpu_dma_latency", GROUP="thimble", MODE="0660"', 'LABEL="end"']
+        self.hwdb = "# words\n\nusb:v0403pCB48*\nusb:v16C0p0483*\n ID_AUTOSUSPEND=0\n"
         self.tags = [f'{match}, TAG="systemd"' for match in (usb("0403", "cb48"), usb("16c0", "0483"), ARM)]
 
     def breaches(self):
         self.plant("udev/0-thimble.rules", "\n".join(self.rights) + "\n")
         self.plant("udev/73-seat-ignores-thimble.rules", "# words\n\n" + "\n".join(self.tags) + "\n")
+        self.plant("udev/61-thimble.hwdb", self.hwdb)
         return check_udev.check(self.root)
 
     def assert_refused(self, old, new, *words):
@@ -45,7 +47,7 @@ class CheckUdev(PlantedTreeTest):
         self.assertEqual(self.breaches(), [])
 
     def test_accepts_the_rules_of_this_tree(self):
-        for path in ("udev/0-thimble.rules", "udev/73-seat-ignores-thimble.rules", "drivers/phantom/phantom_wire.hpp",
+        for path in ("udev/0-thimble.rules", "udev/73-seat-ignores-thimble.rules", "udev/61-thimble.hwdb", "drivers/phantom/phantom_wire.hpp",
                      "drivers/spacemouse/spacemouse_models.toml"):
             self.plant_copy(path)
         self.assertEqual(check_udev.check(self.root), [])
@@ -94,6 +96,29 @@ class CheckUdev(PlantedTreeTest):
 
     def test_refuses_an_arm_that_may_be_suspended(self):
         self.assert_refused('ATTR{idProduct}=="cb48", ATTR{power/control}="on"', 'ATTR{idProduct}=="cb48"', "suspended")
+
+    def test_refuses_an_arm_that_anothers_hwdb_may_let_sleep(self):
+        for whole, words in (("", ("0403:cb48", "16c0:0483")), (self.hwdb.replace("=0", "=1"), ("0403:cb48", "16c0:0483")),
+                             (self.hwdb.replace("usb:v16C0p0483*\n", ""), ("16c0:0483",))):
+            with self.subTest(whole):
+                self.hwdb = whole
+                self.assertEqual([[pair in breach for pair in words].count(True) for breach in self.breaches()], len(words) * [1])
+
+    def test_refuses_an_entry_of_the_hwdb_that_systemd_would_not_meet(self):
+        kept = self.hwdb
+        for old, new in (("v0403pCB48*", "v0403pcb48*"), ("v0403pCB48*", "v0403p*"), ("usb:v0403", "v0403"), (" ID_", "ID_"),
+                         ("ID_AUTOSUSPEND", "ID_AUTO_SUSPEND"), ("*\n ID", "*\n\n ID")):
+            with self.subTest(new):
+                self.hwdb = kept.replace(old, new, 1)
+                self.assertTrue(self.breaches())
+
+    def test_refuses_a_hwdb_for_what_has_no_rights(self):
+        self.hwdb += "\nusb:v10C4pEA90*\n ID_AUTOSUSPEND=0\n"
+        self.assert_one_breach(self.breaches(), "61-thimble.hwdb", "10c4:ea90", "no rights")
+
+    def test_refuses_a_hwdb_that_sorts_wrongly(self):
+        self.plant("udev/60-autosuspend-thimble.hwdb", self.hwdb)
+        self.assert_one_breach(self.breaches(), "60-autosuspend-thimble.hwdb", "sort")
 
     def test_refuses_a_port_that_ModemManager_would_try(self):
         self.assert_refused(', ENV{ID_MM_DEVICE_IGNORE}="1"', "", "ModemManager")
