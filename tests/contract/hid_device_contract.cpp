@@ -3,14 +3,10 @@
 #include <algorithm>
 #include <random>
 
+#include "tests/contract/byte_pattern.hpp"
+
 namespace thimble::test {
 namespace {
-
-std::vector<std::uint8_t> pattern(std::size_t size, std::uint8_t seed) {
-  std::vector<std::uint8_t> bytes(size);
-  for (std::size_t i = 0; i < size; ++i) bytes[i] = static_cast<std::uint8_t>(seed + 7 * i);
-  return bytes;
-}
 
 std::vector<std::uint8_t> bytes_of(const bus::HidReport& report) {
   return {report.payload().begin(), report.payload().end()};

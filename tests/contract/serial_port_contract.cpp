@@ -4,17 +4,12 @@
 #include <random>
 
 #include "hal/bus/usb_device.hpp"
+#include "tests/contract/byte_pattern.hpp"
 
 namespace thimble::test {
 namespace {
 
 using Bytes = SerialRig::Bytes;
-
-Bytes pattern(std::size_t size, unsigned seed) {
-  Bytes bytes(size);
-  for (std::size_t i = 0; i < size; ++i) bytes[i] = static_cast<std::uint8_t>(seed + 7 * i);
-  return bytes;
-}
 
 Bytes operator+(Bytes left, const Bytes& right) {
   left.insert(left.end(), right.begin(), right.end());

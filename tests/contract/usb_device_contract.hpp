@@ -6,15 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "tests/contract/byte_pattern.hpp"
 #include "tests/contract/usb_rig.hpp"
 
 namespace thimble::test {
-
-inline UsbRig::Packet pattern(std::size_t size, std::uint8_t seed) {
-  UsbRig::Packet bytes(size);
-  for (std::size_t i = 0; i < size; ++i) bytes[i] = static_cast<std::uint8_t>(seed + 7 * i);
-  return bytes;
-}
 
 // What an FTDI bridge is asked for: no data stage.
 inline bus::UsbControlRequest vendor_request(std::uint8_t number) {
