@@ -5,7 +5,7 @@
 
 namespace thimble::linux {
 
-ssize_t KernelCalls::write(int node, std::span<const std::uint8_t> bytes) noexcept {
+std::ptrdiff_t KernelCalls::write(int node, std::span<const std::uint8_t> bytes) noexcept {
   return ::write(node, bytes.data(), bytes.size());
 }
 

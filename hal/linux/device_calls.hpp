@@ -1,7 +1,6 @@
 #pragma once
 
-#include <sys/types.h>
-
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -15,14 +14,14 @@ namespace thimble::linux {
 class DeviceCalls {
  public:
   virtual ~DeviceCalls() = default;
-  virtual ssize_t write(int node, std::span<const std::uint8_t> bytes) noexcept = 0;
+  virtual std::ptrdiff_t write(int node, std::span<const std::uint8_t> bytes) noexcept = 0;
   // ioctl().
   virtual int control(int node, unsigned long request, void* argument) noexcept = 0;
 };
 
 class KernelCalls final : public DeviceCalls {
  public:
-  ssize_t write(int node, std::span<const std::uint8_t> bytes) noexcept override;
+  std::ptrdiff_t write(int node, std::span<const std::uint8_t> bytes) noexcept override;
   int control(int node, unsigned long request, void* argument) noexcept override;
 };
 

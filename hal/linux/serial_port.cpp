@@ -12,7 +12,7 @@ Result<std::unique_ptr<SerialPort>> SerialPort::open(const std::string& node,
   if (!wake.has_value()) return tl::unexpected(wake.error().in(address.text));
   // The constructor is private, so make_unique cannot reach it.
   std::unique_ptr<SerialPort> port(new SerialPort(std::move(wake.value())));
-  auto transfers = SerialTransfers::open(node, line, *port, settings.clock);
+  auto transfers = SerialTransfers::open(node, line, *port, settings.clock, port->calls_);
   if (!transfers.has_value()) return tl::unexpected(transfers.error().in(address.text));
   port->transfers_ = std::move(transfers.value());
   auto thread = RealtimeThread::start(settings.thread, settings.process,

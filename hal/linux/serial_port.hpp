@@ -39,6 +39,7 @@ class SerialPort final : public bus::SerialMailboxes {
   explicit SerialPort(std::unique_ptr<EventFd> wake) noexcept : wake_(std::move(wake)) {}
   void run() noexcept;
 
+  KernelCalls calls_;
   std::unique_ptr<EventFd> wake_;
   std::unique_ptr<SerialTransfers> transfers_;
   std::atomic<bool> is_over_{false};

@@ -67,14 +67,16 @@ void ask_for_low_latency(int node) noexcept {
 Result<std::unique_ptr<SerialTransfers>> SerialTransfers::open(const std::string& node,
                                                                const bus::SerialLine& line,
                                                                bus::SerialMailboxes& mail,
-                                                               const Clock& clock) {
+                                                               const Clock& clock,
+                                                               DeviceCalls& calls) {
   Descriptor opened(::open(node.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (opened.get() < 0) return tl::unexpected(system_error(node + kRefused, errno));
   if (::flock(opened.get(), LOCK_EX | LOCK_NB) != 0) {
     if (errno != EWOULDBLOCK) return tl::unexpected(system_error(node + kRefused, errno));
     return fail(Errc::Busy, node + " is held by another daemon");
   }
-  std::unique_ptr<SerialTransfers> transfers(new SerialTransfers(std::move(opened), mail, clock));
+  std::unique_ptr<SerialTransfers> transfers(
+      new SerialTransfers(std::move(opened), mail, clock, calls));
   const Result<void> ready = transfers->set_up(node, line);
   if (!ready.has_value()) return tl::unexpected(ready.error());
   return transfers;
@@ -129,7 +131,7 @@ void SerialTransfers::receive() noexcept {
 // Of a terminal that cannot tell: yes.
 bool SerialTransfers::is_kernel_done() const noexcept {
   int bytes = 0;
-  return ::ioctl(node_->get(), TIOCOUTQ, &bytes) != 0 || bytes == 0;
+  return calls_->control(node_->get(), TIOCOUTQ, &bytes) != 0 || bytes == 0;
 }
 
 bool SerialTransfers::send() noexcept {
@@ -141,7 +143,7 @@ bool SerialTransfers::send() noexcept {
     }
     const std::span<const std::uint8_t> rest = mail_->take_out();
     if (rest.empty()) return true;
-    const ssize_t bytes = ::write(node_->get(), rest.data(), rest.size());
+    const ssize_t bytes = calls_->write(node_->get(), rest);
     if (bytes <= 0) {
       if (bytes < 0) fail_unless_later();
       left_ = Left::Room;

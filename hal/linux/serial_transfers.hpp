@@ -7,6 +7,7 @@
 #include "hal/base/time.hpp"
 #include "hal/bus/serial_mailboxes.hpp"
 #include "hal/linux/descriptor.hpp"
+#include "hal/linux/device_calls.hpp"
 
 namespace thimble::linux {
 
@@ -18,9 +19,9 @@ namespace thimble::linux {
 // writes for CDC-ACM), and each would reach the arm after the newer one was wished for.
 //
 // Thread: one, but the construction and destruction. Not RT, but no call waits beside wait() and
-// send_last(). Ownership: the mailboxes and the clock must outlive it. Closing a port whose device
-// takes nothing may last as long as the kernel likes (30 s where a driver cannot discard).
-// Errors: Result when opening; a device that is gone shows in the mailboxes.
+// send_last(). Ownership: the mailboxes, the clock and the calls must outlive it. Closing a port
+// whose device takes nothing may last as long as the kernel likes (30 s where a driver cannot
+// discard). Errors: Result when opening; a device that is gone shows in the mailboxes.
 class SerialTransfers {
  public:
   // What the kernel had received before is discarded. NotFound, Permission, Busy (another process
@@ -28,7 +29,8 @@ class SerialTransfers {
   [[nodiscard]] static Result<std::unique_ptr<SerialTransfers>> open(const std::string& node,
                                                                      const bus::SerialLine& line,
                                                                      bus::SerialMailboxes& mail,
-                                                                     const Clock& clock);
+                                                                     const Clock& clock,
+                                                                     DeviceCalls& calls);
   ~SerialTransfers();
   SerialTransfers(const SerialTransfers&) = delete;
   SerialTransfers& operator=(const SerialTransfers&) = delete;
@@ -51,8 +53,12 @@ class SerialTransfers {
     Earlier
   };  // what the rest of a message waits for
 
-  SerialTransfers(Descriptor node, bus::SerialMailboxes& mail, const Clock& clock)
-      : node_(std::make_shared<const Descriptor>(std::move(node))), mail_(&mail), clock_(&clock) {}
+  SerialTransfers(Descriptor node, bus::SerialMailboxes& mail, const Clock& clock,
+                  DeviceCalls& calls)
+      : node_(std::make_shared<const Descriptor>(std::move(node))),
+        mail_(&mail),
+        clock_(&clock),
+        calls_(&calls) {}
   [[nodiscard]] Result<void> set_up(const std::string& node, const bus::SerialLine& line);
   [[nodiscard]] bool is_kernel_done() const noexcept;
   void fail_unless_later() noexcept;
@@ -60,6 +66,7 @@ class SerialTransfers {
   std::shared_ptr<const Descriptor> node_;
   bus::SerialMailboxes* mail_;
   const Clock* clock_;
+  DeviceCalls* calls_;
   Left left_{Left::Nothing};
 };
 

@@ -8,10 +8,16 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
+#include <cerrno>
 #include <string>
+#include <thread>
 #include <utility>
 
+#include "hal/linux/event_fd.hpp"
+#include "hal/linux/monotonic_clock.hpp"
+#include "hal/linux/serial_port.hpp"
 #include "hal/linux/serial_transfers.hpp"
 #include "sim/time/virtual_clock.hpp"
 #include "tests/contract/serial_port_contract.hpp"
@@ -70,7 +76,8 @@ class PseudoTerminal {
 
 class LinuxSerialRig final : public SerialRig {
  public:
-  LinuxSerialRig() : transfers_(SerialTransfers::open(line_.node(), {}, mail_, clock_).value()) {}
+  LinuxSerialRig()
+      : transfers_(SerialTransfers::open(line_.node(), {}, mail_, clock_, kernel_).value()) {}
   bus::SerialPort& port() override { return mail_; }
   void close_port() override { transfers_.reset(); }
   void device_sends(const Bytes& bytes) override {
@@ -96,6 +103,7 @@ class LinuxSerialRig final : public SerialRig {
 
  private:
   sim::VirtualClock clock_;
+  linux::KernelCalls kernel_;
   PseudoTerminal line_;
   bus::SerialMailboxes mail_;
   std::unique_ptr<SerialTransfers> transfers_;
@@ -108,13 +116,44 @@ INSTANTIATE_TEST_SUITE_P(Linux, SerialPortContract,
                          testing::Values(SerialRigFactory{"SerialTransfers", &make}),
                          serial_rig_name);
 
+// The kernel, but for how many bytes it says that it still has: a pseudo-terminal hands over at
+// once.
+class FullKernel final : public linux::DeviceCalls {
+ public:
+  std::ptrdiff_t write(int node, std::span<const std::uint8_t> bytes) noexcept override {
+    if (room == 0) {
+      errno = EAGAIN;
+      return -1;
+    }
+    const ssize_t written = kernel_.write(node, bytes.first(std::min(room, bytes.size())));
+    if (written > 0) room -= static_cast<std::size_t>(written);
+    return written;
+  }
+  int control(int node, unsigned long request, void* argument) noexcept override {
+    if (request != TIOCOUTQ || !is_answered_here) return kernel_.control(node, request, argument);
+    ++asked;
+    if (waiting < 0) return -1;
+    *static_cast<int*>(argument) = waiting;
+    return 0;
+  }
+
+  std::size_t room{1'000'000};  // for bytes, until it refuses more
+  bool is_answered_here{false};
+  int waiting{0};  // below 0: cannot tell
+  int asked{0};
+
+ private:
+  linux::KernelCalls kernel_;
+};
+
 struct SerialTransfersTest : testing::Test {
   sim::VirtualClock clock;
+  FullKernel kernel;
   PseudoTerminal line;
   bus::SerialMailboxes mail;
 
   Result<std::unique_ptr<SerialTransfers>> open(std::uint32_t bit_per_s = 115'200) {
-    return SerialTransfers::open(line.node(), {bit_per_s}, mail, clock);
+    return SerialTransfers::open(line.node(), {bit_per_s}, mail, clock, kernel);
   }
 };
 
@@ -175,10 +214,10 @@ TEST_F(SerialTransfersTest, WhatTheKernelHadBeforeIsDiscarded) {
 }
 
 TEST_F(SerialTransfersTest, WhatIsNoTerminalIsRefused) {
-  const auto nowhere = SerialTransfers::open(line.node() + "0", {}, mail, clock);
+  const auto nowhere = SerialTransfers::open(line.node() + "0", {}, mail, clock, kernel);
   ASSERT_FALSE(nowhere.has_value());
   EXPECT_EQ(nowhere.error().code, Errc::NotFound);
-  const auto file = SerialTransfers::open("/dev/null", {}, mail, clock);
+  const auto file = SerialTransfers::open("/dev/null", {}, mail, clock, kernel);
   ASSERT_FALSE(file.has_value());
   EXPECT_EQ(file.error().code, Errc::System);
 }
@@ -193,6 +232,131 @@ TEST_F(SerialTransfersTest, TheLastMessageIsSentWithoutAnybodyWaitingForTheDevic
   EXPECT_EQ(mail.submit(Bytes{3, 4}), IoStatus::Backlogged);
   (*sut)->send_last();
   EXPECT_EQ(line.received(4), (Bytes{1, 2, 3, 4})) << "the one under way, then the newest";
+}
+
+TEST_F(SerialTransfersTest, WhileTheKernelHasBytesOfAnEarlierMessageTheNewestWaitsOutside) {
+  const auto sut = open();
+  kernel.is_answered_here = true;
+  kernel.waiting = 1;
+  EXPECT_EQ(mail.submit(Bytes{1, 2}), IoStatus::Ok);
+  EXPECT_FALSE((*sut)->send());
+  EXPECT_EQ(mail.submit(Bytes{3, 4}), IoStatus::Backlogged);
+  EXPECT_FALSE((*sut)->send());
+  EXPECT_EQ(mail.counters().messages_out, 0U);
+  kernel.waiting = 0;
+  EXPECT_TRUE((*sut)->send());
+  EXPECT_EQ(line.received(2), (Bytes{3, 4})) << "the older one was never the kernel's";
+}
+
+TEST_F(SerialTransfersTest, WhileTheKernelHasBytesItIsAskedAgainWithoutAnyEvent) {
+  const auto sut = open();
+  kernel.is_answered_here = true;
+  kernel.waiting = 1;
+  EXPECT_EQ(mail.submit(Bytes{1}), IoStatus::Ok);
+  EXPECT_FALSE((*sut)->send());
+  const auto never = linux::EventFd::create();
+  (*sut)->wait((*never)->fd());  // else for ever
+  kernel.waiting = 0;
+  EXPECT_TRUE((*sut)->send());
+}
+
+// What is left of a message must go even though the kernel has its beginning.
+TEST_F(SerialTransfersTest, AMessageThatIsPartlyOutIsNotHeldUpByItself) {
+  const auto sut = open();
+  kernel.is_answered_here = true;
+  kernel.room = 1;
+  EXPECT_EQ(mail.submit(Bytes{1, 2, 3}), IoStatus::Ok);
+  EXPECT_FALSE((*sut)->send());
+  EXPECT_EQ(mail.submit(Bytes{4}), IoStatus::Backlogged);
+  kernel.waiting = 1;
+  kernel.room = 10;
+  EXPECT_FALSE((*sut)->send()) << "the next one waits";
+  EXPECT_EQ(line.received(3), (Bytes{1, 2, 3}));
+  kernel.waiting = 0;
+  EXPECT_TRUE((*sut)->send());
+  EXPECT_EQ(line.received(4), (Bytes{1, 2, 3, 4}));
+}
+
+TEST_F(SerialTransfersTest, ATerminalThatCannotTellIsWrittenTo) {
+  const auto sut = open();
+  kernel.is_answered_here = true;
+  kernel.waiting = -1;
+  EXPECT_EQ(mail.submit(Bytes{1, 2}), IoStatus::Ok);
+  EXPECT_TRUE((*sut)->send());
+  EXPECT_EQ(line.received(2), (Bytes{1, 2}));
+  EXPECT_EQ(kernel.asked, 2) << "before it, and for what may come next";
+}
+
+TEST_F(SerialTransfersTest, TheLastMessageWaitsForADeviceThatTakesNothingForAWhileOnly) {
+  const auto sut = open();
+  kernel.is_answered_here = true;
+  kernel.waiting = 1;
+  EXPECT_EQ(mail.submit(Bytes{1, 2}), IoStatus::Ok);
+  (*sut)->send_last();
+  EXPECT_EQ(kernel.asked, 20);
+  EXPECT_EQ(mail.counters().messages_out, 0U);
+}
+
+// With the bus's own thread, on a real terminal: waits for what must come, as long as it takes.
+struct SerialPortTest : testing::Test {
+  linux::MonotonicClock clock;
+  PseudoTerminal line;
+  std::unique_ptr<linux::SerialPort> sut = [this] {
+    return linux::SerialPort::open(line.node(), {"serial:X"}, {}, {clock, {}, {}}).value();
+  }();
+
+  // Bytes that the thread brought, until there are `size` or it says that the port is gone.
+  Bytes read(std::size_t size) {
+    Bytes all;
+    const MonotonicTime deadline = clock.now() + std::chrono::milliseconds(kPatience_ms);
+    while (all.size() < size && clock.now() < deadline) {
+      bus::SerialChunk chunk;
+      status = sut->read(chunk);
+      if (status == IoStatus::Disconnected) break;
+      if (status != IoStatus::Ok) {
+        std::this_thread::yield();
+        continue;
+      }
+      all.insert(all.end(), chunk.payload().begin(), chunk.payload().end());
+    }
+    return all;
+  }
+
+  IoStatus status{IoStatus::NoData};
+};
+
+TEST_F(SerialPortTest, ItsThreadCarriesBytesBothWays) {
+  Bytes sent;
+  for (std::uint8_t round = 0; round < 50; ++round) {
+    line.send({round, 1, 2});
+    EXPECT_EQ(read(3), (Bytes{round, 1, 2}));
+    EXPECT_NE(sut->submit(Bytes{round, 9}), IoStatus::Disconnected);
+    sent.insert(sent.end(), {round, 9});
+    ASSERT_EQ(line.received(sent.size()), sent);
+  }
+  EXPECT_EQ(sut->counters().bytes_in, 150U);
+}
+
+TEST_F(SerialPortTest, ALineThatIsPulledEndsItAndItsThreadCanBeJoined) {
+  line.unplug();
+  EXPECT_TRUE(read(1).empty());
+  EXPECT_EQ(status, IoStatus::Disconnected);
+  EXPECT_EQ(sut->submit(Bytes{1}), IoStatus::Disconnected);
+  sut.reset();
+}
+
+TEST_F(SerialPortTest, ClosingEndsItsThreadAndLeavesTheNodeToOthers) {
+  const std::weak_ptr<const Descriptor> node = sut->node();
+  EXPECT_FALSE(node.expired());
+  const auto open = [&] {
+    return linux::SerialPort::open(line.node(), {"serial:X"}, {}, {clock, {}, {}});
+  };
+  const auto second = open();
+  ASSERT_FALSE(second.has_value());
+  EXPECT_EQ(second.error().code, Errc::Busy);
+  sut.reset();
+  EXPECT_TRUE(node.expired());
+  EXPECT_TRUE(open().has_value());
 }
 
 }  // namespace

@@ -37,10 +37,10 @@ class FakeHidKernel final : public linux::DeviceCalls {
   std::function<void()> on_write = [] {};
   std::vector<Report> sent;
 
-  ssize_t write(int /*node*/, std::span<const std::uint8_t> bytes) noexcept override {
+  std::ptrdiff_t write(int /*node*/, std::span<const std::uint8_t> bytes) noexcept override {
     on_write();
     sent.push_back({"raw", {bytes.begin(), bytes.end()}});
-    return static_cast<ssize_t>(bytes.size());
+    return static_cast<std::ptrdiff_t>(bytes.size());
   }
 
   int control(int /*node*/, unsigned long request, void* argument) noexcept override {
