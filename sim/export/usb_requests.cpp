@@ -15,6 +15,8 @@ constexpr std::uint8_t kSetConfiguration = 9;
 constexpr std::uint8_t kGetInterface = 10;
 constexpr std::uint8_t kSetInterface = 11;
 
+constexpr std::uint16_t kEndpointHalt = 0;  // table 9-6
+constexpr std::uint8_t kToEndpoint = 2;
 constexpr std::uint8_t kRecipientBits = 0x1F;  // of bmRequestType
 constexpr std::uint8_t kSelfPowered = 1;
 
@@ -78,6 +80,12 @@ std::optional<DescriptorBytes> answer_standard(const UsbPersona& persona,
     default:
       return std::nullopt;
   }
+}
+
+bool ends_halt(const bus::UsbControlRequest& request, std::uint8_t endpoint) noexcept {
+  if (request.request == kSetConfiguration || request.request == kSetInterface) return true;
+  return request.request == kClearFeature && request.request_type == kToEndpoint &&
+         request.value == kEndpointHalt && request.index == endpoint;
 }
 
 }  // namespace thimble::sim

@@ -17,11 +17,14 @@ namespace thimble::sim {
 [[nodiscard]] bool is_standard(const bus::UsbControlRequest& request) noexcept;
 
 // What a device answers to a standard request (USB 2.0, 9.4) whatever it is: the data stage, whole;
-// nothing: it stalls. `configuration`: the one that is chosen, 0 or 1, and changed here. Halts
-// clear themselves, as for every model here, so that to clear one is taken and nothing more.
-// Thread: any. Not RT.
+// nothing: it stalls. `configuration`: the one that is chosen, 0 or 1, and changed here. Thread:
+// any. Not RT.
 [[nodiscard]] std::optional<DescriptorBytes> answer_standard(const UsbPersona& persona,
                                                              const bus::UsbControlRequest& request,
                                                              std::uint8_t& configuration);
+
+// Whether a standard request ends the halt of an endpoint (USB 2.0, 9.4.5): CLEAR_FEATURE does that
+// of one, choosing a configuration or a setting that of all. Thread: any. Pure.
+[[nodiscard]] bool ends_halt(const bus::UsbControlRequest& request, std::uint8_t endpoint) noexcept;
 
 }  // namespace thimble::sim

@@ -157,7 +157,8 @@ void UsbipSession::serve_kind(UsbTransferKind kind, MonotonicTime now) {
     // One that does not exist stalls with the requests to endpoint 0.
     const UsbTransferKind its_kind =
         endpoint == nullptr ? UsbTransferKind::Control : endpoint->kind;
-    if (its_kind != kind || is_over[slot] || (endpoint != nullptr && !is_due(*endpoint))) {
+    if (its_kind != kind || is_over[slot] ||
+        (endpoint != nullptr && (is_halted(*endpoint) || !is_due(*endpoint)))) {
       ++transfer;
       continue;
     }
@@ -188,6 +189,16 @@ UsbipSession::Progress UsbipSession::end(const Transfer& transfer, std::int32_t 
   return Progress::Ended;
 }
 
+UsbipSession::Progress UsbipSession::halt(const Transfer& transfer,
+                                          const bus::UsbEndpointInfo& endpoint) {
+  halted_.push_back(endpoint.address);
+  return end(transfer, -EPIPE);
+}
+
+bool UsbipSession::is_halted(const bus::UsbEndpointInfo& endpoint) const noexcept {
+  return std::find(halted_.begin(), halted_.end(), endpoint.address) != halted_.end();
+}
+
 UsbipSession::Progress UsbipSession::control(Transfer& transfer, MonotonicTime now) {
   const bus::UsbControlRequest request = control_request(transfer.submit.setup, transfer.data);
   ++counters_.requests;
@@ -195,6 +206,7 @@ UsbipSession::Progress UsbipSession::control(Transfer& transfer, MonotonicTime n
   if (!is_standard(request)) return class_request(transfer, request, now);
   const auto answer = answer_standard(*persona_, request, configuration_);
   if (!answer) return end(transfer, -EPIPE);
+  std::erase_if(halted_, [&](std::uint8_t endpoint) { return ends_halt(request, endpoint); });
   const std::size_t most = std::min<std::size_t>(request.length, transfer.submit.length);
   transfer.in.assign(answer->begin(),
                      answer->begin() + static_cast<std::ptrdiff_t>(std::min(answer->size(), most)));
@@ -237,7 +249,7 @@ UsbipSession::Progress UsbipSession::send(Transfer& transfer, const bus::UsbEndp
     if (!take_budget(kUsbPacketOverheadBytes + bytes.size())) return Progress::Waits;
     const UsbHandshake handshake = model_->out_packet(endpoint.address, bytes);
     if (handshake == UsbHandshake::Nak) return Progress::Waits;
-    if (handshake == UsbHandshake::Stall) return end(transfer, -EPIPE);
+    if (handshake == UsbHandshake::Stall) return halt(transfer, endpoint);
     around_.log->note_bytes(around_.time(now), ModelLog::Direction::ToModel, bytes);
     ++counters_.from_host;
     transfer.done += bytes.size();
@@ -255,7 +267,7 @@ UsbipSession::Progress UsbipSession::fetch(Transfer& transfer, const bus::UsbEnd
     if (bytes_left_ < kUsbPacketOverheadBytes + most) return Progress::Waits;
     const UsbAnswer answer = model_->in_packet(endpoint.address, room);
     if (answer.handshake == UsbHandshake::Nak) return Progress::Waits;
-    if (answer.handshake == UsbHandshake::Stall) return end(transfer, -EPIPE);
+    if (answer.handshake == UsbHandshake::Stall) return halt(transfer, endpoint);
     const std::size_t size = around_.misbehaviour->spoil(room, answer.size);
     take_budget(kUsbPacketOverheadBytes + std::min(size, most));
     if (size > most || transfer.in.size() + size > transfer.submit.length) {

@@ -21,9 +21,10 @@ namespace thimble::sim {
 //
 // Every transfer waits for a round of the bus (serve()), in order for each endpoint, and is
 // answered there: as it is taken or given by the model, with -EPIPE for a STALL, -EOVERFLOW for
-// babble, -EREMOTEIO for less than the host insisted on; NAK leaves it waiting. A transfer that is
-// unlinked is answered by that alone, with -ECONNRESET; one that had ended before with 0: each
-// unlink has one answer.
+// babble, -EREMOTEIO for less than the host insisted on; NAK leaves it waiting. After a STALL what
+// waits for the endpoint waits on, as with a host controller, until the host ends the halt. A
+// transfer that is unlinked is answered by that alone, with -ECONNRESET; one that had ended before
+// with 0: each unlink has one answer.
 //
 // Bounded: a transfer has at most kMaxTransferBytes, and kMaxTransfers wait; who asks for more, or
 // says what is no message, has to be cut off, and so has one that does not take its answers
@@ -83,6 +84,8 @@ class UsbipSession {
   Progress send(Transfer& transfer, const bus::UsbEndpointInfo& endpoint, MonotonicTime now);
   Progress fetch(Transfer& transfer, const bus::UsbEndpointInfo& endpoint, MonotonicTime now);
   Progress end(const Transfer& transfer, std::int32_t status);
+  Progress halt(const Transfer& transfer, const bus::UsbEndpointInfo& endpoint);
+  [[nodiscard]] bool is_halted(const bus::UsbEndpointInfo& endpoint) const noexcept;
   bool take_budget(std::size_t bytes) noexcept;
 
   plugin::SimUsbModel* model_;
@@ -94,6 +97,7 @@ class UsbipSession {
   bool is_available_{false};
   bool is_attached_{false};
   std::uint8_t configuration_{0};
+  std::vector<std::uint8_t> halted_;  // endpoints
   std::optional<MonotonicTime> used_at_;
   std::vector<std::uint8_t> inbox_;
   std::vector<std::uint8_t> outbox_;

@@ -169,8 +169,6 @@ TEST_F(UsbipSessionTest, WaitsForADeviceThatHasNothing) {
 
 TEST_F(UsbipSessionTest, SaysHowATransferWentWrong) {
   attach();
-  script_->stalls_to_come.insert(Model::kBulkIn);
-  EXPECT_EQ(transfer(host_.read(Model::kBulkIn, 64), true).status, -EPIPE);
   script_->to_send[Model::kBulkIn] = {Bytes(65, 1), Bytes(64, 2), {3}};
   EXPECT_EQ(transfer(host_.read(Model::kBulkIn, 512), true).status, -EOVERFLOW);
   EXPECT_EQ(transfer(host_.read(Model::kBulkIn, 32), true).status, -EOVERFLOW);
@@ -178,6 +176,38 @@ TEST_F(UsbipSessionTest, SaysHowATransferWentWrong) {
   EXPECT_EQ(transfer(host_.read(0x8F, 64), true).status, -EPIPE) << "no such endpoint";
   script_->stalls_to_come.insert(Model::kBulkOut);
   EXPECT_EQ(transfer(host_.write(Model::kBulkOut, {1}), false).status, -EPIPE);
+}
+
+// As a host controller: what was queued behind the transfer that stalled is not tried.
+TEST_F(UsbipSessionTest, AHaltedEndpointWaitsUntilItsHaltIsEnded) {
+  attach();
+  script_->stalls_to_come.insert(Model::kBulkIn);
+  script_->to_send[Model::kBulkIn] = {{1}};
+  EXPECT_EQ(transfer(host_.read(Model::kBulkIn, 64), true).status, -EPIPE);
+  say(host_.read(Model::kBulkIn, 64));
+  serve(80);
+  EXPECT_TRUE(sut_.outbox().empty());
+  script_->to_send[Model::kInterruptIn] = {{2}};
+  EXPECT_EQ(transfer(host_.read(Model::kInterruptIn, 16), true).data, Bytes{2}) << "another works";
+  EXPECT_EQ(transfer(host_.control({0x02, 1, 0, 0, Model::kBulkOut, 0, 0, 0}), false).status, 0);
+  EXPECT_TRUE(sut_.outbox().empty()) << "the halt of another was ended";
+
+  say(host_.control({0x02, 1, 0, 0, Model::kBulkIn, 0, 0, 0}));
+  serve(8);
+
+  EXPECT_EQ(UsbipHost::take_reply(sut_.outbox(), false)->status, 0);
+  EXPECT_EQ(UsbipHost::take_reply(sut_.outbox(), true)->data, Bytes{1});
+}
+
+TEST_F(UsbipSessionTest, AConfigurationThatIsChosenEndsAllHalts) {
+  attach();
+  script_->stalls_to_come = {Model::kBulkIn, Model::kBulkOut};
+  EXPECT_EQ(transfer(host_.read(Model::kBulkIn, 64), true).status, -EPIPE);
+  EXPECT_EQ(transfer(host_.write(Model::kBulkOut, {1}), false).status, -EPIPE);
+  EXPECT_EQ(transfer(host_.control({0x00, 9, 1, 0, 0, 0, 0, 0}), false).status, 0);
+  script_->to_send[Model::kBulkIn] = {{1}};
+  EXPECT_EQ(transfer(host_.read(Model::kBulkIn, 64), true).data, Bytes{1});
+  EXPECT_EQ(transfer(host_.write(Model::kBulkOut, {1}), false).status, 0);
 }
 
 TEST_F(UsbipSessionTest, AnInterruptPipeHasOneTransactionAFrame) {
@@ -288,6 +318,10 @@ TEST_F(UsbipSessionTest, EveryMessageOfARandomHostHasItsOneAnswer) {
       script_->to_send[dice.below(2) == 0 ? Model::kBulkIn : Model::kInterruptIn].push_back(
           Bytes(dice.below(70), 6));
     if (what == 5 && dice.below(20) == 0) script_->stalls_to_come.insert(endpoints[dice.below(4)]);
+    if (what == 7 && dice.below(20) == 0) {
+      say(host_.control({0x02, 1, 0, 0, endpoints[dice.below(4)], 0, 0, 0}));
+      open[last = host_.seqnum] = false;
+    }
     if (what == 6) {
       const std::uint32_t victim = 1 + dice.below(last + 1);
       say(host_.unlink(victim));
