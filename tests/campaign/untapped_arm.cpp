@@ -45,10 +45,12 @@ class UntappedArm final : public Invariant {
     if (norm(frame.force) > 0 || is_unreached) asked_at_ = frame.now;
     // Its motors keep what they had, in whatever pose a hand brings it to.
     if (is_unreached) doubted_at_ = frame.now;
-    if (frame.now - std::max(asked_at_, well_since + kFoundAgain) > reach) {
+    const MonotonicTime heard_since = well_since + kFoundAgain;
+    if (frame.now - std::max(asked_at_, heard_since) > reach) {
       findings.at_most("force of motors of which nothing is asked, N", norm(force), 0);
     }
-    if (frame.now - std::max(well_since, doubted_at_ + kDoubt) > reach) {
+    // Until it is heard again it has the currents of another pose, too.
+    if (frame.now - std::max(heard_since, doubted_at_ + kDoubt) > reach) {
       findings.at_most("norm of the force at the arm, N", norm(force),
                        limits_.max_force_newton * (1 + kPoseShare) + kQuantum_newton);
     }

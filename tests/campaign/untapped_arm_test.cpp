@@ -68,6 +68,18 @@ TEST(UntappedArm, SeesANormBeyondTheLimitButForAPoseThatWasReadWrong) {
   EXPECT_THAT(course.broken(), HasSubstr("norm of the force at the arm"));
 }
 
+TEST(UntappedArm, GrantsABadCableThePoseThatAHandBringsTheArmTo) {
+  GoodCourse course(&make_untapped_arm);
+  course.run(300, [](Observation& now) {
+    now.cable_ok_since = now.servo.frame.now;
+    too_strong(now);
+  });
+  course.run(70, &too_strong);
+  EXPECT_EQ(course.broken(), "") << "it may not have been heard yet";
+  course.run(1, &too_strong);
+  EXPECT_THAT(course.broken(), HasSubstr("norm of the force at the arm"));
+}
+
 TEST(UntappedArm, GrantsALostArmThePoseThatAHandBringsItTo) {
   GoodCourse course(&make_untapped_arm);
   course.run(300, [](Observation& now) {
