@@ -21,13 +21,15 @@ WAYS = {"uhid": ("--uhid",), "usbip": ("--usbip", simdev.PORT)}
 
 
 class Arm(simdev.Simdev):
-    """`words`: in the configuration, that say which one it is."""
+    """`words`: in the configuration, that say which one it is; `daemon_words`: what else stands there, first of all."""
 
     words = ""
+    daemon_words = ""
 
     def configure(self, rate_hz=1000):
         """The daemon starts anew with it alone."""
-        text = f'[servo]\nrate_hz = {rate_hz}\nrealtime = "best-effort"\n\n[[arm]]\nname = "right"\n{self.words}{BOX}'
+        text = (f'{self.daemon_words}\n[servo]\nrate_hz = {rate_hz}\nrealtime = "best-effort"\n\n'
+                f'[[arm]]\nname = "right"\n{self.words}{BOX}')
         self.guest.run(f"cat > /etc/thimble/thimble.toml <<'E'\n{text}E\nudevadm settle; systemctl restart thimbled")
 
 
@@ -61,9 +63,11 @@ def firmware(words=600):
 
 
 class Falcon(Arm):
-    """Nothing is in its memory yet; `address`: how the configuration names it."""
+    """Nothing is in its memory yet; `address`: how the configuration names it. `plugin`: a driver from outside, a file of the guest."""
 
-    def __init__(self, guest):
+    def __init__(self, guest, plugin=None):
+        if plugin is not None:
+            self.daemon_words = f'[daemon]\nplugins = ["{plugin}"]\n'
         guest.run("modprobe vhci-hcd")
         super().__init__(guest, "falcon", "--usbip", simdev.PORT, "falcon")
         self.attach()

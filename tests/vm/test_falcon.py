@@ -17,7 +17,11 @@ class Falcon(guest.GuestTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.arm = arms.Falcon(cls.guest)
+        cls.arm = cls.plug_in()
+
+    @classmethod
+    def plug_in(cls):
+        return arms.Falcon(cls.guest)
 
     def test_1_its_node_is_the_daemons_and_the_daemon_has_claimed_it(self):
         self.guest.wait_for("systemctl is-active thimbled")
