@@ -1,7 +1,7 @@
 """A daemon that is killed, stopped or hangs while a hand presses on a wall: the arm's guard lets it go, and nothing comes back unasked.
 
-The arm is a HID arm whose own watchdog takes 500 ms: what lets go earlier is the guard. The guest's clock counts instructions, so
-that the time between the blow and the last force may be asserted; both are of the guest's CLOCK_MONOTONIC.
+A HID arm, whose own watchdog takes 500 ms, and a Falcon, which has none: what lets go earlier is the guard. The guest's clock counts
+instructions, so that the time between the blow and the last force may be asserted; both are of the guest's CLOCK_MONOTONIC.
 """
 
 import json
@@ -21,13 +21,13 @@ def signal(name):
     return f"python3 -c 'import os, signal, sys, time; print(time.monotonic()); os.kill(int(sys.argv[1]), signal.{name})' {PID}"
 
 
-class Guard(guest.GuestTest):
-    pace = guest.COUNTED
+class LetsGo:
+    """What is true of every arm that has a guard. `plug_in()`: makes one; `STARTED_ANEW`: the state that the next daemon finds it in."""
 
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.arm = arms.HidArm(cls.guest)
+        cls.arm = cls.plug_in()
 
     def setUp(self):
         self.guest.run("systemctl reset-failed thimbled; systemctl restart thimbled")
@@ -41,7 +41,7 @@ class Guard(guest.GuestTest):
     def let_go_after(self, blow):
         """The blow, which prints when it fell, and when the motors' last force was: the time between."""
         # In one go: between two commands an idle guest's clock runs ahead.
-        printed = self.guest.run(f"{blow}; sleep 0.3; {self.arm.command('log 1.5')} > /run/simdev.log")
+        printed = self.guest.run(f"{blow}; sleep 0.3; {self.arm.command('log 2.5')} > /run/simdev.log")
         fell_s = float(printed.split()[0])
         entries = [json.loads(line) for line in self.guest.fetch("/run/simdev.log").splitlines()[:-1]]
         samples = [(entry["machine_s"], simdev.norm(entry["force_newton"])) for entry in entries if "tip_m" in entry]
@@ -55,7 +55,8 @@ class Guard(guest.GuestTest):
 
     def assert_started_anew_without_force(self):
         self.guest.wait_for("systemctl show thimbled -p NRestarts | grep -qx NRestarts=1 && systemctl is-active thimbled", 240)
-        simdev.wait_for_state(self.guest, "calibrating")
+        arm = json.loads(simdev.wait_for_state(self.guest, self.STARTED_ANEW))
+        self.assertEqual(arm["lease"], "none")
         self.guest.run("sleep 2")
         self.assert_without_force(2)
 
@@ -74,3 +75,23 @@ class Guard(guest.GuestTest):
         self.assertIn("servo-late", [fault["code"] for fault in arm["faults"]])
         self.guest.run("sleep 1")
         self.assert_without_force()
+
+
+class HidArm(LetsGo, guest.GuestTest):
+    pace = guest.COUNTED
+    STARTED_ANEW = "calibrating"
+
+    @classmethod
+    def plug_in(cls):
+        return arms.HidArm(cls.guest)
+
+
+class Falcon(LetsGo, guest.GuestTest):
+    """Its firmware goes on while the daemon is away, and knows where the arm is."""
+
+    pace = guest.counted(0)  # its bus has 8,000 rounds a second, and the guard is no part of the hardware
+    STARTED_ANEW = "inactive"
+
+    @classmethod
+    def plug_in(cls):
+        return arms.Falcon(cls.guest)
