@@ -26,7 +26,16 @@ void StepInterface::write_next_list(std::uint32_t offset) {
 void StepInterface::clear_exception() {
   if (state_ != State::Halted) return;
   state_ = State::Waiting;
+  error_.reset();
   if (is_pending_) start_pending();
+}
+
+void StepInterface::reset() {
+  machine_.reset();
+  state_ = State::Waiting;
+  is_pending_ = false;
+  error_.reset();
+  interrupts_ = {};
 }
 
 void StepInterface::start_pending() {
@@ -45,22 +54,27 @@ bool StepInterface::run(std::uint64_t most_steps) {
 
 bool StepInterface::lies_within(std::uint32_t offset, std::uint64_t bytes) const noexcept {
   const bool is_aligned = offset % wire::kBufferAlignment == 0 && offset >= wire::kReservedBytes;
-  return is_aligned && offset <= window_.size() && bytes <= window_.size() - offset;
+  return is_aligned && offset <= window_.bytes() && bytes <= window_.bytes() - offset;
 }
 
 std::uint16_t StepInterface::half(std::uint32_t offset) const noexcept {
-  return static_cast<std::uint16_t>(window_[offset] | window_[offset + 1] << 8);
+  const std::uint32_t word = window_.load(offset & ~3U);
+  return static_cast<std::uint16_t>((offset & 2U) != 0 ? word >> 16 : word);
 }
 
-std::uint32_t StepInterface::word(std::uint32_t offset) const noexcept {
-  return half(offset) | std::uint32_t{half(offset + 2)} << 16;
+// Nobody else writes to the buffer of a read.
+void StepInterface::put_byte(std::uint32_t offset, std::uint8_t value) noexcept {
+  const unsigned shift = 8 * (offset & 3U);
+  const std::uint32_t others = window_.load(offset & ~3U) & ~(0xffU << shift);
+  window_.store(offset & ~3U, others | std::uint32_t{value} << shift);
 }
 
 bool StepInterface::step() {
   if (state_ != State::Executing) return false;
   if (!lies_within(current_, wire::kDescriptorBytes)) return halt(Interrupt::Bus);
-  const Step step{word(current_ + wire::kOpcodeByte), word(current_ + wire::kBufferByte),
-                  word(current_ + wire::kLengthByte), word(current_ + wire::kLinkByte)};
+  const Step step{
+      window_.load(current_ + wire::kOpcodeByte), window_.load(current_ + wire::kBufferByte),
+      window_.load(current_ + wire::kLengthByte), window_.load(current_ + wire::kLinkByte)};
   if (!play(step)) return false;
   if (has(step.opcode, wire::kInterrupt)) raise(Interrupt::Soft);
   go_on(step);
@@ -108,10 +122,10 @@ bool StepInterface::fetch(const Step& step) {
   for (std::uint32_t k = 0; k < step.length; ++k) {
     const std::uint16_t word_k = (*words)[k];
     if (is_bytes) {
-      window_[step.buffer + k] = static_cast<std::uint8_t>(word_k);
+      put_byte(step.buffer + k, static_cast<std::uint8_t>(word_k));
     } else {
-      window_[step.buffer + 2 * k] = static_cast<std::uint8_t>(word_k);
-      window_[step.buffer + 2 * k + 1] = static_cast<std::uint8_t>(word_k >> 8);
+      put_byte(step.buffer + 2 * k, static_cast<std::uint8_t>(word_k));
+      put_byte(step.buffer + 2 * k + 1, static_cast<std::uint8_t>(word_k >> 8));
     }
   }
   return true;
@@ -130,6 +144,7 @@ void StepInterface::go_on(const Step& step) {
 
 bool StepInterface::halt(Interrupt why) {
   raise(why);
+  error_ = why;
   state_ = State::Halted;
   return false;
 }

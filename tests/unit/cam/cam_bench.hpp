@@ -12,6 +12,7 @@
 #include "drivers/cambus/cam_program.hpp"
 #include "drivers/cambus/step_list_check.hpp"
 #include "sim/model/cam/step_interface.hpp"
+#include "tests/unit/cambus/hand_list.hpp"
 
 namespace thimble::cambus::test {
 
@@ -53,19 +54,19 @@ class CamBench {
     const auto summary =
         check_step_list(list.view(), list.head, {.module_sites = 1U << space_.board().log2_sites});
     ASSERT_TRUE(summary) << summary.error().message;
-    window_.assign(list.base, 0);
-    window_.insert(window_.end(), list.bytes.begin(), list.bytes.end());
-    sim::cam::StepInterface interface(machine_, window_);
+    window_ = HandWindow(list.base + list.bytes.size());
+    std::copy(list.bytes.begin(), list.bytes.end(), window_.bytes().begin() + list.base);
+    sim::cam::StepInterface interface(machine_, bus::SharedWords(window_.words()));
     interface.write_next_list(list.head);
     ASSERT_TRUE(interface.run(summary->steps));
     ASSERT_EQ(interface.state(), sim::cam::StepInterface::State::Waiting);
     ASSERT_EQ(machine_.counters().disturbed_scans, 0U);
   }
-  std::vector<std::uint16_t> words_of(const ReadSlot& slot) const {
+  std::vector<std::uint16_t> words_of(const ReadSlot& slot) {
     std::vector<std::uint16_t> words(slot.words);
     for (std::size_t k = 0; k < words.size(); ++k) {
       const std::size_t at = slot.offset + 2 * k;
-      words[k] = static_cast<std::uint16_t>(window_[at] | window_[at + 1] << 8);
+      words[k] = static_cast<std::uint16_t>(window_.bytes()[at] | window_.bytes()[at + 1] << 8);
     }
     return words;
   }
@@ -159,7 +160,7 @@ class CamBench {
   CamSpace space_;
   sim::cam::CamMachine machine_;
   Axes log2_cells_;
-  std::vector<std::uint8_t> window_;
+  HandWindow window_{0};
 };
 
 inline Cells random_cells(std::size_t count, std::uint16_t mask, std::mt19937& random) {

@@ -34,8 +34,9 @@ class StepInterfaceTest : public testing::Test {
   static constexpr std::uint32_t kEnd = wire::kDelay | wire::kStop;
 
   CamMachine machine_{TorusShape{{1, 1, 1}, 6}};
-  std::vector<std::uint8_t> window_ = std::vector<std::uint8_t>(0x400);
-  StepInterface sut_{machine_, window_};
+  cambus::test::HandWindow memory_{0x400};
+  std::span<std::uint8_t> window_ = memory_.bytes();
+  StepInterface sut_{machine_, bus::SharedWords(memory_.words())};
 };
 
 TEST_F(StepInterfaceTest, PlaysAListAndWaits) {
@@ -113,13 +114,13 @@ TEST_F(StepInterfaceTest, ASynchronisedScanIsATimeoutForWhoeverWaits) {
 
 TEST_F(StepInterfaceTest, WhatLiesOutsideTheWindowIsABusFault) {
   for (const std::uint32_t buffer : {0x0U, 0x108U, 0x400U, 0xfffffff0U}) {
-    StepInterface sut(machine_, window_);
+    StepInterface sut(machine_, bus::SharedWords(memory_.words()));
     step_at(0x10, op(Register::SaBit), buffer, 5, 0x20);
     sut.write_next_list(0x10);
     EXPECT_TRUE(sut.run(10));
     EXPECT_EQ(sut.interrupts(Interrupt::Bus), 1U) << buffer;
   }
-  StepInterface sut(machine_, window_);
+  StepInterface sut(machine_, bus::SharedWords(memory_.words()));
   sut.write_next_list(0x400);
   EXPECT_TRUE(sut.run(10));
   EXPECT_EQ(sut.interrupts(Interrupt::Bus), 1U);
@@ -148,7 +149,7 @@ TEST_F(StepInterfaceTest, WhateverTheWindowHoldsItComesToRestOrGoesOn) {
               static_cast<std::uint32_t>(random() % 130),
               static_cast<std::uint32_t>(random() % 66) * 16);
     }
-    StepInterface sut(machine_, window_);
+    StepInterface sut(machine_, bus::SharedWords(memory_.words()));
     sut.write_next_list(0x10);
     const bool is_at_rest = sut.run(50);
     EXPECT_NE(is_at_rest, sut.state() == State::Executing);

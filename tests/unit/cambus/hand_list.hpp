@@ -1,10 +1,25 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 namespace thimble::cambus::test {
+
+// A window's bytes, and the words that a board sees them as.
+class HandWindow {
+ public:
+  explicit HandWindow(std::size_t bytes) : words_((bytes + 3) / 4) {}
+  [[nodiscard]] std::span<std::uint8_t> bytes() {
+    return {reinterpret_cast<std::uint8_t*>(words_.data()), 4 * words_.size()};
+  }
+  [[nodiscard]] std::span<std::uint32_t> words() { return words_; }
+
+ private:
+  std::vector<std::uint32_t> words_;
+};
 
 // Words of a window as docs/cambus.md, section 3, has them, written without the driver.
 inline void put_word(std::span<std::uint8_t> window, std::uint32_t at, std::uint32_t value) {
