@@ -1,0 +1,192 @@
+#include "drivers/cambus/list_player.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace thimble::cambus {
+namespace {
+
+using page::Interrupt;
+
+constexpr std::uint32_t kListRegister = 0;
+constexpr std::uint32_t kControlRegister = 1;
+
+std::string where(const BoardStatus& status) {
+  return "at " + hex(status.current()) + ", behind " + hex(status.previous());
+}
+
+}  // namespace
+
+Result<void> ListPlayer::start(const StepList& list, Duration at_most, MonotonicTime now) {
+  if (is_playing()) return fail(Errc::Busy, "the board still plays the list before");
+  const auto summary = check_step_list(list.view(), list.head, limits_);
+  if (!summary) {
+    ++counters_.refused;
+    return tl::unexpected(summary.error());
+  }
+  const IoStatus put = port_->put(list.base, list.bytes);
+  if (put == IoStatus::Disconnected) return tl::unexpected(lost_board());
+  if (put != IoStatus::Ok) {
+    ++counters_.refused;
+    return fail(Errc::TooLarge, "a list of " + std::to_string(list.bytes.size()) + " bytes at " +
+                                    hex(list.base) + " does not fit the board's window of " +
+                                    std::to_string(port_->facts().window_bytes));
+  }
+  head_ = list.head;
+  soft_at_most_ =
+      summary->loops ? std::numeric_limits<std::uint64_t>::max() : std::uint64_t{summary->steps};
+  until_ = now + at_most;
+  phase_ = Phase::Giving;
+  ++counters_.started;
+  return {};
+}
+
+Result<bool> ListPlayer::poll(MonotonicTime now) {
+  if (!is_playing()) return true;
+  BoardStatus status;
+  const IoStatus seen = port_->poll(now, status);
+  if (seen == IoStatus::Disconnected) return stop(lost_board());
+  if (seen == IoStatus::Ok) {
+    const auto is_over = go_on(status);
+    if (!is_over || *is_over) return is_over;
+  }
+  if (now < until_) return false;
+  ++counters_.timed_out;
+  const std::string what = phase_ == Phase::Playing
+                               ? "the list is not over: the board is " + where(status)
+                               : "the board does not take a list";
+  return stop({Errc::Timeout, what});
+}
+
+Result<bool> ListPlayer::go_on(const BoardStatus& status) {
+  switch (phase_) {
+    case Phase::Idle:
+      return true;
+    case Phase::Giving:
+      return give(status);
+    case Phase::Resetting:
+      // What waits for its steps to be over is taken later than it is acknowledged.
+      if (!port_->is_taken(status) || !status.is_waiting() || status.has_exception()) return false;
+      needs_reset_ = false;
+      return ring_for_list(status);
+    case Phase::Playing:
+      return while_it_plays(status);
+  }
+  return false;
+}
+
+Result<bool> ListPlayer::give(const BoardStatus& status) {
+  if (before_) {
+    if (const auto what = nonsense(status, 0)) return strange(*what);
+  }
+  const bool is_ready = status.is_waiting() && !status.has_exception() && !status.is_halted();
+  if (is_ready && !needs_reset_) return ring_for_list(status);
+  needs_set_up_ = true;
+  return ring(kControlRegister, page::kResetInterface, Phase::Resetting);
+}
+
+Result<bool> ListPlayer::ring_for_list(const BoardStatus& status) {
+  before_ = status;
+  return ring(kListRegister, head_, Phase::Playing);
+}
+
+// Where the doorbell is not free yet, it is tried again with the next poll.
+Result<bool> ListPlayer::ring(std::uint32_t which, std::uint32_t word, Phase next) {
+  std::array<std::uint32_t, page::kHostRegisters> registers{};
+  registers[which] = word;
+  const IoStatus rung = port_->ring(registers, 1U << which);
+  if (rung == IoStatus::Disconnected) return stop(lost_board());
+  if (rung == IoStatus::Ok) phase_ = next;
+  return false;
+}
+
+Result<bool> ListPlayer::while_it_plays(const BoardStatus& status) {
+  if (const auto what = nonsense(status, 1)) return strange(*what);
+  if (const auto why = ended_by(status)) return stop(*why);
+  if (status.has_exception() || status.is_halted()) return strange("has stopped without a reason");
+  const bool has_begun = port_->is_taken(status) && since(status, Interrupt::NewList) > 0;
+  if (!has_begun || !status.is_waiting() || status.is_list_pending()) return false;
+  phase_ = Phase::Idle;
+  before_ = status;
+  needs_set_up_ = false;
+  ++counters_.done;
+  return true;
+}
+
+std::optional<Error> ListPlayer::ended_by(const BoardStatus& status) {
+  if (since(status, Interrupt::Machine) > 0) {
+    ++counters_.machine_interrupts;
+    return Error{Errc::System, "the machine interrupted the list " + where(status)};
+  }
+  if (since(status, Interrupt::Bus) > 0) {
+    ++counters_.bus_faults;
+    return Error{Errc::Malformed, "the board could not read its list " + where(status)};
+  }
+  if (since(status, Interrupt::Timeout) > 0) {
+    ++counters_.module_timeouts;
+    return Error{Errc::Timeout, "no module answered the list " + where(status)};
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> ListPlayer::nonsense(const BoardStatus& status,
+                                                std::uint32_t lists) const {
+  const std::uint64_t errors = std::uint64_t{since(status, Interrupt::Machine)} +
+                               since(status, Interrupt::Bus) + since(status, Interrupt::Timeout);
+  const std::uint32_t begun = since(status, Interrupt::NewList);
+  if (begun > lists) {
+    return "has begun " + std::to_string(begun) + " lists and was given " + std::to_string(lists);
+  }
+  if (errors > lists) {
+    return "has raised " + std::to_string(errors) + " errors in " + std::to_string(lists) +
+           " lists";
+  }
+  const std::uint32_t soft = since(status, Interrupt::Soft);
+  const std::uint64_t soft_at_most = lists == 0 ? 0 : soft_at_most_;
+  if (soft > soft_at_most) {
+    return "has raised " + std::to_string(soft) + " soft interrupts, at most " +
+           std::to_string(soft_at_most) + " were asked for";
+  }
+  return std::nullopt;
+}
+
+std::uint32_t ListPlayer::since(const BoardStatus& status, Interrupt which) const noexcept {
+  return status.count(which) - before_->count(which);
+}
+
+Result<std::vector<std::uint16_t>> ListPlayer::words_of(const ReadSlot& slot, MonotonicTime now) {
+  const std::uint64_t size = wire::buffer_end(2 * std::uint64_t{slot.words});
+  if (size > port_->facts().window_bytes) {
+    return fail(Errc::InvalidArgument,
+                "no board has a buffer of " + std::to_string(size) + " bytes");
+  }
+  std::vector<std::uint8_t> bytes(size);
+  IoStatus status = port_->get(slot.offset, bytes);
+  if (status == IoStatus::Ok) status = port_->confirm(now);
+  if (status == IoStatus::Disconnected) return tl::unexpected(lost_board());
+  if (status != IoStatus::Ok) {
+    return fail(Errc::InvalidArgument, "no buffer lies at " + hex(slot.offset));
+  }
+  std::vector<std::uint16_t> words(slot.words);
+  for (std::uint32_t k = 0; k < slot.words; ++k) words[k] = buffer_word({0, bytes}, 0, k);
+  return words;
+}
+
+Error ListPlayer::lost_board() const {
+  return {Errc::Disconnected, "the board " + std::string(to_string(port_->why_gone()))};
+}
+
+tl::unexpected<Error> ListPlayer::strange(const std::string& what) {
+  ++counters_.strange;
+  return stop({Errc::Malformed, "the board says what cannot be: it " + what});
+}
+
+tl::unexpected<Error> ListPlayer::stop(Error why) {
+  phase_ = Phase::Idle;
+  before_.reset();
+  needs_reset_ = true;
+  needs_set_up_ = true;
+  return tl::unexpected<Error>(std::move(why));
+}
+
+}  // namespace thimble::cambus

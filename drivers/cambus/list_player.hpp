@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "drivers/cambus/pci_port.hpp"
+#include "drivers/cambus/step_list_builder.hpp"
+#include "drivers/cambus/step_list_check.hpp"
+
+namespace thimble::cambus {
+
+// What became of the lists that were given to a board.
+struct PlayCounters {
+  std::uint64_t started{0};
+  std::uint64_t done{0};
+  std::uint64_t refused{0};             // by the check: no board saw them
+  std::uint64_t machine_interrupts{0};  // that ended a list, and likewise:
+  std::uint64_t bus_faults{0};
+  std::uint64_t module_timeouts{0};  // no module answered
+  std::uint64_t timed_out{0};        // we waited no longer
+  std::uint64_t strange{0};          // the board said what it cannot have done
+  bool operator==(const PlayCounters&) const = default;
+};
+
+// Gives a board one list after the other, each checked before, and says when it is over.
+//
+// After a failure the machine's registers are no longer known, and a list may still run: the next
+// one starts behind a reset of the interface and has to set up everything (CamProgram::set_up).
+//
+// Thread: one at a time. No call waits. Ownership: the port must outlive it.
+class ListPlayer {
+ public:
+  ListPlayer(PciPort& port, const ListLimits& limits) : port_(&port), limits_(limits) {}
+
+  // `at_most`: how long it may take until it is over, by the clock that `now` is of.
+  // Errors: Busy while one plays; Malformed or TooLarge for a list that no board is given, or that
+  // the window does not hold; Disconnected. None of them changes what plays.
+  [[nodiscard]] Result<void> start(const StepList& list, Duration at_most, MonotonicTime now);
+  // Whether it is over, or there is none. Once it failed there is none, and each error comes once:
+  // Disconnected (for good), Timeout (no module answered, or not in time), System (the machine
+  // interrupted), Malformed (a bus fault; or the board says what it cannot have done).
+  [[nodiscard]] Result<bool> poll(MonotonicTime now);
+  // What the last list has read; the list must be over.
+  // Errors: Disconnected; InvalidArgument for what does not lie in the window.
+  [[nodiscard]] Result<std::vector<std::uint16_t>> words_of(const ReadSlot& slot,
+                                                            MonotonicTime now);
+
+  [[nodiscard]] bool is_playing() const noexcept { return phase_ != Phase::Idle; }
+  // What the registers of the machine were is lost.
+  [[nodiscard]] bool needs_set_up() const noexcept { return needs_set_up_; }
+  [[nodiscard]] const PlayCounters& counters() const noexcept { return counters_; }
+
+ private:
+  enum class Phase { Idle, Giving, Resetting, Playing };
+
+  // Each goes on with what the page says now; whether the list is over.
+  [[nodiscard]] Result<bool> go_on(const BoardStatus& status);
+  [[nodiscard]] Result<bool> give(const BoardStatus& status);
+  [[nodiscard]] Result<bool> ring_for_list(const BoardStatus& status);
+  [[nodiscard]] Result<bool> ring(std::uint32_t which, std::uint32_t word, Phase next);
+  [[nodiscard]] Result<bool> while_it_plays(const BoardStatus& status);
+  // What ended the list, if something did; counted.
+  [[nodiscard]] std::optional<Error> ended_by(const BoardStatus& status);
+  // What cannot be, since `before_`, with so many lists given.
+  [[nodiscard]] std::optional<std::string> nonsense(const BoardStatus& status,
+                                                    std::uint32_t lists) const;
+  [[nodiscard]] std::uint32_t since(const BoardStatus& status,
+                                    page::Interrupt which) const noexcept;
+  [[nodiscard]] Error lost_board() const;
+  [[nodiscard]] tl::unexpected<Error> stop(Error why);
+  [[nodiscard]] tl::unexpected<Error> strange(const std::string& what);
+
+  PciPort* port_;
+  ListLimits limits_;
+  Phase phase_{Phase::Idle};
+  bool needs_set_up_{true};
+  bool needs_reset_{true};  // whatever played before us
+  std::uint32_t head_{0};
+  std::uint64_t soft_at_most_{0};  // interrupts that the list raises itself
+  MonotonicTime until_{};
+  std::optional<BoardStatus> before_;  // when the list was given, or the last one was over
+  PlayCounters counters_;
+};
+
+}  // namespace thimble::cambus

@@ -1,0 +1,148 @@
+#include "drivers/cambus/pci_port.hpp"
+
+#include <string>
+
+#include "drivers/cambus/little_endian.hpp"
+
+namespace thimble::cambus {
+namespace {
+
+constexpr std::uint32_t kWordBytes = 4;
+constexpr std::size_t kIdentityWords = page::kIdentityBytes / kWordBytes;
+constexpr std::size_t kStatusWords = page::kStatusBytes / kWordBytes;
+// A board changes its words in less than a microsecond, and seldom.
+constexpr int kMostLooks = 8;
+constexpr Duration kBeatGivenUp = std::chrono::milliseconds(page::kBeatGivenUp_ms);
+
+}  // namespace
+
+std::string_view to_string(Gone why) noexcept {
+  switch (why) {
+    case Gone::No:
+      return "is there";
+    case Gone::Unplugged:
+      return "was unplugged";
+    case Gone::Silent:
+      return "does not answer any more";
+    case Gone::NewIncarnation:
+      return "was reset by itself or by its power";
+    case Gone::NoBeat:
+      return "stands still: its beat does not change";
+  }
+  return "is gone";
+}
+
+Result<std::unique_ptr<PciPort>> PciPort::open(std::unique_ptr<bus::MemoryWindow> window,
+                                               MonotonicTime now) {
+  if (window->bytes() < page::kPageBytes) {
+    return fail(Errc::NotMine, "no CAM board answers: a BAR of " + std::to_string(window->bytes()) +
+                                   " bytes has no page");
+  }
+  std::array<std::uint32_t, kIdentityWords> words{};
+  std::uint32_t rung = 0;
+  if (window->read_block(0, words) != IoStatus::Ok ||
+      window->read(page::kDoorbell, rung) != IoStatus::Ok) {
+    return fail(Errc::Disconnected, "the board was unplugged");
+  }
+  const auto facts = parse_board_facts(words, window->bytes());
+  if (!facts) return tl::unexpected(facts.error());
+  return std::unique_ptr<PciPort>(new PciPort(std::move(window), *facts, rung, now));
+}
+
+IoStatus PciPort::poll(MonotonicTime now, BoardStatus& out) {
+  ++counters_.polls;
+  IoStatus status = look_for_board(now);
+  for (int i = 0; i < kMostLooks && status == IoStatus::Ok; ++i) {
+    const auto seen = look_once(status);
+    if (!seen) continue;
+    out = *seen;
+    return IoStatus::Ok;
+  }
+  if (status != IoStatus::Ok) return status;
+  ++counters_.restless;
+  return IoStatus::NoData;
+}
+
+// Is it the one that was opened, and does it live?
+IoStatus PciPort::look_for_board(MonotonicTime now) {
+  if (gone_ != Gone::No) return IoStatus::Disconnected;
+  std::array<std::uint32_t, kIdentityWords> words{};
+  const IoStatus status = note(window_->read_block(0, words));
+  if (status != IoStatus::Ok) return status;
+  if (words[page::kMagic / kWordBytes] != page::kMagicValue) return give_up(Gone::Silent);
+  if (words[page::kIncarnation / kWordBytes] != facts_.incarnation) {
+    return give_up(Gone::NewIncarnation);
+  }
+  const std::uint32_t beat = words[page::kBeat / kWordBytes];
+  if (beat_ != beat) {
+    beat_ = beat;
+    beat_at_ = now;
+  }
+  return now - beat_at_ < kBeatGivenUp ? status : give_up(Gone::NoBeat);
+}
+
+std::optional<BoardStatus> PciPort::look_once(IoStatus& status) {
+  std::array<std::uint32_t, kStatusWords> words{};
+  std::uint32_t before = 0;
+  status = note(window_->read(page::kMoment, before));
+  if (status != IoStatus::Ok || before % 2 != 0) return std::nullopt;
+  status = note(window_->read_block(page::kRead, words));
+  if (status != IoStatus::Ok || words.back() != before) return std::nullopt;
+  return parse_board_status(words);
+}
+
+// The registers before the doorbell.
+IoStatus PciPort::ring(const std::array<std::uint32_t, page::kHostRegisters>& registers,
+                       std::uint32_t meant) {
+  if (gone_ != Gone::No) return IoStatus::Disconnected;
+  std::uint32_t acknowledged = 0;
+  IoStatus status = note(window_->read(page::kAcknowledge, acknowledged));
+  if (status != IoStatus::Ok) return status;
+  if (acknowledged != rung_) {
+    ++counters_.held_back;
+    return IoStatus::Backlogged;
+  }
+  status = note(window_->write_block(page::kWritten, registers));
+  if (status == IoStatus::Ok) status = note(window_->write(page::kMeant, meant));
+  if (status != IoStatus::Ok) return status;
+  window_->barrier();
+  status = note(window_->write(page::kDoorbell, rung_ + 1));
+  if (status != IoStatus::Ok) return status;
+  ++rung_;
+  ++counters_.rings;
+  return status;
+}
+
+bool PciPort::is_in_window(std::uint32_t offset, std::size_t bytes) const noexcept {
+  return bytes % kWordBytes == 0 &&
+         bus::lies_within(facts_.window_bytes, offset, bytes / kWordBytes);
+}
+
+IoStatus PciPort::put(std::uint32_t offset, std::span<const std::uint8_t> bytes) {
+  if (gone_ != Gone::No) return IoStatus::Disconnected;
+  if (!is_in_window(offset, bytes.size())) return IoStatus::ProtocolError;
+  words_.resize(bytes.size() / kWordBytes);
+  for (std::size_t i = 0; i < words_.size(); ++i) words_[i] = load32(bytes.subspan(4 * i));
+  return note(window_->write_block(facts_.window_offset + offset, words_));
+}
+
+IoStatus PciPort::get(std::uint32_t offset, std::span<std::uint8_t> bytes) {
+  if (gone_ != Gone::No) return IoStatus::Disconnected;
+  if (!is_in_window(offset, bytes.size())) return IoStatus::ProtocolError;
+  words_.resize(bytes.size() / kWordBytes);
+  const IoStatus status = note(window_->read_block(facts_.window_offset + offset, words_));
+  if (status != IoStatus::Ok) return status;
+  for (std::size_t i = 0; i < words_.size(); ++i) store32(bytes.subspan(4 * i), words_[i]);
+  return status;
+}
+
+IoStatus PciPort::note(IoStatus status) noexcept {
+  return status == IoStatus::Disconnected ? give_up(Gone::Unplugged) : status;
+}
+
+IoStatus PciPort::give_up(Gone why) noexcept {
+  gone_ = why;
+  return IoStatus::Disconnected;
+}
+
+}  // namespace thimble::cambus
