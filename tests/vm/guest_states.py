@@ -10,6 +10,7 @@ import sys
 
 import guest_image
 import machine
+import qmp
 import state_cache
 
 RECIPE = 1  # to be counted up when install() or settle() does something else, or the machine has other devices
@@ -73,7 +74,7 @@ def start(kernel, pace):
         return boot(kernel, pace)
     try:
         return resume(kernel, pace)
-    except (OSError, machine.GuestError) as error:
+    except (OSError, machine.GuestError, qmp.QmpError) as error:
         print(f"No saved guest, this one boots: {error}", file=sys.stderr)
         return boot(kernel, pace)
 
