@@ -113,8 +113,9 @@ class ArmInspection {
     const auto sim_arm = SimArm::create(parts_.models, arm_);
     if (!sim_arm) return object("hand", sim_arm.error().message);
     const auto open = [&](const config::ArmConfig& arm) {
-      return devices::open_arm((*sim_arm)->buses(), parts_.drivers, {arm.device},
-                               driver_settings(arm));
+      plugin::DriverSettings settings = driver_settings(arm);
+      settings.clock = &(*sim_arm)->clock();
+      return devices::open_arm((*sim_arm)->buses(), parts_.drivers, {arm.device}, settings);
     };
     const auto device = open(arm_);
     if (!device) return object(key_of_refusal(open), device.error().message);

@@ -93,6 +93,19 @@ config::Config with_falcon() {
   return config;
 }
 
+// A driver may want more than a device: a clock, for one.
+TEST(InspectModels, HasNothingAgainstAnySimulatedArm) {
+  const Plugins plugins;
+  for (const plugin::SimModelEntry& model : plugins.models.entries()) {
+    config::Config config = with_falcon();
+    config.arms[0].device = "sim:" + model.name;
+    config.arms[0].amplifier_max_a = 3;
+    for (const config::Objection& objection : inspect(config, {plugins.models, plugins.drivers})) {
+      ADD_FAILURE() << model.name << ": " << objection.key << ": " << objection.message;
+    }
+  }
+}
+
 class InspectFalcon : public ::testing::Test {
  protected:
   void expect_objection(std::string_view key, std::string_view says) const {
