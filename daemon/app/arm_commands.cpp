@@ -20,14 +20,16 @@ tl::unexpected<Error> still_lost(const session::ArmSession& session, const Fault
 }
 
 // Why an arm in this state cannot come to be driven, whoever asks; success: it may.
-Result<void> check_drivable(session::ArmSession& session) {
+Result<void> check_drivable(session::ArmRig& rig) {
+  session::ArmSession& session = rig.session();
   const servo::ServoSnapshot& seen = session.snapshot();
   if (seen.frame.state == OperatingState::Fault) {
     return fail(Errc::Busy, named(session) + " stands still after a fault (" + told(seen.fault) +
                                 "); nothing moves it before that fault is cleared");
   }
   if (seen.frame.state == OperatingState::Lost) {
-    const std::string& why = session.trouble().empty() ? told(seen.fault) : session.trouble();
+    const std::string trouble = rig.trouble();
+    const std::string why = trouble.empty() ? told(seen.fault) : trouble;
     return fail(Errc::Disconnected, named(session) + " is lost (" + why + ")");
   }
   return {};
@@ -38,7 +40,7 @@ Result<void> check_drivable(session::ArmSession& session) {
 void ArmCommands::activate(std::string_view arm, api::ClientId client, api::Answer answer) {
   const Result<std::size_t> index = leases_.find(arm);
   if (!index) return answer(tl::unexpected(index.error()));
-  if (const Result<void> possible = check_drivable(session(*index)); !possible) {
+  if (const Result<void> possible = check_drivable(*runtime_.arms()[*index]); !possible) {
     return answer(tl::unexpected(possible.error()));
   }
   const bool is_new_lease = leases_.holder(*index) == Leases::Holder::Nobody;
@@ -71,7 +73,8 @@ void ArmCommands::clear_fault(std::string_view arm, std::optional<std::uint32_t>
   if (!index) return answer(tl::unexpected(index.error()));
   session::ArmSession& asked = session(*index);
   const servo::ServoSnapshot& seen = asked.snapshot();
-  if (seen.frame.state == OperatingState::Lost) {
+  // One that was never there has nothing latched, either.
+  if (seen.frame.state == OperatingState::Lost && seen.fault.code != FaultCode::None) {
     return answer(still_lost(asked, seen.fault));
   }
   if (seen.frame.state != OperatingState::Fault) {
@@ -205,7 +208,7 @@ ArmCommands::Verdict ArmCommands::judge_activation(const Wait& wait,
   if (!leases_.is_held_for(wait.arm, wait.client.value)) {
     return fail(Errc::Busy, named(session(wait.arm)) + " was deactivated meanwhile");
   }
-  if (const Result<void> possible = check_drivable(session(wait.arm)); !possible) {
+  if (const Result<void> possible = check_drivable(*runtime_.arms()[wait.arm]); !possible) {
     return tl::unexpected(possible.error());
   }
   const bool is_up_to_person = seen.frame.state == OperatingState::Calibrating &&

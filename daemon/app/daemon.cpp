@@ -107,11 +107,18 @@ Result<void> Daemon::start(const linux::RealtimeProcess& process) {
       ServoThreads::start(config_.servo, *runtime_, process);
   if (!threads) return tl::unexpected(threads.error());
   threads_ = *std::move(threads);
+  tell_what_is_missing();
+  return {};
+}
+
+void Daemon::tell_what_is_missing() {
   for (const std::string& right : threads_->missing()) spdlog::warn("degraded: {}", right);
+  for (const auto& arm : runtime_->arms()) {
+    if (const std::string trouble = arm->trouble(); !trouble.empty()) warn(trouble);
+  }
   for (const auto& host : runtime_->worlds()) {
     if (host->loss()) spdlog::warn("degraded: {}", *host->loss());
   }
-  return {};
 }
 
 void Daemon::run() {
@@ -185,10 +192,7 @@ void Daemon::pump() {
 }
 
 void Daemon::supervise() {
-  for (const Error& trouble : runtime_->follow_buses(clock_.now())) {
-    const auto warning = warnings_.admit(trouble.message + "; trying again", clock_.now());
-    if (warning) spdlog::warn("{}", *warning);
-  }
+  for (const Error& trouble : runtime_->follow_buses(clock_.now())) warn(trouble.message);
   for (session::Runtime::Arrival& arrival : runtime_->take_arrivals()) {
     take_over(std::move(arrival));
   }
@@ -208,8 +212,14 @@ void Daemon::supervise() {
   });
 }
 
+void Daemon::warn(const std::string& trouble) {
+  const auto warning = warnings_.admit(trouble + "; trying again", clock_.now());
+  if (warning) spdlog::warn("{}", *warning);
+}
+
 void Daemon::take_over(session::Runtime::Arrival arrival) {
   const std::size_t arm = arrival.arm;
+  const bool has_stand_in = runtime_->arms()[arm]->awaited()->has_stand_in();
   const std::string simulated = runtime_->arms()[arm]->session().config().device;
   threads_->stop(arm);
   take_recordings();
@@ -220,8 +230,12 @@ void Daemon::take_over(session::Runtime::Arrival arrival) {
     exchange();
   }
   const session::ArmSession& real = runtime_->arms()[arm]->session();
-  spdlog::info("arm '{}': {} is there and takes over from {}; calibrate it, then activate it",
-               real.config().name, real.config().device, simulated);
+  if (has_stand_in) {
+    spdlog::info("arm '{}': {} is there and takes over from {}; calibrate it, then activate it",
+                 real.config().name, real.config().device, simulated);
+  } else {
+    spdlog::info("arm '{}': {} is there now", real.config().name, real.config().device);
+  }
   const Result<void> started = threads_->start(arm);
   if (started) return;
   // An arm that nobody serves is no service: let the service manager start anew.

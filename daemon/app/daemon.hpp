@@ -51,10 +51,12 @@ class Daemon final : private api::StatusView {
   [[nodiscard]] api::Status status() const override;
 
   void hold_back_after_crash();
+  void tell_what_is_missing();
   void wait_for_signals();
   void wait_for_wake();
   void pump();
   void supervise();
+  void warn(const std::string& trouble);
   void take_over(session::Runtime::Arrival arrival);
   void look_after_safety();
   void take_recordings();

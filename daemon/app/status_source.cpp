@@ -61,14 +61,15 @@ api::ArmStatus arm_status(session::ArmRig& rig, std::size_t index, const StatusC
   api::ArmStatus arm;
   arm.name = session.config().name;
   arm.device = session.config().device;
-  if (const session::AwaitedArm* awaited = rig.awaited()) arm.stands_in_for = awaited->arm().device;
+  const session::AwaitedArm* const awaited = rig.awaited();
+  if (awaited != nullptr && awaited->has_stand_in()) arm.stands_in_for = awaited->arm().device;
   arm.newton_per_count = newton_per_count_of(session);
   arm.model = session.device().capabilities().model;
   arm.state = to_string(frame.state);
   arm.calibration = to_string(frame.calibration);
-  arm.instruction = session.trouble().empty()
-                        ? std::string(session.device().calibration_instruction())
-                        : session.trouble() + "; trying again";
+  const std::string trouble = rig.trouble();
+  arm.instruction = trouble.empty() ? std::string(session.device().calibration_instruction())
+                                    : trouble + "; trying again";
   arm.position_m = as_array(frame.tip);
   arm.gimbal_rad = gimbal_of(session.device().capabilities(), snapshot);
   arm.force_newton = as_array(frame.force);
@@ -192,8 +193,12 @@ api::Status collect_status(session::Runtime& runtime, const StatusContext& conte
     session::ArmRig& rig = *runtime.arms()[i];
     status.arms.push_back(arm_status(rig, i, context));
     status.servos.push_back(servo_status(rig, i, context));
-    if (!rig.session().trouble().empty()) status.degraded.push_back(rig.session().trouble());
-    if (rig.awaited() != nullptr) status.degraded.push_back(rig.awaited()->sentence());
+    if (const std::string trouble = rig.trouble(); !trouble.empty()) {
+      status.degraded.push_back(trouble);
+    }
+    if (rig.awaited() != nullptr && rig.awaited()->has_stand_in()) {
+      status.degraded.push_back(rig.awaited()->sentence());
+    }
     const std::uint64_t missed = context.lateness.missed_lately(i);
     if (missed > 0) {
       status.degraded.push_back("arm '" + rig.session().config().name +

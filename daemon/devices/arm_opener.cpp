@@ -1,32 +1,28 @@
 #include "daemon/devices/arm_opener.hpp"
 
-#include <algorithm>
-#include <vector>
+#include <string>
+#include <utility>
 
 namespace thimble::devices {
 
-std::optional<bus::BusDeviceInfo> find_device(bus::BusEnumerator& buses,
-                                              const bus::DeviceAddress& address) {
-  for (const bus::BusDeviceInfo& device : buses.list()) {
-    if (device.address == address) return device;
+Result<bus::BusDeviceInfo> find_device(bus::BusEnumerator& buses,
+                                       const bus::DeviceAddress& address) {
+  std::string there;
+  for (bus::BusDeviceInfo& device : buses.list()) {
+    if (device.address == address) return std::move(device);
+    there += " " + device.address.text;
   }
-  return std::nullopt;
+  return fail(Errc::NotFound,
+              "no device at " + address.text +
+                  (there.empty() ? "; none is plugged in" : "; there are:" + there));
 }
 
 Result<std::unique_ptr<HapticDevice>> open_arm(bus::BusEnumerator& buses,
                                                const plugin::DriverRegistry& drivers,
                                                const bus::DeviceAddress& address,
                                                const plugin::DriverSettings& settings) {
-  const std::vector<bus::BusDeviceInfo> present = buses.list();
-  const auto found = std::find_if(present.begin(), present.end(),
-                                  [&](const auto& device) { return device.address == address; });
-  if (found == present.end()) {
-    std::string there;
-    for (const bus::BusDeviceInfo& device : present) there += " " + device.address.text;
-    return fail(Errc::NotFound,
-                "no device at " + address.text +
-                    (there.empty() ? "; none is plugged in" : "; there are:" + there));
-  }
+  const Result<bus::BusDeviceInfo> found = find_device(buses, address);
+  if (!found) return tl::unexpected(found.error());
   const Result<const plugin::Driver*> driver = drivers.match(*found, settings);
   if (!driver) return tl::unexpected(driver.error());
   Result<std::unique_ptr<HapticDevice>> device = (*driver)->open(buses, *found, settings);

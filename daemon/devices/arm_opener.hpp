@@ -1,8 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
-#include <string>
 
 #include "hal/base/result.hpp"
 #include "hal/bus/bus_enumerator.hpp"
@@ -11,13 +9,13 @@
 
 namespace thimble::devices {
 
-// What `buses` lists at `address`, if anything. Thread: control plane.
-[[nodiscard]] std::optional<bus::BusDeviceInfo> find_device(bus::BusEnumerator& buses,
-                                                            const bus::DeviceAddress& address);
+// What `buses` lists at `address`. Thread: control plane. Errors: NotFound, naming what is there.
+[[nodiscard]] Result<bus::BusDeviceInfo> find_device(bus::BusEnumerator& buses,
+                                                     const bus::DeviceAddress& address);
 
 // Finds the device at `address` on `buses`, lets the drivers claim it, opens it.
-// Thread: control plane. Errors: NotFound (naming what is there), or the driver's refusal with
-// its name and the address in front.
+// Thread: control plane. Errors: as find_device(), or the driver's refusal with its name and the
+// address in front.
 [[nodiscard]] Result<std::unique_ptr<HapticDevice>> open_arm(
     bus::BusEnumerator& buses, const plugin::DriverRegistry& drivers,
     const bus::DeviceAddress& address, const plugin::DriverSettings& settings);

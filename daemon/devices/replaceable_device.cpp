@@ -1,42 +1,11 @@
 #include "daemon/devices/replaceable_device.hpp"
 
-#include <string>
 #include <utility>
 
+#include "daemon/devices/gone_device.hpp"
 #include "hal/base/check.hpp"
 
 namespace thimble::devices {
-namespace {
-
-// The place of a device that is gone: it remembers what the device was, and never answers.
-class GoneDevice final : public HapticDevice {
- public:
-  explicit GoneDevice(const HapticDevice& gone)
-      : capabilities_(gone.capabilities()),
-        instruction_(gone.calibration_instruction()),
-        counters_(gone.counters()) {}
-
-  [[nodiscard]] const HapticCapabilities& capabilities() const noexcept override {
-    return capabilities_;
-  }
-  [[nodiscard]] std::string_view calibration_instruction() const noexcept override {
-    return instruction_;
-  }
-  [[nodiscard]] DeviceCounters counters() const noexcept override { return counters_; }
-  [[nodiscard]] std::optional<ZeroCommand> zero_command() const noexcept override { return {}; }
-  void forget_calibration() noexcept override {}
-  IoStatus read(HapticState& /*out*/) noexcept override { return IoStatus::Disconnected; }
-  IoStatus write(const LimitedWrench& /*wrench*/) noexcept override {
-    return IoStatus::Disconnected;
-  }
-
- private:
-  HapticCapabilities capabilities_;
-  std::string instruction_;
-  DeviceCounters counters_;
-};
-
-}  // namespace
 
 ReplaceableDevice::ReplaceableDevice(std::unique_ptr<HapticDevice> first)
     : current_(first.get()), known_(std::move(first)) {

@@ -27,66 +27,107 @@ Result<std::unique_ptr<ArmRig>> ArmRig::create_stand_in(const config::ArmConfig&
   return rig;
 }
 
+Result<void> ArmRig::choose_bus(const config::ArmConfig& arm, const RigParts& parts) {
+  if (bus::is_simulated(arm.device)) {
+    Result<std::unique_ptr<SimArm>> sim_arm = SimArm::create(parts.models, arm);
+    if (!sim_arm) return tl::unexpected(sim_arm.error());
+    sim_arm_ = *std::move(sim_arm);
+    buses_ = &sim_arm_->buses();
+    clock_ = &sim_arm_->clock();
+    if (parts.wrap_sim_bus) {
+      wrapped_buses_ = parts.wrap_sim_bus(*buses_, *clock_);
+      buses_ = wrapped_buses_.get();
+    }
+    if (parts.real_clock != nullptr) {
+      clock_ = &brake_.emplace(sim_arm_->clock(), *parts.real_clock);
+    }
+    return {};
+  }
+  if (parts.real_buses == nullptr || parts.real_clock == nullptr) {
+    return fail(Errc::Unsupported, arm.device +
+                                       " cannot be opened: this build knows simulated devices " +
+                                       "only; use for instance sim:phantom-vintage");
+  }
+  buses_ = parts.real_buses;
+  clock_ = parts.real_clock;
+  return {};
+}
+
+Result<void> ArmRig::link_to(WorldHost* world, const config::ArmConfig& arm,
+                             const RigParts& parts) {
+  if (world != nullptr) {
+    const Result<void> good = check_combination(world->world(), arm.coupling);
+    if (!good) return good;
+    auto world_half = world->make_world_half(parts.first_session);
+    if (!world_half) return tl::unexpected(world_half.error());
+    link_ = make_in_process_link(arm, *std::move(world_half), parts.wake);
+    return {};
+  }
+  if (parts.io == nullptr || parts.real_clock == nullptr) {
+    return fail(Errc::Unsupported,
+                "link: another host cannot be reached in virtual time; name a world");
+  }
+  Result<std::unique_ptr<RigLink>> link =
+      make_udp_link(arm, *parts.io, *parts.real_clock, parts.wake);
+  if (!link) return tl::unexpected(link.error());
+  link_ = *std::move(link);
+  return {};
+}
+
+Result<void> ArmRig::connect(const config::ArmConfig& arm, WorldHost* world,
+                             const RigParts& parts) {
+  if (Result<void> chosen = choose_bus(arm, parts); !chosen) return chosen;
+  if (Result<void> linked = link_to(world, arm, parts); !linked) return linked;
+  if (parts.wrap_link) wrapped_link_ = parts.wrap_link(link_->arm_end());
+  return {};
+}
+
+ArmSessionParts ArmRig::session_parts(WorldHost* world, const RigParts& parts) {
+  return {*buses_,
+          parts.drivers,
+          wrapped_link_ ? *wrapped_link_ : link_->arm_end(),
+          *clock_,
+          parts.stopwatch != nullptr ? *parts.stopwatch : *clock_,
+          world != nullptr ? world->world().info().cell_m : 0,
+          parts.guards};
+}
+
 Result<std::unique_ptr<ArmRig>> ArmRig::create(const config::ArmConfig& arm,
                                                const config::ServoConfig& servo, WorldHost* world,
                                                const RigParts& parts) {
   if (must_fall_back(arm, parts)) return create_stand_in(arm, servo, world, parts);
-  const std::string name = "arm '" + arm.name + "'";
   // The constructor is private, so make_unique cannot reach it.
   std::unique_ptr<ArmRig> rig(new ArmRig());
-  if (bus::is_simulated(arm.device)) {
-    Result<std::unique_ptr<SimArm>> sim_arm = SimArm::create(parts.models, arm);
-    if (!sim_arm) return tl::unexpected(sim_arm.error().in(name));
-    rig->sim_arm_ = *std::move(sim_arm);
-    rig->buses_ = &rig->sim_arm_->buses();
-    rig->clock_ = &rig->sim_arm_->clock();
-    if (parts.wrap_sim_bus) {
-      rig->wrapped_buses_ = parts.wrap_sim_bus(*rig->buses_, *rig->clock_);
-      rig->buses_ = rig->wrapped_buses_.get();
-    }
-    if (parts.real_clock != nullptr) {
-      rig->clock_ = &rig->brake_.emplace(rig->sim_arm_->clock(), *parts.real_clock);
-    }
-  } else if (parts.real_buses == nullptr || parts.real_clock == nullptr) {
-    return fail(Errc::Unsupported, name + ": " + arm.device +
-                                       " cannot be opened: this build knows simulated devices " +
-                                       "only; use for instance sim:phantom-vintage");
-  } else {
-    rig->buses_ = parts.real_buses;
-    rig->clock_ = parts.real_clock;
-  }
-
-  if (world != nullptr) {
-    const Result<void> good = check_combination(world->world(), arm.coupling);
-    if (!good) return tl::unexpected(good.error().in(name));
-    auto world_half = world->make_world_half(parts.first_session);
-    if (!world_half) return tl::unexpected(world_half.error().in(name));
-    rig->link_ = make_in_process_link(arm, *std::move(world_half), parts.wake);
-  } else {
-    if (parts.io == nullptr || parts.real_clock == nullptr) {
-      return fail(Errc::Unsupported,
-                  name + ": link: another host cannot be reached in virtual time; name a world");
-    }
-    Result<std::unique_ptr<RigLink>> link =
-        make_udp_link(arm, *parts.io, *parts.real_clock, parts.wake);
-    if (!link) return tl::unexpected(link.error().in(name));
-    rig->link_ = *std::move(link);
-  }
-
-  if (parts.wrap_link) rig->wrapped_link_ = parts.wrap_link(rig->link_->arm_end());
-  coupling::ArmLink& arm_end = rig->wrapped_link_ ? *rig->wrapped_link_ : rig->link_->arm_end();
-  const Clock& stopwatch = parts.stopwatch != nullptr ? *parts.stopwatch : *rig->clock_;
-  const ArmSessionParts session_parts{
-      *rig->buses_, parts.drivers, arm_end,
-      *rig->clock_, stopwatch,     world != nullptr ? world->world().info().cell_m : 0,
-      parts.guards};
-  Result<std::unique_ptr<ArmSession>> session = ArmSession::create(arm, servo, session_parts);
+  const Result<void> connected = rig->connect(arm, world, parts);
+  if (!connected) return tl::unexpected(connected.error().in("arm '" + arm.name + "'"));
+  Result<std::unique_ptr<ArmSession>> session =
+      ArmSession::create(arm, servo, rig->session_parts(world, parts));
   if (!session) return tl::unexpected(session.error());
   rig->session_ = *std::move(session);
   return rig;
 }
 
+Result<std::unique_ptr<ArmRig>> ArmRig::create_lost(const config::ArmConfig& arm,
+                                                    const config::ServoConfig& servo,
+                                                    WorldHost* world, const RigParts& parts,
+                                                    const Error& why) {
+  std::unique_ptr<ArmRig> rig(new ArmRig());
+  const Result<void> connected = rig->connect(arm, world, parts);
+  if (!connected) return tl::unexpected(connected.error().in("arm '" + arm.name + "'"));
+  Result<std::unique_ptr<ArmSession>> session =
+      ArmSession::create_lost(arm, servo, rig->session_parts(world, parts));
+  if (!session) return tl::unexpected(session.error());
+  rig->session_ = *std::move(session);
+  rig->awaited_.emplace(arm, why, *rig->buses_);
+  return rig;
+}
+
+std::string ArmRig::trouble() const {
+  return awaited_ && !awaited_->has_stand_in() ? awaited_->sentence() : session_->trouble();
+}
+
 Result<void> ArmRig::follow(MonotonicTime now) {
+  if (awaited_ && !awaited_->has_stand_in()) return {};  // its session has nothing to look after
   const bool needs_person = session_->snapshot().frame.calibration == CalibrationState::NeedsUser;
   if (sim_arm_ != nullptr && needs_person) sim_arm_->ask_person_to_calibrate();
   return session_->follow(now);

@@ -47,6 +47,13 @@ class ArmRig {
                                                               const config::ServoConfig& servo,
                                                               WorldHost* world,
                                                               const RigParts& parts);
+  // A rig in the place of a real arm that cannot be had now, and `why` not: its session is Lost
+  // until Runtime finds the arm. Errors: what is wrong with more than the device.
+  [[nodiscard]] static Result<std::unique_ptr<ArmRig>> create_lost(const config::ArmConfig& arm,
+                                                                   const config::ServoConfig& servo,
+                                                                   WorldHost* world,
+                                                                   const RigParts& parts,
+                                                                   const Error& why);
 
   [[nodiscard]] ArmSession& session() noexcept { return *session_; }
   // What the servo sleeps on.
@@ -57,8 +64,10 @@ class ArmRig {
   [[nodiscard]] bus::BusEnumerator& buses() noexcept { return *buses_; }
   // As ArmSession::follow(); a simulated person does what a real one would read in the status.
   Result<void> follow(MonotonicTime now);
-  // The real arm that this simulated one stands in for; nullptr: it does not.
+  // The real arm whose place this one keeps; nullptr: none.
   [[nodiscard]] AwaitedArm* awaited() noexcept { return awaited_ ? &*awaited_ : nullptr; }
+  // Why a real arm is lost that is there, or was not at the start; empty when nothing is wrong.
+  [[nodiscard]] std::string trouble() const;
   // nullptr for a real device.
   [[nodiscard]] SimArm* sim_arm() noexcept { return sim_arm_.get(); }
 
@@ -67,6 +76,13 @@ class ArmRig {
   [[nodiscard]] static Result<std::unique_ptr<ArmRig>> create_stand_in(
       const config::ArmConfig& arm, const config::ServoConfig& servo, WorldHost* world,
       const RigParts& parts);
+  // All but the session. Errors: without the arm's name.
+  [[nodiscard]] Result<void> connect(const config::ArmConfig& arm, WorldHost* world,
+                                     const RigParts& parts);
+  [[nodiscard]] Result<void> choose_bus(const config::ArmConfig& arm, const RigParts& parts);
+  [[nodiscard]] Result<void> link_to(WorldHost* world, const config::ArmConfig& arm,
+                                     const RigParts& parts);
+  [[nodiscard]] ArmSessionParts session_parts(WorldHost* world, const RigParts& parts);
 
   std::optional<AwaitedArm> awaited_;
   std::unique_ptr<SimArm> sim_arm_;

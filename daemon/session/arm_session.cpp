@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "daemon/devices/arm_opener.hpp"
+#include "daemon/devices/gone_device.hpp"
 #include "daemon/devices/returned_arm.hpp"
 #include "daemon/session/arm_settings.hpp"
 
@@ -29,30 +30,55 @@ ArmSession::ArmSession(const config::ArmConfig& arm, const ArmSessionParts& part
   controls_.want_active = arm.activate;
 }
 
+Result<std::unique_ptr<ArmSession>> ArmSession::make(const config::ArmConfig& arm,
+                                                     const config::ServoConfig& servo,
+                                                     const ArmSessionParts& parts,
+                                                     std::unique_ptr<HapticDevice> device) {
+  const Result<servo::ServoSettings> settings = servo_settings(arm, servo, device->capabilities());
+  if (!settings) return tl::unexpected(settings.error());
+  Result<std::unique_ptr<coupling::ArmCoupling>> coupling =
+      make_coupling(arm, parts.cell_m, device->capabilities());
+  if (!coupling) return tl::unexpected(coupling.error());
+  // The constructor is private, so make_unique cannot reach it.
+  std::unique_ptr<ArmSession> session(
+      new ArmSession(arm, parts, std::move(device), *std::move(coupling)));
+  session->settings_ = *settings;
+  return session;
+}
+
+void ArmSession::make_loop(bool is_lost) {
+  loop_ = std::make_unique<servo::ServoLoop>(
+      servo::ServoParts{device_, *coupling_, parts_.link, controls_, parts_.clock, parts_.stopwatch,
+                        guard_.heartbeat(), is_lost},
+      settings_);
+}
+
 Result<std::unique_ptr<ArmSession>> ArmSession::create(const config::ArmConfig& arm,
                                                        const config::ServoConfig& servo,
                                                        const ArmSessionParts& parts) {
   const std::string name = "arm '" + arm.name + "'";
-  const std::optional<bus::BusDeviceInfo> info = devices::find_device(parts.buses, {arm.device});
+  const Result<bus::BusDeviceInfo> info = devices::find_device(parts.buses, {arm.device});
   Result<std::unique_ptr<HapticDevice>> device = open_device(arm, parts);
   if (!device) return tl::unexpected(device.error().in(name));
-  const Result<servo::ServoSettings> settings =
-      servo_settings(arm, servo, (*device)->capabilities());
-  if (!settings) return tl::unexpected(settings.error().in(name));
-  Result<std::unique_ptr<coupling::ArmCoupling>> coupling =
-      make_coupling(arm, parts.cell_m, (*device)->capabilities());
-  if (!coupling) return tl::unexpected(coupling.error().in(name));
-
-  // The constructor is private, so make_unique cannot reach it.
-  std::unique_ptr<ArmSession> session(
-      new ArmSession(arm, parts, *std::move(device), *std::move(coupling)));
-  session->identity_ = info.value_or(bus::BusDeviceInfo{});
-  const Result<void> guarded = session->guard_.begin(session->device_);
+  Result<std::unique_ptr<ArmSession>> session = make(arm, servo, parts, *std::move(device));
+  if (!session) return tl::unexpected(session.error().in(name));
+  (*session)->identity_ = info.value_or(bus::BusDeviceInfo{});
+  const Result<void> guarded = (*session)->guard_.begin((*session)->device_);
   if (!guarded) return tl::unexpected(guarded.error());
-  session->loop_ = std::make_unique<servo::ServoLoop>(
-      servo::ServoParts{session->device_, *session->coupling_, parts.link, session->controls_,
-                        parts.clock, parts.stopwatch, session->guard_.heartbeat()},
-      *settings);
+  (*session)->make_loop(false);
+  return session;
+}
+
+Result<std::unique_ptr<ArmSession>> ArmSession::create_lost(const config::ArmConfig& arm,
+                                                            const config::ServoConfig& servo,
+                                                            const ArmSessionParts& parts) {
+  HapticCapabilities nothing;
+  nothing.model = arm.model.value_or("");
+  nothing.is_actuated = false;
+  Result<std::unique_ptr<ArmSession>> session =
+      make(arm, servo, parts, std::make_unique<devices::GoneDevice>(std::move(nothing)));
+  if (!session) return tl::unexpected(session.error().in("arm '" + arm.name + "'"));
+  (*session)->make_loop(true);
   return session;
 }
 

@@ -48,6 +48,10 @@ class ArmSession {
   [[nodiscard]] static Result<std::unique_ptr<ArmSession>> create(const config::ArmConfig& arm,
                                                                   const config::ServoConfig& servo,
                                                                   const ArmSessionParts& parts);
+  // The same for an arm that cannot be had now: Lost, for as long as the session lives, without
+  // motors and so without limits to be guessed. Whoever finds the arm makes a session of it.
+  [[nodiscard]] static Result<std::unique_ptr<ArmSession>> create_lost(
+      const config::ArmConfig& arm, const config::ServoConfig& servo, const ArmSessionParts& parts);
 
   [[nodiscard]] servo::ServoLoop& loop() noexcept { return *loop_; }
   [[nodiscard]] servo::ServoControls& controls() noexcept { return controls_; }
@@ -72,6 +76,11 @@ class ArmSession {
  private:
   ArmSession(const config::ArmConfig& arm, const ArmSessionParts& parts,
              std::unique_ptr<HapticDevice> device, std::unique_ptr<coupling::ArmCoupling> coupling);
+  // With coupling and limits for `device`, but no loop yet. Errors: those of arm_settings.hpp.
+  [[nodiscard]] static Result<std::unique_ptr<ArmSession>> make(
+      const config::ArmConfig& arm, const config::ServoConfig& servo, const ArmSessionParts& parts,
+      std::unique_ptr<HapticDevice> device);
+  void make_loop(bool is_lost);
 
   [[nodiscard]] bool is_lost_for_servo();
   Result<void> reopen();
@@ -83,6 +92,7 @@ class ArmSession {
   std::unique_ptr<coupling::SteadyForce> coupling_;
   servo::ServoControls controls_;
   GuardedArm guard_;
+  servo::ServoSettings settings_;
   std::unique_ptr<servo::ServoLoop> loop_;
   servo::ServoSnapshot snapshot_{};
   std::string trouble_;

@@ -6,6 +6,30 @@
 #include "daemon/session/retry_pace.hpp"
 
 namespace thimble::session {
+namespace {
+
+// What plugging, waiting or a right can mend while the daemon runs. The rest is a matter of the
+// configuration or of the build, and of a start anew.
+bool can_pass(Errc code) noexcept {
+  switch (code) {
+    case Errc::NotFound:
+    case Errc::Permission:
+    case Errc::Busy:
+    case Errc::Disconnected:
+    case Errc::Timeout:
+    case Errc::System:
+      return true;
+    case Errc::InvalidArgument:
+    case Errc::NotMine:
+    case Errc::Malformed:
+    case Errc::TooLarge:
+    case Errc::Unsupported:
+      return false;
+  }
+  return false;
+}
+
+}  // namespace
 
 Result<std::unique_ptr<Runtime>> Runtime::create(const config::Config& config,
                                                  const RigParts& parts) {
@@ -17,7 +41,7 @@ Result<std::unique_ptr<Runtime>> Runtime::create(const config::Config& config,
     runtime->worlds_.push_back(*std::move(host));
   }
   for (const config::ArmConfig& said : config.arms) {
-    Result<std::unique_ptr<ArmRig>> rig = runtime->make_rig_when_free(said);
+    Result<std::unique_ptr<ArmRig>> rig = runtime->make_first_rig(said);
     if (!rig) return tl::unexpected(rig.error());
     runtime->arms_.push_back(*std::move(rig));
   }
@@ -26,6 +50,13 @@ Result<std::unique_ptr<Runtime>> Runtime::create(const config::Config& config,
 
 Result<std::unique_ptr<ArmRig>> Runtime::make_rig(const config::ArmConfig& said) {
   return ArmRig::create(said, servo_, said.world ? find_world(*said.world) : nullptr, parts_);
+}
+
+Result<std::unique_ptr<ArmRig>> Runtime::make_first_rig(const config::ArmConfig& said) {
+  Result<std::unique_ptr<ArmRig>> rig = make_rig_when_free(said);
+  if (rig || bus::is_simulated(said.device) || !can_pass(rig.error().code)) return rig;
+  WorldHost* const world = said.world ? find_world(*said.world) : nullptr;
+  return ArmRig::create_lost(said, servo_, world, parts_, rig.error());
 }
 
 // Only at the start, where no other arm runs that would miss who waits here.
@@ -85,9 +116,10 @@ Result<void> Runtime::follow_awaited(std::size_t arm, MonotonicTime now) {
   ArmRig& rig = *arms_[arm];
   AwaitedArm* const awaited = rig.awaited();
   if (awaited == nullptr) return {};
-  ArmSession& stand_in = rig.session();
-  const bool is_resting = stand_in.snapshot().frame.state == OperatingState::Inactive &&
-                          !stand_in.controls().want_active;
+  ArmSession& before = rig.session();
+  const bool is_wanted = before.controls().want_active;
+  const bool is_resting = !awaited->has_stand_in() ||
+                          (before.snapshot().frame.state == OperatingState::Inactive && !is_wanted);
   if (!awaited->follow(now, is_resting)) return {};
   config::ArmConfig real = awaited->arm();
   real.fallback = config::Fallback::None;  // gone again, it is an arm that was lost
@@ -96,7 +128,8 @@ Result<void> Runtime::follow_awaited(std::size_t arm, MonotonicTime now) {
     awaited->fail_with(opened.error());
     return tl::unexpected(opened.error());
   }
-  (*opened)->session().controls().want_active = false;
+  // Who asked for a simulated arm did not ask for this one.
+  (*opened)->session().controls().want_active = is_wanted && !awaited->has_stand_in();
   arrivals_.push_back({arm, *std::move(opened)});
   return {};
 }

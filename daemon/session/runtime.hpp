@@ -21,7 +21,8 @@ namespace thimble::session {
 class Runtime {
  public:
   // Errors: the first thing that cannot be had, named by arm or world. What somebody else holds is
-  // waited for, kBusyPatience at most for each arm; RigParts::on_wait hears why.
+  // waited for, kBusyPatience at most for each arm; RigParts::on_wait hears why. A real arm that is
+  // not there, or cannot be opened now, is no error: it is Lost, and looked for as long as it is.
   [[nodiscard]] static Result<std::unique_ptr<Runtime>> create(const config::Config& config,
                                                                const RigParts& parts);
 
@@ -34,18 +35,20 @@ class Runtime {
   std::optional<MonotonicTime> pump(MonotonicTime now);
   // Arrivals and departures: every arm on a bus hears of each, whoever else is on that bus.
   // Call it every few ms, `now` on the caller's clock. What went wrong just now, for the log.
-  // Opens, too, the real arms that have come while their stand-ins rest: see take_arrivals().
+  // Opens, too, the real arms that were not there at the start, as soon as they can be had and
+  // their stand-ins rest: see take_arrivals().
   [[nodiscard]] std::vector<Error> follow_buses(MonotonicTime now);
 
-  // A real arm, opened, whose stand-in is Inactive and not to be activated.
+  // A real arm, opened, that was awaited.
   struct Arrival {
     std::size_t arm{0};  // index in arms()
     std::unique_ptr<ArmRig> rig;
   };
   // What follow_buses() opened. Each is to be put in its place at once.
   [[nodiscard]] std::vector<Arrival> take_arrivals() { return std::exchange(arrivals_, {}); }
-  // Puts it in the place of its stand-in, which is destroyed: no servo may run on that any more.
-  // The real arm is not active, whatever the configuration says: nobody asked for that one.
+  // Puts it in the place of the rig that kept it, which is destroyed: no servo may run on that any
+  // more. An arm that had a stand-in is not active, whatever the configuration says: nobody asked
+  // for that one.
   void take_over(Arrival arrival);
 
   // Ours. The guard of a daemon that died holds its arm for 120 ms (guard::WatchSettings), and for
@@ -57,6 +60,7 @@ class Runtime {
       : servo_(config.servo), parts_(parts) {}
   [[nodiscard]] Result<std::unique_ptr<ArmRig>> make_rig(const config::ArmConfig& said);
   [[nodiscard]] Result<std::unique_ptr<ArmRig>> make_rig_when_free(const config::ArmConfig& said);
+  [[nodiscard]] Result<std::unique_ptr<ArmRig>> make_first_rig(const config::ArmConfig& said);
   void tell_events_of(bus::BusEnumerator& buses);
   Result<void> follow_awaited(std::size_t arm, MonotonicTime now);
 

@@ -34,12 +34,14 @@ bool AwaitedArm::follow(MonotonicTime now, bool is_resting) {
   was_resting_ = is_resting;
   if (!pace_.is_due(now)) return false;
   pace_.tried(now);
-  is_there_ = devices::find_device(*buses_, {arm_.device}).has_value();
-  if (!is_there_) trouble_.clear();
+  const Result<bus::BusDeviceInfo> found = devices::find_device(*buses_, {arm_.device});
+  is_there_ = found.has_value();
+  if (!found) trouble_ = has_stand_in() ? "" : found.error().in("arm '" + arm_.name + "'").message;
   return is_there_ && is_resting;
 }
 
 std::string AwaitedArm::sentence() const {
+  if (!has_stand_in()) return trouble_;
   const std::string name = "arm '" + arm_.name + "': " + arm_.device;
   if (!is_there_) {
     return name + " is not there; a simulated arm stands in for it (" + stand_in_ + ")";

@@ -18,20 +18,24 @@ namespace thimble::session {
 [[nodiscard]] Result<config::ArmConfig> stand_in_for(const config::ArmConfig& arm,
                                                      const plugin::SimModelRegistry& models);
 
-// The real arm that a simulated one stands in for: looked for when the bus tells of it, and now and
-// then by itself.
+// A real arm that could not be had at the start; a simulated one stands in for it, or nothing does.
+// It is looked for when the bus tells of it, and now and then by itself.
 //
 // Thread: control plane. Ownership: `buses` must outlive it.
 class AwaitedArm {
  public:
   AwaitedArm(const config::ArmConfig& arm, std::string stand_in, bus::BusEnumerator& buses)
       : arm_(arm), stand_in_(std::move(stand_in)), buses_(&buses) {}
+  // Nothing stands in. `why` it could not be had, with its name in front.
+  AwaitedArm(const config::ArmConfig& arm, const Error& why, bus::BusEnumerator& buses)
+      : arm_(arm), buses_(&buses), trouble_(why.message) {}
 
   // As the configuration has it.
   [[nodiscard]] const config::ArmConfig& arm() const noexcept { return arm_; }
+  [[nodiscard]] bool has_stand_in() const noexcept { return !stand_in_.empty(); }
   void on_bus_event(const bus::BusEvent& event);
   // True: it is there and may take over, so open it now. `is_resting`: the stand-in is Inactive,
-  // and nobody wants it otherwise. `now` is the caller's own time.
+  // and nobody wants it otherwise; true where there is none. `now` is the caller's own time.
   [[nodiscard]] bool follow(MonotonicTime now, bool is_resting);
   // This try to open it came to nothing.
   void fail_with(const Error& error) { trouble_ = error.message; }

@@ -91,13 +91,35 @@ class RealDevices(ProcessTest):
         for stranger in ("usb:1-4", "usb:1-5"):
             self.assertEqual(entries[stranger]["obstacle"], "no driver knows it")
 
-    def test_one_that_is_named_but_absent_is_told_with_what_there_is(self):
-        file = self.write("absent.toml", HELLO.replace("sim:phantom-vintage", "hid:NOBODY")
-                          .replace('[arm.hand]\nmotion = "explore"\nseed = 1\n', ""))
+
+class AbsentArm(ProcessTest):
+    """Of two arms one is not there: no start fails for it, and the other is driven."""
+
+    BOTH = HELLO + """
+[[arm]]
+name = "absent"
+device = "hid:NOBODY"
+model = "phantom-vintage"
+amplifier_max_a = 3.0
+world = "box"
+"""
+
+    def test_is_lost_and_told_while_the_other_is_driven(self):
+        file = self.write("both.toml", self.BOTH)
         self.assertEqual(self.thimbled("--config", file, "--check").returncode, 0)
-        result = self.thimbled("--config", file, "--set", f"daemon.socket={self.folder}/s")
-        self.assertEqual(result.returncode, 1)
-        self.assert_one_sentence(result.stderr, "no device at hid:NOBODY")
+        daemon = self.start(config=self.BOTH)
+        status = daemon.status_when(lambda s: s["arms"][0]["state"] == "active")
+        absent = status["arms"][1]
+        self.assertEqual((absent["state"], absent["faults"]), ("lost", []))
+        self.assertIn("no device at hid:NOBODY", absent["instruction"])
+        self.assertTrue(any("arm 'absent': no device at hid:NOBODY" in line for line in status["degraded"]))
+        refused = self.thimble(daemon, "activate", "absent")
+        self.assertNotEqual(refused.returncode, 0)
+        self.assertIn("no device at hid:NOBODY", refused.stderr)
+        self.assertIn("has no latched fault", self.thimble(daemon, "clear-fault", "absent").stderr)
+        self.assertEqual(daemon.stop(), 0)
+        self.assertIn("arm 'absent': no device at hid:NOBODY", daemon.log())
+        self.assertFalse(list(daemon.folder.glob("flight-*")), "that it is not there is no stop")
 
 
 class EveryArm(ProcessTest):

@@ -198,6 +198,21 @@ TEST_F(FallBack, ARealArmThatCannotBeOpenedLeavesTheStandInAndIsTriedAgain) {
   EXPECT_EQ(device(), "hid:right");
 }
 
+TEST_F(FallBack, ARealArmThatIsHeldAtTheStartIsLostAndHidesBehindNoSimulation) {
+  plug();
+  bus_.is_busy = true;
+  start({"arm.0.activate=false"});
+  run(0.1);
+  EXPECT_EQ(device(), "hid:right");
+  EXPECT_EQ(state(), OperatingState::Lost);
+  EXPECT_EQ(rig().sim_arm(), nullptr);
+  EXPECT_THAT(rig().trouble(), HasSubstr("held by somebody else"));
+  bus_.is_busy = false;
+  run(seconds(session::RetryPace::kLongest) + 0.5);
+  EXPECT_NE(state(), OperatingState::Lost);
+  EXPECT_EQ(rig().trouble(), "");
+}
+
 TEST_F(FallBack, ARealArmThatLeavesAgainIsLostAndNotReplaced) {
   start({"arm.0.activate=false"});
   run(2);
