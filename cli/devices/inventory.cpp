@@ -73,18 +73,12 @@ std::string needs_of(const bus::BusDeviceInfo& info, const plugin::DriverRegistr
   return needs;
 }
 
-bool is_known(const bus::BusDeviceInfo& info, const plugin::DriverRegistry& drivers) {
-  plugin::DriverSettings settings;
-  settings.is_named_by_person = true;
-  const auto driver = drivers.match(info, settings);
-  return driver || driver.error().code != Errc::NotFound;
-}
-
 Entry real_entry(const linux::FoundDevice& device, const doctor::Facts& facts,
                  const plugin::DriverRegistry& drivers) {
   Entry entry{device.info.address.text, description_of(device), "", "", {}};
-  if (!is_known(device.info, drivers)) {
-    entry.obstacle = "no driver knows it";
+  if (!drivers.knows(device.info)) {
+    const std::string why = drivers.objections(device.info);
+    entry.obstacle = "no driver knows it" + (why.empty() ? "" : ": " + why);
     return entry;
   }
   entry.needs = needs_of(device.info, drivers);

@@ -23,15 +23,6 @@ constexpr const char* kHidraw = "/sys/class/hidraw";
 constexpr const char* kTty = "/sys/class/tty";
 constexpr const char* kUsb = "/sys/bus/usb/devices";
 
-// Whether a driver calls it its own. What it lacks in a configuration, such as the full scale of
-// its amplifier, makes it no less an arm.
-bool is_an_arm(const plugin::DriverRegistry& drivers, const bus::BusDeviceInfo& info) {
-  plugin::DriverSettings settings;
-  settings.is_named_by_person = true;
-  const auto matched = drivers.match(info, settings);
-  return matched || matched.error().code != Errc::NotFound;
-}
-
 // Of the USB device in a folder; nothing when it is none.
 std::optional<Node> raw_usb_node(const FileTree& tree, const fs::path& folder) {
   const auto bus = parse_integer(tree.text(folder / "busnum"));
@@ -141,7 +132,7 @@ std::optional<Controller> read_hid(const FileTree& tree, const plugin::DriverReg
   info.input_report_bytes = reports->input_bytes;
   info.output_report_bytes = reports->output_bytes;
   info.has_report_ids = reports->has_report_ids;
-  if (!is_an_arm(drivers, info)) return std::nullopt;
+  if (!drivers.knows(info)) return std::nullopt;
   return controller;
 }
 
@@ -163,7 +154,7 @@ std::optional<Controller> read_serial(const FileTree& tree, const plugin::Driver
   read_device(tree, folder, controller, info);
   describe(bus::BusKind::Serial, {*vendor, *product, trimmed(tree.text(folder / "serial")), 0},
            controller, info);
-  if (!is_an_arm(drivers, info)) return std::nullopt;
+  if (!drivers.knows(info)) return std::nullopt;
   return controller;
 }
 
@@ -181,7 +172,7 @@ std::optional<Controller> read_usb(const FileTree& tree, const plugin::DriverReg
   describe(bus::BusKind::Usb, {*vendor, *product, trimmed(tree.text(folder / "serial")), 0},
            controller, info);
   info.endpoints = read_endpoints(tree, folder);
-  if (!is_an_arm(drivers, info)) return std::nullopt;
+  if (!drivers.knows(info)) return std::nullopt;
   return controller;
 }
 

@@ -41,7 +41,7 @@ Result<const FalconModel*> chosen_model(const std::string& name) {
 Result<Match> match(const bus::BusDeviceInfo& info, const plugin::DriverSettings& settings) {
   if (info.kind != bus::BusKind::Usb || info.vendor_id != wire::kVendorId ||
       info.product_id != wire::kProductId) {
-    return fail(Errc::NotMine, "not the ids of a Novint Falcon");
+    return fail(Errc::NotMine, {});
   }
   if (!has_pipe(info, wire::kBulkIn) || !has_pipe(info, wire::kBulkOut)) {
     return fail(Errc::NotMine, "has a Falcon's ids but not its two bulk pipes of 64 bytes");

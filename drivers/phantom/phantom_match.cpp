@@ -104,7 +104,7 @@ Result<Match> match(const bus::BusDeviceInfo& info, const plugin::DriverSettings
     return found;
   }
   if (info.kind != bus::BusKind::Hid || !has_known_ids(info)) {
-    return fail(Errc::NotMine, "not the ids of a WoodenHaptics-family controller");
+    return fail(Errc::NotMine, {});
   }
   const auto form = form_of(info.input_report_bytes, info.output_report_bytes);
   if (!form) return fail(Errc::NotMine, "reports are neither 14 nor 64 bytes both ways");

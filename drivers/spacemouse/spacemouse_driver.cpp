@@ -10,7 +10,7 @@ namespace {
 Result<const SpaceMouseModel*> match(const bus::BusDeviceInfo& info) {
   const SpaceMouseModel* model = find_model(info.vendor_id, info.product_id);
   if (info.kind != bus::BusKind::Hid || model == nullptr) {
-    return fail(Errc::NotMine, "not the ids of a 3Dconnexion puck");
+    return fail(Errc::NotMine, {});
   }
   // A receiver has more faces than one, such as a keyboard's.
   if (!info.has_report_ids || info.input_report_bytes < wire::kSeparateBytes) {

@@ -30,7 +30,8 @@ struct DriverSettings {
 //
 // Thread: control plane. Not RT.
 // Contract of probe(): passive: it sees descriptors, never a byte of traffic. NotMine lets the
-// next driver try; any other error stops matching and is reported to the person.
+// next driver try, and says nothing of a device whose ids are not this family's: what it says of
+// one whose ids are is told if no driver takes it. Any other error stops matching and is reported.
 class Driver {
  public:
   virtual ~Driver() = default;

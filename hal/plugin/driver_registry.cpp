@@ -30,7 +30,28 @@ Result<const Driver*> DriverRegistry::match(const bus::BusDeviceInfo& info,
       return tl::unexpected(probed.error().in(driver->name()));
     }
   }
-  return fail(Errc::NotFound, "no driver knows the device at " + info.address.text);
+  const std::string why = objections(info);
+  return fail(Errc::NotFound, "no driver knows the device at " + info.address.text +
+                                  (why.empty() ? "" : ": " + why));
+}
+
+bool DriverRegistry::knows(const bus::BusDeviceInfo& info) const {
+  DriverSettings settings;
+  settings.is_named_by_person = true;
+  const Result<const Driver*> driver = match(info, settings);
+  return driver || driver.error().code != Errc::NotFound;
+}
+
+std::string DriverRegistry::objections(const bus::BusDeviceInfo& info) const {
+  DriverSettings settings;
+  settings.is_named_by_person = true;
+  std::string all;
+  for (const auto& driver : drivers_) {
+    const Result<void> probed = driver->probe(info, settings);
+    if (probed || probed.error().code != Errc::NotMine || probed.error().message.empty()) continue;
+    all += (all.empty() ? "" : "; ") + probed.error().in(driver->name()).message;
+  }
+  return all;
 }
 
 }  // namespace thimble::plugin

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -20,10 +21,16 @@ class DriverRegistry {
   [[nodiscard]] const std::vector<std::unique_ptr<Driver>>& drivers() const noexcept {
     return drivers_;
   }
-  // The first driver that says "mine". NotFound when all say NotMine; any other error of a
-  // probe is returned at once, with the driver's name in front.
+  // The first driver that says "mine". NotFound when all say NotMine, with what they say against
+  // it; any other error of a probe is returned at once, with the driver's name in front.
   [[nodiscard]] Result<const Driver*> match(const bus::BusDeviceInfo& info,
                                             const DriverSettings& settings) const;
+  // Whether a driver calls it its own: what it lacks in a configuration, such as the full scale of
+  // its amplifier, makes it no less an arm.
+  [[nodiscard]] bool knows(const bus::BusDeviceInfo& info) const;
+  // What drivers whose ids it has say against a device that none takes, each with its name; empty:
+  // its ids are nobody's.
+  [[nodiscard]] std::string objections(const bus::BusDeviceInfo& info) const;
 
  private:
   std::vector<std::unique_ptr<Driver>> drivers_;

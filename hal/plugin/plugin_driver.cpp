@@ -51,7 +51,7 @@ class PluginDriver final : public Driver {
                                    const DriverSettings& settings) const override {
     if (info.kind != bus::BusKind::Hid ||
         !check_report_bytes(info.input_report_bytes, info.output_report_bytes)) {
-      return fail(Errc::NotMine, "plugins drive HID devices with reports both ways");
+      return fail(Errc::NotMine, {});
     }
     thimble_reason reason{};
     const thimble_hid_info hid = info_for(info);

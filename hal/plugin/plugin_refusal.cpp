@@ -16,7 +16,7 @@ tl::unexpected<Error> refusal_of(const thimble_reason& reason) {
 }  // namespace
 
 Result<void> check_match(std::int32_t status, const thimble_reason& reason) {
-  if (status == THIMBLE_NOT_MINE) return fail(Errc::NotMine, "not a device of this plugin");
+  if (status == THIMBLE_NOT_MINE) return fail(Errc::NotMine, {});
   if (status != THIMBLE_OK) return refusal_of(reason);
   return {};
 }

@@ -79,7 +79,7 @@ class PluginUsbDriver final : public Driver {
 
   [[nodiscard]] Result<void> probe(const bus::BusDeviceInfo& info,
                                    const DriverSettings& settings) const override {
-    if (info.kind != bus::BusKind::Usb) return fail(Errc::NotMine, "not a bare USB device");
+    if (info.kind != bus::BusKind::Usb) return fail(Errc::NotMine, {});
     thimble_reason reason{};
     const thimble_usb_info about = info_for(info);
     const thimble_usb_settings said = settings_for(settings);

@@ -22,13 +22,13 @@ class TwoDevices final : public bus::BusEnumerator {
 
 class PickyDriver final : public plugin::Driver {
  public:
-  PickyDriver(std::string name, std::string address, Errc refusal)
-      : name_(std::move(name)), address_(std::move(address)), refusal_(refusal) {}
+  PickyDriver(std::string name, std::string address, Errc refusal, std::string why = "refused")
+      : name_(std::move(name)), address_(std::move(address)), refusal_{refusal, std::move(why)} {}
   [[nodiscard]] std::string_view name() const noexcept override { return name_; }
   [[nodiscard]] Result<void> probe(const bus::BusDeviceInfo& info,
                                    const plugin::DriverSettings&) const override {
     if (info.address.text == address_) return {};
-    return fail(refusal_, "refused");
+    return tl::unexpected(refusal_);
   }
   [[nodiscard]] Result<std::unique_ptr<HapticDevice>> open(
       bus::BusEnumerator& buses, const bus::BusDeviceInfo& info,
@@ -39,7 +39,7 @@ class PickyDriver final : public plugin::Driver {
  private:
   std::string name_;
   std::string address_;
-  Errc refusal_;
+  Error refusal_;
 };
 
 std::string message_for(const char* address, const plugin::DriverRegistry& drivers) {
@@ -53,8 +53,17 @@ TEST(OpenArm, NamesWhatIsThereWhenTheAddressIsNot) {
 
 TEST(OpenArm, SaysSoWhenNoDriverKnowsTheDevice) {
   plugin::DriverRegistry drivers;
-  drivers.add(std::make_unique<PickyDriver>("first", "hid:B", Errc::NotMine));
+  drivers.add(std::make_unique<PickyDriver>("first", "hid:B", Errc::NotMine, ""));
   EXPECT_EQ(message_for("hid:A", drivers), "no driver knows the device at hid:A");
+}
+
+TEST(OpenArm, SaysWhatEachDriverHasAgainstADeviceWithItsIds) {
+  plugin::DriverRegistry drivers;
+  drivers.add(std::make_unique<PickyDriver>("first", "hid:B", Errc::NotMine, "no reports"));
+  drivers.add(std::make_unique<PickyDriver>("second", "hid:B", Errc::NotMine, ""));
+  drivers.add(std::make_unique<PickyDriver>("third", "hid:B", Errc::NotMine, "too short"));
+  EXPECT_EQ(message_for("hid:A", drivers),
+            "no driver knows the device at hid:A: first: no reports; third: too short");
 }
 
 TEST(OpenArm, ADriverThatSaysNotMineLetsTheNextOneTry) {
