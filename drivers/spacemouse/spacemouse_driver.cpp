@@ -1,5 +1,8 @@
 #include "drivers/spacemouse/spacemouse_driver.hpp"
 
+#include <string>
+#include <string_view>
+
 #include "drivers/spacemouse/find_model.hpp"
 #include "drivers/spacemouse/spacemouse_device.hpp"
 #include "drivers/spacemouse/spacemouse_wire.hpp"
@@ -7,7 +10,11 @@
 namespace thimble::spacemouse {
 namespace {
 
-Result<const SpaceMouseModel*> match(const bus::BusDeviceInfo& info) {
+// The simulated one's name, and as arm.model that of any puck.
+constexpr std::string_view kAnyPuck = "spacemouse";
+
+Result<const SpaceMouseModel*> match(const bus::BusDeviceInfo& info,
+                                     const plugin::DriverSettings& settings) {
   const SpaceMouseModel* model = find_model(info.vendor_id, info.product_id);
   if (info.kind != bus::BusKind::Hid || model == nullptr) {
     return fail(Errc::NotMine, {});
@@ -15,6 +22,12 @@ Result<const SpaceMouseModel*> match(const bus::BusDeviceInfo& info) {
   // A receiver has more faces than one, such as a keyboard's.
   if (!info.has_report_ids || info.input_report_bytes < wire::kSeparateBytes) {
     return fail(Errc::NotMine, "has no reports of axes");
+  }
+  const std::string& said = settings.model;
+  if (!said.empty() && said != model->name && said != kAnyPuck) {
+    return fail(Errc::InvalidArgument, "it is a '" + std::string(model->name) +
+                                           "', but the configuration says that the model is '" +
+                                           said + "'");
   }
   return model;
 }
@@ -24,8 +37,8 @@ class SpaceMouseDriver final : public plugin::Driver {
   [[nodiscard]] std::string_view name() const noexcept override { return "spacemouse"; }
 
   [[nodiscard]] Result<void> probe(const bus::BusDeviceInfo& info,
-                                   const plugin::DriverSettings&) const override {
-    const auto found = match(info);
+                                   const plugin::DriverSettings& settings) const override {
+    const auto found = match(info, settings);
     if (!found) return tl::unexpected<Error>(found.error());
     return {};
   }
@@ -33,7 +46,7 @@ class SpaceMouseDriver final : public plugin::Driver {
   [[nodiscard]] Result<std::unique_ptr<HapticDevice>> open(
       bus::BusEnumerator& buses, const bus::BusDeviceInfo& info,
       const plugin::DriverSettings& settings) const override {
-    const auto found = match(info);
+    const auto found = match(info, settings);
     if (!found) return tl::unexpected<Error>(found.error());
     if (settings.clock == nullptr) {
       return fail(Errc::InvalidArgument,

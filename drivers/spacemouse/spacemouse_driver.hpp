@@ -8,7 +8,8 @@ namespace thimble::spacemouse {
 
 // Finds 3Dconnexion's pucks on HID and opens them as SpaceMouseDevice.
 //
-// probe(): NotMine for other ids and buses, and for devices that do not number their reports. The
+// probe(): NotMine for other ids and buses, and for devices that do not number their reports;
+// InvalidArgument where the settings name another model than this puck's or "spacemouse", any. The
 // ids are 3Dconnexion's own and nothing is sent, so no device need be named.
 // open() wants DriverSettings::clock: InvalidArgument without it.
 //

@@ -48,6 +48,23 @@ TEST(SpaceMouseDriver, KnowsEveryPuckOfTheTableUnnamedAndNothingElse) {
   }
 }
 
+TEST(SpaceMouseDriver, RefusesAPuckWhereTheConfigurationNamesAnotherModel) {
+  const auto sut = make_spacemouse_driver();
+  plugin::DriverSettings settings;
+  for (const char* good : {"", "spacemouse", "spacemouse-compact"}) {
+    settings.model = good;
+    EXPECT_TRUE(sut->probe(compact(), settings)) << good;
+  }
+  for (const char* other : {"phantom-vintage", "spacenavigator"}) {
+    settings.model = other;
+    const Result<void> refused = sut->probe(compact(), settings);
+    ASSERT_FALSE(refused) << other;
+    EXPECT_EQ(refused.error().code, Errc::InvalidArgument);
+    EXPECT_NE(refused.error().message.find("'spacemouse-compact'"), std::string::npos);
+    EXPECT_NE(refused.error().message.find(other), std::string::npos);
+  }
+}
+
 TEST(SpaceMouseDriver, LeavesOtherFacesOfAReceiverAlone) {
   const auto sut = make_spacemouse_driver();
   bus::BusDeviceInfo keyboard = compact();
