@@ -18,8 +18,9 @@ int run_devices(const DevicesOptions& options) {
   const doctor::Facts facts = doctor::read_facts(
       options.root, plugins.drivers, doctor::who_listens(options.root, options.socket_path));
   const bool is_this_machine = options.root == "/";
+  const auto is_arm = [&](const bus::BusDeviceInfo& info) { return plugins.drivers.knows(info); };
   const std::vector<Entry> real =
-      is_this_machine ? plugged_in(linux::UdevScan().devices(), facts, plugins.drivers)
+      is_this_machine ? plugged_in(linux::UdevScan(is_arm).devices(), facts, plugins.drivers)
                       : plugged_in(facts);
   entries.insert(entries.end(), real.begin(), real.end());
   const Result<api::Status> status = cli::daemon_status(options.socket_path);

@@ -65,7 +65,8 @@ Result<void> Daemon::start(const linux::RealtimeProcess& process) {
 
   if (has_real_arm(config_)) {
     buses_ = std::make_unique<linux::BusEnumerator>(
-        linux::BusSettings{clock_, bus_thread_settings(config_.servo), process.report()});
+        linux::BusSettings{clock_, bus_thread_settings(config_.servo), process.report()},
+        [this](const bus::BusDeviceInfo& info) { return plugins_.drivers.knows(info); });
     GuardSettings guards = default_guard_settings();
     guards.share = [this](const bus::DeviceAddress& address) { return buses_->share(address); };
     guards_ = std::make_unique<GuardKeeper>(std::move(guards));

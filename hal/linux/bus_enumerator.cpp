@@ -43,8 +43,8 @@ Descriptor open_second_way(const FoundDevice& device) {
 
 }  // namespace
 
-BusEnumerator::BusEnumerator(const BusSettings& settings)
-    : settings_(settings), known_(scan_.devices()), hids_(settings) {}
+BusEnumerator::BusEnumerator(const BusSettings& settings, UdevScan::IsArm is_arm)
+    : settings_(settings), scan_(std::move(is_arm)), known_(scan_.devices()), hids_(settings) {}
 
 std::vector<bus::BusDeviceInfo> BusEnumerator::list() {
   std::vector<bus::BusDeviceInfo> devices;

@@ -26,7 +26,7 @@ namespace thimble::linux {
 // opened.
 class BusEnumerator final : public bus::BusEnumerator {
  public:
-  explicit BusEnumerator(const BusSettings& settings);
+  explicit BusEnumerator(const BusSettings& settings, UdevScan::IsArm is_arm = {});
 
   [[nodiscard]] std::vector<bus::BusDeviceInfo> list() override;
   [[nodiscard]] std::optional<bus::BusEvent> poll_event() override;

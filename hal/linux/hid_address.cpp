@@ -19,9 +19,17 @@ bool has_form_of_port(std::string_view text) noexcept {
   return text.substr(dash + 1).find_first_not_of("0123456789.") == std::string_view::npos;
 }
 
-bool is_alone(std::span<const HidPlace> places, const HidPlace& place) {
+bool has_arm(std::span<const HidPlace> places, const std::string& port) {
+  return std::any_of(places.begin(), places.end(),
+                     [&](const HidPlace& place) { return place.port == port && place.is_arm; });
+}
+
+// Whether the number leads to this port: nobody else has it, or this is the one arm of all that do.
+bool has_number_alone(std::span<const HidPlace> places, const HidPlace& place) {
+  const bool is_arm = has_arm(places, place.port);
   return std::none_of(places.begin(), places.end(), [&](const HidPlace& other) {
-    return other.port != place.port && other.serial_number == place.serial_number;
+    if (other.port == place.port || other.serial_number != place.serial_number) return false;
+    return !is_arm || has_arm(places, other.port);
   });
 }
 
@@ -29,7 +37,8 @@ std::vector<bus::DeviceAddress> addresses_of(std::string_view scheme,
                                              std::span<const HidPlace> places) {
   std::vector<bus::DeviceAddress> addresses;
   for (const HidPlace& place : places) {
-    const bool has_serial = is_usable_serial(place.serial_number) && is_alone(places, place);
+    const bool has_serial =
+        is_usable_serial(place.serial_number) && has_number_alone(places, place);
     std::string text = std::string(scheme) + (has_serial ? place.serial_number : place.port);
     if (place.interface_number > 0) text += ":1." + std::to_string(place.interface_number);
     addresses.push_back({text});

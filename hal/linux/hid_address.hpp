@@ -15,6 +15,7 @@ struct HidPlace {
   std::string port;
   unsigned interface_number{0};  // of a USB device that shows as several of them
   std::string serial_number;     // as the device says it; empty: none
+  bool is_arm{false};            // a driver knows it, or another interface at its port
 };
 
 // Whether a serial number can stand in an address: 1 to 64 of A-Z a-z 0-9 . _ + - and not in the
@@ -22,7 +23,8 @@ struct HidPlace {
 [[nodiscard]] bool is_usable_serial(const std::string& serial_number) noexcept;
 
 // "hid:SERIAL" where no other port has that number, else "hid:PORT"; ":1.N" behind it for an
-// interface N above 0 (decision 0246). All differ where port and interface do.
+// interface N above 0 (decision 0246). What is no arm takes no number from one that is (0338). All
+// differ where port and interface do.
 // Thread: any. Not RT. Pure.
 [[nodiscard]] std::vector<bus::DeviceAddress> hid_addresses(std::span<const HidPlace> places);
 // The same of serial ports, "serial:SERIAL" and "serial:PORT".

@@ -249,7 +249,11 @@ void address(std::vector<ReadDevice>& read, bus::BusKind kind,
   }
 }
 
-std::vector<FoundDevice> with_addresses(std::vector<ReadDevice> read) {
+std::vector<FoundDevice> with_addresses(std::vector<ReadDevice> read,
+                                        const UdevScan::IsArm& is_arm) {
+  for (ReadDevice& one : read) {
+    if (one.place && is_arm) one.place->is_arm = is_arm(one.device.info);
+  }
   address(read, bus::BusKind::Hid, &hid_addresses);
   address(read, bus::BusKind::Serial, &serial_addresses);
   std::vector<FoundDevice> found;
@@ -265,7 +269,7 @@ void UdevScan::Free::operator()(udev_monitor* monitor) const noexcept {
   ::udev_monitor_unref(monitor);
 }
 
-UdevScan::UdevScan() : context_(::udev_new()) {
+UdevScan::UdevScan(IsArm is_arm) : is_arm_(std::move(is_arm)), context_(::udev_new()) {
   if (context_ == nullptr) return;
   // "udev": told when the rules have been applied, with the rights that they give.
   monitor_.reset(::udev_monitor_new_from_netlink(context_.get(), "udev"));
@@ -297,7 +301,7 @@ std::vector<FoundDevice> UdevScan::devices() {
     if (readings_.late() > late) patience = kFurtherPatience;
   }
   readings_.keep(identities);
-  return with_addresses(std::move(found));
+  return with_addresses(std::move(found), is_arm_);
 }
 
 bool UdevScan::has_news() noexcept {

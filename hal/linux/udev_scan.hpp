@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -24,7 +25,9 @@ namespace thimble::linux {
 // Thread: one. Not RT. Ownership: none shared. Errors: what cannot be read is left out.
 class UdevScan {
  public:
-  UdevScan();
+  // Whether a driver knows such a device: its address is then its own (hid_address.hpp).
+  using IsArm = std::function<bool(const bus::BusDeviceInfo&)>;
+  explicit UdevScan(IsArm is_arm = {});
   ~UdevScan();
   UdevScan(const UdevScan&) = delete;
   UdevScan& operator=(const UdevScan&) = delete;
@@ -48,6 +51,7 @@ class UdevScan {
     void operator()(udev_monitor* monitor) const noexcept;
   };
 
+  IsArm is_arm_;
   std::unique_ptr<udev, Free> context_;
   std::unique_ptr<udev_monitor, Free> monitor_;  // nullptr: nobody tells
   DeviceReadings readings_;

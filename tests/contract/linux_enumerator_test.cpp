@@ -148,6 +148,23 @@ TEST_F(LinuxEnumerator, ASecondOneOfTheSameSerialNumberLeavesThemTheirPorts) {
   EXPECT_EQ(events(), (Texts{"-hid:1-4", "-hid:1-5", "-usb:1-5", "+hid:X"}));
 }
 
+TEST_F(LinuxEnumerator, AStrangerWithTheNumberOfAnArmLeavesTheArmItsAddress) {
+  sut = std::make_unique<linux::BusEnumerator>(
+      linux::BusSettings{clock, {}, {}},
+      [](const bus::BusDeviceInfo& info) { return info.vendor_id == 0x1234; });
+  plug_arm("1-4", "1", 0);
+  EXPECT_EQ(events(), (Texts{"+hid:1", "+usb:1-4"}));
+  machine.plug(Usb{.port = "1-3", .vendor_id = "046d", .serial_number = "1", .number = 3});
+  machine.plug(Hid{.port = "1-3",
+                   .node_number = 1,
+                   .instance = "0002",
+                   .ids = "0003:0000046D:0000C077",
+                   .serial_number = "1"});
+  EXPECT_EQ(events(), (Texts{"+hid:1-3", "+usb:1-3"})) << "the arm has not moved";
+  EXPECT_EQ(info_of("hid:1").vendor_id, 0x1234);
+  EXPECT_EQ(info_of("hid:1-3").vendor_id, 0x046D);
+}
+
 TEST_F(LinuxEnumerator, AFurtherInterfaceAndADeviceOnNoUsbHaveAddressesOfTheirOwn) {
   plug_arm("1-4", "T1", 0);
   machine.plug(

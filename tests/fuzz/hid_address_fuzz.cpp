@@ -11,7 +11,7 @@
 
 // Whatever devices say is their serial number: places that differ have addresses that differ, each
 // a word of its own that a configuration can hold. Of each device: one byte of port, one of
-// interface, and its serial number up to a zero.
+// interface and of whether it is an arm, and its serial number up to a zero.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace thimble;
   std::vector<linux::HidPlace> places;
@@ -21,6 +21,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     linux::HidPlace place;
     place.port = "1-" + std::to_string(data[at] % 16) + (data[at] < 128 ? "" : ".2");
     place.interface_number = data[at + 1] % 4;
+    place.is_arm = data[at + 1] >= 128;
     for (at += 2; at < size && data[at] != 0; ++at) {
       place.serial_number += static_cast<char>(data[at]);
     }

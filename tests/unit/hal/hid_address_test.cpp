@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 #include <set>
 
@@ -23,6 +24,17 @@ TEST(HidAddress, IsTheSerialNumberWhereItIsUnique) {
 TEST(HidAddress, IsThePortWithoutOneOrWhereTwoSayTheSame) {
   EXPECT_EQ(addresses_of({{"1-4", 0, ""}, {"1-5.2", 0, "X"}, {"2-1", 0, "X"}}),
             (Texts{"hid:1-4", "hid:1-5.2", "hid:2-1"}));
+}
+
+TEST(HidAddress, OfAnArmStaysItsSerialNumberWhateverElseHasIt) {
+  EXPECT_EQ(addresses_of({{"1-4", 0, "1", true}, {"1-5", 0, "1"}, {"1-6", 0, "1"}}),
+            (Texts{"hid:1", "hid:1-5", "hid:1-6"}));
+  EXPECT_EQ(addresses_of({{"1-3", 0, "1"}, {"1-4", 0, "1", true}, {"1-4", 1, "1"}}),
+            (Texts{"hid:1-3", "hid:1", "hid:1:1.1"}))
+      << "in whatever order, and of all that is at its port";
+  EXPECT_EQ(addresses_of({{"1-4", 0, "1", true}, {"1-5", 0, "1", true}, {"1-6", 0, "1"}}),
+            (Texts{"hid:1-4", "hid:1-5", "hid:1-6"}))
+      << "which of two arms is meant cannot be guessed";
 }
 
 TEST(HidAddress, NamesFurtherInterfacesOfADevice) {
@@ -61,9 +73,23 @@ TEST(HidAddress, LeadsToOneDeviceOnly) {
     for (const char* port : {"1-1", "1-2", "1-2.1", "0003:1234:0006.0001"}) {
       const std::string serial = serials[random() % serials.size()];
       const std::size_t interfaces = random() % 3;
-      for (unsigned i = 0; i < interfaces; ++i) places.push_back({port, i, serial});
+      for (unsigned i = 0; i < interfaces; ++i) {
+        places.push_back({port, i, serial, random() % 2 == 0});
+      }
     }
     const Texts addresses = addresses_of(places);
+    // What no driver knows comes and goes: no arm is called otherwise for it.
+    std::vector<HidPlace> arms;
+    Texts of_arms;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const bool is_of_arm = std::any_of(places.begin(), places.end(), [&](const HidPlace& place) {
+        return place.port == places[i].port && place.is_arm;
+      });
+      if (!is_of_arm) continue;
+      arms.push_back(places[i]);
+      of_arms.push_back(addresses[i]);
+    }
+    EXPECT_EQ(addresses_of(arms), of_arms);
     EXPECT_EQ(std::set<std::string>(addresses.begin(), addresses.end()).size(), addresses.size());
     for (std::size_t i = 0; i < places.size(); ++i) {
       for (const HidPlace& other : places) {
