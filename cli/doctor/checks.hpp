@@ -23,6 +23,8 @@ namespace thimble::doctor {
 
 // Where none is plugged in.
 [[nodiscard]] Verdict check_arms(const Facts& facts);
+// Of one that the configuration names.
+[[nodiscard]] Verdict check_configured_arm(const Facts& facts, const ConfiguredArm& arm);
 // Of one arm that is plugged in.
 [[nodiscard]] Verdict check_node(const Facts& facts, const Controller& controller);
 // Of one of its raw_nodes: who may command the arm around the daemon.

@@ -132,6 +132,21 @@ Verdict check_arms(const Facts& facts) {
           "ls /sys/class/hidraw"};
 }
 
+Verdict check_configured_arm(const Facts& facts, const ConfiguredArm& arm) {
+  const std::string check = "arm " + arm.name;
+  const bool is_there =
+      std::any_of(facts.controllers.begin(), facts.controllers.end(),
+                  [&](const Controller& controller) { return controller.address == arm.device; });
+  if (is_there) return all_well(check, arm.device + " is plugged in");
+  return {Level::Warn,
+          check,
+          "no arm that a driver knows is at " + arm.device,
+          "the daemon runs without it, and takes it when it comes",
+          "",
+          "plug it in, or correct its device in the configuration",
+          "thimble devices"};
+}
+
 Verdict check_node(const Facts& facts, const Controller& controller) {
   const Node& node = controller.node;
   const std::string check = name("node", controller);
@@ -251,6 +266,9 @@ std::vector<Verdict> examine(const Facts& facts) {
       check_governor(facts), check_daemon(facts),         check_group(facts),
       check_rtprio(facts),   check_memlock(facts),        check_dma_latency(facts)};
   if (facts.controllers.empty()) verdicts.push_back(check_arms(facts));
+  for (const ConfiguredArm& arm : facts.configured_arms) {
+    verdicts.push_back(check_configured_arm(facts, arm));
+  }
   for (const Controller& controller : facts.controllers) {
     verdicts.push_back(check_node(facts, controller));
     for (const Node& node : controller.raw_nodes) {

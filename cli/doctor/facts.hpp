@@ -104,6 +104,13 @@ struct Controller {
   bool operator==(const Controller&) const = default;
 };
 
+// A real arm of the configuration.
+struct ConfiguredArm {
+  std::string name;
+  std::string device;  // its address
+  bool operator==(const ConfiguredArm&) const = default;
+};
+
 // A chip that may have the lines of [safety].
 struct GpioChip {
   std::string label;
@@ -141,6 +148,7 @@ struct Facts {
   std::vector<Cpu> cpus;
   bool has_hidraw{false};  // the kernel shows HID devices, though there may be none
   std::vector<Controller> controllers;
+  std::vector<ConfiguredArm> configured_arms;    // real ones
   std::optional<config::SafetyConfig> safety{};  // the lines that a configuration names
   std::vector<GpioChip> gpio_chips;              // looked at only for these
   std::vector<std::string> unread_gpio_chips;    // nodes that who asks may not open

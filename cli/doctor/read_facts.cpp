@@ -140,6 +140,9 @@ Facts read_facts(const fs::path& root, const plugin::DriverRegistry& drivers,
   Facts facts;
   facts.servo = config.servo;
   facts.safety = config.safety;
+  for (const config::ArmConfig& arm : config.arms) {
+    if (!arm.device.starts_with("sim:")) facts.configured_arms.push_back({arm.name, arm.device});
+  }
   facts.kernel_release = trimmed(tree.text("/proc/sys/kernel/osrelease"));
   facts.kernel_version = trimmed(tree.text("/proc/sys/kernel/version"));
   facts.is_realtime_kernel = trimmed(tree.text("/sys/kernel/realtime")) == "1";

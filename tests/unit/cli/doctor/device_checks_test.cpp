@@ -261,6 +261,22 @@ TEST_F(Doctor, LooksAtAnArmOnASerialPortAndAtNoOtherTerminal) {
                    "/etc/udev/rules.d/0-thimble-16c0-0483.rules");
 }
 
+TEST_F(Doctor, SaysWhichArmOfTheConfigurationIsNotThere) {
+  config::Config config;
+  config.arms.resize(3);
+  config.arms[0].name = "right";
+  config.arms[0].device = facts().controllers.at(0).address;
+  config.arms[1].name = "left";
+  config.arms[1].device = "hid:NOBODY";
+  config.arms[2].device = "sim:phantom-vintage";  // is always there
+  Facts facts = this->facts(config);
+  ASSERT_THAT(facts.configured_arms, SizeIs(2));
+  EXPECT_EQ(check_configured_arm(facts, facts.configured_arms[0]).level, Level::Ok);
+  expect_one(complaints(facts), Level::Warn, "arm left", "is at hid:NOBODY");
+  facts.controllers.clear();
+  EXPECT_THAT(complaints(facts), SizeIs(2));
+}
+
 // Knows one more arm, by its descriptor alone.
 class PlantedDriver : public plugin::Driver {
  public:
