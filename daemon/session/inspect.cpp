@@ -1,8 +1,11 @@
 #include "daemon/session/inspect.hpp"
 
+#include <algorithm>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "daemon/config/report.hpp"
 #include "daemon/devices/arm_opener.hpp"
@@ -43,7 +46,7 @@ class ArmInspection {
     }
     const std::string_view address = arm_.device;
     for (const std::string_view scheme : {"hid:", "usb:", "serial:"}) {
-      if (address.starts_with(scheme)) return;  // plugged in or not
+      if (address.starts_with(scheme)) return inspect_real();
     }
     if (!bus::is_simulated(address)) {
       const std::string bus = arm_.device.substr(0, arm_.device.find(':'));
@@ -61,6 +64,40 @@ class ArmInspection {
     }
     inspect_settings(*entry);
     if (objections_.empty()) inspect_session();
+  }
+
+  // Plugged in or not: what is wrong with the configuration of a real arm shall be known before
+  // the arm comes. A simulated one of its model has the same limits.
+  void inspect_real() {
+    if (!arm_.model) return inspect_unnamed();
+    if (Result<config::ArmConfig> simulated = stand_in_for(arm_, parts_.models)) {
+      simulated->newton_per_count = arm_.newton_per_count;  // whether it can be is looked at, too
+      arm_ = *std::move(simulated);
+      return inspect_device();
+    }
+    const std::optional<std::vector<std::string>> known = known_models();
+    if (!known || std::find(known->begin(), known->end(), *arm_.model) != known->end()) return;
+    std::string names;
+    for (const std::string& name : *known) names += " " + name;
+    object("model", "expected one of" + names + "; found " + config::in_quotes(*arm_.model));
+  }
+
+  // A puck or a Falcon tells what it is; what has amplifiers of unknown size does not.
+  void inspect_unnamed() {
+    if (!arm_.amplifier_max_a || !known_models()) return;
+    object("model",
+           "expected beside amplifier_max_a: the controller does not tell which arm it drives");
+  }
+
+  // Of all drivers; nothing where one cannot tell.
+  [[nodiscard]] std::optional<std::vector<std::string>> known_models() const {
+    std::vector<std::string> all;
+    for (const auto& driver : parts_.drivers.drivers()) {
+      const std::vector<std::string> models = driver->models();
+      if (models.empty()) return std::nullopt;
+      all.insert(all.end(), models.begin(), models.end());
+    }
+    return all;
   }
 
   [[nodiscard]] Result<void> match(const plugin::SimModelEntry& entry,

@@ -5,6 +5,7 @@
 
 #include "drivers/falcon/falcon_device.hpp"
 #include "drivers/falcon/falcon_match.hpp"
+#include "drivers/falcon/find_model.hpp"
 #include "drivers/falcon/firmware_image.hpp"
 
 namespace thimble::falcon {
@@ -18,6 +19,11 @@ Result<std::vector<std::uint8_t>> image_for(const plugin::DriverSettings& settin
 class FalconDriver final : public plugin::Driver {
  public:
   [[nodiscard]] std::string_view name() const noexcept override { return "falcon"; }
+  [[nodiscard]] std::vector<std::string> models() const override {
+    std::vector<std::string> names;
+    for (const FalconModel& model : kFalconModels) names.emplace_back(model.name);
+    return names;
+  }
 
   [[nodiscard]] Result<void> probe(const bus::BusDeviceInfo& info,
                                    const plugin::DriverSettings& settings) const override {

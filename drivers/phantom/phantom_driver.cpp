@@ -1,5 +1,6 @@
 #include "drivers/phantom/phantom_driver.hpp"
 
+#include "drivers/phantom/find_model.hpp"
 #include "drivers/phantom/hid_link.hpp"
 #include "drivers/phantom/phantom_device.hpp"
 #include "drivers/phantom/phantom_match.hpp"
@@ -29,6 +30,11 @@ Result<Link> open_text(bus::BusEnumerator& buses, const bus::DeviceAddress& addr
 class PhantomDriver final : public plugin::Driver {
  public:
   [[nodiscard]] std::string_view name() const noexcept override { return "phantom"; }
+  [[nodiscard]] std::vector<std::string> models() const override {
+    std::vector<std::string> names;
+    for (const PhantomModel& model : kPhantomModels) names.emplace_back(model.name);
+    return names;
+  }
 
   [[nodiscard]] Result<void> probe(const bus::BusDeviceInfo& info,
                                    const plugin::DriverSettings& settings) const override {

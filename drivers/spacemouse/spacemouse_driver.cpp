@@ -35,6 +35,11 @@ Result<const SpaceMouseModel*> match(const bus::BusDeviceInfo& info,
 class SpaceMouseDriver final : public plugin::Driver {
  public:
   [[nodiscard]] std::string_view name() const noexcept override { return "spacemouse"; }
+  [[nodiscard]] std::vector<std::string> models() const override {
+    std::vector<std::string> names{std::string(kAnyPuck)};
+    for (const SpaceMouseModel& model : kSpaceMouseModels) names.emplace_back(model.name);
+    return names;
+  }
 
   [[nodiscard]] Result<void> probe(const bus::BusDeviceInfo& info,
                                    const plugin::DriverSettings& settings) const override {

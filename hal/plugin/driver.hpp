@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "hal/base/result.hpp"
 #include "hal/base/time.hpp"
@@ -36,6 +37,8 @@ class Driver {
  public:
   virtual ~Driver() = default;
   [[nodiscard]] virtual std::string_view name() const noexcept = 0;
+  // What DriverSettings::model may say of its devices; nothing: it cannot tell.
+  [[nodiscard]] virtual std::vector<std::string> models() const = 0;
   [[nodiscard]] virtual Result<void> probe(const bus::BusDeviceInfo& info,
                                            const DriverSettings& settings) const = 0;
   // Opens through `buses` and returns a device that has sent nothing yet.

@@ -76,6 +76,7 @@ class PluginUsbDriver final : public Driver {
       : driver_(&driver), name_(text_of(driver.name)) {}
 
   [[nodiscard]] std::string_view name() const noexcept override { return name_; }
+  [[nodiscard]] std::vector<std::string> models() const override { return {}; }
 
   [[nodiscard]] Result<void> probe(const bus::BusDeviceInfo& info,
                                    const DriverSettings& settings) const override {

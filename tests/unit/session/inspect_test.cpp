@@ -1,5 +1,6 @@
 #include "daemon/session/inspect.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "daemon/session/plugins.hpp"
@@ -7,6 +8,11 @@
 namespace thimble::session {
 namespace {
 
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::StartsWith;
 using Table = config::Objection::Table;
 
 config::Config with_sphere() {
@@ -104,6 +110,61 @@ TEST(InspectModels, HasNothingAgainstAnySimulatedArm) {
       ADD_FAILURE() << model.name << ": " << objection.key << ": " << objection.message;
     }
   }
+}
+
+class InspectRealArm : public ::testing::Test {
+ protected:
+  InspectRealArm() {
+    arm().device = "hid:NOBODY";
+    arm().hand.reset();
+  }
+  config::ArmConfig& arm() { return config.arms[0]; }
+  // "KEY: MESSAGE" of each, of an arm that is not there.
+  [[nodiscard]] std::vector<std::string> objections() const {
+    std::vector<std::string> all;
+    for (const config::Objection& one : inspect(config, {plugins.models, plugins.drivers})) {
+      all.push_back(one.key + ": " + one.message);
+    }
+    return all;
+  }
+  Plugins plugins;
+  config::Config config{with_falcon()};
+};
+
+TEST_F(InspectRealArm, HasNothingAgainstWhatADriverCouldOpenWhenItComes) {
+  EXPECT_THAT(objections(), IsEmpty()) << "a puck, which tells its model itself";
+  for (const auto& driver : plugins.drivers.drivers()) {
+    for (const std::string& model : driver->models()) {
+      arm().model = model;
+      arm().amplifier_max_a = 3;
+      EXPECT_THAT(objections(), IsEmpty()) << model;
+    }
+  }
+}
+
+TEST_F(InspectRealArm, ObjectsToAModelThatNoDriverHas) {
+  arm().model = "gantry";
+  EXPECT_THAT(objections(),
+              ElementsAre(AllOf(StartsWith("model: expected one of"), HasSubstr("polhem-1"),
+                                HasSubstr("spacemouse-compact"), HasSubstr("\"gantry\""))));
+}
+
+TEST_F(InspectRealArm, ObjectsToAnArmWithAmplifiersWhoseModelNobodyCanTell) {
+  arm().amplifier_max_a = 3;
+  EXPECT_THAT(objections(), ElementsAre(StartsWith("model: expected beside amplifier_max_a")));
+}
+
+TEST_F(InspectRealArm, ObjectsToWhatItsDriverWouldRefuseWhenItComes) {
+  arm().model = "phantom-vintage";
+  EXPECT_THAT(objections(),
+              ElementsAre(StartsWith("amplifier_max_a: phantom: amplifier_max_a is missing")));
+  arm().amplifier_max_a = 3;
+  arm().limits.rise_newton_per_s = 2000;
+  EXPECT_THAT(objections(), ElementsAre(StartsWith("limits: ")));
+  arm().limits.rise_newton_per_s = 1000;
+  arm().model = "falcon";
+  arm().newton_per_count = 1e-4;
+  EXPECT_THAT(objections(), ElementsAre(StartsWith("newton_per_count: ")));
 }
 
 class InspectFalcon : public ::testing::Test {
