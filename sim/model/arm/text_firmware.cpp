@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
+#include <string_view>
+
+#include "sim/model/arm/text_message.hpp"
 
 namespace thimble::sim {
 namespace {
@@ -99,15 +103,13 @@ void TextFirmware::end_message(MonotonicTime t, const EncoderTotals& totals) noe
   if (!has_start_) return answer(text::kErrorNoStart);
   if (commas_ != 2) return answer(text::kErrorFieldCount);
   if (!discard_rest()) return answer(text::kErrorTrailing);
-  std::array<std::int32_t, 3> milliampere{};
-  const char* const message = message_.data() + start_;
-  if (std::sscanf(message, "[%d,%d,%d]", &milliampere[0], &milliampere[1], &milliampere[2]) != 3) {
-    return answer(text::kErrorParse);
-  }
+  const std::string_view message(message_.data() + start_, message_size_ - start_);
+  const auto milliampere = scan_currents(message);
+  if (!milliampere) return answer(text::kErrorParse);
   ++counters_.messages_taken;
-  obey(t, milliampere);
+  obey(t, *milliampere);
   for (std::size_t i = 0; i < 3; ++i) told_[i] = totals[i] - zero_[i];
-  faked_echo_ = milliampere[0];
+  faked_echo_ = (*milliampere)[0];
   answer(0);
 }
 

@@ -80,7 +80,7 @@ class TextFirmware final : public ControllerBoard {
   std::int64_t faked_{0};  // answers so far with made-up counters
   std::int32_t faked_echo_{0};
 
-  std::array<char, phantom::text::kBufferBytes + 1> message_{};  // a NUL behind
+  std::array<char, phantom::text::kBufferBytes> message_{};
   std::size_t message_size_{0};
   std::size_t start_{0};
   bool has_start_{false};
