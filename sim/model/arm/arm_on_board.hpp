@@ -42,7 +42,7 @@ class ArmOnBoard : public plugin::ArmBackend {
   [[nodiscard]] std::uint64_t non_finite_forces() const noexcept { return non_finite_forces_; }
 
  protected:
-  // `board` is only kept here, and used from park() on.
+  // `board` is used from park() on.
   ArmOnBoard(const ArmParameters& parameters, ControllerBoard& board);
   // Switched on long ago; once, when the board is there.
   void park() noexcept;

@@ -23,7 +23,7 @@ ControllerFirmware::Settings firmware_settings(const ArmParameters& parameters,
 
 PhantomArmModel::PhantomArmModel(const ArmParameters& parameters,
                                  const plugin::SimModelSettings& settings)
-    : ArmOnBoard(parameters, firmware_), firmware_(firmware_settings(parameters, settings)) {
+    : BoardFirst(firmware_settings(parameters, settings)), ArmOnBoard(parameters, firmware_) {
   park();
 }
 

@@ -6,6 +6,7 @@
 #include "hal/plugin/sim_model.hpp"
 #include "hal/rt/annotations.hpp"
 #include "sim/model/arm/arm_on_board.hpp"
+#include "sim/model/arm/board_first.hpp"
 #include "sim/model/arm/controller_firmware.hpp"
 
 namespace thimble::sim {
@@ -14,7 +15,9 @@ namespace thimble::sim {
 // board behind a USB HID interface of full speed.
 //
 // Thread, RT, Ownership: as SimHidModel and ArmOnBoard.
-class PhantomArmModel final : public plugin::SimHidModel, public ArmOnBoard {
+class PhantomArmModel final : public plugin::SimHidModel,
+                              private BoardFirst<ControllerFirmware>,
+                              public ArmOnBoard {
  public:
   // Fact, haptikfabrikenapi firmware/main.cpp: LEDs on for 0.5 s, off for 0.5 s, then encoders.
   static constexpr Duration kBoot{1'000'000'000};
@@ -38,9 +41,6 @@ class PhantomArmModel final : public plugin::SimHidModel, public ArmOnBoard {
     bool operator==(const Counters&) const = default;
   };
   [[nodiscard]] Counters counters() const noexcept;
-
- private:
-  ControllerFirmware firmware_;
 };
 
 }  // namespace thimble::sim

@@ -41,7 +41,7 @@ void add_arm(plugin::SimModelRegistry& registry) {
 }  // namespace
 
 TextArmModel::TextArmModel(const ArmParameters& parameters, const TextFirmware::Settings& settings)
-    : ArmOnBoard(parameters, firmware_), firmware_(settings) {
+    : BoardFirst(settings), ArmOnBoard(parameters, firmware_) {
   park();
 }
 

@@ -6,6 +6,7 @@
 #include "hal/plugin/sim_serial_model.hpp"
 #include "hal/rt/annotations.hpp"
 #include "sim/model/arm/arm_on_board.hpp"
+#include "sim/model/arm/board_first.hpp"
 #include "sim/model/arm/text_firmware.hpp"
 
 namespace thimble::sim {
@@ -13,7 +14,9 @@ namespace thimble::sim {
 // A simulated arm of the WoodenHaptics family behind a Teensy that speaks text over USB serial.
 //
 // Thread, RT, Ownership: as SimSerialModel and ArmOnBoard.
-class TextArmModel final : public plugin::SimSerialModel, public ArmOnBoard {
+class TextArmModel final : public plugin::SimSerialModel,
+                           private BoardFirst<TextFirmware>,
+                           public ArmOnBoard {
  public:
   // Fact, woody_teensy_mini.ino: 0.4 s, and what the USB needs; ours, to a round figure.
   static constexpr Duration kBoot{500'000'000};
@@ -28,9 +31,6 @@ class TextArmModel final : public plugin::SimSerialModel, public ArmOnBoard {
   THIMBLE_RT void power_cycle() noexcept override;
   [[nodiscard]] plugin::ArmBackend* arm_backend() noexcept override { return this; }
   [[nodiscard]] const TextFirmware& firmware() const noexcept { return firmware_; }
-
- private:
-  TextFirmware firmware_;
 };
 
 // Adds "sim:NAME-serial" for every arm that has a firmware with the text protocol.
