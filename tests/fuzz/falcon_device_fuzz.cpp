@@ -22,17 +22,35 @@ namespace {
 
 using namespace thimble;
 
+// As late as the bridge says.
+class WireClock final : public Clock {
+ public:
+  [[nodiscard]] MonotonicTime now() const noexcept override { return now_; }
+  Duration sleep_until(MonotonicTime deadline) noexcept override {
+    now_ = std::max(now_, deadline);
+    return {};
+  }
+
+ private:
+  MonotonicTime now_{std::chrono::seconds(1)};
+};
+
 // A bridge that says what the input says, and looks at what is sent to the motors.
 class HostileBridge final : public bus::UsbDevice {
  public:
-  explicit HostileBridge(std::span<const std::uint8_t>& rest) : rest_(rest) {}
+  HostileBridge(std::span<const std::uint8_t>& rest, WireClock& clock)
+      : rest_(rest), clock_(clock) {}
   IoStatus read(std::uint8_t, bus::UsbPacket& out) noexcept override {
     if (rest_.size() < 2 || has_spoken_) return IoStatus::NoData;
     has_spoken_ = true;
-    now_ = now_ + rest_[0] * std::chrono::milliseconds(1);
+    clock_.sleep_until(clock_.now() + (rest_[0] & 0x7FU) * std::chrono::milliseconds(1));
+    if (rest_[0] > 0x7F) {  // time that passes without a packet
+      rest_ = rest_.subspan(1);
+      return IoStatus::NoData;
+    }
     out.size = std::min<std::size_t>({rest_[1] % 65U, rest_.size() - 2, out.bytes.size()});
     std::copy_n(rest_.begin() + 2, out.size, out.bytes.begin());
-    out.arrived_at = now_;
+    out.arrived_at = clock_.now();
     out.sequence = ++sequence_;
     rest_ = rest_.subspan(2 + out.size);
     return IoStatus::Ok;
@@ -65,7 +83,7 @@ class HostileBridge final : public bus::UsbDevice {
 
  private:
   std::span<const std::uint8_t>& rest_;
-  MonotonicTime now_{std::chrono::seconds(1)};
+  WireClock& clock_;
   std::uint64_t sequence_{0};
   bool is_asked_{false};
   bool has_spoken_{false};
@@ -75,13 +93,14 @@ class HostileBridge final : public bus::UsbDevice {
 
 // Whatever an arm says: its state is finite, its motors are told nothing beyond their range, and
 // nothing at all unless it said that it is homed. Of each packet: milliseconds since the one
-// before, its length, its bytes.
+// before, up to 127, its length, its bytes; a byte above 127 is 0 to 127 ms without a packet.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   std::span<const std::uint8_t> rest(data, size);
   const falcon::FalconModel& model = *falcon::find_model("falcon");
-  auto bridge = std::make_unique<HostileBridge>(rest);
+  WireClock clock;
+  auto bridge = std::make_unique<HostileBridge>(rest, clock);
   HostileBridge& wire = *bridge;
-  falcon::FalconDevice arm(std::move(bridge), model, {model.newton_per_count, {}, nullptr});
+  falcon::FalconDevice arm(std::move(bridge), model, {model.newton_per_count, {}, &clock});
   const LimitedWrench push = servo::WrenchLimiter::make({1e6, -1e6, 1e6});
   for (int tick = 0; tick < 20 || (rest.size() >= 2 && tick < 4000); ++tick) {
     HapticState state;
