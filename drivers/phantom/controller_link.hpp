@@ -36,8 +36,6 @@ class ControllerLink {
   THIMBLE_RT_IO virtual IoStatus zero_counters() noexcept = 0;
   // The button's press has made the counters zero already, whatever the host wanted.
   [[nodiscard]] virtual bool is_zeroed_by_press() const noexcept = 0;
-  // It may have been reset while it was silent, its counters zero somewhere, and nothing tells.
-  [[nodiscard]] virtual bool may_be_reset_unseen() const noexcept = 0;
   // The arm stands where a press of the button, now, would not be seen.
   [[nodiscard]] virtual bool is_press_unseen() const noexcept = 0;
   [[nodiscard]] virtual Duration watchdog() const noexcept = 0;

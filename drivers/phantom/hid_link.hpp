@@ -17,7 +17,6 @@ class HidLink final : public ControllerLink {
   THIMBLE_RT_IO IoStatus write_currents(const std::array<double, 3>& current_a) noexcept override;
   THIMBLE_RT_IO IoStatus zero_counters() noexcept override;
   [[nodiscard]] bool is_zeroed_by_press() const noexcept override { return false; }
-  [[nodiscard]] bool may_be_reset_unseen() const noexcept override { return true; }
   [[nodiscard]] bool is_press_unseen() const noexcept override { return false; }
   [[nodiscard]] Duration watchdog() const noexcept override { return wire::kWatchdog; }
   [[nodiscard]] DeviceCounters counters() const noexcept override;

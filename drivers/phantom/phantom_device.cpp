@@ -113,8 +113,9 @@ std::array<double, kMaxJoints> PhantomDevice::joint_angle_rad(
 
 IoStatus PhantomDevice::take(const DeviceReport& report, const Arrival& arrival) noexcept {
   const Duration elapsed = since_last(arrival);
-  const bool is_outage = elapsed > capabilities_.device_watchdog;
-  if (is_outage && link_->may_be_reset_unseen()) forget_calibration();
+  // While a controller was silent it may have been reset, or its button pressed: its counters are
+  // then zero somewhere, and nothing tells.
+  if (elapsed > capabilities_.device_watchdog) forget_calibration();
   const bool was_calibrated = homing_.state() == CalibrationState::Ok;
   const bool is_zeroed = link_->is_zeroed_by_press() && report.is_calibration_pressed;
   if (was_calibrated && (is_zeroed || !tracker_.follow(report.base_counts, elapsed))) {

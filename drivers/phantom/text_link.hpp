@@ -37,8 +37,6 @@ class TextLink final : public ControllerLink {
   THIMBLE_RT_IO IoStatus write_currents(const std::array<double, 3>& current_a) noexcept override;
   THIMBLE_RT_IO IoStatus zero_counters() noexcept override;
   [[nodiscard]] bool is_zeroed_by_press() const noexcept override { return true; }
-  // By a press of its button: nobody sees the jump while it is silent.
-  [[nodiscard]] bool may_be_reset_unseen() const noexcept override { return true; }
   [[nodiscard]] bool is_press_unseen() const noexcept override {
     return is_press_unseen_.load(std::memory_order_relaxed);
   }
