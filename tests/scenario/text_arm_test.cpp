@@ -39,6 +39,14 @@ void run_until(ClosedLoop& sut, MonotonicTime t) {
   while (sut.now() < t) sut.tick();
 }
 
+// Its person calibrates it, within 6 s.
+bool becomes_active(ClosedLoop& sut, ArmWatch& watch) {
+  return sut.run_until(6, [&] {
+    watch.see();
+    return sut.frame().state == OperatingState::Active;
+  });
+}
+
 TEST_P(TextArm, IsCalibratedByItsPersonFeelsTheWallAndLetsGoToZero) {
   for (const char* arm : {kVintage, "arm.0.device=sim:woody-2015-serial"}) {
     ClosedLoop sut(with({arm, "arm.hand.motion=still"}));
@@ -108,11 +116,7 @@ TEST_P(TextArm, UnpluggedItStopsAndOnReturnIsCalibratedAgain) {
   EXPECT_EQ(norm(sut.truth().motor_force), 0);
   sut.sim_arm().backend().push_tip({});
   sut.replug();
-  ASSERT_TRUE(sut.run_until(6,
-                            [&] {
-                              watch.see();
-                              return sut.frame().state == OperatingState::Active;
-                            }))
+  ASSERT_TRUE(becomes_active(sut, watch))
       << to_string(sut.frame().state) << ": " << sut.instruction();
   EXPECT_LT(norm(sut.frame().tip - sut.truth().tip), 1e-3) << "the new reference is right";
   EXPECT_EQ(watch.breach(), "");
@@ -171,11 +175,7 @@ TEST_P(TextArm, SilentForLongerThanItsWatchdogItIsStoppedAndWantsItsPersonAgain)
   sut.replug();
   sut.run(0.6, [&] { watch.see(); });
   sut.sim_arm().backend().push_tip({});
-  ASSERT_TRUE(sut.run_until(6,
-                            [&] {
-                              watch.see();
-                              return sut.frame().state == OperatingState::Active;
-                            }))
+  ASSERT_TRUE(becomes_active(sut, watch))
       << to_string(sut.frame().state) << ": " << sut.instruction();
   EXPECT_LT(norm(sut.frame().tip - sut.truth().tip), 1e-3);
   EXPECT_EQ(watch.breach(), "");
