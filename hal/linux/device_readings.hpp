@@ -27,7 +27,7 @@ struct FoundDevice {
 // What was read of one; an address of HID needs those of all.
 struct ReadDevice {
   FoundDevice device;
-  std::optional<HidPlace> place;
+  std::optional<DevicePlace> place;
 };
 
 // Readings of devices, each in a thread beside the caller's, since the kernel may hold one up for

@@ -6,7 +6,7 @@
 namespace thimble::linux {
 namespace {
 
-constexpr std::size_t kMaxSerialBytes = 64;
+constexpr std::size_t kMaxSerialNumberLetters = 64;
 constexpr std::string_view kDigits = "0123456789";
 constexpr std::string_view kSerialLetters =
     "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._+-";
@@ -19,24 +19,24 @@ bool has_form_of_port(std::string_view text) noexcept {
   return text.substr(dash + 1).find_first_not_of("0123456789.") == std::string_view::npos;
 }
 
-bool has_arm(std::span<const HidPlace> places, const std::string& port) {
+bool has_arm(std::span<const DevicePlace> places, const std::string& port) {
   return std::any_of(places.begin(), places.end(),
-                     [&](const HidPlace& place) { return place.port == port && place.is_arm; });
+                     [&](const DevicePlace& place) { return place.port == port && place.is_arm; });
 }
 
 // Whether the number leads to this port: nobody else has it, or this is the one arm of all that do.
-bool has_number_alone(std::span<const HidPlace> places, const HidPlace& place) {
+bool has_number_alone(std::span<const DevicePlace> places, const DevicePlace& place) {
   const bool is_arm = has_arm(places, place.port);
-  return std::none_of(places.begin(), places.end(), [&](const HidPlace& other) {
+  return std::none_of(places.begin(), places.end(), [&](const DevicePlace& other) {
     if (other.port == place.port || other.serial_number != place.serial_number) return false;
     return !is_arm || has_arm(places, other.port);
   });
 }
 
 std::vector<bus::DeviceAddress> addresses_of(std::string_view scheme,
-                                             std::span<const HidPlace> places) {
+                                             std::span<const DevicePlace> places) {
   std::vector<bus::DeviceAddress> addresses;
-  for (const HidPlace& place : places) {
+  for (const DevicePlace& place : places) {
     const bool has_serial =
         is_usable_serial(place.serial_number) && has_number_alone(places, place);
     std::string text = std::string(scheme) + (has_serial ? place.serial_number : place.port);
@@ -49,16 +49,16 @@ std::vector<bus::DeviceAddress> addresses_of(std::string_view scheme,
 }  // namespace
 
 bool is_usable_serial(const std::string& serial_number) noexcept {
-  return !serial_number.empty() && serial_number.size() <= kMaxSerialBytes &&
+  return !serial_number.empty() && serial_number.size() <= kMaxSerialNumberLetters &&
          serial_number.find_first_not_of(kSerialLetters) == std::string::npos &&
          !has_form_of_port(serial_number);
 }
 
-std::vector<bus::DeviceAddress> hid_addresses(std::span<const HidPlace> places) {
+std::vector<bus::DeviceAddress> hid_addresses(std::span<const DevicePlace> places) {
   return addresses_of("hid:", places);
 }
 
-std::vector<bus::DeviceAddress> serial_addresses(std::span<const HidPlace> places) {
+std::vector<bus::DeviceAddress> serial_addresses(std::span<const DevicePlace> places) {
   return addresses_of("serial:", places);
 }
 

@@ -9,7 +9,7 @@
 namespace thimble::linux {
 
 // What there is to name a HID device, or a serial port, by.
-struct HidPlace {
+struct DevicePlace {
   // Where it is plugged in: "1-4.2" (bus 1, port 4, port 2 of the hub there); what is on no USB
   // has a name of its own there.
   std::string port;
@@ -26,8 +26,8 @@ struct HidPlace {
 // interface N above 0 (decision 0246). What is no arm takes no number from one that is (0338). All
 // differ where port and interface do.
 // Thread: any. Not RT. Pure.
-[[nodiscard]] std::vector<bus::DeviceAddress> hid_addresses(std::span<const HidPlace> places);
+[[nodiscard]] std::vector<bus::DeviceAddress> hid_addresses(std::span<const DevicePlace> places);
 // The same of serial ports, "serial:SERIAL" and "serial:PORT".
-[[nodiscard]] std::vector<bus::DeviceAddress> serial_addresses(std::span<const HidPlace> places);
+[[nodiscard]] std::vector<bus::DeviceAddress> serial_addresses(std::span<const DevicePlace> places);
 
 }  // namespace thimble::linux

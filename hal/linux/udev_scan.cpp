@@ -122,7 +122,7 @@ std::optional<ReadDevice> read_hid(udev_device* hidraw) {
   udev_device* hid = ::udev_device_get_parent_with_subsystem_devtype(hidraw, "hid", nullptr);
   if (hid == nullptr) return std::nullopt;
   ReadDevice found;
-  HidPlace& place = found.place.emplace();
+  DevicePlace& place = found.place.emplace();
   found.device.node = text_of(::udev_device_get_devnode(hidraw));
   found.device.hiddev = hiddev_node_of(hid);
   bus::BusDeviceInfo& info = found.device.info;
@@ -234,11 +234,11 @@ std::optional<ReadDevice> read_at(const Place& place) {
 
 // Those of one kind, by their places among each other.
 void address(std::vector<ReadDevice>& read, bus::BusKind kind,
-             std::vector<bus::DeviceAddress> (*addresses_of)(std::span<const HidPlace>)) {
+             std::vector<bus::DeviceAddress> (*addresses_of)(std::span<const DevicePlace>)) {
   const auto is_meant = [&](const ReadDevice& one) {
     return one.place && one.device.info.kind == kind;
   };
-  std::vector<HidPlace> places;
+  std::vector<DevicePlace> places;
   for (const ReadDevice& one : read) {
     if (is_meant(one)) places.push_back(*one.place);
   }

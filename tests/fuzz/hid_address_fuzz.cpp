@@ -14,11 +14,11 @@
 // interface and of whether it is an arm, and its serial number up to a zero.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace thimble;
-  std::vector<linux::HidPlace> places;
+  std::vector<linux::DevicePlace> places;
   std::set<std::pair<std::string, unsigned>> where;
   std::size_t at = 0;
   while (at + 2 <= size && places.size() < 32) {
-    linux::HidPlace place;
+    linux::DevicePlace place;
     place.port = "1-" + std::to_string(data[at] % 16) + (data[at] < 128 ? "" : ".2");
     place.interface_number = data[at + 1] % 4;
     place.is_arm = data[at + 1] >= 128;

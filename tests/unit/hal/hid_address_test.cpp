@@ -11,7 +11,7 @@ namespace {
 
 using Texts = std::vector<std::string>;
 
-Texts addresses_of(const std::vector<HidPlace>& places) {
+Texts addresses_of(const std::vector<DevicePlace>& places) {
   Texts texts;
   for (const bus::DeviceAddress& address : hid_addresses(places)) texts.push_back(address.text);
   return texts;
@@ -43,7 +43,7 @@ TEST(HidAddress, NamesFurtherInterfacesOfADevice) {
 }
 
 TEST(HidAddress, OfASerialPortIsMadeInTheSameWay) {
-  const std::vector<HidPlace> places{{"1-4", 0, "A1"}, {"1-5", 0, ""}, {"1-6", 2, "B"}};
+  const std::vector<DevicePlace> places{{"1-4", 0, "A1"}, {"1-5", 0, ""}, {"1-6", 2, "B"}};
   const std::vector<bus::DeviceAddress> addresses = serial_addresses(places);
   ASSERT_EQ(addresses.size(), 3U);
   EXPECT_EQ(addresses[0].text, "serial:A1");
@@ -69,7 +69,7 @@ TEST(HidAddress, LeadsToOneDeviceOnly) {
   std::mt19937 random(4);
   const Texts serials{"", "A1", "1-1", "1-2.1", "A1:1.1", "1-1:1.1", "x", "0003:1234:0006.0001"};
   for (int round = 0; round < 5000; ++round) {
-    std::vector<HidPlace> places;
+    std::vector<DevicePlace> places;
     for (const char* port : {"1-1", "1-2", "1-2.1", "0003:1234:0006.0001"}) {
       const std::string serial = serials[random() % serials.size()];
       const std::size_t interfaces = random() % 3;
@@ -79,12 +79,12 @@ TEST(HidAddress, LeadsToOneDeviceOnly) {
     }
     const Texts addresses = addresses_of(places);
     // What no driver knows comes and goes: no arm is called otherwise for it.
-    std::vector<HidPlace> arms;
+    std::vector<DevicePlace> arms;
     Texts of_arms;
     for (std::size_t i = 0; i < places.size(); ++i) {
-      const bool is_of_arm = std::any_of(places.begin(), places.end(), [&](const HidPlace& place) {
-        return place.port == places[i].port && place.is_arm;
-      });
+      const bool is_of_arm = std::any_of(
+          places.begin(), places.end(),
+          [&](const DevicePlace& place) { return place.port == places[i].port && place.is_arm; });
       if (!is_of_arm) continue;
       arms.push_back(places[i]);
       of_arms.push_back(addresses[i]);
@@ -92,7 +92,7 @@ TEST(HidAddress, LeadsToOneDeviceOnly) {
     EXPECT_EQ(addresses_of(arms), of_arms);
     EXPECT_EQ(std::set<std::string>(addresses.begin(), addresses.end()).size(), addresses.size());
     for (std::size_t i = 0; i < places.size(); ++i) {
-      for (const HidPlace& other : places) {
+      for (const DevicePlace& other : places) {
         if (other.port == places[i].port) continue;
         EXPECT_FALSE(addresses[i].starts_with("hid:" + other.port + ":")) << addresses[i];
         EXPECT_NE(addresses[i], "hid:" + other.port);
