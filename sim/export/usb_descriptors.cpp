@@ -23,15 +23,16 @@ std::uint8_t high(std::size_t value) noexcept {
   return static_cast<std::uint8_t>(value >> 8U & 0xFFU);
 }
 
-DescriptorBytes device(const bus::BusDeviceInfo& info) {
+DescriptorBytes device(const UsbPersona& persona) {
+  const bus::BusDeviceInfo& info = persona.info;
   const std::uint8_t serial_number = info.serial_number.empty() ? 0 : 3;
   return {18,
           kDevice,
           0x00,
           0x02,  // USB 2.0
+          persona.class_code,
           0,
-          0,
-          0,   // class, subclass, protocol: the interface says
+          0,   // subclass, protocol
           64,  // largest packet of endpoint 0
           low(info.vendor_id),
           high(info.vendor_id),
@@ -50,28 +51,41 @@ DescriptorBytes hid(const UsbPersona& persona) {
   return {9, kHid, 0x11, 0x01, 0, 1, kReport, low(size), high(size)};
 }
 
-DescriptorBytes configuration(const UsbPersona& persona) {
-  const auto& endpoints = persona.info.endpoints;
-  const std::uint8_t number = endpoints.empty() ? 0 : endpoints.front().interface_number;
-  // Self-powered, as far as 100 mA reach.
-  DescriptorBytes bytes{9, kConfiguration, 0, 0, 1, 1, 0, 0xC0, 50};
-  const DescriptorBytes interface {
-    9, kInterface, number, 0, low(endpoints.size()), interface_class(persona), 0, 0, 0
-  };
-  bytes.insert(bytes.end(), interface.begin(), interface.end());
-  if (!persona.report_descriptor.empty()) {
-    const DescriptorBytes more = hid(persona);
-    bytes.insert(bytes.end(), more.begin(), more.end());
-  }
+void append(DescriptorBytes& bytes, const DescriptorBytes& more) {
+  bytes.insert(bytes.end(), more.begin(), more.end());
+}
+
+DescriptorBytes endpoint_descriptor(const bus::UsbEndpointInfo& endpoint) {
+  return {7,
+          kEndpoint,
+          endpoint.address,
+          static_cast<std::uint8_t>(endpoint.kind),
+          low(endpoint.max_packet_bytes),
+          high(endpoint.max_packet_bytes),
+          endpoint.interval};
+}
+
+void append_interface(DescriptorBytes& bytes, const UsbInterface& interface,
+                      const std::vector<bus::UsbEndpointInfo>& endpoints) {
+  DescriptorBytes of_endpoints;
+  std::size_t count = 0;
   for (const bus::UsbEndpointInfo& endpoint : endpoints) {
-    const DescriptorBytes more{7,
-                               kEndpoint,
-                               endpoint.address,
-                               static_cast<std::uint8_t>(endpoint.kind),
-                               low(endpoint.max_packet_bytes),
-                               high(endpoint.max_packet_bytes),
-                               endpoint.interval};
-    bytes.insert(bytes.end(), more.begin(), more.end());
+    if (endpoint.interface_number != interface.number) continue;
+    append(of_endpoints, endpoint_descriptor(endpoint));
+    ++count;
+  }
+  append(bytes, {9, kInterface, interface.number, 0, low(count), interface.class_code,
+                 interface.subclass, interface.protocol, 0});
+  append(bytes, interface.class_descriptors);
+  append(bytes, of_endpoints);
+}
+
+DescriptorBytes configuration(const UsbPersona& persona) {
+  const std::vector<UsbInterface> interfaces = interfaces_of(persona);
+  // Self-powered, as far as 100 mA reach.
+  DescriptorBytes bytes{9, kConfiguration, 0, 0, low(interfaces.size()), 1, 0, 0xC0, 50};
+  for (const UsbInterface& interface : interfaces) {
+    append_interface(bytes, interface, persona.info.endpoints);
   }
   bytes[2] = low(bytes.size());
   bytes[3] = high(bytes.size());
@@ -99,13 +113,21 @@ DescriptorBytes string_descriptor(const bus::BusDeviceInfo& info, std::uint8_t i
 
 }  // namespace
 
-std::uint8_t interface_class(const UsbPersona& persona) noexcept {
-  return persona.report_descriptor.empty() ? kUsbClassVendor : kUsbClassHid;
+std::vector<UsbInterface> interfaces_of(const UsbPersona& persona) {
+  if (!persona.interfaces.empty()) return persona.interfaces;
+  const auto& endpoints = persona.info.endpoints;
+  UsbInterface interface;
+  interface.number = endpoints.empty() ? 0 : endpoints.front().interface_number;
+  if (!persona.report_descriptor.empty()) {
+    interface.class_code = kUsbClassHid;
+    interface.class_descriptors = hid(persona);
+  }
+  return {interface};
 }
 
 DescriptorBytes usb_descriptor(const UsbPersona& persona, std::uint8_t type, std::uint8_t index) {
   const bool is_hid = !persona.report_descriptor.empty();
-  if (type == kDevice && index == 0) return device(persona.info);
+  if (type == kDevice && index == 0) return device(persona);
   if (type == kConfiguration && index == 0) return configuration(persona);
   if (type == kString) return string_descriptor(persona.info, index);
   if (type == kHid && is_hid) return hid(persona);

@@ -82,7 +82,10 @@ usbip::DeviceRecord UsbipSession::record() const {
   record.vendor_id = persona_->info.vendor_id;
   record.product_id = persona_->info.product_id;
   record.version = 0x0100;
-  record.interface_class = interface_class(*persona_);
+  record.class_code = persona_->class_code;
+  for (const UsbInterface& interface : interfaces_of(*persona_)) {
+    record.interfaces.push_back({interface.class_code, interface.subclass, interface.protocol});
+  }
   return record;
 }
 

@@ -64,9 +64,12 @@ void append_record(Bytes& bytes, const DeviceRecord& device) {
   append(bytes, device.vendor_id);
   append(bytes, device.product_id);
   append(bytes, device.version);
-  // Class, subclass and protocol of the device; its configuration, of one, with one interface.
-  for (const std::uint8_t value : std::array<std::uint8_t, 6>{0, 0, 0, 1, 1, 1})
+  // Its class, subclass and protocol; configuration 1 of one, and how many interfaces that has.
+  const auto interfaces = static_cast<std::uint8_t>(device.interfaces.size());
+  for (const std::uint8_t value :
+       std::array<std::uint8_t, 6>{device.class_code, 0, 0, 1, 1, interfaces}) {
     append(bytes, value);
+  }
 }
 
 Bytes op_header(std::uint16_t code, std::uint32_t status) {
@@ -110,8 +113,10 @@ Bytes devlist_reply(const DeviceRecord* device) {
   append(bytes, std::uint32_t{device == nullptr ? 0U : 1U});
   if (device == nullptr) return bytes;
   append_record(bytes, *device);
-  append(bytes, device->interface_class);
-  for (int i = 0; i < 3; ++i) append(bytes, std::uint8_t{0});  // its subclass, protocol; padding
+  for (const auto& interface : device->interfaces) {
+    bytes.insert(bytes.end(), interface.begin(), interface.end());
+    append(bytes, std::uint8_t{0});  // padding
+  }
   return bytes;
 }
 

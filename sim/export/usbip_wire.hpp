@@ -41,7 +41,9 @@ struct DeviceRecord {
   std::uint16_t vendor_id{0};
   std::uint16_t product_id{0};
   std::uint16_t version{0};
-  std::uint8_t interface_class{0};  // of its one interface; the device itself says 0, 0, 0
+  std::uint8_t class_code{0};  // its subclass and protocol are 0
+  // Class, subclass and protocol of each, in its one configuration; 255 at most.
+  std::vector<std::array<std::uint8_t, 3>> interfaces{};
 };
 using Bytes = std::vector<std::uint8_t>;
 // nullptr: there is none.

@@ -46,9 +46,28 @@ TEST(UsbDescriptorsOfAModel, AreReadBackAsTheyWereMeant) {
   }
 }
 
+TEST(UsbDescriptorsOfAModel, HaveEachEndpointBehindItsInterface) {
+  UsbPersona persona = bulk_device();
+  persona.class_code = 0xEF;
+  persona.interfaces = {{0, 1, 2, 3, {3, 0x24, 9}}, {4, 5, 6, 7, {}}};
+  persona.info.endpoints = {{4, 0x81, UsbTransferKind::Bulk, 64, 0},
+                            {0, 0x02, UsbTransferKind::Interrupt, 8, 5},
+                            {4, 0x03, UsbTransferKind::Bulk, 64, 0}};
+  EXPECT_EQ(usb_descriptor(persona, kDevice, 0)[4], 0xEF);
+  const DescriptorBytes bytes = usb_descriptor(persona, kConfiguration, 0);
+  EXPECT_EQ(bytes, (DescriptorBytes{9, 2,    51,   0, 2,  1, 0, 0xC0, 50,  //
+                                    9, 4,    0,    0, 1,  1, 2, 3,    0,   //
+                                    3, 0x24, 9,                            //
+                                    7, 5,    0x02, 3, 8,  0, 5,            //
+                                    9, 4,    4,    0, 2,  5, 6, 7,    0,   //
+                                    7, 5,    0x81, 2, 64, 0, 0,            //
+                                    7, 5,    0x03, 2, 64, 0, 0}));
+}
+
 TEST(UsbDescriptorsOfAModel, SayWhoseClassItIs) {
-  EXPECT_EQ(interface_class(bulk_device()), kUsbClassVendor);
-  EXPECT_EQ(interface_class(hid_device()), kUsbClassHid);
+  EXPECT_EQ(interfaces_of(bulk_device()).at(0).class_code, kUsbClassVendor);
+  EXPECT_EQ(interfaces_of(hid_device()).at(0).class_code, kUsbClassHid);
+  EXPECT_EQ(usb_descriptor(hid_device(), kConfiguration, 0)[9 + 5], kUsbClassHid);
   EXPECT_TRUE(usb_descriptor(bulk_device(), kHid, 0).empty());
   EXPECT_TRUE(usb_descriptor(bulk_device(), kReport, 0).empty());
   const DescriptorBytes hid = usb_descriptor(hid_device(), kHid, 0);

@@ -95,18 +95,20 @@ TEST(UsbipWire, DescribesTheDeviceInBothReplies) {
   device.bus_id = "1-1";
   device.vendor_id = 0x1234;
   device.product_id = 6;
-  device.interface_class = 3;
+  device.class_code = 2;
+  device.interfaces = {{2, 2, 1}, {10, 0, 0}};
   const Bytes list = devlist_reply(&device);
-  ASSERT_EQ(list.size(), 12U + 312 + 4);
+  ASSERT_EQ(list.size(), 12U + 312 + 8);
   EXPECT_EQ(Bytes(list.begin(), list.begin() + 12), words({0x01110005, 0, 1}));
   EXPECT_EQ(std::string(list.begin() + 12, list.begin() + 20), std::string("sim:arm\0", 8));
   EXPECT_EQ(std::string(list.begin() + 0x10C, list.begin() + 0x110), std::string("1-1\0", 4));
   EXPECT_EQ(Bytes(list.begin() + 0x134, list.begin() + 0x13E),
             (Bytes{0, 0, 0, 2, 0x12, 0x34, 0, 6, 0, 0}));
-  EXPECT_EQ(list[0x144], 3);
+  EXPECT_EQ(Bytes(list.begin() + 0x13E, list.begin() + 0x144), (Bytes{2, 0, 0, 1, 1, 2}));
+  EXPECT_EQ(Bytes(list.begin() + 0x144, list.end()), (Bytes{2, 2, 1, 0, 10, 0, 0, 0}));
   const Bytes import = import_reply(&device);
   ASSERT_EQ(import.size(), 8U + 312);
-  EXPECT_EQ(Bytes(import.begin() + 8, import.end()), Bytes(list.begin() + 12, list.end() - 4));
+  EXPECT_EQ(Bytes(import.begin() + 8, import.end()), Bytes(list.begin() + 12, list.end() - 8));
   EXPECT_EQ(devlist_reply(nullptr), words({0x01110005, 0, 0}));
   EXPECT_EQ(import_reply(nullptr), words({0x01110003, 1}));
 }
