@@ -54,14 +54,25 @@ class Simdev(ProcessTest):
             data += piece
         return data
 
-    def device_descriptor(self, host):
-        host.sendall(struct.pack(">10I8s", 1, 1, 0x10001, 1, 0, 0, 18, 0, 0, 0, DESCRIPTOR_OF_DEVICE))
+    def submit(self, host, endpoint=0, length=0, data=b"", setup=bytes(8)):
+        """Waits for its end, which must be a good one: what came."""
+        is_in = not data and length > 0
+        host.sendall(struct.pack(">10I8s", 1, 1, 0x10001, is_in, endpoint, 0, len(data) or length, 0, 0, 0, setup) + data)
         header = struct.unpack(">12I", self.received(host, 48))
-        self.assertEqual(header[:2] + header[5:7], (3, 1, 0, 18))
-        return self.received(host, 18)
+        self.assertEqual(header[:2] + header[5:6], (3, 1, 0))
+        return self.received(host, header[6]) if is_in else b""
+
+    def control(self, host, request, value=0, length=0, data=b""):
+        self.submit(host, data=data, setup=struct.pack("<BBHHH", 0x21, request, value, 0, length))
+
+    def device_descriptor(self, host):
+        descriptor = self.submit(host, length=18, setup=DESCRIPTOR_OF_DEVICE)
+        self.assertEqual(len(descriptor), 18)
+        return descriptor
 
     def test_any_model_is_a_usb_device_for_who_attaches_it(self):
-        for model, ids in (("sim:phantom-vintage", (0x1234, 0x0006)), ("polhem-1", (0x16C0, 0x0486)), ("falcon", (0x0403, 0xCB48))):
+        for model, ids in (("sim:phantom-vintage", (0x1234, 0x0006)), ("polhem-1", (0x16C0, 0x0486)), ("falcon", (0x0403, 0xCB48)),
+                           ("woody-2015-serial", (0x16C0, 0x0483))):
             with self.subTest(model):
                 process, port = self.offer(model)
                 descriptor = self.device_descriptor(self.attached(port))
@@ -69,13 +80,19 @@ class Simdev(ProcessTest):
                 process.kill()
                 process.wait()
 
-    def test_a_model_on_a_serial_port_is_refused_with_a_sentence(self):
-        for way in (("--usbip", "0"), ("--uhid",)):
-            with self.subTest(way):
-                done = subprocess.run([BIN / "thimble-simdev", *way, "sim:phantom-vintage-serial"],
-                                      capture_output=True, text=True, timeout=TIMEOUT_S, env=clean_environment())
-                self.assertEqual(done.returncode, 1)
-                self.assertIn("sim:phantom-vintage-serial is on a serial port", done.stderr)
+    def test_an_arm_on_a_serial_port_answers_its_text_over_usb(self):
+        _, port = self.offer("phantom-vintage-serial")
+        host = self.attached(port)
+        self.control(host, 0x20, length=7, data=struct.pack("<IBBB", 115200, 0, 0, 8))
+        self.control(host, 0x22, value=3)
+        self.submit(host, endpoint=2, data=b"[0,0,0]".ljust(16, b"\n"))
+        answer = b""
+        while not answer.endswith(b"]\n"):
+            answer += self.submit(host, endpoint=2, length=128)
+        self.assertRegex(answer, rb"^\[2,(-?[0-9]+,){6}0\]\n$")
+        entries = self.say("log 10")[0]
+        self.assertTrue(any("5b302c302c305d0a" in entry.get("out", "") for entry in entries))
+        self.assertTrue(any(entry.get("request") == "00c20100000008" for entry in entries))
 
     def test_its_verbs_are_answered_while_it_runs(self):
         self.offer("phantom-vintage", "--serial", "ABC")
@@ -106,6 +123,7 @@ class Simdev(ProcessTest):
     def test_what_cannot_be_offered_is_refused_with_a_sentence(self):
         for words, sentence in ((("nobody", "--usbip", "0"), "there are:"), (("falcon",), "say how it is to be offered"),
                                 (("falcon", "--uhid"), "is no HID device"),
+                                (("phantom-vintage-serial", "--uhid"), "is no HID device"),
                                 (("falcon", "--usbip", "0", "--socket", "/nowhere/s"), "No such file")):
             with self.subTest(words):
                 result = self.run_program("thimble-simdev", *words)

@@ -14,6 +14,7 @@
 #include "hal/linux/monotonic_clock.hpp"
 #include "hal/linux/system_error.hpp"
 #include "hal/plugin/sim_model.hpp"
+#include "sim/export/acm_on_usb.hpp"
 #include "sim/export/device_verbs.hpp"
 #include "sim/export/hid_on_usb.hpp"
 #include "sim/export/uhid_plug.hpp"
@@ -43,14 +44,9 @@ Result<plugin::SimModel> make_model(const SimdevOptions& options) {
   if (entry == nullptr) {
     std::string known;
     for (const plugin::SimModelEntry& model : models.entries()) {
-      if (!model.create_serial) known += " sim:" + model.name;
+      known += " sim:" + model.name;
     }
     return fail(Errc::NotFound, "no simulated device " + options.model + "; there are:" + known);
-  }
-  if (entry->create_serial) {
-    return fail(Errc::Unsupported, "sim:" + entry->name +
-                                       " is on a serial port: only HID and USB devices can be "
-                                       "offered to the kernel");
   }
   return entry->create({.amplifier_max_a = options.amplifier_max_a, .seed = options.seed});
 }
@@ -74,11 +70,9 @@ class Simdev {
   }
 
   Result<void> plug_in(const SimdevOptions& options) {
-    auto* hid = std::get_if<std::unique_ptr<plugin::SimHidModel>>(&model_);
-    if (hid != nullptr) panel_ = (*hid)->panel();
-    if (options.usbip_port)
-      return offer_by_usbip(hid == nullptr ? nullptr : hid->get(), *options.usbip_port);
-    return offer_through_uhid(hid == nullptr ? nullptr : hid->get());
+    plugin::SimHidModel* hid = face<plugin::SimHidModel>();
+    if (hid != nullptr) panel_ = hid->panel();
+    return options.usbip_port ? offer_by_usbip(*options.usbip_port) : offer_through_uhid(hid);
   }
   Result<void> take_verbs_at(const std::string& path) {
     verbs_ = std::make_unique<DeviceVerbs>(
@@ -114,21 +108,34 @@ class Simdev {
     step_ = hid->frame_period();
     return plug_->plug();
   }
-  Result<void> offer_by_usbip(plugin::SimHidModel* hid, std::uint16_t port) {
+  Result<void> offer_by_usbip(std::uint16_t port) {
     UsbPersona persona{info_, {}};
-    if (hid != nullptr) {
+    plugin::SimUsbModel* usb = face<plugin::SimUsbModel>();
+    if (auto* hid = face<plugin::SimHidModel>()) {
       wrapped_ = std::make_unique<HidOnUsb>(*hid);
-      persona.info.endpoints = wrapped_->describe().endpoints;
       persona.report_descriptor = hid->report_descriptor();
     }
-    auto* usb = std::get_if<std::unique_ptr<plugin::SimUsbModel>>(&model_);
-    auto plug = UsbipPlug::listen(io_, port, usb == nullptr ? *wrapped_ : **usb, std::move(persona),
-                                  surroundings());
+    if (auto* serial = face<plugin::SimSerialModel>()) {
+      wrapped_ = std::make_unique<AcmOnUsb>(*serial);
+      persona.class_code = AcmOnUsb::kDeviceClass;
+      persona.interfaces = AcmOnUsb::interfaces();
+    }
+    if (wrapped_) {
+      usb = wrapped_.get();
+      persona.info.endpoints = usb->describe().endpoints;
+    }
+    auto plug = UsbipPlug::listen(io_, port, *usb, std::move(persona), surroundings());
     if (!plug) return tl::unexpected(plug.error());
     way_ = "over USB/IP at port " + std::to_string((*plug)->port());
     step_ = (*plug)->round_period();
     plug_ = *std::move(plug);
     return plug_->plug();
+  }
+  // nullptr: it has another one.
+  template <class Face>
+  [[nodiscard]] Face* face() noexcept {
+    auto* model = std::get_if<std::unique_ptr<Face>>(&model_);
+    return model == nullptr ? nullptr : model->get();
   }
   [[nodiscard]] PlugSurroundings surroundings() noexcept {
     return {&clock_, &machine_, &log_, &misbehaviour_};
@@ -146,8 +153,8 @@ class Simdev {
   bus::BusDeviceInfo info_;
   plugin::ModelPanel* panel_{nullptr};
   Duration step_{};
-  std::string way_;                    // to the kernel
-  std::unique_ptr<HidOnUsb> wrapped_;  // a HID device on USB/IP
+  std::string way_;                               // to the kernel
+  std::unique_ptr<plugin::SimUsbModel> wrapped_;  // on USB/IP, what is no bare USB device
   std::unique_ptr<Plug> plug_;
   std::unique_ptr<DeviceVerbs> verbs_;
   std::unique_ptr<VerbServer> server_;
