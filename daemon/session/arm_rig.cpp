@@ -56,7 +56,7 @@ Result<void> ArmRig::choose_bus(const config::ArmConfig& arm, const RigParts& pa
 Result<void> ArmRig::link_to(WorldHost* world, const config::ArmConfig& arm,
                              const RigParts& parts) {
   if (world != nullptr) {
-    const Result<void> good = check_combination(world->world(), arm.coupling);
+    Result<void> good = check_combination(world->world(), arm.coupling);
     if (!good) return good;
     auto world_half = world->make_world_half(parts.first_session);
     if (!world_half) return tl::unexpected(world_half.error());

@@ -47,7 +47,7 @@ Result<bool> ListPlayer::poll(MonotonicTime now) {
   const IoStatus seen = port_->poll(now, status);
   if (seen == IoStatus::Disconnected) return stop(lost_board());
   if (seen == IoStatus::Ok) {
-    const auto is_over = go_on(status);
+    auto is_over = go_on(status);
     if (!is_over || *is_over) return is_over;
   }
   if (now < until_) return false;

@@ -21,6 +21,7 @@ class FalconDriver final : public plugin::Driver {
   [[nodiscard]] std::string_view name() const noexcept override { return "falcon"; }
   [[nodiscard]] std::vector<std::string> models() const override {
     std::vector<std::string> names;
+    names.reserve(kFalconModels.size());
     for (const FalconModel& model : kFalconModels) names.emplace_back(model.name);
     return names;
   }

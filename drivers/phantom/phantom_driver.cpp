@@ -32,6 +32,7 @@ class PhantomDriver final : public plugin::Driver {
   [[nodiscard]] std::string_view name() const noexcept override { return "phantom"; }
   [[nodiscard]] std::vector<std::string> models() const override {
     std::vector<std::string> names;
+    names.reserve(kPhantomModels.size());
     for (const PhantomModel& model : kPhantomModels) names.emplace_back(model.name);
     return names;
   }
