@@ -50,8 +50,8 @@ bool take_the_signal() noexcept {
 }  // namespace
 
 BusErrorGuard::BusErrorGuard(GuardedMapping& mapping) noexcept : before_(guarded_here()) {
-  static const bool is_taken = take_the_signal();
-  static_cast<void>(is_taken);
+  static const bool kIsTaken = take_the_signal();
+  static_cast<void>(kIsTaken);
   guarded_here() = &mapping;
   std::atomic_signal_fence(std::memory_order_seq_cst);
 }
