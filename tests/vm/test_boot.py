@@ -1,6 +1,7 @@
 """The package, after a boot: the service runs, in its sandbox and with real-time rights, and talks to whom it shall."""
 
 import guest
+import simdev
 
 # The servo thread's name is "servo-" and the arm's.
 SERVO = "$(ps -L -o lwp=,comm= -p $(systemctl show thimbled -p MainPID --value) | awk '$2 ~ /^servo-/ {print $1}')"
@@ -65,6 +66,11 @@ class Boot(guest.GuestTest):
         self.guest.run("kill -STOP $(systemctl show thimbled -p MainPID --value)")
         self.guest.wait_for("systemctl show thimbled -p NRestarts | grep -qx NRestarts=1 && systemctl is-active thimbled")
         self.assertIn("Watchdog timeout", self.guest.run("journalctl --no-pager -b -u thimbled"))
+        # Nothing is active unasked after that, until one has ended in order.
+        arm = simdev.wait_for_state(self.guest, "inactive")
+        self.assertIn('"lease": "none"', arm)
+        self.guest.run("systemctl restart thimbled")
+        simdev.wait_for_state(self.guest, "active")
 
     def test_when_told_to_stop_it_ends_well(self):
         self.guest.run("systemctl stop thimbled")
