@@ -62,3 +62,8 @@ class Uhid(guest.GuestTest):
 
 class Usbip(Uhid):
     way = "usbip"
+
+    def test_2b_its_guard_has_the_second_way_which_is_nobody_elses(self):
+        """The kernel makes a hiddev of the arm, and the guard holds it (decision 0341)."""
+        self.guest.run("ls -l /proc/$(pgrep -x thimble-guard)/fd | grep -q /dev/usb/hiddev")
+        self.assertEqual(self.guest.run("stat -c '%U:%G %a' /dev/usb/hiddev0").strip(), "root:thimble 660")
