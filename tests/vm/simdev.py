@@ -7,7 +7,7 @@ import statistics
 
 PORT = "3240"  # that of USB/IP
 # The kernel's threads that carry USB/IP are a part of the hardware here, too, and wait for no program.
-ATTACH = "usbip attach -r 127.0.0.1 -b 1-1 && for thread in $(pgrep ^vhci_); do chrt -f -p 86 $thread; done"
+ATTACH = "usbip --tcp-port {} attach -r 127.0.0.1 -b 1-1 && for thread in $(pgrep ^vhci_); do chrt -f -p 86 $thread; done"
 
 
 def norm(vector):
@@ -27,15 +27,20 @@ class Simdev:
         self.guest = guest
         self.unit = f"simdev-{name}"
         self.socket = f"/run/{self.unit}.sock"
+        self.options = options
+        self.start()
+
+    def start(self):
+        """Also again, after stop(): another one of its kind."""
         # Above the servo: what is hardware does not wait for software.
-        guest.run(f"systemd-run --quiet --collect --unit {self.unit} -p CPUSchedulingPolicy=fifo -p CPUSchedulingPriority=85 "
-                  f"thimble-simdev --socket {self.socket} " + " ".join(options))
-        guest.wait_for(f"test -S {self.socket} || ! systemctl is-active --quiet {self.unit}")
+        self.guest.run(f"systemd-run --quiet --collect --unit {self.unit} -p CPUSchedulingPolicy=fifo -p CPUSchedulingPriority=85 "
+                       f"thimble-simdev --socket {self.socket} " + " ".join(self.options))
+        self.guest.wait_for(f"test -S {self.socket} || ! systemctl is-active --quiet {self.unit}")
         self.status()
 
-    def attach(self):
-        """To the guest's kernel, where it is offered over USB/IP at the usual port."""
-        self.guest.run(ATTACH)
+    def attach(self, port=PORT):
+        """To the guest's kernel, where it is offered over USB/IP at that port."""
+        self.guest.run(ATTACH.format(port))
 
     def command(self, *verbs):
         words = " ".join(f"'{verb}'" for verb in verbs)

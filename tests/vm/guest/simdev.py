@@ -10,19 +10,36 @@ import socket
 import sys
 
 
+class Verbs:
+    """A connection to it. Use as a context manager."""
+
+    def __init__(self, path):
+        self.channel = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        self.channel.connect(path)
+        self.replies = self.channel.makefile("r", encoding="utf-8")
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.channel.close()
+
+    def say(self, verb, take_line=lambda line: None):
+        """The last line of the reply, and each to `take_line`."""
+        self.channel.sendall(verb.encode() + b"\n")
+        for line in self.replies:
+            take_line(line)
+            # Of a log there are thousands before the one that ends it.
+            if line.startswith('{"ok"'):
+                return json.loads(line)
+        raise ConnectionError("the device is gone")
+
+
 def main(path, *verbs):
-    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as channel:
-        channel.connect(path)
-        replies = channel.makefile("r", encoding="utf-8")
+    with Verbs(path) as device:
         for verb in verbs:
-            channel.sendall(verb.encode() + b"\n")
-            for line in replies:
-                print(line, end="")
-                # Of a log there are thousands before the one that ends it.
-                if line.startswith('{"ok"'):
-                    if not json.loads(line)["ok"]:
-                        sys.exit(1)
-                    break
+            if not device.say(verb, lambda line: print(line, end=""))["ok"]:
+                sys.exit(1)
 
 
 if __name__ == "__main__":

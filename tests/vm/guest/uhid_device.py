@@ -17,14 +17,26 @@ BUS_USB = 3
 DESCRIPTOR = bytes.fromhex("0600ff 0901 a101 1500 26ff00 7508 950e 0901 8102 0901 9102 c0")
 
 
+def tell(device, event, payload=b""):
+    os.write(device, struct.pack("<I", event) + payload)
+
+
+def create(device, vendor, product, serial, descriptor=DESCRIPTOR):
+    tell(device, UHID_CREATE2,
+         struct.pack("<128s64s64sHHIIII4096s", b"Thimble test device", b"", serial.encode(), len(descriptor),
+                     BUS_USB, vendor, product, 0, 0, descriptor))
+
+
+def next_event(device):
+    """Its number; waits for it."""
+    return struct.unpack_from("<I", os.read(device, 4380))[0]
+
+
 def main(vendor, product, serial):
     device = os.open("/dev/uhid", os.O_RDWR)
-    create = struct.pack("<128s64s64sHHIIII4096s", b"Thimble test device", b"", serial.encode(), len(DESCRIPTOR),
-                         BUS_USB, int(vendor, 16), int(product, 16), 0, 0, DESCRIPTOR)
-    os.write(device, struct.pack("<I", UHID_CREATE2) + create)
+    create(device, int(vendor, 16), int(product, 16), serial)
     while True:
-        event = os.read(device, 4380)
-        if struct.unpack_from("<I", event)[0] == UHID_START:
+        if next_event(device) == UHID_START:
             print("started", flush=True)
 
 

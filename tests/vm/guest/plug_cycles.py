@@ -1,0 +1,98 @@
+"""In the guest: a device that is plugged in and pulled out again and again.
+
+usage: plug_cycles.py uhid COUNT HOLD SERIAL    a HID arm; each HOLD-th stays until somebody has opened its node
+       plug_cycles.py lies COUNT SERIAL         the same, with report descriptors that are cut, longer, or have bits turned over
+       plug_cycles.py usbip COUNT SOCKET        what the thimble-simdev at SOCKET offers at the usual port, each until somebody uses it
+
+Prints how many were opened; of the lies, how many the kernel took for devices. All waits are bounded.
+"""
+
+import contextlib
+import os
+import random
+import select
+import subprocess
+import sys
+import time
+
+import simdev
+import uhid_device
+
+PATIENCE_S = 20
+LIE_S = 0.2  # a lie that the kernel refuses is not told of
+UHID_OPEN = 4
+UHID_DESTROY = 1
+
+
+def await_event(device, wanted, patience_s=PATIENCE_S):
+    """Whether the kernel said so in time."""
+    end = time.monotonic() + patience_s
+    while select.select([device], [], [], max(0, end - time.monotonic()))[0]:
+        if uhid_device.next_event(device) == wanted:
+            return True
+    return False
+
+
+def cycle_uhid(count, hold, serial):
+    device = os.open("/dev/uhid", os.O_RDWR)
+    opened = 0
+    for turn in range(1, count + 1):
+        uhid_device.create(device, 0x1234, 0x0006, serial)
+        if not await_event(device, uhid_device.UHID_START):
+            raise TimeoutError(f"turn {turn}: the kernel did not take the device")
+        if turn % hold == 0:
+            opened += await_event(device, UHID_OPEN)
+        uhid_device.tell(device, UHID_DESTROY)
+    return opened
+
+
+def spoilt(descriptor, chance):
+    data = bytearray(descriptor)
+    for _ in range(chance.randrange(1, 5)):
+        data[chance.randrange(len(data))] ^= 1 << chance.randrange(8)
+    if chance.randrange(3) == 0:
+        del data[chance.randrange(1, len(data)):]
+    if chance.randrange(3) == 0:
+        data += chance.randbytes(chance.randrange(1, 4000))
+    return bytes(data)
+
+
+def cycle_lies(count, serial):
+    device = os.open("/dev/uhid", os.O_RDWR)
+    chance = random.Random(1)
+    taken = 0
+    for _ in range(count):
+        uhid_device.create(device, 0x1234, 0x0006, serial, spoilt(uhid_device.DESCRIPTOR, chance))
+        taken += await_event(device, uhid_device.UHID_START, LIE_S)
+        await_event(device, UHID_OPEN, LIE_S)
+        with contextlib.suppress(OSError):  # there is none
+            uhid_device.tell(device, UHID_DESTROY)
+    return taken
+
+
+def cycle_usbip(count, path):
+    used = 0
+    with simdev.Verbs(path) as verbs:
+        for turn in range(count):
+            if turn:
+                verbs.say("plug")
+            subprocess.run(["usbip", "attach", "-r", "127.0.0.1", "-b", "1-1"], check=True)
+            end = time.monotonic() + PATIENCE_S
+            while not (is_used := verbs.say("status")["open"]) and time.monotonic() < end:
+                time.sleep(0.01)
+            used += is_used
+            verbs.say("unplug")
+    return used
+
+
+def main(way, count, *words):
+    if way == "uhid":
+        print(cycle_uhid(int(count), int(words[0]), words[1]))
+    elif way == "lies":
+        print(cycle_lies(int(count), words[0]))
+    else:
+        print(cycle_usbip(int(count), words[0]))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
