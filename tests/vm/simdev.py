@@ -6,8 +6,11 @@ import statistics
 
 
 PORT = "3240"  # that of USB/IP
-# The kernel's threads that carry USB/IP are a part of the hardware here, too, and wait for no program.
-ATTACH = "usbip --tcp-port {} attach -r 127.0.0.1 -b 1-1 && for thread in $(pgrep ^vhci_); do chrt -f -p 86 $thread; done"
+
+
+def attach_command(port=PORT):
+    # The kernel's threads that carry USB/IP are a part of the hardware here, too, and wait for no program.
+    return f"usbip --tcp-port {port} attach -r 127.0.0.1 -b 1-1 && for thread in $(pgrep ^vhci_); do chrt -f -p 86 $thread; done"
 
 
 def norm(vector):
@@ -40,7 +43,7 @@ class Simdev:
 
     def attach(self, port=PORT):
         """To the guest's kernel, where it is offered over USB/IP at that port."""
-        self.guest.run(ATTACH.format(port))
+        self.guest.run(attach_command(port))
 
     def command(self, *verbs):
         words = " ".join(f"'{verb}'" for verb in verbs)

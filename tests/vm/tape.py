@@ -15,7 +15,7 @@ class Tape:
                   "-p CPUSchedulingPolicy=fifo -p CPUSchedulingPriority=85 "
                   f"{PROGRAM} offer {arm} {'uhid' if way == 'uhid' else simdev.PORT}")
         if way == "usbip":
-            guest.wait_for(simdev.ATTACH.format(simdev.PORT))
+            guest.wait_for(simdev.attach_command())
         if arm == "falcon":
             port = guest.wait_for("basename $(dirname $(grep -lx cb48 /sys/bus/usb/devices/*/idProduct))").strip()
             self.address, self.node = f"usb:{port}", "-"

@@ -30,7 +30,7 @@ class RoundTrips(guest.GuestTest):
         self.guest.run("modprobe -a uhid vhci-hcd; systemd-run --quiet --collect --unit echo "
                        f"-p CPUSchedulingPolicy=fifo -p CPUSchedulingPriority=85 {PROGRAM} offer {kind} {way}")
         if way != "uhid":
-            self.guest.wait_for(simdev.ATTACH)
+            self.guest.wait_for(simdev.attach_command())
         try:
             yield
         finally:
