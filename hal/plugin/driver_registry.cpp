@@ -38,8 +38,10 @@ Result<const Driver*> DriverRegistry::match(const bus::BusDeviceInfo& info,
 bool DriverRegistry::knows(const bus::BusDeviceInfo& info) const {
   DriverSettings settings;
   settings.is_named_by_person = true;
-  const Result<const Driver*> driver = match(info, settings);
-  return driver || driver.error().code != Errc::NotFound;
+  return std::any_of(drivers_.begin(), drivers_.end(), [&](const auto& driver) {
+    const Result<void> probed = driver->probe(info, settings);
+    return probed || probed.error().code != Errc::NotMine;
+  });
 }
 
 std::string DriverRegistry::objections(const bus::BusDeviceInfo& info) const {
