@@ -10,6 +10,7 @@
 #include "cli/doctor/read_controllers.hpp"
 #include "cli/doctor/read_daemon.hpp"
 #include "cli/doctor/read_gpio.hpp"
+#include "hal/bus/device_address.hpp"
 
 // Paths: proc(5); Documentation/ABI/testing/sysfs-devices-system-cpu and -clocksource of the
 // kernel.
@@ -141,7 +142,7 @@ Facts read_facts(const fs::path& root, const plugin::DriverRegistry& drivers,
   facts.servo = config.servo;
   facts.safety = config.safety;
   for (const config::ArmConfig& arm : config.arms) {
-    if (!arm.device.starts_with("sim:")) facts.configured_arms.push_back({arm.name, arm.device});
+    if (!bus::is_simulated(arm.device)) facts.configured_arms.push_back({arm.name, arm.device});
   }
   facts.kernel_release = trimmed(tree.text("/proc/sys/kernel/osrelease"));
   facts.kernel_version = trimmed(tree.text("/proc/sys/kernel/version"));
