@@ -7,6 +7,7 @@
 #include "daemon/session/runtime.hpp"
 #include "drivers/phantom/phantom_driver.hpp"
 #include "sim/model/arm/register_arm_models.hpp"
+#include "tests/scenario/two_real_arms.hpp"
 #include "tests/support/willing_guards.hpp"
 
 namespace thimble {
@@ -14,25 +15,8 @@ namespace {
 
 using session::ArmSession;
 using std::chrono::milliseconds;
+using test::kTwoArms;
 using testing::HasSubstr;
-
-constexpr const char* kTwoArms = R"(
-[[arm]]
-name = "left"
-device = "hid:left"
-model = "phantom-vintage"
-amplifier_max_a = 3.0
-world = "box"
-[[arm]]
-name = "right"
-device = "hid:right"
-model = "phantom-vintage"
-amplifier_max_a = 3.0
-world = "box"
-[[world]]
-name = "box"
-source = "box:3"
-)";
 
 // A device of which is known how many there are.
 class CountedHid final : public bus::HidDevice {

@@ -6,6 +6,19 @@
 #include "drivers/phantom/phantom_wire.hpp"
 
 namespace thimble::speed {
+namespace {
+
+bus::BusDeviceInfo echo_of(bus::BusKind kind, std::uint16_t vendor, std::uint16_t product) {
+  bus::BusDeviceInfo info;
+  info.kind = kind;
+  info.vendor_id = vendor;
+  info.product_id = product;
+  info.product = "echo";
+  info.serial_number = kSerial;
+  return info;
+}
+
+}  // namespace
 
 void Echo::take(std::span<const std::uint8_t> bytes) noexcept {
   size_ = std::min(bytes.size(), bytes_.size());
@@ -20,24 +33,16 @@ std::size_t Echo::give(std::span<std::uint8_t> out) noexcept {
 }
 
 bus::BusDeviceInfo EchoHid::describe() const {
-  bus::BusDeviceInfo info;
-  info.kind = bus::BusKind::Hid;
-  info.vendor_id = phantom::wire::kMbedVendorId;
-  info.product_id = phantom::wire::kMbedProductId;
-  info.product = "echo";
-  info.serial_number = kSerial;
+  bus::BusDeviceInfo info =
+      echo_of(bus::BusKind::Hid, phantom::wire::kMbedVendorId, phantom::wire::kMbedProductId);
   info.input_report_bytes = kExchangeBytes;
   info.output_report_bytes = kExchangeBytes;
   return info;
 }
 
 bus::BusDeviceInfo EchoUsb::describe() const {
-  bus::BusDeviceInfo info;
-  info.kind = bus::BusKind::Usb;
-  info.vendor_id = falcon::wire::kVendorId;
-  info.product_id = falcon::wire::kProductId;
-  info.product = "echo";
-  info.serial_number = kSerial;
+  bus::BusDeviceInfo info =
+      echo_of(bus::BusKind::Usb, falcon::wire::kVendorId, falcon::wire::kProductId);
   for (const std::uint8_t address : {kBulkIn, kBulkOut}) {
     info.endpoints.push_back(
         {.address = address, .max_packet_bytes = falcon::wire::kUsbPacketBytes});
