@@ -12,18 +12,32 @@ import typing
 import cpp_source
 
 FOLDER = "systemd/"
+BUSES = "hal/linux/"
 _EXPOSURE = re.compile(r"Overall exposure level for \S+: ([0-9.]+)")
 
+# What hal/linux opens, by the words with which it looks for the node, and why. A class that the unit does not name is refused on
+# a machine where the packages are installed, and nowhere else.
+NODES = {
+    "hidraw": ("DeviceAllow=char-hidraw rw", "arms on HID"),
+    "usbmisc": ("DeviceAllow=char-usb r", "a guard's second way to an arm on HID"),
+    "usb": ("DeviceAllow=char-usb_device rw", "arms on bare USB"),
+    "tty": ("DeviceAllow=char-ttyACM rw", "arms on USB serial"),
+    "gpiochip": ("DeviceAllow=char-gpiochip rw", "e-stop and deadman"),
+    "/dev/cpu_dma_latency": ("DeviceAllow=/dev/cpu_dma_latency rw", "a processor that sleeps deeply wakes late"),
+}
+# systemd.resource-control(5), DevicePolicy=closed: this one is let through as it is.
+_ALWAYS_THERE = ("/dev/null",)
+NODE_WORDS = re.compile(r"""
+    (?:_match_subsystem(?:_devtype)?|\badd_places)\([^;"]*"(?P<subsystem>\w+)"
+    | "(?P<node>/dev/\w+)"
+    | starts_with\("(?P<name>gpio\w+)"\)""", re.VERBOSE)
+
 # What a service with devices and real time must say, and why.
-_DAEMON_NEEDS = {
+_DAEMON_NEEDS = dict(NODES.values()) | {
     "Type=notify": "systemd must wait for READY",
     "NotifyAccess=main": "nobody else may feed the watchdog",
     "User=thimble": "not root, and not a user that others share",
     "DevicePolicy=closed": "no device but those named",
-    "DeviceAllow=char-hidraw rw": "arms on HID",
-    "DeviceAllow=char-usb_device rw": "arms on bare USB",
-    "DeviceAllow=char-ttyACM rw": "arms on USB serial",
-    "DeviceAllow=char-gpiochip rw": "e-stop and deadman",
     "Wants=modprobe@hid.service modprobe@usbcore.service modprobe@cdc_acm.service": "DeviceAllow= knows only classes that are there at the start",
     "After=modprobe@hid.service modprobe@usbcore.service modprobe@cdc_acm.service": "DeviceAllow= knows only classes that are there at the start",
     "LimitMEMLOCK=infinity": "paged memory stops the servo",
@@ -100,6 +114,23 @@ def check_text(path, text, unit, breaches):
             breaches.append(f"{path}: {line}: {why}")
 
 
+def check_devices(root, files, path, text, breaches):
+    """A node that hal/linux looks for has a line in the unit, and a line there has a node."""
+    lines = {line for line, _ in NODES.values()}
+    for line in text.splitlines():
+        if line.startswith("DeviceAllow=") and line.strip() not in lines:
+            breaches.append(f"{path}: {line.strip()}: for nothing that {BUSES} opens; see NODES in check_service.py")
+    for source in files:
+        if not source.startswith(BUSES) or not source.endswith(cpp_source.CPP_SUFFIXES):
+            continue
+        code = cpp_source.without_comments(cpp_source.read(root, source), keep_strings=True)
+        for found in NODE_WORDS.finditer(code):
+            word = found[found.lastgroup]
+            if word not in NODES and word not in _ALWAYS_THERE:
+                breaches.append(f"{source}:{cpp_source.line_of(code, found.start())}: {word}: which DeviceAllow= of {path} lets "
+                                "the daemon open it? Say so in NODES of check_service.py")
+
+
 def check_unit(root, path, unit, breaches):
     check_text(path, cpp_source.read(root, path), unit, breaches)
     found = exposure(pathlib.Path(root, path).resolve())
@@ -115,6 +146,8 @@ def check(root):
         path = FOLDER + name
         if path in files:
             check_unit(root, path, unit, breaches)
+            if unit.needs is _DAEMON_NEEDS:
+                check_devices(root, files, path, cpp_source.read(root, path), breaches)
         else:
             breaches.append(f"{path}: is missing")
     return breaches

@@ -40,8 +40,30 @@ class CheckService(PlantedTreeTest):
 
     def test_refuses_what_hides_arms(self):
         self.assert_one_breach(self.breaches_with("[Install]", "PrivateDevices=yes\n[Install]"), "hides")
-        self.assert_one_breach(self.breaches_with("DeviceAllow=char-hidraw rw\n", ""), "char-hidraw")
+        for line in ("char-hidraw rw", "char-usb_device rw", "char-usb r", "char-ttyACM rw", "char-gpiochip rw",
+                     "/dev/cpu_dma_latency rw"):
+            with self.subTest(line):
+                self.assert_one_breach(self.breaches_with(f"DeviceAllow={line}\n", ""), f"needs DeviceAllow={line}:")
         self.assert_one_breach(self.breaches_with("Wants=modprobe@hid.service ", "Wants="), "Wants=")
+
+    def test_refuses_a_device_that_nothing_opens(self):
+        self.assert_one_breach(self.breaches_with("[Install]", "DeviceAllow=char-input r\n[Install]"), "char-input", "opens")
+
+    def test_asks_for_the_line_of_every_node_that_hal_linux_looks_for(self):
+        for code, word in (('::udev_enumerate_add_match_subsystem(list.get(), "input");', "input"),
+                           ('::udev_monitor_filter_add_match_subsystem_devtype(monitor.get(), "block", nullptr);', "block"),
+                           ('add_places(context_.get(),\n           "input", places);', "input"),
+                           ('::open("/dev/uinput", O_RDWR);', "/dev/uinput")):
+            with self.subTest(code):
+                self.plant("hal/linux/some.cpp", "int a;\n" + code)
+                self.assert_one_breach(check_service.check(self.root), "hal/linux/some.cpp:2:", f" {word}: ", "DeviceAllow=")
+        self.plant("hal/linux/some.cpp", '// "/dev/uinput"\nadd_places(context_.get(), "hidraw", places); ::open("/dev/null", mode);')
+        self.assertEqual(check_service.check(self.root), [])
+
+    def test_sees_each_node_that_hal_linux_opens_today(self):
+        shipped = "".join(path.read_text(encoding="utf-8") for path in sorted((HERE.parents[1] / "hal/linux").glob("*.?pp")))
+        words = {found[found.lastgroup] for found in check_service.NODE_WORDS.finditer(shipped)}
+        self.assertLessEqual(check_service.NODES.keys(), words)
 
     def test_refuses_a_service_without_bounds(self):
         for line in ("WatchdogSec=3", "LimitRTTIME=500ms", "MemoryMax=2G"):
