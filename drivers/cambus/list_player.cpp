@@ -26,6 +26,7 @@ Result<void> ListPlayer::start(const StepList& list, Duration at_most, Monotonic
   }
   const IoStatus put = port_->put(list.base, list.bytes);
   if (put == IoStatus::Disconnected) return tl::unexpected(lost_board());
+  if (put == IoStatus::Backlogged) return fail(Errc::Busy, "the port to the board is full");
   if (put != IoStatus::Ok) {
     ++counters_.refused;
     return fail(Errc::TooLarge, "a list of " + std::to_string(list.bytes.size()) + " bytes at " +
@@ -81,6 +82,8 @@ Result<bool> ListPlayer::give(const BoardStatus& status) {
   }
   const bool is_ready = status.is_waiting() && !status.has_exception() && !status.is_halted();
   if (is_ready && !needs_reset_) return ring_for_list(status);
+  // The list relies on what was set up before, which somebody else has undone.
+  if (!needs_reset_) return strange("has stopped while it had nothing to do");
   needs_set_up_ = true;
   return ring(kControlRegister, page::kResetInterface, Phase::Resetting);
 }
@@ -162,6 +165,7 @@ Result<std::vector<std::uint16_t>> ListPlayer::words_of(const ReadSlot& slot, Mo
   }
   std::vector<std::uint8_t> bytes(size);
   IoStatus status = port_->get(slot.offset, bytes);
+  if (status == IoStatus::NoData) return fail(Errc::Busy, "what the list read is on its way");
   if (status == IoStatus::Ok) status = port_->confirm(now);
   if (status == IoStatus::Disconnected) return tl::unexpected(lost_board());
   if (status != IoStatus::Ok) {

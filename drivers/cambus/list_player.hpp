@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "drivers/cambus/pci_port.hpp"
+#include "drivers/cambus/board_port.hpp"
 #include "drivers/cambus/step_list_builder.hpp"
 #include "drivers/cambus/step_list_check.hpp"
 
@@ -32,18 +32,20 @@ struct PlayCounters {
 // Thread: one at a time. No call waits. Ownership: the port must outlive it.
 class ListPlayer {
  public:
-  ListPlayer(PciPort& port, const ListLimits& limits) : port_(&port), limits_(limits) {}
+  ListPlayer(BoardPort& port, const ListLimits& limits) : port_(&port), limits_(limits) {}
 
   // `at_most`: how long it may take until it is over, by the clock that `now` is of.
-  // Errors: Busy while one plays; Malformed or TooLarge for a list that no board is given, or that
-  // the window does not hold; Disconnected. None of them changes what plays.
+  // Errors: Busy while one plays, or while the port has no room; Malformed or TooLarge for a list
+  // that no board is given, or that the window does not hold; Disconnected. None of them changes
+  // what plays.
   [[nodiscard]] Result<void> start(const StepList& list, Duration at_most, MonotonicTime now);
   // Whether it is over, or there is none. Once it failed there is none, and each error comes once:
   // Disconnected (for good), Timeout (no module answered, or not in time), System (the machine
   // interrupted), Malformed (a bus fault; or the board says what it cannot have done).
   [[nodiscard]] Result<bool> poll(MonotonicTime now);
   // What the last list has read; the list must be over.
-  // Errors: Disconnected; InvalidArgument for what does not lie in the window.
+  // Errors: Disconnected; Busy, the port has not brought it yet: ask again; InvalidArgument for
+  // what does not lie in the window.
   [[nodiscard]] Result<std::vector<std::uint16_t>> words_of(const ReadSlot& slot,
                                                             MonotonicTime now);
 
@@ -72,7 +74,7 @@ class ListPlayer {
   [[nodiscard]] tl::unexpected<Error> stop(Error why);
   [[nodiscard]] tl::unexpected<Error> strange(const std::string& what);
 
-  PciPort* port_;
+  BoardPort* port_;
   ListLimits limits_;
   Phase phase_{Phase::Idle};
   bool needs_set_up_{true};

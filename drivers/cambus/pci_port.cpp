@@ -16,22 +16,6 @@ constexpr Duration kBeatGivenUp = std::chrono::milliseconds(page::kBeatGivenUp_m
 
 }  // namespace
 
-std::string_view to_string(Gone why) noexcept {
-  switch (why) {
-    case Gone::No:
-      return "is there";
-    case Gone::Unplugged:
-      return "was unplugged";
-    case Gone::Silent:
-      return "does not answer any more";
-    case Gone::NewIncarnation:
-      return "was reset by itself or by its power";
-    case Gone::NoBeat:
-      return "stands still: its beat does not change";
-  }
-  return "is gone";
-}
-
 Result<std::unique_ptr<PciPort>> PciPort::open(std::unique_ptr<bus::MemoryWindow> window,
                                                MonotonicTime now) {
   if (window->bytes() < page::kPageBytes) {
@@ -97,6 +81,8 @@ IoStatus PciPort::ring(const std::array<std::uint32_t, page::kHostRegisters>& re
   if (gone_ != Gone::No) return IoStatus::Disconnected;
   std::uint32_t acknowledged = 0;
   IoStatus status = note(window_->read(page::kAcknowledge, acknowledged));
+  // As it stands, not as we left it: another one may have rung since, or our ring was lost.
+  if (status == IoStatus::Ok) status = note(window_->read(page::kDoorbell, rung_));
   if (status != IoStatus::Ok) return status;
   if (acknowledged != rung_) {
     ++counters_.held_back;

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "drivers/cambus/list_player.hpp"
+#include "drivers/cambus/pci_port.hpp"
 #include "hal/bus/memory_window.hpp"
 
 namespace {

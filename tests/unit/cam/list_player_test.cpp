@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "drivers/cambus/cam_program.hpp"
+#include "drivers/cambus/pci_port.hpp"
 #include "sim/fault/faulty_memory_window.hpp"
 #include "sim/model/cam/sim_cam_board.hpp"
 #include "sim/time/virtual_clock.hpp"

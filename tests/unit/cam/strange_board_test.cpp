@@ -3,6 +3,7 @@
 #include <functional>
 
 #include "drivers/cambus/list_player.hpp"
+#include "drivers/cambus/pci_port.hpp"
 #include "sim/bus/sim_memory_window.hpp"
 
 // A page that a test writes word by word: what a board may say that is broken.
@@ -142,6 +143,15 @@ TEST_F(StrangeBoardTest, OneThatRaisesAnInterruptWhileItHasNothingToDo) {
   begin();
   end();
   add(page::Interrupt::Soft, 1);
+  start();
+  expect_strange(poll());
+}
+
+// Its registers are not what the list relies on.
+TEST_F(StrangeBoardTest, OneThatStopsBetweenTwoLists) {
+  begin();
+  end();
+  say(page::kRead, page::kIsHalted);
   start();
   expect_strange(poll());
 }
