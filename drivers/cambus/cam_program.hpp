@@ -10,20 +10,13 @@
 
 namespace thimble::cambus {
 
-// What becomes of the 16 bits of a site: entry n is for the site with the bits of n.
-using LookupTable = std::vector<std::uint16_t>;  // of kTableEntries
+using LookupTable = CamTable;
+using RunOptions = CamRun;
 
 // A run of layers that a rule takes for a number.
 [[nodiscard]] constexpr LayerMask layers(int first, int last) noexcept {
   return static_cast<LayerMask>(((2U << last) - 1U) & ~((1U << first) - 1U));
 }
-
-struct RunOptions {
-  bool is_scan{true};        // else only what follows is done
-  bool takes_counts{false};  // copy the event counters to where they are read, and clear them
-  bool swaps_tables{false};  // the table loaded last becomes the one in force
-  bool repeats_kick{false};
-};
 
 // Programs of a cellular automaton as step lists: what a scan does is set once and holds for all
 // that follow. Pure. Thread: one at a time. Calls with a table of another size, or of layers that
@@ -45,8 +38,7 @@ class CamProgram {
   void load_table(std::span<const std::uint16_t> table);
   // The table is told these constants instead of the bits of some layers; the sites keep theirs.
   void fix(LayerMask fixed, std::uint16_t bits);
-  // What is counted for each layer: its bit before the table, or after.
-  enum class Events { None, Site, Table };
+  using Events = CamEvents;
   void count(Events events);
   void run(const RunOptions& options = {});
   // One slot of 25 words for each module, in order: word k has bit k of the 16 counts, as of the

@@ -1,17 +1,18 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
 #include "drivers/cambus/register_words.hpp"
 #include "hal/base/result.hpp"
+#include "hal/device/cam_board.hpp"
 
 namespace thimble::cambus {
 
-// Along x, y, z.
-using Axes = std::array<int, 3>;
+using Axes = CamAxes;
+using Division = CamDivision;
+using LayerKick = CamKick;
 
 // How the modules of a board are wired: a torus of 1, 2 or 4 along each axis. Module n is the n-th
 // of a way through all of them that always goes to a neighbour; for a box of eight it is the order
@@ -30,14 +31,6 @@ struct BoardShape {
 
 // The glue pin, in the order of field::kConnect, that leads a module to the next one of the way.
 [[nodiscard]] std::size_t pin_to_next(const BoardShape& board, int module) noexcept;
-
-// How the cells of a space are divided: over a torus as it is wired, or in strips along one axis.
-enum class Division { Mesh, StripX, StripY, StripZ };
-
-struct LayerKick {
-  LayerMask layers{0};
-  Axes cells{0, 0, 0};  // +1 moves what is in these layers by one cell
-};
 
 // A cell: which module has it, and at which site address.
 struct CellPlace {

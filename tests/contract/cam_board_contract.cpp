@@ -1,0 +1,91 @@
+#include "tests/contract/cam_board_contract.hpp"
+
+#include <random>
+
+#include "tests/contract/cam_board_oracle.hpp"
+
+namespace thimble::test {
+namespace {
+
+using namespace cam_step;
+
+TEST_P(CamBoardContract, RandomProgramsDoWhatAPlainArrayDoes) {
+  std::mt19937 random(7);
+  ASSERT_TRUE(sut.lay_out(space));
+  CamBoardOracle oracle(space);
+  ASSERT_TRUE(play(oracle.first_program(random)));
+  for (int i = 0; i < 40; ++i) {
+    const CamSteps steps = random_steps(random, space.cells());
+    const auto answer = play(steps);
+    ASSERT_TRUE(answer) << answer.error().message;
+    const CamAnswer expected = oracle.play(steps);
+    ASSERT_EQ(answer->counts, expected.counts) << i;
+    ASSERT_EQ(answer->cells, expected.cells) << i;
+  }
+  EXPECT_EQ(sut.counters(), (CamBoardCounters{.started = 41, .done = 41}));
+}
+
+TEST_P(CamBoardContract, NothingRunsBeforeThereIsASpace) {
+  EXPECT_TRUE(sut.needs_lay_out());
+  EXPECT_EQ(play({}).error().code, Errc::InvalidArgument);
+  EXPECT_EQ(sut.lay_out({{30, 0, 0}, CamDivision::Mesh}).error().code, Errc::InvalidArgument);
+  EXPECT_TRUE(sut.needs_lay_out());
+  ASSERT_TRUE(sut.lay_out(space));
+  EXPECT_FALSE(sut.needs_lay_out());
+  EXPECT_TRUE(play({}));
+}
+
+TEST_P(CamBoardContract, OneProgramAtATimeAndItsAnswerOnce) {
+  ASSERT_TRUE(sut.lay_out(space));
+  ASSERT_TRUE(play({}));
+  EXPECT_EQ(sut.poll(rig->now()).error().code, Errc::InvalidArgument);
+  ASSERT_TRUE(sut.start({cam_step::Run{}}, kPatience, rig->now()));
+  EXPECT_TRUE(sut.is_running());
+  EXPECT_EQ(sut.start({}, kPatience, rig->now()).error().code, Errc::Busy);
+  EXPECT_EQ(sut.lay_out(space).error().code, Errc::Busy);
+  while (!sut.poll(rig->now()).value()) rig->pass(std::chrono::microseconds(20));
+  EXPECT_FALSE(sut.is_running());
+  EXPECT_EQ(sut.poll(rig->now()).error().code, Errc::InvalidArgument);
+}
+
+TEST_P(CamBoardContract, WhatCannotBeIsRefusedAndTheBoardSeesNothing) {
+  ASSERT_TRUE(sut.lay_out(space));
+  ASSERT_TRUE(play({}));
+  const auto some = std::make_shared<const CamCells>(3);
+  const Kick kick{{{1, {1, 0, 0}}}};
+  const CamSteps wrong[] = {
+      {LoadTable{}},
+      {LoadTable{some}},
+      {WriteCells{}},
+      {WriteCells{some}},
+
+      {kick, kick},
+      {kick, ReadCells{}},
+      {kick, cam_step::Run{{.repeats_kick = true}}},
+      {cam_step::Run{{.is_scan = false, .repeats_kick = true}}},
+  };
+  for (const CamSteps& steps : wrong) {
+    const auto answer = play(steps);
+    ASSERT_FALSE(answer);
+    EXPECT_EQ(answer.error().code, Errc::InvalidArgument) << answer.error().message;
+  }
+  EXPECT_EQ(sut.counters(), (CamBoardCounters{.started = 1, .done = 1, .refused = 8}));
+  EXPECT_TRUE(play({kick, cam_step::Run{}})) << "a refused kick does not wait";
+}
+
+TEST_P(CamBoardContract, AnUnpluggedBoardIsGoneForGood) {
+  ASSERT_TRUE(sut.lay_out(space));
+  ASSERT_TRUE(sut.start({cam_step::Run{}}, kPatience, rig->now()));
+  rig->unplug();
+  const auto said = sut.poll(rig->now());
+  ASSERT_FALSE(said);
+  EXPECT_EQ(said.error().code, Errc::Disconnected);
+  EXPECT_FALSE(sut.is_running());
+  EXPECT_TRUE(sut.needs_lay_out());
+  ASSERT_TRUE(sut.lay_out(space));
+  EXPECT_EQ(play({}).error().code, Errc::Disconnected);
+  EXPECT_EQ(sut.counters(), (CamBoardCounters{.started = 1, .failed = 1, .refused = 1}));
+}
+
+}  // namespace
+}  // namespace thimble::test
