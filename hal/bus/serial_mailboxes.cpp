@@ -74,11 +74,4 @@ void SerialMailboxes::sent_out(std::size_t bytes) noexcept {
   sent_ = 0;
 }
 
-void SerialMailboxes::lose_out() noexcept {
-  if (out_.empty()) return;
-  pipes_.finish_out(kOutPipe, UsbOutcome::Failed, 0);
-  out_ = {};
-  sent_ = 0;
-}
-
 }  // namespace thimble::bus

@@ -37,12 +37,10 @@ class SerialMailboxes : public SerialPort {
   // Bytes arrived, at most kMaxSerialBytes; what is beyond is lost.
   THIMBLE_RT void deliver(std::span<const std::uint8_t> bytes, MonotonicTime at) noexcept;
   // What is left of the message under way, else the newest that was submitted, else empty. Valid
-  // until one of the next two.
+  // until the next sent_out().
   THIMBLE_RT std::span<const std::uint8_t> take_out() noexcept;
   // So many more of its bytes reached the device; with the last of them it is out.
   THIMBLE_RT void sent_out(std::size_t bytes) noexcept;
-  // What is left of it will never reach the device.
-  THIMBLE_RT void lose_out() noexcept;
   // Something of the message under way has reached the device already.
   THIMBLE_RT [[nodiscard]] bool is_out_begun() const noexcept { return sent_ > 0; }
   THIMBLE_RT void disconnect() noexcept { pipes_.disconnect(); }

@@ -50,7 +50,7 @@ struct SerialCounters {
 // (docs/decisions/0325-a-serial-port-is-a-stream-in-and-messages-out.md).
 //
 // Input: every byte in order, until kUsbQueuedPackets chunks wait; then the newer ones are lost.
-// Output: a mailbox of one message, the newest wins; but one that the bus has begun is sent to its
+// Output: a mailbox of one message, the newest wins; but one that the bus has taken is sent to its
 // end, however long the device takes, so that no message is ever cut by the next.
 // There are no time-outs: whoever uses a line watches the age of what it hears.
 //
