@@ -2,12 +2,26 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <bit>
+#include <cstddef>
 #include <functional>
 #include <set>
+#include <type_traits>
 #include <vector>
 
 namespace thimble {
 namespace {
+
+// No way around the limiter: a force is made neither of numbers nor of bytes.
+template <class Target>
+concept IsMadeOfBytes = requires(std::array<std::byte, sizeof(Target)> bytes) {
+  std::bit_cast<Target>(bytes);
+};
+static_assert(IsMadeOfBytes<Force3>);
+static_assert(!IsMadeOfBytes<LimitedWrench>);
+static_assert(!std::is_constructible_v<LimitedWrench, Force3>);
+static_assert(!std::is_aggregate_v<LimitedWrench>);
 
 // An arm that returns is judged by this: another limit, and it is another arm.
 TEST(HapticCapabilities, OfTwoArmsDifferWhereverOneNumberDoes) {
