@@ -20,6 +20,12 @@ constexpr std::uint8_t kToEndpoint = 2;
 constexpr std::uint8_t kRecipientBits = 0x1F;  // of bmRequestType
 constexpr std::uint8_t kSelfPowered = 1;
 
+bool has_interface(const UsbPersona& persona, std::uint16_t number) {
+  const std::vector<UsbInterface> interfaces = interfaces_of(persona);
+  return std::any_of(interfaces.begin(), interfaces.end(),
+                     [&](const UsbInterface& interface) { return interface.number == number; });
+}
+
 std::optional<DescriptorBytes> answer_in(const UsbPersona& persona,
                                          const bus::UsbControlRequest& request,
                                          std::uint8_t configuration) {
@@ -72,7 +78,8 @@ std::optional<DescriptorBytes> answer_standard(const UsbPersona& persona,
       configuration = static_cast<std::uint8_t>(request.value);
       return DescriptorBytes{};
     case kSetInterface:
-      if (request.value != 0) return std::nullopt;  // there is no alternate setting
+      // There is no alternate setting.
+      if (request.value != 0 || !has_interface(persona, request.index)) return std::nullopt;
       return DescriptorBytes{};
     case kClearFeature:
     case kSetFeature:
@@ -82,10 +89,12 @@ std::optional<DescriptorBytes> answer_standard(const UsbPersona& persona,
   }
 }
 
-bool ends_halt(const bus::UsbControlRequest& request, std::uint8_t endpoint) noexcept {
-  if (request.request == kSetConfiguration || request.request == kSetInterface) return true;
+bool ends_halt(const bus::UsbControlRequest& request,
+               const bus::UsbEndpointInfo& endpoint) noexcept {
+  if (request.request == kSetConfiguration) return true;
+  if (request.request == kSetInterface) return request.index == endpoint.interface_number;
   return request.request == kClearFeature && request.request_type == kToEndpoint &&
-         request.value == kEndpointHalt && request.index == endpoint;
+         request.value == kEndpointHalt && request.index == endpoint.address;
 }
 
 }  // namespace thimble::sim

@@ -23,8 +23,10 @@ namespace thimble::sim {
                                                              const bus::UsbControlRequest& request,
                                                              std::uint8_t& configuration);
 
-// Whether a standard request ends the halt of an endpoint (USB 2.0, 9.4.5): CLEAR_FEATURE does that
-// of one, choosing a configuration or a setting that of all. Thread: any. Pure.
-[[nodiscard]] bool ends_halt(const bus::UsbControlRequest& request, std::uint8_t endpoint) noexcept;
+// Whether a standard request ends the halt of an endpoint (USB 2.0, 9.1.1.5 and 9.4.5):
+// CLEAR_FEATURE does that of one, choosing a setting those of its interface, choosing a
+// configuration all. Thread: any. Pure.
+[[nodiscard]] bool ends_halt(const bus::UsbControlRequest& request,
+                             const bus::UsbEndpointInfo& endpoint) noexcept;
 
 }  // namespace thimble::sim

@@ -194,12 +194,12 @@ UsbipSession::Progress UsbipSession::end(const Transfer& transfer, std::int32_t 
 
 UsbipSession::Progress UsbipSession::halt(const Transfer& transfer,
                                           const bus::UsbEndpointInfo& endpoint) {
-  halted_.push_back(endpoint.address);
+  halted_.push_back(endpoint);
   return end(transfer, -EPIPE);
 }
 
 bool UsbipSession::is_halted(const bus::UsbEndpointInfo& endpoint) const noexcept {
-  return std::find(halted_.begin(), halted_.end(), endpoint.address) != halted_.end();
+  return std::find(halted_.begin(), halted_.end(), endpoint) != halted_.end();
 }
 
 UsbipSession::Progress UsbipSession::control(Transfer& transfer, MonotonicTime now) {
@@ -209,7 +209,7 @@ UsbipSession::Progress UsbipSession::control(Transfer& transfer, MonotonicTime n
   if (!is_standard(request)) return class_request(transfer, request, now);
   const auto answer = answer_standard(*persona_, request, configuration_);
   if (!answer) return end(transfer, -EPIPE);
-  std::erase_if(halted_, [&](std::uint8_t endpoint) { return ends_halt(request, endpoint); });
+  std::erase_if(halted_, [&](const auto& endpoint) { return ends_halt(request, endpoint); });
   const std::size_t most = std::min<std::size_t>(request.length, transfer.submit.length);
   transfer.in.assign(answer->begin(),
                      answer->begin() + static_cast<std::ptrdiff_t>(std::min(answer->size(), most)));

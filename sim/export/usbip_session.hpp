@@ -97,7 +97,7 @@ class UsbipSession {
   bool is_available_{false};
   bool is_attached_{false};
   std::uint8_t configuration_{0};
-  std::vector<std::uint8_t> halted_;  // endpoints
+  std::vector<bus::UsbEndpointInfo> halted_;
   std::optional<MonotonicTime> used_at_;
   std::vector<std::uint8_t> inbox_;
   std::vector<std::uint8_t> outbox_;

@@ -210,6 +210,30 @@ TEST_F(UsbipSessionTest, AConfigurationThatIsChosenEndsAllHalts) {
   EXPECT_EQ(transfer(host_.write(Model::kBulkOut, {1}), false).status, 0);
 }
 
+TEST_F(UsbipSessionTest, ASettingThatIsChosenEndsTheHaltsOfItsInterfaceAlone) {
+  for (bus::UsbEndpointInfo& endpoint : persona_.info.endpoints) {
+    endpoint.interface_number = endpoint.address == Model::kBulkIn ? 1 : 0;
+  }
+  persona_.interfaces = {{.number = 0}, {.number = 1}};
+  attach();
+  script_->stalls_to_come = {Model::kBulkIn, Model::kBulkOut};
+  EXPECT_EQ(transfer(host_.read(Model::kBulkIn, 64), true).status, -EPIPE);
+  EXPECT_EQ(transfer(host_.write(Model::kBulkOut, {1}), false).status, -EPIPE);
+  script_->to_send[Model::kBulkIn] = {{1}};
+  say(host_.read(Model::kBulkIn, 64));
+
+  EXPECT_EQ(transfer(host_.control({0x01, 11, 0, 0, 2, 0, 0, 0}), false).status, -EPIPE)
+      << "it has no such interface";
+  EXPECT_EQ(transfer(host_.control({0x01, 11, 0, 0, 0, 0, 0, 0}), false).status, 0);
+  EXPECT_EQ(transfer(host_.write(Model::kBulkOut, {1}), false).status, 0);
+  EXPECT_TRUE(sut_.outbox().empty()) << "the halt of the other interface was ended";
+
+  say(host_.control({0x01, 11, 0, 0, 1, 0, 0, 0}));
+  serve(8);
+  EXPECT_EQ(UsbipHost::take_reply(sut_.outbox(), false)->status, 0);
+  EXPECT_EQ(UsbipHost::take_reply(sut_.outbox(), true)->data, Bytes{1});
+}
+
 TEST_F(UsbipSessionTest, AnInterruptPipeHasOneTransactionAFrame) {
   attach();
   for (std::uint8_t i = 0; i < 3; ++i) {
