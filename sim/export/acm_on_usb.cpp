@@ -12,7 +12,8 @@ using plugin::UsbHandshake;
 constexpr std::uint8_t kCommunication = 0;
 constexpr std::uint8_t kData = 1;
 
-// CDC 1.2, section 4: class, subclass and protocol of the interfaces.
+// CDC 1.2, section 4: class of the device; class, subclass and protocol of the interfaces.
+constexpr std::uint8_t kDeviceClass = 0x02;
 constexpr std::uint8_t kClassCommunication = 0x02;
 constexpr std::uint8_t kSubclassAcm = 0x02;
 constexpr std::uint8_t kProtocolAt = 0x01;  // V.250; none is spoken, but hosts look for it
@@ -38,9 +39,8 @@ constexpr std::uint8_t kSetControlLineState = 0x22;
 constexpr std::uint16_t kNotificationBytes = 16;
 constexpr std::uint8_t kNotificationInterval = 16;
 
-}  // namespace
-
-std::vector<UsbInterface> AcmOnUsb::interfaces() {
+// Communication and data.
+std::vector<UsbInterface> interfaces() {
   const DescriptorBytes functional{5,
                                    kCsInterface,
                                    kHeader,
@@ -64,6 +64,8 @@ std::vector<UsbInterface> AcmOnUsb::interfaces() {
           {kData, kClassData, 0, 0, {}}};
 }
 
+}  // namespace
+
 bus::BusDeviceInfo AcmOnUsb::describe() const {
   bus::BusDeviceInfo info = model_->describe();
   info.kind = bus::BusKind::Usb;
@@ -72,6 +74,14 @@ bus::BusDeviceInfo AcmOnUsb::describe() const {
                     {kData, kOut, UsbTransferKind::Bulk, kPacketBytes, 0},
                     {kData, kIn, UsbTransferKind::Bulk, kPacketBytes, 0}};
   return info;
+}
+
+UsbPersona AcmOnUsb::persona(const bus::BusDeviceInfo& info) const {
+  UsbPersona persona{info, {}};
+  persona.info.endpoints = describe().endpoints;
+  persona.class_code = kDeviceClass;
+  persona.interfaces = interfaces();
+  return persona;
 }
 
 bool AcmOnUsb::hand_over() noexcept {

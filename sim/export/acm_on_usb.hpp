@@ -27,18 +27,16 @@ class AcmOnUsb final : public plugin::SimUsbModel {
   static constexpr std::uint8_t kOut = 0x02;
   static constexpr std::uint8_t kIn = 0x82;
   static constexpr std::size_t kPacketBytes = 64;
-  // CDC 1.2, 4.1: what such a device says in its own descriptor.
-  static constexpr std::uint8_t kDeviceClass = 2;
   // PSTN 1.2, 6.3.10: rate in bit/s (32 bits, the lowest first), stop bits, parity, data bits.
   using LineCoding = std::array<std::uint8_t, 7>;
   static constexpr LineCoding kLineAtPowerUp{0x00, 0xC2, 0x01, 0x00, 0, 0, 8};  // ours: 115200, 8N1
 
   explicit AcmOnUsb(plugin::SimSerialModel& model) : model_(&model) {}
 
-  // Communication and data, numbers 0 and 1. Not RT. Pure.
-  [[nodiscard]] static std::vector<UsbInterface> interfaces();
   // With the endpoints of both.
   [[nodiscard]] bus::BusDeviceInfo describe() const override;
+  // As a host is shown it: `info`'s ids and names, with what makes it such a modem. Not RT.
+  [[nodiscard]] UsbPersona persona(const bus::BusDeviceInfo& info) const;
   void advance(MonotonicTime t) noexcept override;
   plugin::UsbAnswer control(const bus::UsbControlRequest& request,
                             std::span<std::uint8_t> in) noexcept override;

@@ -48,6 +48,12 @@ bus::BusDeviceInfo HidOnUsb::describe() const {
   return info;
 }
 
+UsbPersona HidOnUsb::persona(const bus::BusDeviceInfo& info) const {
+  UsbPersona persona{info, model_->report_descriptor()};
+  persona.info.endpoints = describe().endpoints;
+  return persona;
+}
+
 UsbAnswer HidOnUsb::control(const bus::UsbControlRequest& request,
                             std::span<std::uint8_t> in) noexcept {
   const std::optional<HidReportKind> kind = kind_of(request.value);

@@ -2,6 +2,7 @@
 
 #include "hal/plugin/sim_model.hpp"
 #include "hal/plugin/sim_usb_model.hpp"
+#include "sim/export/usb_descriptors.hpp"
 
 namespace thimble::sim {
 
@@ -18,6 +19,8 @@ class HidOnUsb final : public plugin::SimUsbModel {
 
   // With the endpoints; the one that goes out only where the device has output reports.
   [[nodiscard]] bus::BusDeviceInfo describe() const override;
+  // As a host is shown it: `info`'s ids and names, with what makes it a HID device. Not RT.
+  [[nodiscard]] UsbPersona persona(const bus::BusDeviceInfo& info) const;
   void advance(MonotonicTime t) noexcept override { model_->advance(t); }
   plugin::UsbAnswer control(const bus::UsbControlRequest& request,
                             std::span<std::uint8_t> in) noexcept override;

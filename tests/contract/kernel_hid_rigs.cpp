@@ -102,9 +102,9 @@ class UsbipEnd {
  public:
   UsbipEnd(KernelCable& cable, std::shared_ptr<HidModelScript> script)
       : cable_(&cable), model_(std::move(script)) {
-    sim::UsbPersona persona{on_usb_.describe(), model_.report_descriptor()};
-    plug_ =
-        sim::UsbipPlug::listen(io_, 0, on_usb_, std::move(persona), cable.surroundings()).value();
+    plug_ = sim::UsbipPlug::listen(io_, 0, on_usb_, on_usb_.persona(model_.describe()),
+                                   cable.surroundings())
+                .value();
     cable.start();
     plug();
   }

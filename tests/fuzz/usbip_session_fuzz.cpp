@@ -56,9 +56,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
   const auto serial = *kRegistry.find("phantom-vintage-serial")->create_serial({});
   AcmOnUsb acm(*serial);
-  UsbPersona persona{acm.describe(), {}};
-  persona.class_code = AcmOnUsb::kDeviceClass;
-  persona.interfaces = AcmOnUsb::interfaces();
-  say(rest, piece, acm, persona);
+  say(rest, piece, acm, acm.persona(acm.describe()));
   return 0;
 }

@@ -111,19 +111,13 @@ class Simdev {
   Result<void> offer_by_usbip(std::uint16_t port) {
     UsbPersona persona{info_, {}};
     plugin::SimUsbModel* usb = face<plugin::SimUsbModel>();
-    if (auto* hid = face<plugin::SimHidModel>()) {
-      wrapped_ = std::make_unique<HidOnUsb>(*hid);
-      persona.report_descriptor = hid->report_descriptor();
-    }
-    if (auto* serial = face<plugin::SimSerialModel>()) {
-      wrapped_ = std::make_unique<AcmOnUsb>(*serial);
-      persona.class_code = AcmOnUsb::kDeviceClass;
-      persona.interfaces = AcmOnUsb::interfaces();
-    }
-    if (wrapped_) {
-      usb = wrapped_.get();
-      persona.info.endpoints = usb->describe().endpoints;
-    }
+    const auto wrap = [&](auto wrapped) {
+      persona = wrapped->persona(info_);
+      usb = wrapped.get();
+      wrapped_ = std::move(wrapped);
+    };
+    if (auto* hid = face<plugin::SimHidModel>()) wrap(std::make_unique<HidOnUsb>(*hid));
+    if (auto* serial = face<plugin::SimSerialModel>()) wrap(std::make_unique<AcmOnUsb>(*serial));
     auto plug = UsbipPlug::listen(io_, port, *usb, std::move(persona), surroundings());
     if (!plug) return tl::unexpected(plug.error());
     way_ = "over USB/IP at port " + std::to_string((*plug)->port());

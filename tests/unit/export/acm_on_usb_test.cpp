@@ -22,13 +22,6 @@ using plugin::UsbHandshake;
 
 constexpr std::uint32_t kReadBytes = 128;  // two packets, as Linux's cdc_acm asks for
 
-UsbPersona persona_of(const AcmOnUsb& device) {
-  UsbPersona persona{device.describe(), {}};
-  persona.class_code = AcmOnUsb::kDeviceClass;
-  persona.interfaces = AcmOnUsb::interfaces();
-  return persona;
-}
-
 // A device, and a host that has attached it by USB/IP.
 struct AttachedAcm {
   explicit AttachedAcm(plugin::SimSerialModel& serial) : device(serial) {
@@ -53,7 +46,7 @@ struct AttachedAcm {
   ExportBench bench;
   UsbipHost host;
   AcmOnUsb device;
-  UsbPersona persona{persona_of(device)};
+  UsbPersona persona{device.persona(device.describe())};
   UsbipSession session{device, persona, 8, bench.surroundings()};
 };
 

@@ -123,8 +123,7 @@ TEST_F(UsbipPlugTest, HasRoundsOfEighthsOnlyWhereThereIsBulk) {
 class HidOnUsbTest : public UsbipPlugTest {
  protected:
   HidOnUsbTest() {
-    UsbPersona persona{wrapped_.describe(), hid_.report_descriptor()};
-    plug_ = make(wrapped_, persona);
+    plug_ = make(wrapped_, wrapped_.persona(hid_.describe()));
     EXPECT_TRUE(plug_->plug());
     host_socket_.emplace(connect(*plug_));
     ask(*host_socket_, UsbipHost::import(), 320);

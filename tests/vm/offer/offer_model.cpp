@@ -74,9 +74,7 @@ Result<void> offer_model(plugin::SimHidModel& model, const bus::BusDeviceInfo& i
                          std::optional<std::uint16_t> usbip_port) {
   if (!usbip_port) return offer_through_uhid(model, info);
   sim::HidOnUsb wrapped(model);
-  sim::UsbPersona persona{info, model.report_descriptor()};
-  persona.info.endpoints = wrapped.describe().endpoints;
-  return offer_by_usbip(wrapped, std::move(persona), *usbip_port);
+  return offer_by_usbip(wrapped, wrapped.persona(info), *usbip_port);
 }
 
 }  // namespace thimble::test
