@@ -29,18 +29,13 @@ using linux::Descriptor;
 constexpr const char* kEnded =
     "it ended; the journal has its word, journalctl -u 'thimble-guard@*'";
 
-// USB devices and serial ports take the bytes as they are; hidraw wants the report's number first,
-// 0 for none.
-guard::Handover handover_of(const bus::DeviceAddress& address, const ZeroCommand& zero,
-                            bool has_second_way) {
+guard::Handover handover_of(const linux::SharedDevice& device, const ZeroCommand& zero) {
   guard::Handover handover;
   handover.endpoint = zero.endpoint;
-  const bool is_written = zero.endpoint == 0;
-  const bool is_hid = is_written && !address.text.starts_with("serial:");
-  handover.route = is_written ? guard::ZeroRoute::Write : guard::ZeroRoute::UsbBulk;
-  if (is_hid && has_second_way) handover.route = guard::ZeroRoute::HiddevAndWrite;
+  if (zero.endpoint != 0) handover.route = guard::ZeroRoute::UsbBulk;
+  if (device.hiddev.get() >= 0) handover.route = guard::ZeroRoute::HiddevAndWrite;
   static_assert(ZeroCommand::kMaxBytes + 1 <= guard::kMaxZeroBytes);
-  const std::size_t first = is_hid ? 1 : 0;
+  const std::size_t first = device.takes_leading_zero ? 1 : 0;
   std::copy(zero.bytes.begin(), zero.bytes.end(), handover.bytes.begin() + first);
   handover.size = first + zero.bytes.size();
   return handover;
@@ -73,9 +68,8 @@ class GuardProcess final : public devices::ArmGuard {
     if (!device) return tl::unexpected(device.error());
     auto connection = keeper_.connect();
     if (!connection) return tl::unexpected(connection.error());
-    const Result<void> sent = guard::send_handover(
-        connection->get(), handover_of(address, zero, device->hiddev.get() >= 0), *device,
-        page_.descriptor());
+    const Result<void> sent = guard::send_handover(connection->get(), handover_of(*device, zero),
+                                                   *device, page_.descriptor());
     if (!sent) return fail(Errc::System, kEnded);
     Result<void> answered = wait_for_answer(connection->get());
     if (answered) connection_ = *std::move(connection);

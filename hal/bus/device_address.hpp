@@ -8,8 +8,8 @@ namespace thimble::bus {
 
 // Where a device is: "hid:SERIAL" or "hid:PORTPATH", "usb:1-4", "serial:SERIAL" or
 // "serial:PORTPATH", "pci:0000:03:00.0", "sim:phantom-vintage". The scheme says which
-// bus implementation serves it; nothing above the enumerator looks at it
-// otherwise.
+// bus implementation serves it. Nothing above the enumerator looks into it, but for whether it is a
+// simulated one: what else has to be known of a device, its bus says.
 struct DeviceAddress {
   std::string text;
   auto operator<=>(const DeviceAddress&) const = default;

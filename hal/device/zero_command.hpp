@@ -13,7 +13,9 @@ struct ZeroCommand {
   // The longest full-speed packet (USB 2.0, 5.7.3 and 5.8.3), which bounds a HID report here, too.
   static constexpr std::size_t kMaxBytes = 64;
 
-  std::uint8_t endpoint{0};  // OUT pipe of a USB device; 0: an output report of a HID device
+  // OUT pipe of a USB device; 0: an output report of a HID device as HidDevice::submit() takes it,
+  // its number first where reports are numbered, or the bytes of a message on a serial port.
+  std::uint8_t endpoint{0};
   rt::StaticVector<std::uint8_t, kMaxBytes> bytes{};
   bool operator==(const ZeroCommand&) const = default;
 };

@@ -28,7 +28,7 @@ bool is_among(const FoundDevice& wanted, const std::vector<FoundDevice>& devices
 Result<SharedDevice> share_open(const bus::DeviceAddress& address, int node) {
   Descriptor shared(::fcntl(node, F_DUPFD_CLOEXEC, 0));
   if (shared.get() < 0) return tl::unexpected(system_error(address.text + kRefused, errno));
-  return SharedDevice{std::move(shared), {}};
+  return SharedDevice{std::move(shared), {}, false};
 }
 
 // Beside the first way: what it cannot be had for is no reason to have none.
@@ -140,6 +140,7 @@ Result<SharedDevice> BusEnumerator::share(const bus::DeviceAddress& address) {
   const Result<FoundDevice> found = find(address, bus::BusKind::Hid);
   if (!found.has_value()) return tl::unexpected(found.error());
   SharedDevice shared;
+  shared.takes_leading_zero = !found->info.has_report_ids;
   shared.hiddev = open_second_way(found.value());
   // After the second way: it is the same device's when it is still there now.
   Result<Descriptor> node = open_node(found.value(), O_WRONLY);

@@ -22,6 +22,12 @@ using Texts = std::vector<std::string>;
 using Usb = MockMachine::UsbDevice;
 using Hid = MockMachine::HidDevice;
 
+MockMachine::Bytes numbered_reports() {
+  MockMachine::Bytes descriptor = plain_report_descriptor(6, 2);
+  descriptor.insert(descriptor.begin() + 7, {0x85, 0x01});
+  return descriptor;
+}
+
 // USB 2.0, 9.6: a device of one interface with two bulk endpoints.
 const MockMachine::Bytes kBulkDescriptors{
     18,   1, 0, 2,  0xFF, 0, 0,  64, 3,    4,  0x48, 0xCB, 0, 1,  1, 2,    3,
@@ -193,9 +199,7 @@ TEST_F(LinuxEnumerator, TakesWhateverADeviceSaysOfItself) {
 }
 
 TEST_F(LinuxEnumerator, ANumberedDeviceShowsAsOne) {
-  MockMachine::Bytes numbered = plain_report_descriptor(6, 2);
-  numbered.insert(numbered.begin() + 7, {0x85, 0x01});
-  machine.plug_virtual(Hid{.serial_number = "P1", .report_descriptor = numbered});
+  machine.plug_virtual(Hid{.serial_number = "P1", .report_descriptor = numbered_reports()});
   const bus::BusDeviceInfo info = info_of("hid:P1");
   EXPECT_TRUE(info.has_report_ids);
   EXPECT_EQ(info.input_report_bytes, 7U);
@@ -304,12 +308,20 @@ TEST_F(LinuxEnumerator, SharesTheNodeOfAHidDeviceWithWhoMayHaveToLetItGo) {
   plug_arm("1-4", "X", 0);
   const auto shared = sut->share({"hid:X"});
   ASSERT_TRUE(shared.has_value()) << shared.error().message;
+  EXPECT_TRUE(shared->takes_leading_zero);
   EXPECT_EQ(::write(shared->node.get(), "zero", 4), 4);
   std::string written(4, ' ');
   const int node = ::open("/dev/hidraw0", O_RDONLY | O_CLOEXEC);
   EXPECT_EQ(::read(node, written.data(), written.size()), 4);
   EXPECT_EQ(written, "zero");
   EXPECT_EQ(::close(node), 0);
+}
+
+TEST_F(LinuxEnumerator, AReportWithANumberIsSharedWithoutAZeroBeforeIt) {
+  machine.plug_virtual(Hid{.serial_number = "P1", .report_descriptor = numbered_reports()});
+  const auto shared = sut->share({"hid:P1"});
+  ASSERT_TRUE(shared.has_value()) << shared.error().message;
+  EXPECT_FALSE(shared->takes_leading_zero);
 }
 
 TEST_F(LinuxEnumerator, TheHiddevOfAHidDeviceIsThatOfItsInterface) {

@@ -33,7 +33,8 @@ class GuardKeeperTest : public testing::Test {
     settings_.share = [this](const bus::DeviceAddress& address) -> Result<linux::SharedDevice> {
       asked_for_ = address.text;
       if (is_gone_) return fail(Errc::NotFound, "no device at " + address.text);
-      linux::SharedDevice device{Descriptor(::fcntl(node_.get(), F_DUPFD_CLOEXEC, 0)), {}};
+      linux::SharedDevice device{
+          Descriptor(::fcntl(node_.get(), F_DUPFD_CLOEXEC, 0)), {}, takes_leading_zero_};
       if (has_second_way_) device.hiddev = Descriptor(::open("/dev/null", O_RDONLY | O_CLOEXEC));
       return device;
     };
@@ -64,6 +65,7 @@ class GuardKeeperTest : public testing::Test {
   std::string asked_for_;
   bool is_gone_{false};
   bool has_second_way_{false};
+  bool takes_leading_zero_{true};
   ZeroCommand zero_;
   std::unique_ptr<GuardKeeper> keeper_;
 };
@@ -82,11 +84,15 @@ TEST_F(GuardKeeperTest, StartsAGuardThatLetsTheArmGoWhenTheBeatsStop) {
   EXPECT_TRUE(guard->is_watching());
 }
 
-TEST_F(GuardKeeperTest, ASerialPortTakesTheBytesAsTheyAre) {
-  const auto guard = make();
-  ASSERT_TRUE(guard->watch({"serial:42"}, zero_));
-  guard->heartbeat().is_driven = 1;
-  EXPECT_EQ(next_report().substr(0, 2), "\7\11");
+// A serial port; a HID device whose reports are numbered: 7 is the number.
+TEST_F(GuardKeeperTest, WhatWantsNoZeroInFrontTakesTheBytesAsTheyAre) {
+  takes_leading_zero_ = false;
+  for (const char* address : {"serial:42", "hid:42"}) {
+    const auto guard = make();
+    ASSERT_TRUE(guard->watch({address}, zero_));
+    guard->heartbeat().is_driven = 1;
+    EXPECT_EQ(next_report().substr(0, 2), "\7\11") << address;
+  }
 }
 
 TEST_F(GuardKeeperTest, AGuardThatIsGivenUpLetsTheArmGo) {
