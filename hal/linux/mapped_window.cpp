@@ -44,13 +44,7 @@ IoStatus MappedWindow::check(std::uint32_t offset, std::size_t words) const noex
 }
 
 IoStatus MappedWindow::read(std::uint32_t offset, std::uint32_t& out) noexcept {
-  const IoStatus status = check(offset, 1);
-  if (status != IoStatus::Ok) return status;
-  const BusErrorGuard guard(mapping_);
-  const std::uint32_t word = words_.load(offset);
-  if (mapping_.is_gone.load()) return IoStatus::Disconnected;
-  out = word;
-  return status;
+  return read_block(offset, {&out, 1});
 }
 
 IoStatus MappedWindow::write(std::uint32_t offset, std::uint32_t word) noexcept {
@@ -60,9 +54,11 @@ IoStatus MappedWindow::write(std::uint32_t offset, std::uint32_t word) noexcept 
 IoStatus MappedWindow::read_block(std::uint32_t offset, std::span<std::uint32_t> out) noexcept {
   const IoStatus status = check(offset, out.size());
   if (status != IoStatus::Ok) return status;
+  const BusErrorGuard guard(mapping_);
   for (std::uint32_t& word : out) {
-    const IoStatus moved = read(offset, word);
-    if (moved != IoStatus::Ok) return moved;
+    const std::uint32_t loaded = words_.load(offset);
+    if (mapping_.is_gone.load()) return IoStatus::Disconnected;
+    word = loaded;
     offset += sizeof(word);
   }
   return status;

@@ -86,6 +86,20 @@ TEST(MappedWindowTest, OneThatIsGoneTakesNoOtherWithIt) {
   EXPECT_EQ(word, 5U);
 }
 
+// The zeros that then stand there are no words of the board.
+TEST(MappedWindowTest, OfABlockDuringWhichItGoesAwayOnlyWhatWasReadBeforeIsGiven) {
+  const Descriptor file = file_of(8192);
+  const auto sut = MappedWindow::map(file, "bar").value();
+  const std::array<std::uint32_t, 2> ours{5, 6};
+  ASSERT_EQ(sut->write_block(4088, ours), IoStatus::Ok);
+  ASSERT_EQ(::ftruncate(file.get(), 4096), 0);
+  std::array<std::uint32_t, 4> words{1, 2, 3, 4};
+  EXPECT_EQ(sut->read_block(4088, words), IoStatus::Disconnected);
+  EXPECT_EQ(words, (std::array<std::uint32_t, 4>{5, 6, 3, 4}));
+  EXPECT_EQ(sut->read_block(0, words), IoStatus::Disconnected);
+  EXPECT_EQ(words, (std::array<std::uint32_t, 4>{5, 6, 3, 4}));
+}
+
 TEST(MappedWindowTest, TheNodeMayBeClosed) {
   std::unique_ptr<MappedWindow> sut;
   {
