@@ -66,17 +66,28 @@ ServoFrame ServoLoop::begin_frame(Duration lateness) noexcept {
   previous_now_ = frame.now;
   if (frame.dt <= Duration::zero()) frame.dt = settings_.period();
   snapshot_.overruns += static_cast<std::uint64_t>(lateness / settings_.period());
+  away_since_write_ += std::max(Duration::zero(), frame.dt - settings_.period());
 
   // Counted from the first tick on: an arm that never takes a command must not look driven.
-  if (tick_ == 1) last_write_ = frame.now;
+  if (tick_ == 1) {
+    last_write_ = frame.now;
+    away_since_write_ = {};
+  }
   const bool is_command_overdue = frame.now - last_write_ > settings_.command_gap_limit;
   const bool is_tick_missed =
       settings_.is_realtime_required && tick_ > 1 && frame.dt >= 2 * settings_.period();
   if (state_ == OperatingState::Active && (is_command_overdue || is_tick_missed)) {
-    fail(FaultCode::ServoLate, frame);
+    fail(is_tick_missed ? FaultCode::ServoLate : fault_of_overdue_command(), frame);
   }
   frame.dt = std::min(frame.dt, kLongestStep);
   return frame;
+}
+
+// Whose the larger share of the time is: the servo's, which did not run, or that of the arm and its
+// bus, which took none of the commands.
+FaultCode ServoLoop::fault_of_overdue_command() const noexcept {
+  const bool was_away = away_since_write_ > settings_.command_gap_limit / 2;
+  return was_away ? FaultCode::ServoLate : FaultCode::CommandTimeout;
 }
 
 // An arm that its guard let go is driven no more until a person clears it: it had no fresh command
@@ -319,7 +330,9 @@ void ServoLoop::write(ServoFrame& frame, const LimitedWrench& wrench) noexcept {
     ++zeros_taken_;
   }
   // Only a command that the bus took is one: a stuck way out must not look fresh.
-  if (is_taken) last_write_ = frame.now;
+  if (!is_taken) return;
+  last_write_ = frame.now;
+  away_since_write_ = {};
 }
 
 void ServoLoop::record(ServoFrame& frame) noexcept {

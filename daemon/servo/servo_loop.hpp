@@ -91,6 +91,7 @@ class ServoLoop {
   ServoFrame begin_frame(Duration lateness) noexcept;
   void ask_guard(const ServoFrame& frame) noexcept;
   void answer_guard(const ServoFrame& frame) noexcept;
+  [[nodiscard]] FaultCode fault_of_overdue_command() const noexcept;
   void take_state(ServoFrame& frame) noexcept;
   void check_freshness(ServoFrame& frame) noexcept;
   void check_safety_inputs(ServoFrame& frame) noexcept;
@@ -134,7 +135,8 @@ class ServoLoop {
   double freshness_gain_{1};
   std::uint64_t tick_{0};
   MonotonicTime previous_now_{};
-  MonotonicTime last_write_{};  // that the bus took; before any, the first tick
+  MonotonicTime last_write_{};   // that the bus took; before any, the first tick
+  Duration away_since_write_{};  // by which ticks came late since then
   MonotonicTime latched_at_{};
   std::uint32_t interventions_{0};           // of the guard, as of this tick
   std::optional<MonotonicTime> zero_since_;  // since when the arm takes nothing but zero

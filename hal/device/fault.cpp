@@ -26,6 +26,8 @@ std::string_view to_string(FaultCode code) noexcept {
       return "lost-reference";
     case FaultCode::GuardLost:
       return "guard-lost";
+    case FaultCode::CommandTimeout:
+      return "command-timeout";
   }
   return "unknown";
 }
@@ -60,6 +62,9 @@ std::string_view explain(FaultCode code) noexcept {
       return "the arm lost its calibration while it was driven; clear the fault and calibrate it";
     case FaultCode::GuardLost:
       return "the guard of this arm ended while it was driven; another is started, then clear the "
+             "fault";
+    case FaultCode::CommandTimeout:
+      return "the arm took no command for too long; check its cable and power, then clear the "
              "fault";
   }
   return "unknown fault";

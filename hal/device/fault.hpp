@@ -17,12 +17,13 @@ enum class FaultCode : std::uint8_t {
   StaleSample,      // no fresh sample from the arm for too long
   MissedExchanges,  // the leaky bucket is full
   Disconnected,     // the bus lost the device
-  ServoLate,        // the arm had no fresh command for too long
+  ServoLate,        // the servo did not run for so long that the arm had no fresh command
   Estop,
-  LostReference,  // the arm lost its calibration while it was driven
-  GuardLost,      // the arm's guard ended while it was driven
+  LostReference,   // the arm lost its calibration while it was driven
+  GuardLost,       // the arm's guard ended while it was driven
+  CommandTimeout,  // the arm, or its bus, took no command for too long
 };
-inline constexpr std::size_t kFaultCodeCount = 11;
+inline constexpr std::size_t kFaultCodeCount = 12;
 
 // Short name for status and recordings, e.g. "overspeed".
 std::string_view to_string(FaultCode code) noexcept;
