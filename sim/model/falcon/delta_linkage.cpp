@@ -9,8 +9,9 @@ namespace {
 
 constexpr int kMostIterations = 30;
 constexpr double kLongestStep_m = 0.01;
-// A step is squared by the next: what is left after one of this length is below 1e-12 m.
-constexpr double kClose_m = 1e-7;
+// Of G in each leg: less than 1e-12 m from where it is 0; rounding leaves a ten-thousandth of it.
+// leaves.
+constexpr double kFits_m2 = 1e-13;
 constexpr double kSingular = 1e-10;  // m³ of det A, which is 1e-3 where the arm works
 
 double square(double value) noexcept { return value * value; }
@@ -44,6 +45,7 @@ DeltaLinkage::Constraint DeltaLinkage::constrain(const Cranks& cranks,
   Constraint c;
   for (std::size_t i = 0; i < legs_.size(); ++i) {
     const Reach r = reach(i, cranks, x);
+    c.reach[i] = r;
     const double span_m = r.length_m - p_.rods_to_links_m;
     const double pull = r.length_m > 0 ? span_m / r.length_m : 0;
     c.value[i] = (square(span_m) + square(r.across_m) - square(p_.rods_m)) / 2;
@@ -55,11 +57,11 @@ DeltaLinkage::Constraint DeltaLinkage::constrain(const Cranks& cranks,
   return c;
 }
 
-Triple DeltaLinkage::bias(const Cranks& cranks, const Triple& rate, const Triple& x,
+Triple DeltaLinkage::bias(const Cranks& cranks, const Constraint& at, const Triple& rate,
                           const Triple& velocity) const noexcept {
   Triple h;
   for (std::size_t i = 0; i < legs_.size(); ++i) {
-    const Reach r = reach(i, cranks, x);
+    const Reach& r = at.reach[i];
     const double sine = cranks.sine[i];
     const double cosine = cranks.cosine[i];
     const double knee_m_per_s = p_.crank_m * rate[i];
@@ -94,17 +96,22 @@ std::optional<Triple> DeltaLinkage::inverse(const Triple& x) const noexcept {
   return q;
 }
 
-std::optional<Triple> DeltaLinkage::forward(const Cranks& cranks,
-                                            const Triple& near) const noexcept {
-  Triple x = near;
+std::optional<DeltaLinkage::Pose> DeltaLinkage::forward(const Cranks& cranks,
+                                                        const Triple& near) const noexcept {
+  Pose pose{near, {}, {}};
   for (int i = 0; i < kMostIterations; ++i) {
-    const Constraint c = constrain(cranks, x);
-    if (!(std::abs(determinant_of(c.a)) > kSingular)) return std::nullopt;
-    Triple step = solved(c.a, c.value);
+    pose.constraint = constrain(cranks, pose.x);
+    const double determinant = determinant_of(pose.constraint.a);
+    if (!(std::abs(determinant) > kSingular)) return std::nullopt;
+    pose.a_inverse = inverse_of(pose.constraint.a, determinant);
+    const Triple& off_m2 = pose.constraint.value;
+    if (std::max({std::abs(off_m2.x), std::abs(off_m2.y), std::abs(off_m2.z)}) < kFits_m2) {
+      return pose;
+    }
+    Triple step = times(pose.a_inverse, off_m2);
     const double length_m = norm(step);
     if (length_m > kLongestStep_m) step = kLongestStep_m / length_m * step;
-    x -= step;
-    if (length_m < kClose_m) return x;
+    pose.x -= step;
   }
   return std::nullopt;
 }

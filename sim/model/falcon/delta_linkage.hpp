@@ -29,30 +29,37 @@ class DeltaLinkage {
   };
   THIMBLE_RT [[nodiscard]] static Cranks cranks(const Triple& q_rad) noexcept;
 
+  // Of a leg's plane: p, its length, and y.
+  struct Reach {
+    double out_m, up_m, length_m, across_m;
+  };
   struct Constraint {
     Triple value;  // G, m²; 0 where grip and cranks fit
     Matrix3 a;     // dG/dx
     Triple b;      // dG/dq of each leg's own crank
+    std::array<Reach, 3> reach;
+  };
+  // A grip that cranks hold, and the constraint there.
+  struct Pose {
+    Triple x;
+    Constraint constraint;
+    Matrix3 a_inverse;
   };
   THIMBLE_RT [[nodiscard]] Constraint constrain(const Cranks& cranks,
                                                 const Triple& x) const noexcept;
-  // h: what G" is when neither crank nor grip accelerates.
-  THIMBLE_RT [[nodiscard]] Triple bias(const Cranks& cranks, const Triple& rate, const Triple& x,
-                                       const Triple& velocity) const noexcept;
+  // h: what G" is when neither crank nor grip accelerates; `at`: the constraint where they are.
+  THIMBLE_RT [[nodiscard]] Triple bias(const Cranks& cranks, const Constraint& at,
+                                       const Triple& rate, const Triple& velocity) const noexcept;
   // Crank angles that hold the grip at `x`, knees outwards. Closed form.
   THIMBLE_RT [[nodiscard]] std::optional<Triple> inverse(const Triple& x) const noexcept;
   // Where the cranks hold the grip, sought from `near`; the grip must not be more than a few
   // centimetres from it, else another way to assemble the arm may be found.
-  THIMBLE_RT [[nodiscard]] std::optional<Triple> forward(const Cranks& cranks,
-                                                         const Triple& near) const noexcept;
+  THIMBLE_RT [[nodiscard]] std::optional<Pose> forward(const Cranks& cranks,
+                                                       const Triple& near) const noexcept;
 
  private:
   struct Leg {
     Triple outward, across;  // unit vectors; the third is z
-  };
-  // Of a leg's plane: p, its length, and y.
-  struct Reach {
-    double out_m, up_m, length_m, across_m;
   };
   [[nodiscard]] Reach reach(std::size_t leg, const Cranks& cranks, const Triple& x) const noexcept;
 

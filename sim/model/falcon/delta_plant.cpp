@@ -21,12 +21,13 @@ double stop_energy_j(double in, double stiffness) noexcept {
   return in > 0 ? stiffness * square(in) / 2 : 0;
 }
 
-Matrix3 jacobian_of(const DeltaLinkage::Constraint& c) noexcept {
-  // Its columns: how the grip moves when one crank turns.
-  const Triple x = solved(c.a, {-c.b.x, 0, 0});
-  const Triple y = solved(c.a, {0, -c.b.y, 0});
-  const Triple z = solved(c.a, {0, 0, -c.b.z});
-  return {{{{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}}}};
+// Its columns: how the grip moves when one crank turns.
+Matrix3 jacobian_of(const DeltaLinkage::Pose& pose) noexcept {
+  Matrix3 jacobian = pose.a_inverse;
+  for (auto& row : jacobian.row) {
+    for (std::size_t i = 0; i < 3; ++i) row[i] *= -pose.constraint.b[i];
+  }
+  return jacobian;
 }
 
 }  // namespace
@@ -48,9 +49,13 @@ bool DeltaPlant::rest_at(const Triple& x) noexcept {
   for (std::size_t i = 0; i < 3; ++i) {
     if (!((*q)[i] >= p_.crank_min_rad && (*q)[i] <= p_.crank_max_rad)) return false;
   }
-  x_ = x;
+  const DeltaLinkage::Cranks cranks = DeltaLinkage::cranks(*q);
+  const auto pose = linkage_.forward(cranks, x);
+  if (!pose.has_value()) return false;
   q_ = *q;
   rate_ = {};
+  cranks_ = cranks;
+  pose_ = *pose;
   return true;
 }
 
@@ -59,9 +64,9 @@ Triple DeltaPlant::crank_torques(const Triple& q, const Triple& sine,
   Triple torque;
   for (std::size_t i = 0; i < 3; ++i) {
     const double weight = crank_moment_kg_m_ * p_.gravity_m_per_s2 * sine[i] * lean_[i];
-    const double rub =
-        p_.coulomb_newton_m * rate[i] / std::hypot(rate[i], p_.friction_knee_rad_per_s) +
-        p_.viscous_newton_m_s_per_rad * rate[i];
+    const double rub = p_.coulomb_newton_m * rate[i] /
+                           std::sqrt(square(rate[i]) + square(p_.friction_knee_rad_per_s)) +
+                       p_.viscous_newton_m_s_per_rad * rate[i];
     torque[i] = weight - rub +
                 stop_push(p_.crank_min_rad - q[i], -rate[i], p_.crank_stop_newton_m_per_rad,
                           p_.stop_damping_s) -
@@ -91,80 +96,94 @@ Matrix3 DeltaPlant::mass_matrix(const Matrix3& jacobian) const noexcept {
   return mass;
 }
 
-std::optional<DeltaPlant::Stage> DeltaPlant::evaluate(const Triple& q, const Triple& rate,
-                                                      const Triple& near,
-                                                      const Inputs& in) const noexcept {
-  const DeltaLinkage::Cranks cranks = DeltaLinkage::cranks(q);
-  const std::optional<Triple> x = linkage_.forward(cranks, near);
-  if (!x.has_value()) return std::nullopt;
-  const DeltaLinkage::Constraint c = linkage_.constrain(cranks, *x);
-  const Matrix3 jacobian = jacobian_of(c);
-  Stage stage{*x, times(jacobian, rate), {}};
-  const Triple drift = -solved(c.a, linkage_.bias(cranks, rate, *x, stage.velocity));
-  const Triple force = in.grip_force + grip_forces(*x, stage.velocity) - grip_kg_ * drift;
+DeltaPlant::Stage DeltaPlant::evaluate(const Triple& q, const Triple& rate,
+                                       const DeltaLinkage::Cranks& cranks,
+                                       const DeltaLinkage::Pose& pose,
+                                       const Inputs& in) const noexcept {
+  const Matrix3 jacobian = jacobian_of(pose);
+  Stage stage{pose.x, times(jacobian, rate), {}};
+  const Triple bias = linkage_.bias(cranks, pose.constraint, rate, stage.velocity);
+  const Triple drift = -times(pose.a_inverse, bias);
+  const Triple force = in.grip_force + grip_forces(pose.x, stage.velocity) - grip_kg_ * drift;
   const Triple torque =
       in.motor_torque + crank_torques(q, cranks.sine, rate) + transposed_times(jacobian, force);
   stage.acceleration = solved(mass_matrix(jacobian), torque);
   return stage;
 }
 
+std::optional<DeltaPlant::Stage> DeltaPlant::evaluate(const Triple& q, const Triple& rate,
+                                                      const Triple& near,
+                                                      const Inputs& in) const noexcept {
+  const DeltaLinkage::Cranks cranks = DeltaLinkage::cranks(q);
+  const auto pose = linkage_.forward(cranks, near);
+  if (!pose.has_value()) return std::nullopt;
+  return evaluate(q, rate, cranks, *pose, in);
+}
+
 std::optional<DeltaPlant::Stage> DeltaPlant::advance(double dt_s, const Inputs& in, Triple& q,
                                                      Triple& rate) const noexcept {
-  const auto k1 = evaluate(q_, rate_, x_, in);
-  if (!k1) return std::nullopt;
-  const Triple rate2 = rate_ + dt_s / 2 * k1->acceleration;
-  const auto k2 = evaluate(q_ + dt_s / 2 * rate_, rate2, x_ + dt_s / 2 * k1->velocity, in);
+  const Stage k1 = evaluate(q_, rate_, cranks_, *pose_, in);
+  const Triple rate2 = rate_ + dt_s / 2 * k1.acceleration;
+  const auto k2 = evaluate(q_ + dt_s / 2 * rate_, rate2, k1.x + dt_s / 2 * k1.velocity, in);
   if (!k2) return std::nullopt;
   const Triple rate3 = rate_ + dt_s / 2.0 * k2->acceleration;
   const auto k3 = evaluate(q_ + dt_s / 2 * rate2, rate3, k2->x, in);
   if (!k3) return std::nullopt;
   const Triple rate4 = rate_ + dt_s * k3->acceleration;
-  const auto k4 = evaluate(q_ + dt_s * rate3, rate4, x_ + dt_s * k3->velocity, in);
+  const auto k4 = evaluate(q_ + dt_s * rate3, rate4, k1.x + dt_s * k3->velocity, in);
   if (!k4) return std::nullopt;
   q = q_ + dt_s / 6 * (rate_ + 2.0 * rate2 + 2.0 * rate3 + rate4);
-  rate = rate_ + dt_s / 6 *
-                     (k1->acceleration + 2.0 * k2->acceleration + 2.0 * k3->acceleration +
-                      k4->acceleration);
+  rate = rate_ +
+         dt_s / 6 *
+             (k1.acceleration + 2.0 * k2->acceleration + 2.0 * k3->acceleration + k4->acceleration);
   return k4;
 }
 
 void DeltaPlant::step(double dt_s, const Triple& motor_torque, const Triple& grip_force) noexcept {
+  if (!pose_.has_value()) {
+    ++standstills_;
+    return;
+  }
   Triple q;
   Triple rate;
   const auto end = advance(dt_s, {motor_torque, grip_force}, q, rate);
-  const auto x = end ? linkage_.forward(DeltaLinkage::cranks(q), end->x) : std::nullopt;
-  if (!x.has_value() || !(norm(rate) <= kFastest_rad_per_s)) {
+  const DeltaLinkage::Cranks cranks = DeltaLinkage::cranks(q);
+  const auto pose = end ? linkage_.forward(cranks, end->x) : std::nullopt;
+  if (!pose.has_value() || !(norm(rate) <= kFastest_rad_per_s)) {
     rate_ = {};
     ++standstills_;
     return;
   }
   q_ = q;
   rate_ = rate;
-  x_ = *x;
+  cranks_ = cranks;
+  pose_ = *pose;
 }
 
 Matrix3 DeltaPlant::jacobian() const noexcept {
-  return jacobian_of(linkage_.constrain(DeltaLinkage::cranks(q_), x_));
+  return pose_.has_value() ? jacobian_of(*pose_) : Matrix3{};
 }
 
 Triple DeltaPlant::grip_velocity() const noexcept { return times(jacobian(), rate_); }
 
 Triple DeltaPlant::force_of(const Triple& torque) const noexcept {
+  if (!pose_.has_value()) return {};
   // F = J^-T torque, and J^-T = -A^T diag(1/b).
-  const DeltaLinkage::Constraint c = linkage_.constrain(DeltaLinkage::cranks(q_), x_);
+  const DeltaLinkage::Constraint& c = pose_->constraint;
   const Triple force = -transposed_times(c.a, each_over(torque, c.b));
   return is_finite(force) ? force : Triple{};
 }
 
 double DeltaPlant::mechanical_energy_j() const noexcept {
+  const Triple x = grip();
   double energy_j =
-      dot(rate_, times(mass_matrix(jacobian()), rate_)) / 2 + grip_kg_ * p_.gravity_m_per_s2 * x_.y;
+      dot(rate_, times(mass_matrix(jacobian()), rate_)) / 2 + grip_kg_ * p_.gravity_m_per_s2 * x.y;
   for (std::size_t i = 0; i < 3; ++i) {
     energy_j += crank_moment_kg_m_ * p_.gravity_m_per_s2 * std::cos(q_[i]) * lean_[i] +
                 stop_energy_j(p_.crank_min_rad - q_[i], p_.crank_stop_newton_m_per_rad) +
                 stop_energy_j(q_[i] - p_.crank_max_rad, p_.crank_stop_newton_m_per_rad);
   }
-  return energy_j + stop_energy_j(std::hypot(x_.x, x_.y) - p_.rim_m, p_.rim_newton_per_m);
+  return energy_j + stop_energy_j(std::hypot(x.x, x.y) - p_.rim_m, p_.rim_newton_per_m);
 }
 
 }  // namespace thimble::sim

@@ -24,7 +24,8 @@ class DeltaPlant {
  public:
   explicit DeltaPlant(const FalconParameters& parameters);
 
-  // Puts the grip there, at rest. False, and nothing changes: out of reach.
+  // Puts the grip there, at rest; before that there is no motion. False, and nothing changes: out
+  // of reach.
   THIMBLE_RT bool rest_at(const Triple& x) noexcept;
   THIMBLE_RT void set_rate(const Triple& rate) noexcept { rate_ = rate; }
   // `dt_s` in (0, 1e-4]: the stops' stiffness bounds it. Torque of each crank, N m; force, N.
@@ -32,7 +33,7 @@ class DeltaPlant {
 
   [[nodiscard]] const Triple& crank_rad() const noexcept { return q_; }
   [[nodiscard]] const Triple& crank_rate() const noexcept { return rate_; }
-  [[nodiscard]] const Triple& grip() const noexcept { return x_; }
+  [[nodiscard]] Triple grip() const noexcept { return pose_ ? pose_->x : Triple{}; }
   THIMBLE_RT [[nodiscard]] Triple grip_velocity() const noexcept;
   // dx/dq here, m/rad.
   THIMBLE_RT [[nodiscard]] Matrix3 jacobian() const noexcept;
@@ -50,6 +51,9 @@ class DeltaPlant {
   struct Stage {
     Triple x, velocity, acceleration;  // of the grip, of the grip, of the cranks
   };
+  [[nodiscard]] Stage evaluate(const Triple& q, const Triple& rate,
+                               const DeltaLinkage::Cranks& cranks, const DeltaLinkage::Pose& pose,
+                               const Inputs& in) const noexcept;
   [[nodiscard]] std::optional<Stage> evaluate(const Triple& q, const Triple& rate,
                                               const Triple& near, const Inputs& in) const noexcept;
   [[nodiscard]] std::optional<Stage> advance(double dt_s, const Inputs& in, Triple& q,
@@ -67,7 +71,8 @@ class DeltaPlant {
   Triple lean_{};               // how far each crank's outward direction points up
   Triple q_{};
   Triple rate_{};
-  Triple x_{};
+  DeltaLinkage::Cranks cranks_{};           // of q_
+  std::optional<DeltaLinkage::Pose> pose_;  // for q_; nothing before it was put anywhere
   std::uint64_t standstills_{0};
 };
 

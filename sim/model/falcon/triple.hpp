@@ -55,6 +55,17 @@ using Triple = Vector3<struct TripleTag>;
   return (1 / determinant_of(m)) *
          (v.x * cross_product(b, c) + v.y * cross_product(c, a) + v.z * cross_product(a, b));
 }
+// `determinant`: that of m, not 0.
+[[nodiscard]] inline Matrix3 inverse_of(const Matrix3& m, double determinant) noexcept {
+  const Triple a = row_of(m, 0);
+  const Triple b = row_of(m, 1);
+  const Triple c = row_of(m, 2);
+  const double scale = 1 / determinant;
+  const Triple x = scale * cross_product(b, c);
+  const Triple y = scale * cross_product(c, a);
+  const Triple z = scale * cross_product(a, b);
+  return {{{{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}}}};
+}
 // x of m^T x = v.
 [[nodiscard]] inline Triple solved_transposed(const Matrix3& m, Triple v) noexcept {
   const Triple a = row_of(m, 0);
