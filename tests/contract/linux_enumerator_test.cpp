@@ -123,6 +123,13 @@ TEST_F(LinuxEnumerator, DescribesASerialPortOnUsbAndLeavesTheMachinesOwnOut) {
   EXPECT_EQ(events(), (Texts{"+serial:1234567", "+usb:1-4"}));
 }
 
+// Of a hundred of them each look would cost.
+TEST_F(LinuxEnumerator, WhatIsNamedLikeTheMachinesOwnPortsIsNotLookedAt) {
+  machine.plug(Usb{.port = "1-4"});
+  machine.plug(MockMachine::SerialDevice{.port = "1-4", .name = "ttyS4"});
+  EXPECT_EQ(addresses(), Texts{"usb:1-4"});
+}
+
 TEST_F(LinuxEnumerator, APortWithoutASerialNumberOrOfAnInterfaceOfManyIsNamedByItsPlace) {
   machine.plug(Usb{.port = "1-4", .number = 4});
   machine.plug(MockMachine::SerialDevice{.port = "1-4", .name = "ttyACM0"});
