@@ -11,6 +11,7 @@
 
 #include "cli/calibrate_force.hpp"
 #include "cli/cam/disassemble.hpp"
+#include "cli/cam/run.hpp"
 #include "cli/commands.hpp"
 #include "cli/devices/devices.hpp"
 #include "cli/doctor/doctor.hpp"
@@ -20,6 +21,7 @@
 #include "cli/text.hpp"
 #include "daemon/config/name.hpp"
 #include "daemon/config/paths.hpp"
+#include "hal/linux/monotonic_clock.hpp"
 #include "hal/linux/standard_streams.hpp"
 
 namespace {
@@ -51,6 +53,7 @@ struct Arguments {
   thimble::cli::CalibrateOptions calibrate;
   thimble::cambus::ListLimits board;
   int log2_sites{thimble::cambus::kLog2ModuleSites.front()};
+  thimble::cam::RunOptions cam;
 };
 
 // As a check: what a person gave for a number is one (cli/numbers.hpp).
@@ -149,9 +152,37 @@ void add_flight_commands(CLI::App& app, Arguments& arguments, int& code) {
   show->callback([&] { code = thimble::flight::run_show(arguments.file, arguments.before_s); });
 }
 
+void add_cam_world_commands(CLI::App& cam, Arguments& arguments, int& code) {
+  thimble::cam::RunOptions& options = arguments.cam;
+  CLI::App* list = cam.add_subcommand("list", "Name the worlds that run without an arm");
+  list->add_flag("--json", options.is_json, "As a JSON document");
+  list->callback([&] { code = thimble::cam::run_list(options.is_json); });
+
+  CLI::App* run = cam.add_subcommand("run", "Run a world, and say what came of it and how fast");
+  run->add_option("WORLD", options.world, "One of thimble cam list")->required();
+  run->add_option("--size", options.size, "Sites along x, y and z: powers of two, 512x512")
+      ->required();
+  run->add_option("--steps", options.steps, "How many")->required();
+  run->add_option("--seed", options.seed, "Of what is random")->capture_default_str();
+  run->add_option("--pattern", options.pattern,
+                  "Begin with this in the middle: .rle, .npy, .nrrd or .nhdr")
+      ->type_name("FILE");
+  run->add_option("--engine", options.engine, "Which does the work; all do the same")
+      ->check(CLI::IsMember({"reference", "general", "compiled", "auto"}))
+      ->capture_default_str();
+  run->add_option("--modules", options.modules, "Of the board whose clocks are counted")
+      ->check(CLI::IsMember({1, 2, 4, 8, 16, 32, 64}))
+      ->capture_default_str();
+  run->add_option("--write", options.write, "What came of it, to a file: .npy or .rle")
+      ->type_name("FILE");
+  run->add_flag("--json", options.is_json, "As a JSON document");
+  run->callback([&] { code = run_run(options, thimble::linux::MonotonicClock()); });
+}
+
 void add_cam_commands(CLI::App& app, Arguments& arguments, int& code) {
-  CLI::App* cam = app.add_subcommand("cam", "Look at programs of a CAM board");
+  CLI::App* cam = app.add_subcommand("cam", "Run worlds of a CAM, look at programs of its board");
   cam->require_subcommand(1);
+  add_cam_world_commands(*cam, arguments, code);
   CLI::App* disassemble = cam->add_subcommand(
       "disassemble", "Tell what a step list does, and whether a board takes it");
   disassemble->add_option("FILE", arguments.file, "Of the form in docs/cambus.md, section 3")

@@ -37,12 +37,16 @@ _thimble() {
         options=show
       fi ;;
     cam)
-      if [[ $word == -* ]]; then
-        options+=" --sync --sites"
+      if [[ $before == --engine ]]; then
+        options="reference general compiled auto"
+      elif [[ $before == --pattern || $before == --write ]]; then
+        mapfile -t COMPREPLY < <(compgen -f -- "$word"); return
+      elif [[ $word == -* ]]; then
+        options+=" --sync --sites --size --steps --seed --pattern --engine --modules --write --json"
       elif [[ " ${COMP_WORDS[*]:0:COMP_CWORD} " == *" disassemble "* ]]; then
         mapfile -t COMPREPLY < <(compgen -f -- "$word"); return
       else
-        options=disassemble
+        options="run list disassemble"
       fi ;;
     world)
       if [[ $word == -* ]]; then

@@ -1,5 +1,6 @@
-"""Step lists for a CAM board, as a person looks at them."""
+"""Worlds of a CAM without an arm, and step lists for a board, as a person looks at them."""
 
+import json
 import struct
 
 from rig import ProcessTest
@@ -54,3 +55,44 @@ class StepLists(ProcessTest):
             self.assert_one_sentence(shown.stderr, "steps.cam", "no step list")
         missing = self.run_program("thimble", "cam", "disassemble", self.folder / "none")
         self.assertEqual((missing.returncode, missing.stdout), (1, ""))
+
+
+class Worlds(ProcessTest):
+    def run_world(self, world, *options):
+        return self.run_program("thimble", "cam", "run", world, *options)
+
+    def test_they_are_named(self):
+        shown = self.run_program("thimble", "cam", "list")
+        self.assertEqual((shown.returncode, shown.stderr), (0, ""))
+        named = json.loads(self.run_program("thimble", "cam", "list", "--json").stdout)
+        self.assertEqual([line.split()[0] for line in shown.stdout.splitlines()],
+                         [world["name"] for world in named])
+        self.assertIn("life", [world["name"] for world in named])
+
+    def test_a_glider_goes_round_the_torus(self):
+        glider, after = self.folder / "glider.rle", self.folder / "after.rle"
+        glider.write_text("x = 3, y = 3, rule = B3/S23\nbob$2bo$3o!\n")
+        told = []
+        for steps, engine in (("0", "auto"), ("64", "auto"), ("64", "general"), ("64", "reference")):
+            shown = self.run_world("life", "--size", "16x16", "--steps", steps, "--pattern", glider,
+                                   "--engine", engine, "--write", after, "--json")
+            self.assertEqual((shown.returncode, shown.stderr), (0, ""))
+            told.append((json.loads(shown.stdout)["population"], after.read_text()))
+        self.assertEqual(told[0][0], [5] * 9 + [0] * 7)
+        self.assertEqual(told, [told[0]] * 4)
+
+    def test_a_person_is_told_layers_clocks_and_time(self):
+        shown = self.run_world("hpp", "--size", "32x32", "--steps", "10", "--modules", "2")
+        self.assertEqual((shown.returncode, shown.stderr), (0, ""))
+        self.assertRegex(shown.stdout, r"(?m)^hpp, 32x32 sites, 10 steps by compiled")
+        self.assertRegex(shown.stdout, r"(?m)^board  \d+ clocks, .* at 25 MHz on 2 modules$")
+
+    def test_what_cannot_be_is_one_sentence(self):
+        for world, options, said in (("no-such", ("--size", "8x8", "--steps", "1"), "cam list"),
+                                     ("life", ("--size", "9x8", "--steps", "1"), "powers of two"),
+                                     ("life", ("--size", "8x8", "--steps", "1", "--write", "x.txt"), ".npy or .rle")):
+            shown = self.run_world(world, *options)
+            self.assertEqual((shown.returncode, shown.stdout), (1, ""))
+            self.assert_one_sentence(shown.stderr, said)
+        self.assertEqual(self.run_world("life", "--size", "8x8").returncode, 2)
+        self.assertEqual(self.run_world("life", "--size", "8x8", "--steps", "1", "--engine", "x").returncode, 2)

@@ -113,7 +113,7 @@ void CamMachine::start_scan() {
   }
   if (hangs_ || which.empty()) return;
   ++counters_.scans;
-  scan_end_ = now_ + scan(torus_, which);
+  scan_end_ = now_ + scan(torus_, which, moves_bits_);
   for (const std::size_t i : which) torus_.modules[i].registers.planes(Register::Run) = {};
 }
 

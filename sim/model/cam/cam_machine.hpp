@@ -32,6 +32,8 @@ class CamMachine {
                                                                std::uint32_t length);
   void reset();
   void wait_for_scan();
+  // From now on scans take their clocks and move no bits: for who has the bits elsewhere.
+  void keep_only_time() noexcept { moves_bits_ = false; }
   void spend(std::uint64_t clocks) { now_ += clocks; }
 
   [[nodiscard]] std::uint64_t now_clocks() const noexcept { return now_; }
@@ -57,6 +59,7 @@ class CamMachine {
   std::uint64_t now_{0};
   std::uint64_t scan_end_{0};
   bool hangs_{false};
+  bool moves_bits_{true};
   CamCounters counters_;
 };
 

@@ -231,7 +231,7 @@ void Lockstep::finish() {
 
 }  // namespace
 
-std::uint64_t scan(CamTorus& torus, std::span<const std::size_t> which) {
+std::uint64_t scan(CamTorus& torus, std::span<const std::size_t> which, bool moves_bits) {
   if (which.empty()) return 0;
   const CamRegisters& format = torus.modules[which.front()].registers;
   const std::uint32_t end_of_scan = format.get(field::kEndOfScan, 0);
@@ -245,14 +245,15 @@ std::uint64_t scan(CamTorus& torus, std::span<const std::size_t> which) {
   std::uint64_t clocks = 0;
   std::uint64_t sweeps = 0;
   Lockstep modules(torus, which);
-  for (std::uint64_t visited = 0; visited < sites; ++visited) {
-    modules.visit(0);
-    clocks += is_fast ? 1 : wire::kSlowSite_clocks;
-    if ((visited + 1) % sweep != 0) continue;
+  for (std::uint64_t visited = 0; visited < sites; visited += sweep) {
+    for (std::uint64_t site = 0; site < sweep; ++site) {
+      if (moves_bits) modules.visit(0);
+      clocks += is_fast ? 1 : wire::kSlowSite_clocks;
+    }
     clocks += wire::kSweepOverhead_clocks;
     if (++sweeps % sweeps_between == 0) clocks += wire::kClocksPerRefresh * refreshes;
   }
-  modules.finish();
+  if (moves_bits) modules.finish();
   return clocks;
 }
 

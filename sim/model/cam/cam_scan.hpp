@@ -14,8 +14,8 @@ namespace thimble::sim::cam {
 
 // A scan of all modules in `which`, 2^end-of-scan sites from each one's scan index on. Formats are
 // those of layer 0 of the first. Returns the clocks it took: sites, sweeps and refreshes as they
-// came.
-std::uint64_t scan(CamTorus& torus, std::span<const std::size_t> which);
+// came. Without `moves_bits` that is all it does.
+std::uint64_t scan(CamTorus& torus, std::span<const std::size_t> which, bool moves_bits = true);
 
 // Of one module, a site for each word: the host's bits are `told`; what its display would show.
 std::vector<std::uint16_t> scan_io(CamTorus& torus, std::size_t module,

@@ -1,0 +1,109 @@
+#include "cli/cam/run.hpp"
+
+#include <bit>
+#include <charconv>
+#include <memory>
+
+#include "cli/cam/board_engine.hpp"
+#include "cli/cam/rules/rule.hpp"
+#include "sim/model/cam/engine/plane_engine.hpp"
+
+namespace thimble::cam {
+namespace {
+
+using sim::cam::Engine;
+using sim::cam::PlaneCounts;
+using sim::cam::PlaneEngine;
+using sim::cam::SiteSpace;
+using sim::cam::TablePath;
+
+// Takes the steps; the counters of the last one.
+Result<PlaneCounts> take_steps(Engine& engine, const Rule& rule, std::uint64_t steps,
+                               bool counts_last) {
+  PlaneCounts counters{};
+  for (std::uint64_t step = 0; step < steps; ++step) {
+    const bool counts = counts_last && step + 1 == steps;
+    const auto counted = engine.step(
+        rule.cycle[step % rule.cycle.size()],
+        {.counting = counts ? sim::cam::Counting::Outputs : sim::cam::Counting::Nothing});
+    if (!counted) return tl::unexpected(counted.error());
+    counters = *counted;
+  }
+  return counters;
+}
+
+// The same steps on a board that keeps only time.
+Result<std::uint64_t> clocks_of(const Rule& rule, const SiteSpace& space,
+                                const RunOptions& options) {
+  const auto board = BoardEngine::make(space, options.modules, BoardEngine::Keeps::OnlyTime);
+  if (!board) return tl::unexpected(board.error());
+  // The table is sent before the clocks are looked at.
+  if (const auto shown = (*board)->show_table(0); !shown) return tl::unexpected(shown.error());
+  const std::uint64_t before = (*board)->clocks();
+  const auto taken = take_steps(**board, rule, options.steps, false);
+  if (!taken) return tl::unexpected(taken.error());
+  return (*board)->clocks() - before;
+}
+
+Result<std::unique_ptr<Engine>> make_engine(const SiteSpace& space, const RunOptions& options) {
+  if (options.engine == "reference") {
+    auto board = BoardEngine::make(space, options.modules);
+    if (!board) return tl::unexpected(board.error());
+    return std::unique_ptr<Engine>(std::move(*board));
+  }
+  const TablePath path = options.engine == "general"    ? TablePath::General
+                         : options.engine == "compiled" ? TablePath::Compiled
+                                                        : TablePath::Auto;
+  auto planes = PlaneEngine::make(space, path);
+  if (!planes) return tl::unexpected(planes.error());
+  return std::unique_ptr<Engine>(std::move(*planes));
+}
+
+}  // namespace
+
+Result<SiteSpace> parse_size(const std::string& text) {
+  SiteSpace space;
+  std::string_view rest = text;
+  for (std::size_t axis = 0; axis < 3 && !rest.empty(); ++axis) {
+    std::uint32_t length = 0;
+    const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), length);
+    rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
+    const bool goes_on = rest.starts_with('x') && rest.size() > 1;
+    if (error != std::errc{} || !std::has_single_bit(length) || (!rest.empty() && !goes_on)) break;
+    space.log2_cells[axis] = std::countr_zero(length);
+    if (rest.empty()) return sim::cam::check_space(space).map([&] { return space; });
+    rest.remove_prefix(1);
+  }
+  return fail(Errc::InvalidArgument,
+              "a size is one to three powers of two, as in 512x512 or 64x64x64");
+}
+
+Result<RunReport> run_world(const Rule& rule, const SiteSpace& space, const RunOptions& options,
+                            const Clock& clock) {
+  const auto sites = first_sites(rule, space, options);
+  if (!sites) return tl::unexpected(sites.error());
+  const auto engine = make_engine(space, options);
+  if (!engine) return tl::unexpected(engine.error());
+  if (const auto loaded = (*engine)->load(0, table_of(rule)); !loaded) {
+    return tl::unexpected(loaded.error());
+  }
+  if (const auto put = (*engine)->put(*sites); !put) return tl::unexpected(put.error());
+  const MonotonicTime start = clock.now();
+  const auto counters = take_steps(**engine, rule, options.steps, true);
+  if (!counters) return tl::unexpected(counters.error());
+  RunReport report;
+  report.host_s = seconds(clock.now() - start);
+  report.counters = *counters;
+  report.population = (*engine)->population();
+  report.path = "board";
+  if (const auto* planes = dynamic_cast<const PlaneEngine*>(engine->get())) {
+    report.path = planes->compiled_ops(0) ? "compiled" : "table";
+    report.kernels = sim::cam::usable_kernels().front()->name;
+  }
+  if (const auto clocks = clocks_of(rule, space, options)) report.board_clocks = *clocks;
+  report.sites.resize(space.sites());
+  if (const auto got = (*engine)->get(report.sites); !got) return tl::unexpected(got.error());
+  return report;
+}
+
+}  // namespace thimble::cam

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hal/base/result.hpp"
+#include "hal/base/time.hpp"
+#include "sim/model/cam/engine/engine.hpp"
+
+namespace thimble::cam {
+
+struct Rule;
+
+inline constexpr double kBoardHz = 25e6;  // docs/cambus.md, section 1
+
+// What `thimble cam run` was told.
+struct RunOptions {
+  std::string world{};
+  std::string size{};  // "512x512" or "64x64x64": sites, powers of two
+  std::uint64_t steps{0};
+  std::uint64_t seed{1};
+  std::string pattern{};  // a file; empty: at random
+  std::string engine{"auto"};
+  int modules{1};
+  std::string write{};  // a file; empty: none
+  bool is_json{false};
+};
+
+// "64x64x64" as powers of two. Errors: InvalidArgument. Pure and total.
+[[nodiscard]] Result<sim::cam::SiteSpace> parse_size(const std::string& text);
+
+// What came of it.
+struct RunReport {
+  sim::cam::PlaneCounts population{};
+  sim::cam::PlaneCounts counters{};             // of the last step: bits behind the table
+  std::string path{};                           // "board", "table", "compiled"
+  std::string kernels{};                        // the instruction set; empty for the board
+  std::optional<std::uint64_t> board_clocks{};  // of the steps alone; none: no such board
+  double host_s{0};                             // of the steps alone
+  std::vector<std::uint16_t> sites{};
+};
+
+// A world's first sites. Errors: of the pattern's file, or where it does not fit.
+[[nodiscard]] Result<std::vector<std::uint16_t>> first_sites(const Rule& rule,
+                                                             const sim::cam::SiteSpace& space,
+                                                             const RunOptions& options);
+// Errors: one sentence that names what was wrong.
+[[nodiscard]] Result<RunReport> run_world(const Rule& rule, const sim::cam::SiteSpace& space,
+                                          const RunOptions& options, const Clock& clock);
+
+// Sites as a file by the end of its name: .npy (16-bit numbers, [x, y, z]) or .rle (of a world in a
+// plane: its cells, or the sites with anything of the rule's matter). Errors: InvalidArgument.
+[[nodiscard]] Result<std::string> to_file(const Rule& rule, const sim::cam::SiteSpace& space,
+                                          const std::vector<std::uint16_t>& sites,
+                                          const std::string& name);
+
+// `thimble cam run` and `thimble cam list`: to standard output, mistakes to standard error; the
+// exit code.
+int run_run(const RunOptions& options, const Clock& clock);
+int run_list(bool is_json);
+
+}  // namespace thimble::cam
