@@ -49,7 +49,8 @@ Result<void> Board::start(const CamSteps& steps, Duration at_most, MonotonicTime
   if (!space_) return fail(Errc::InvalidArgument, "the board has not been laid out");
   CamProgram program(*space_);
   if (!is_set_up_) {
-    program.number_modules();
+    // After a reset alone: modules that have their numbers cannot be told from each other by it.
+    if (player_.needs_set_up()) program.number_modules();
     program.set_up();
   }
   readings_.clear();

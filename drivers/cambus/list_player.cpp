@@ -44,10 +44,13 @@ Result<void> ListPlayer::start(const StepList& list, Duration at_most, Monotonic
 
 Result<bool> ListPlayer::poll(MonotonicTime now) {
   if (!is_playing()) return true;
+  // A board that takes no time to take a doorbell costs none.
   BoardStatus status;
-  const IoStatus seen = port_->poll(now, status);
-  if (seen == IoStatus::Disconnected) return stop(lost_board());
-  if (seen == IoStatus::Ok) {
+  for (auto before = Phase::Idle; before != phase_;) {
+    before = phase_;
+    const IoStatus seen = port_->poll(now, status);
+    if (seen == IoStatus::Disconnected) return stop(lost_board());
+    if (seen != IoStatus::Ok) break;
     auto is_over = go_on(status);
     if (!is_over || *is_over) return is_over;
   }

@@ -35,6 +35,22 @@ TEST_P(CamBoardContract, NothingRunsBeforeThereIsASpace) {
   EXPECT_TRUE(play({}));
 }
 
+TEST_P(CamBoardContract, LaidOutAnewItKeepsItsCellsAndForgetsWhatWasSet) {
+  std::mt19937 random(9);
+  const auto cells = CamBoardOracle::random_words(random, space.cells());
+  ASSERT_TRUE(sut.lay_out(space));
+  ASSERT_TRUE(play({WriteCells{cells}, Count{CamEvents::Site}, Fix{0xffff, 0}}));
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(sut.lay_out(space));
+    const auto answer = play(
+        {ReadCells{}, cam_step::Run{{.is_scan = false, .takes_counts = true}}, cam_step::Run{},
+         cam_step::Run{{.is_scan = false, .takes_counts = true}}, ReadCounts{}, WriteCells{cells}});
+    ASSERT_TRUE(answer) << answer.error().message;
+    EXPECT_EQ(answer->cells.at(0), *cells);
+    EXPECT_EQ(answer->counts.at(0), CamCounts{});
+  }
+}
+
 TEST_P(CamBoardContract, OneProgramAtATimeAndItsAnswerOnce) {
   ASSERT_TRUE(sut.lay_out(space));
   ASSERT_TRUE(play({}));
