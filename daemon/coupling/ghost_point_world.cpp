@@ -1,6 +1,7 @@
 #include "daemon/coupling/ghost_point_world.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "daemon/coupling/tell.hpp"
 
@@ -19,13 +20,17 @@ Result<void> GhostPointWorld::open(const HandSample& first) {
   probe_ = *probe;
   last_ = {};
   last_.session = next_session_++;
+  buttons_ = first.buttons;
   return {};
 }
 
 ConstraintSet GhostPointWorld::answer(const HandSample& sample, Duration dt) noexcept {
   if (!probe_ || !is_finite(sample.hand)) return last_;
+  const std::uint32_t before = std::exchange(buttons_, sample.buttons);
+  world_.press(*probe_, sample.buttons & ~before);
   const world::ProbeMotion motion =
       world_.move_probe(*probe_, sample.hand, std::max(dt, Duration(1)));
+  if (motion.is_silent) return last_;
   tell(motion, sample, last_);
   last_.ghost = motion.ghost;
   last_.has_ghost = true;

@@ -10,12 +10,13 @@
 namespace thimble::coupling {
 
 // The world half of the ghost point scheme: a probe follows the hand through the world, and
-// what holds it back is the answer.
+// what holds it back is the answer. Buttons that were just pressed are told to the world.
 //
 // Thread: the world's thread. Not RT; answer() neither allocates nor blocks.
 // Ownership: `world` must outlive it; the destructor closes.
-// Errors: open() passes on what the world says. A sample that is not finite is answered with
-//         the last set, its number included: to the arm the world looks silent.
+// Errors: open() passes on what the world says. A sample that is not finite, or of which
+//         the world cannot say anything, is answered with the last set, its number included: to
+//         the arm the world looks silent.
 class GhostPointWorld final : public WorldCoupling {
  public:
   // Sessions are numbered from `first_session` up. A process that restarts passes a number
@@ -34,6 +35,7 @@ class GhostPointWorld final : public WorldCoupling {
   std::optional<world::ProbeId> probe_{};
   std::uint32_t next_session_;
   ConstraintSet last_{};
+  std::uint32_t buttons_{0};  // of the sample before
 };
 
 }  // namespace thimble::coupling

@@ -1,5 +1,7 @@
 #include "daemon/link/in_process_link.hpp"
 
+#include <utility>
+
 #include "daemon/link/earliest.hpp"
 
 namespace thimble::link {
@@ -61,6 +63,9 @@ void InProcessLink::serve_world(MonotonicTime now) {
     if (!session_.is_open() && !open_session(arrived.sample, now)) continue;
     CarriedReply reply{arrived.carried, arrived.sample.restart,
                        session_.answer(arrived.sample, now)};
+    // The same set again: the world has nothing to say, and is to look as silent as it is.
+    const Told told{reply.reply.session, reply.reply.sequence};
+    if (told.sequence == 0 || std::exchange(told_, told) == told) continue;
     reply.reply.answers = arrived.sample.sequence;
     reply.reply.sampled_at = arrived.sample.sampled_at;
     to_arm_.push(now, reply);

@@ -54,6 +54,12 @@ class InProcessLink {
     coupling::ConstraintSet reply{};
   };
 
+  struct Told {  // which set the world gave last; none has number 0
+    std::uint32_t session{0};
+    std::uint64_t sequence{0};
+    bool operator==(const Told&) const = default;
+  };
+
   void take_sample();
   void send_pending(MonotonicTime now);
   void serve_world(MonotonicTime now);
@@ -70,9 +76,10 @@ class InProcessLink {
   ImpairedQueue<CarriedReply> to_arm_;
   std::optional<coupling::HandSample> pending_;
   std::uint64_t last_number_{0};
-  std::uint32_t restart_{0};               // of the newest sample the servo gave
-  std::uint64_t served_{0};                // newest number that reached the world
-  std::uint32_t served_restart_{0};        // of that sample
+  std::uint32_t restart_{0};         // of the newest sample the servo gave
+  std::uint64_t served_{0};          // newest number that reached the world
+  std::uint32_t served_restart_{0};  // of that sample
+  std::optional<Told> told_;
   std::optional<MonotonicTime> retry_at_;  // the world refused; not asked before
   SequenceWindow arrived_;
   std::uint64_t accounted_{0};      // every number up to here was answered or is counted as lost

@@ -16,6 +16,9 @@ namespace thimble::world {
 
 class VoxelGrid;
 class VoxelWorld;
+namespace cam {
+class PieceWorld;
+}
 
 struct ProbeId {
   std::uint32_t value{0};
@@ -46,6 +49,7 @@ struct ProbeMotion {
   // What holds it back from the hand; may be empty.
   rt::StaticVector<ContactPlane, kMaxContactPlanes> planes{};
   bool is_embedded{false};  // it sits in matter: pushed out or released
+  bool is_silent{false};    // the world cannot say now: what it said last holds, and grows old
 };
 
 // World frame. From the configuration and the volume file, if there is one; cells may change, these
@@ -61,7 +65,8 @@ struct WorldInfo {
 // A world that ghost points move through. Every position is in the world frame: of a hand, the one
 // that its HandSample says, coordinate offset included.
 //
-// Thread: one, the world's. Not RT; move_probe() neither allocates nor blocks.
+// Thread: one, the world's. Not RT; move_probe() waits for nothing, and allocates only in worlds on
+// a board.
 class World {
  public:
   virtual ~World() = default;
@@ -72,10 +77,14 @@ class World {
   [[nodiscard]] virtual std::size_t occupied_cells() const noexcept { return 0; }
   // Itself where its cells may be edited; nullptr where they may not, or there are none.
   [[nodiscard]] virtual VoxelWorld* editable() noexcept { return nullptr; }
+  // Itself where there are pieces to select and drop; nullptr where there are none.
+  [[nodiscard]] virtual cam::PieceWorld* pieces() noexcept { return nullptr; }
   // The ghost starts at `hand` if that place is free, else at the nearest free place.
   // NotFound when the world has no free place, Busy when it has no room for another probe.
   [[nodiscard]] virtual Result<ProbeId> add_probe(Position3 hand) = 0;
   virtual void remove_probe(ProbeId probe) noexcept = 0;
+  // Buttons that were just pressed, by their bits. Most worlds have nothing to do with them.
+  virtual void press(ProbeId /*probe*/, std::uint32_t /*buttons*/) noexcept {}
   // Moves the ghost towards the hand as far as the world lets it; `dt` > 0 bounds push-out.
   // A hand that is not finite leaves the ghost where it is. An unknown probe: planes empty,
   // ghost at the hand.

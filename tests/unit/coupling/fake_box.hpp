@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "daemon/world/world.hpp"
 
 namespace thimble::coupling::testing {
@@ -16,11 +19,15 @@ class FakeBox final : public world::World {
     return world::ProbeId{next_++};
   }
   void remove_probe(world::ProbeId /*probe*/) noexcept override { --probes; }
+  void press(world::ProbeId /*probe*/, std::uint32_t buttons) noexcept override {
+    presses.push_back(buttons);
+  }
   world::ProbeMotion move_probe(world::ProbeId /*probe*/, Position3 hand,
                                 Duration dt) noexcept override {
     ++moves;
     last_dt = dt;
-    world::ProbeMotion motion{.ghost = hand, .planes = {}, .is_embedded = is_embedded};
+    world::ProbeMotion motion{
+        .ghost = hand, .planes = {}, .is_embedded = is_embedded, .is_silent = is_silent};
     for (std::size_t axis = 0; axis < 3; ++axis) {
       for (const double sign : {1.0, -1.0}) {
         if (sign * hand[axis] <= half_m_) continue;
@@ -35,6 +42,8 @@ class FakeBox final : public world::World {
 
   bool is_full{false};
   bool is_embedded{false};
+  bool is_silent{false};
+  std::vector<std::uint32_t> presses;
   Stiffness stiffness{-1};
   Damping damping{-1};
   int probes{0};

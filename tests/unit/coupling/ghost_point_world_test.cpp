@@ -53,6 +53,34 @@ TEST(GhostPointWorld, ForgetsPlanesThatNoLongerHold) {
   EXPECT_TRUE(sut.answer(sample(2, {0.01, 0, 0}), kTick).planes.empty());
 }
 
+TEST(GhostPointWorld, AWorldThatCannotSayAnythingGivesTheLastAnswerAgain) {
+  FakeBox box(0.015);
+  GhostPointWorld sut(box, 1);
+  ASSERT_TRUE(sut.open(sample(1, {})));
+  const ConstraintSet good = sut.answer(sample(1, {0.02, 0, 0}), kTick);
+  box.is_silent = true;
+  const ConstraintSet silent = sut.answer(sample(2, {0.01, 0, 0}), kTick);
+  EXPECT_EQ(silent.sequence, good.sequence);
+  EXPECT_EQ(silent.answers, good.answers);
+  EXPECT_EQ(silent.planes, good.planes);
+  box.is_silent = false;
+  EXPECT_EQ(sut.answer(sample(3, {0.01, 0, 0}), kTick).sequence, good.sequence + 1);
+}
+
+TEST(GhostPointWorld, ButtonsAreToldWhenTheyArePressedAndNotAgain) {
+  FakeBox box(0.015);
+  GhostPointWorld sut(box, 1);
+  const auto with = [](std::uint64_t number, std::uint32_t buttons) {
+    HandSample it = sample(number, {});
+    it.buttons = buttons;
+    return it;
+  };
+  ASSERT_TRUE(sut.open(with(1, 1)));
+  for (const std::uint32_t buttons : {1U, 3U, 3U, 0U, 1U})
+    (void)sut.answer(with(2, buttons), kTick);
+  EXPECT_EQ(box.presses, (std::vector<std::uint32_t>{0, 2, 0, 0, 1})) << "held since before: none";
+}
+
 TEST(GhostPointWorld, SampleThatIsNotFiniteGetsTheLastAnswerAgain) {
   FakeBox box(0.015);
   GhostPointWorld sut(box, 1);

@@ -127,6 +127,23 @@ TEST(InProcessLink, ReleasesASilentArmAndOpensAgainOnItsReturn) {
   EXPECT_EQ(bench.arrivals.back().reply.session, 2U);
 }
 
+TEST(InProcessLink, AWorldThatHasNothingNewToSayIsSilent) {
+  Bench bench;
+  bench.world.is_silent = true;
+  bench.run(milliseconds(10));
+  EXPECT_TRUE(bench.arrivals.empty()) << "a set without a number is none";
+  bench.world.is_silent = false;
+  bench.run(milliseconds(10));
+  EXPECT_EQ(bench.arrivals.size(), 10U);
+  bench.world.is_silent = true;
+  bench.run(seconds(3));
+  EXPECT_EQ(bench.arrivals.size(), 10U);
+  EXPECT_FALSE(bench.sut.status().is_up);
+  bench.world.is_silent = false;
+  bench.run(milliseconds(10));
+  EXPECT_EQ(bench.arrivals.size(), 20U);
+}
+
 TEST(InProcessLink, AsksToBePumpedWhenSilenceRunsOut) {
   WorldDouble world;
   InProcessLink sut({}, world);

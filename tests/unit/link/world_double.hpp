@@ -31,7 +31,8 @@ class WorldDouble final : public coupling::WorldCoupling {
     steps.push_back(dt);
     samples.push_back(sample);
     coupling::ConstraintSet reply;
-    reply.sequence = ++replies;
+    if (!is_silent) ++replies;
+    reply.sequence = replies;
     reply.session = opened;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       coupling::ConstraintPlane plane;
@@ -50,7 +51,8 @@ class WorldDouble final : public coupling::WorldCoupling {
   }
 
   bool is_open{false};
-  int refusals{0};  // of the next opens
+  bool is_silent{false};  // gives the last set again
+  int refusals{0};        // of the next opens
   std::uint32_t opened{0};
   std::uint32_t closed{0};
   std::uint64_t replies{0};
