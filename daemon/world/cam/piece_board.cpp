@@ -1,0 +1,189 @@
+#include "daemon/world/cam/piece_board.hpp"
+
+#include <utility>
+
+#include "daemon/world/cam/piece_repair.hpp"
+#include "hal/base/check.hpp"
+
+namespace thimble::world::cam {
+
+std::string_view to_string(PieceOutcome outcome) noexcept {
+  switch (outcome) {
+    case PieceOutcome::Selected:
+      return "selected";
+    case PieceOutcome::Dropped:
+      return "dropped";
+    case PieceOutcome::Deleted:
+      return "deleted";
+    case PieceOutcome::FreeMotionOn:
+      return "free motion is on";
+    case PieceOutcome::FreeMotionOff:
+      return "free motion is off";
+    case PieceOutcome::WasReset:
+      return "all pieces are as they were at first";
+    case PieceOutcome::NothingThere:
+      return "nothing there";
+    case PieceOutcome::NoRoom:
+      return "no room";
+    case PieceOutcome::NothingHeld:
+      return "no piece is held";
+    case PieceOutcome::AlreadyHeld:
+      return "a piece is held already";
+    case PieceOutcome::BoardFailed:
+      return "the board failed meanwhile";
+  }
+  return "unknown";
+}
+
+PieceBoard::PieceBoard(Opener opener, const PieceSettings& settings, PieceLayout layout,
+                       const CamAxes& grasp)
+    : opener_(std::move(opener)),
+      settings_(settings),
+      layout_(std::move(layout)),
+      first_grasp_(grasp) {
+  start_over();
+}
+
+void PieceBoard::pump(const Clock& clock) {
+  const MonotonicTime begin = clock.now();
+  for (int i = 0; i < kMostPrograms; ++i) {
+    const MonotonicTime now = clock.now();
+    if (now - begin >= kMostAtOnce) return;
+    if (!board_ || phase_ == Phase::Closed) {
+      if (!open(now)) return;
+      continue;
+    }
+    if (!board_->is_running()) {
+      if (!task_ || !go_on(nullptr, now)) return;
+      continue;
+    }
+    const auto answer = board_->poll(now);
+    if (!answer) {
+      fail_with(answer.error(), now);
+      return;
+    }
+    if (!*answer) return;
+    ++counters_.programs;
+    if (!go_on(&**answer, now)) return;
+  }
+}
+
+// Its registers and its memory may be anything.
+bool PieceBoard::open(MonotonicTime now) {
+  if (!is_due(now)) return false;
+  if (!board_) {
+    auto opened = opener_(now);
+    if (!opened) return fail_with(opened.error(), now);
+    board_ = *std::move(opened);
+  }
+  if (const auto laid_out = board_->lay_out(settings_.space); !laid_out) {
+    return fail_with(laid_out.error(), now);
+  }
+  if (has_cells_) {
+    phase_ = Phase::Reading;
+    return play({cam_step::ReadCells{}}, now);
+  }
+  fill(cells_of(layout_, settings_, state_));
+  return true;
+}
+
+bool PieceBoard::go_on(const CamAnswer* answer, MonotonicTime now) {
+  if (phase_ == Phase::Reading) {
+    CamCells cells = answer->cells.at(0);
+    if (repair(cells, state_, settings_)) {
+      ++counters_.repairs;
+      fill(std::move(cells));
+    } else {
+      ++counters_.resets;
+      start_over();
+      fill(cells_of(layout_, settings_, state_));
+    }
+    return true;
+  }
+  if (const auto steps = task_->next(answer)) return play(*steps, now);
+  end_task();
+  return false;
+}
+
+void PieceBoard::end_task() {
+  const auto outcome = task_->outcome();
+  task_.reset();
+  if (phase_ == Phase::Filling) {
+    phase_ = Phase::Working;
+    has_cells_ = true;
+    trouble_.reset();
+    retry_at_.reset();
+    if (is_action_) outcome_ = PieceOutcome::WasReset;
+  } else if (is_action_) {
+    outcome_ = outcome;
+  } else {
+    ++counters_.moves;
+  }
+  if (std::exchange(is_action_, false)) ++counters_.actions;
+}
+
+bool PieceBoard::play(const CamSteps& steps, MonotonicTime now) {
+  const auto started = board_->start(steps, settings_.patience, now);
+  return started ? true : fail_with(started.error(), now);
+}
+
+bool PieceBoard::fail_with(const Error& why, MonotonicTime now) {
+  ++counters_.failures;
+  trouble_ = why;
+  retry_at_ = now + kRetry;
+  phase_ = Phase::Closed;
+  task_.reset();
+  if (std::exchange(is_action_, false)) outcome_ = PieceOutcome::BoardFailed;
+  if (why.code == Errc::Disconnected) board_.reset();
+  return false;
+}
+
+void PieceBoard::fill(CamCells cells) {
+  phase_ = Phase::Filling;
+  task_ = make_fill(context(), std::make_shared<const CamCells>(std::move(cells)));
+}
+
+void PieceBoard::start_over() { state_ = {.grasp = first_grasp_, .sizes = sizes_of(layout_)}; }
+
+void PieceBoard::move(const CamAxes& desired) {
+  THIMBLE_CHECK(is_ready());
+  task_ = make_move(context(), desired);
+}
+
+void PieceBoard::place(const CamAxes& desired) {
+  THIMBLE_CHECK(is_ready());
+  task_ = make_placing(context(), desired);
+}
+
+void PieceBoard::act(PieceAction action, const CamAxes& pressed) {
+  THIMBLE_CHECK(is_ready());
+  switch (action) {
+    case PieceAction::Select:
+      task_ = make_select(context(), pressed);
+      break;
+    case PieceAction::Drop:
+      task_ = make_drop(context());
+      break;
+    case PieceAction::Delete:
+      task_ = make_delete(context());
+      break;
+    case PieceAction::ToggleFree:
+      task_ = make_toggle(context());
+      break;
+    case PieceAction::Reset:
+      start_over();
+      fill(cells_of(layout_, settings_, state_));
+      break;
+  }
+  is_action_ = true;
+}
+
+std::optional<PieceOutcome> PieceBoard::take_outcome() noexcept {
+  return std::exchange(outcome_, std::nullopt);
+}
+
+PieceContext PieceBoard::context() noexcept {
+  return {settings_, tables_, state_, board_->info().modules};
+}
+
+}  // namespace thimble::world::cam

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "daemon/world/cam/piece_layout.hpp"
+#include "daemon/world/cam/piece_state.hpp"
+#include "daemon/world/cam/piece_task.hpp"
+#include "hal/device/cam_board.hpp"
+
+namespace thimble::world::cam {
+
+struct PieceBoardCounters {
+  std::uint64_t programs{0};  // that are over
+  std::uint64_t moves{0};     // likewise
+  std::uint64_t actions{0};
+  std::uint64_t failures{0};  // of the board
+  std::uint64_t repairs{0};   // after which all pieces were there
+  std::uint64_t resets{0};    // after which they were not, so that all was put as it was at first
+  bool operator==(const PieceBoardCounters&) const = default;
+};
+
+// Pieces on a board of cellular automata, which is the only one to know where they are: the host
+// remembers what it confirmed (PieceState). Does one thing after the other, none of which waits.
+//
+// A board that fails is tried again every kRetry, opened anew if it is gone, and then what it holds
+// is read and made whole.
+// Thread: one, the world's. Not RT. Errors: trouble().
+class PieceBoard {
+ public:
+  // Errors: why there is no board now; it is asked again.
+  using Opener = std::function<Result<std::unique_ptr<CamBoard>>(MonotonicTime now)>;
+  // Ours: a board that was plugged in again is felt at once.
+  static constexpr Duration kRetry = std::chrono::milliseconds(100);
+  // Of one call of pump(), with a board that takes no time, or with one whose scans are done by the
+  // caller: then it goes on with the next call. Ours: half the period of the servo's default, on
+  // the thread that serves links and clients, too.
+  static constexpr int kMostPrograms = 1024;
+  static constexpr Duration kMostAtOnce = std::chrono::microseconds(500);
+
+  // `grasp`: where the grasp point is at first. Sizes as random_layout() has them.
+  PieceBoard(Opener opener, const PieceSettings& settings, PieceLayout layout,
+             const CamAxes& grasp);
+
+  // Goes on until the board needs time or nothing is under way.
+  void pump(const Clock& clock);
+  // It is there, and nothing is under way.
+  [[nodiscard]] bool is_ready() const noexcept { return phase_ == Phase::Working && !task_; }
+  // Only when it is ready: else mistakes of the caller. pump() does it.
+  void move(const CamAxes& desired);
+  // The same, whatever lies on the way; nowhere: only looks whether the board is there.
+  void place(const CamAxes& desired);
+  void act(PieceAction action, const CamAxes& pressed);
+  // Of an action, once.
+  [[nodiscard]] std::optional<PieceOutcome> take_outcome() noexcept;
+
+  [[nodiscard]] const PieceState& state() const noexcept { return state_; }
+  [[nodiscard]] const PieceSettings& settings() const noexcept { return settings_; }
+  // Why there is nothing to be felt; nothing: it works, or has not been begun.
+  [[nodiscard]] const std::optional<Error>& trouble() const noexcept { return trouble_; }
+  [[nodiscard]] const PieceBoardCounters& counters() const noexcept { return counters_; }
+
+ private:
+  enum class Phase { Closed, Reading, Filling, Working };
+
+  [[nodiscard]] bool is_due(MonotonicTime now) const noexcept {
+    return !retry_at_ || now >= *retry_at_;
+  }
+  // Each: whether there is more to do now.
+  [[nodiscard]] bool open(MonotonicTime now);
+  [[nodiscard]] bool go_on(const CamAnswer* answer, MonotonicTime now);
+  [[nodiscard]] bool play(const CamSteps& steps, MonotonicTime now);
+  bool fail_with(const Error& why, MonotonicTime now);
+  void fill(CamCells cells);
+  void start_over();
+  void end_task();
+  [[nodiscard]] PieceContext context() noexcept;
+
+  Opener opener_;
+  PieceSettings settings_;
+  PieceLayout layout_;
+  CamAxes first_grasp_;
+  PieceTables tables_ = make_piece_tables();
+  std::unique_ptr<CamBoard> board_;
+  Phase phase_{Phase::Closed};
+  bool has_cells_{false};  // of ours, on the board or one before it
+  PieceState state_;
+  std::unique_ptr<PieceTask> task_;
+  bool is_action_{false};
+  std::optional<PieceOutcome> outcome_;
+  std::optional<MonotonicTime> retry_at_;
+  std::optional<Error> trouble_;
+  PieceBoardCounters counters_;
+};
+
+}  // namespace thimble::world::cam

@@ -1,0 +1,74 @@
+#include "daemon/world/cam/piece_programs.hpp"
+
+#include <algorithm>
+
+namespace thimble::world::cam {
+namespace {
+
+using namespace cam_step;
+
+constexpr CamRun kScan{};
+constexpr CamRun kLatch{.is_scan = false, .takes_counts = true};
+// With the table loaded last, and back to the rule of motion.
+constexpr CamRun kScanWithTable{.swaps_tables = true};
+constexpr CamRun kLatchAndSwapBack{.is_scan = false, .takes_counts = true, .swaps_tables = true};
+
+[[nodiscard]] bool is_nowhere(const CamAxes& cells) noexcept { return cells == CamAxes{}; }
+
+}  // namespace
+
+CamAxes sum(const CamAxes& a, const CamAxes& b) noexcept {
+  return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
+}
+
+void add_kick(CamSteps& steps, const CamAxes& cells) {
+  steps.emplace_back(Kick{{{cell::kMoving, cells}}});
+}
+
+void add_shift(CamSteps& steps, const PieceContext& context, CamAxes left) {
+  const CamAxes cells = cells_along(context.settings.space);
+  while (!is_nowhere(left)) {
+    CamAxes part{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const int most = std::max(cells[axis] / context.modules, 1);
+      part[axis] = std::clamp(left[axis], -most, most);
+      left[axis] -= part[axis];
+    }
+    add_kick(steps, part);
+    steps.emplace_back(Run{kScan});
+  }
+}
+
+void add_count(CamSteps& steps, CamEvents what) {
+  steps.emplace_back(Count{what});
+  steps.emplace_back(Run{kLatch});
+  steps.emplace_back(Run{kScan});
+  steps.emplace_back(Run{kLatch});
+  steps.emplace_back(ReadCounts{});
+}
+
+void add_with_table(CamSteps& steps, const std::shared_ptr<const CamTable>& table, int part) {
+  steps.emplace_back(LoadTable{table});
+  if (part >= 0) steps.emplace_back(Fix{cell::kSelect, cell::selecting(part)});
+  steps.emplace_back(Count{CamEvents::Table});
+  steps.emplace_back(Run{kLatch});
+  steps.emplace_back(Run{kScanWithTable});
+  if (part >= 0) steps.emplace_back(Fix{});
+  steps.emplace_back(Run{kLatchAndSwapBack});
+  steps.emplace_back(ReadCounts{});
+}
+
+bool overlaps(const CamAnswer& answer) noexcept {
+  return answer.counts.at(0)[cell::kOverlapLayer] != 0;
+}
+
+int grasped_part(const CamAnswer& answer) noexcept {
+  int part = 0;
+  for (int bit = 0; bit < cell::kNumberLayers; ++bit) {
+    const auto layer = static_cast<std::size_t>(cell::kSelectLayer + bit);
+    if (answer.counts.at(0)[layer] != 0) part |= 1 << bit;
+  }
+  return part;
+}
+
+}  // namespace thimble::world::cam

@@ -1,0 +1,61 @@
+#include "daemon/world/cam/piece_rules.hpp"
+
+#include <utility>
+
+namespace thimble::world::cam {
+namespace {
+
+using namespace cell;
+
+[[nodiscard]] std::uint16_t with_shown(std::uint16_t bits) noexcept {
+  const int shown = (bits & kShape) != 0 ? kMostPieces : part_of(bits);
+  return static_cast<std::uint16_t>((bits & ~kSelect) | selecting(shown));
+}
+
+[[nodiscard]] int selected_by(std::uint16_t bits) noexcept {
+  return (bits & kSelect) >> kSelectLayer;
+}
+
+template <class Rule>
+std::shared_ptr<const CamTable> table_of(Rule rule) {
+  CamTable table(kCamTableEntries);
+  for (std::size_t n = 0; n < table.size(); ++n) table[n] = rule(static_cast<std::uint16_t>(n));
+  return std::make_shared<const CamTable>(std::move(table));
+}
+
+}  // namespace
+
+std::uint16_t overlap_rule(std::uint16_t bits) noexcept {
+  const bool overlaps = part_of(bits) != 0 && (bits & kShape) != 0;
+  const std::uint16_t marked =
+      static_cast<std::uint16_t>((bits & ~kOverlap) | (overlaps ? kOverlap : 0));
+  return with_shown(marked);
+}
+
+std::uint16_t grasp_rule(std::uint16_t bits) noexcept {
+  const int grasped = (bits & kGrasp) != 0 ? part_of(bits) : 0;
+  return static_cast<std::uint16_t>((bits & ~kSelect) | selecting(grasped));
+}
+
+std::uint16_t select_rule(std::uint16_t bits) noexcept {
+  const bool is_chosen = selected_by(bits) != 0 && part_of(bits) == selected_by(bits);
+  const std::uint16_t others = static_cast<std::uint16_t>(bits & ~(kOrigin | kShape));
+  if (!is_chosen) return with_shown(others);
+  return with_shown(static_cast<std::uint16_t>((others & ~kPart) | kOrigin | kShape));
+}
+
+std::uint16_t deposit_rule(std::uint16_t bits) noexcept {
+  const int part = selected_by(bits);
+  const bool is_filled = (bits & kShape) != 0 && part != 0;
+  std::uint16_t after = static_cast<std::uint16_t>(bits & ~(kOrigin | kShape | kOverlap));
+  if (is_filled) after = static_cast<std::uint16_t>((after & ~kPart) | of_part(part));
+  if ((bits & kGrasp) != 0) after |= kShape;
+  return with_shown(after);
+}
+
+PieceTables make_piece_tables() {
+  return {table_of(overlap_rule), table_of(grasp_rule), table_of(select_rule),
+          table_of(deposit_rule)};
+}
+
+}  // namespace thimble::world::cam

@@ -1,0 +1,199 @@
+#include "daemon/world/cam/piece_world.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+namespace thimble::world::cam {
+namespace {
+
+[[nodiscard]] int sign(int n) noexcept { return n < 0 ? -1 : n > 0 ? 1 : 0; }
+
+[[nodiscard]] CamAxes middle_of(const CamAxes& cells) noexcept {
+  return {cells[0] / 2, cells[1] / 2, cells[2] / 2};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<PieceWorld>> PieceWorld::create(const PieceWorldSettings& settings,
+                                                       PieceBoard::Opener opener,
+                                                       PieceLayout layout, const Clock& clock) {
+  if (!std::isfinite(settings.workspace_m) || settings.workspace_m <= 0) {
+    return fail(Errc::InvalidArgument,
+                settings.source + ": workspace: is not a length greater than 0");
+  }
+  if (layout.size() != settings.pieces.space.cells()) {
+    return fail(Errc::InvalidArgument, settings.source + ": the layout is of another space");
+  }
+  // The constructor is private, so make_unique cannot reach it.
+  return std::unique_ptr<PieceWorld>(
+      new PieceWorld(settings, std::move(opener), std::move(layout), clock));
+}
+
+PieceWorld::PieceWorld(const PieceWorldSettings& settings, PieceBoard::Opener opener,
+                       PieceLayout layout, const Clock& clock)
+    : board_(std::move(opener), settings.pieces, std::move(layout),
+             middle_of(cells_along(settings.pieces.space))),
+      clock_(&clock),
+      cells_(cells_along(settings.pieces.space)) {
+  info_.source = settings.source;
+  info_.cell_m = settings.workspace_m / *std::max_element(cells_.begin(), cells_.end());
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    info_.cells[axis] = static_cast<std::uint32_t>(cells_[axis]);
+    info_.extent_m[axis] = cells_[axis] > 1 ? cells_[axis] * info_.cell_m : 0;
+  }
+}
+
+Result<ProbeId> PieceWorld::add_probe(Position3 hand) {
+  if (!is_finite(hand)) return fail(Errc::InvalidArgument, "probe: the hand's place is not finite");
+  if (probe_) return fail(Errc::Busy, info_.source + ": its one grasp point is taken");
+  probe_ = ProbeId{++last_id_};
+  hand_ = hand;
+  is_placing_ = true;
+  pressed_ = {};
+  return *probe_;
+}
+
+void PieceWorld::remove_probe(ProbeId probe) noexcept {
+  if (probe_ == probe) probe_.reset();
+}
+
+ProbeMotion PieceWorld::move_probe(ProbeId probe, Position3 hand, Duration /*dt*/) noexcept {
+  if (probe_ != probe) return {hand, {}, false};
+  if (is_finite(hand)) hand_ = hand;
+  pump();
+  return motion();
+}
+
+void PieceWorld::press(ProbeId probe, std::uint32_t buttons) noexcept {
+  constexpr std::uint32_t kSelectOrDrop = 1U << 0;
+  constexpr std::uint32_t kDelete = 1U << 1;
+  if (probe_ != probe) return;
+  if ((buttons & kSelectOrDrop) != 0) static_cast<void>(enqueue(std::nullopt));
+  if ((buttons & kDelete) != 0) static_cast<void>(enqueue(PieceAction::Delete));
+}
+
+Result<std::uint64_t> PieceWorld::submit(PieceAction action) { return enqueue(action); }
+
+Result<std::uint64_t> PieceWorld::enqueue(std::optional<PieceAction> action) {
+  if (waiting_.size() >= kMaxWaiting) {
+    return fail(Errc::Busy,
+                info_.source + ": " + std::to_string(kMaxWaiting) + " actions wait for the board");
+  }
+  waiting_.push_back({++last_number_, action});
+  return last_number_;
+}
+
+std::vector<PieceWorld::Finished> PieceWorld::take_finished() {
+  return std::exchange(finished_, {});
+}
+
+void PieceWorld::pump() {
+  bool has_moved = false;  // one move a call: the hand is asked anew for the next
+  while (true) {
+    board_.pump(*clock_);
+    if (board_.trouble()) goal_.reset();
+    note_end();
+    if (!board_.is_ready()) return;
+    if (!waiting_.empty()) {
+      begin_action();
+    } else if (has_moved || !begin_move(clock_->now())) {
+      return;
+    } else {
+      has_moved = true;
+    }
+  }
+}
+
+// What was under way and is over.
+void PieceWorld::note_end() {
+  if (const auto outcome = board_.take_outcome(); outcome && under_way_) {
+    finished_.push_back({*std::exchange(under_way_, std::nullopt), *outcome});
+  }
+  // Put back to where they were, the grasp point is not where the hand is.
+  const std::uint64_t resets = board_.counters().resets;
+  if (std::exchange(resets_seen_, resets) != resets) is_placing_ = true;
+  if (!board_.is_ready() || !goal_) return;
+  const CamAxes& grasp = board_.state().grasp;
+  for (std::size_t axis = 0; axis < 3; ++axis) pressed_[axis] = sign((*goal_)[axis] - grasp[axis]);
+  goal_.reset();
+}
+
+void PieceWorld::begin_action() {
+  const Waiting next = waiting_.front();
+  waiting_.pop_front();
+  under_way_ = next.number;
+  const auto otherwise = board_.state().held != 0 ? PieceAction::Drop : PieceAction::Select;
+  const PieceAction action = next.action.value_or(otherwise);
+  if (action == PieceAction::Reset) is_placing_ = true;
+  last_try_.reset();
+  board_.act(action, pressed_);
+}
+
+bool PieceWorld::begin_move(MonotonicTime now) {
+  if (!probe_) return false;
+  const CamAxes goal = cell_of(hand_);
+  const CamAxes target = nearest_within(goal);
+  const CamAxes& at = board_.state().grasp;
+  const CamAxes way{target[0] - at[0], target[1] - at[1], target[2] - at[2]};
+  const Try now_tried{target, board_.state()};
+  if (!is_placing_ && last_try_ == now_tried && now - looked_at_ < kLookEvery) {
+    // Nothing moves here but by us; beyond the edge the hand may have.
+    for (std::size_t axis = 0; axis < 3; ++axis) pressed_[axis] = sign(goal[axis] - at[axis]);
+    return false;
+  }
+  last_try_ = now_tried;
+  looked_at_ = now;
+  goal_ = goal;
+  if (std::exchange(is_placing_, false) || way == CamAxes{}) {
+    board_.place(way);
+  } else {
+    board_.move(way);
+  }
+  return true;
+}
+
+CamAxes PieceWorld::cell_of(Position3 hand) const noexcept {
+  CamAxes cell{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (cells_[axis] == 1) continue;
+    const double index = std::floor(hand[axis] / info_.cell_m + 0.5 * cells_[axis]);
+    cell[axis] = static_cast<int>(std::clamp(index, -1.0, static_cast<double>(cells_[axis])));
+  }
+  return cell;
+}
+
+CamAxes PieceWorld::nearest_within(CamAxes cell) const noexcept {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    cell[axis] = std::clamp(cell[axis], 0, cells_[axis] - 1);
+  }
+  return cell;
+}
+
+double PieceWorld::face_m(std::size_t axis, int index) const noexcept {
+  return (2 * index - cells_[axis]) * (0.5 * info_.cell_m);
+}
+
+ProbeMotion PieceWorld::motion() const {
+  ProbeMotion motion{hand_, {}, board_.state().is_embedded};
+  if (board_.trouble() || is_placing_ || board_.counters().moves == 0) {
+    motion.is_silent = true;
+    return motion;
+  }
+  const CamAxes& grasp = board_.state().grasp;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (cells_[axis] == 1) continue;
+    const double low = face_m(axis, grasp[axis]);
+    const double high = face_m(axis, grasp[axis] + 1);
+    motion.ghost[axis] = std::clamp(hand_[axis], low, high);
+    if (pressed_[axis] == 0) continue;
+    ContactPlane plane;
+    plane.normal[axis] = pressed_[axis];
+    plane.offset_m = pressed_[axis] > 0 ? high : -low;
+    motion.planes.push_back(plane);
+  }
+  return motion;
+}
+
+}  // namespace thimble::world::cam

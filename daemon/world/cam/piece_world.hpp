@@ -1,0 +1,111 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "daemon/world/cam/piece_board.hpp"
+#include "daemon/world/world.hpp"
+#include "hal/base/time.hpp"
+
+namespace thimble::world::cam {
+
+struct PieceWorldSettings {
+  PieceSettings pieces{};
+  double workspace_m{0.09};  // along the longest axis of the space; cells are cubes
+  std::string source{};      // for messages
+};
+
+// Pieces that one hand explores, selects, moves and drops (thesis 4.2). The ghost point is the
+// grasp point, and follows the hand as far as the board says; along an axis of a single cell
+// nothing holds the hand. The world has walls, though a held piece passes from edge to edge.
+//
+// A board takes its time: between two of its answers the last one holds. While it has failed, the
+// world is silent (ProbeMotion::is_silent).
+//
+// Thread: one, the world's. Not RT: move_probe() plays step lists, and waits for none; a simulated
+// board scans in it. Ownership: the clock must outlive it.
+class PieceWorld final : public World {
+ public:
+  // Ours: more is somebody who does not wait for answers.
+  static constexpr std::size_t kMaxWaiting = 64;
+  // Ours: how soon a board is missed that nothing is asked of.
+  static constexpr Duration kLookEvery = std::chrono::milliseconds(100);
+
+  struct Finished {
+    std::uint64_t number{0};
+    PieceOutcome outcome{};
+  };
+
+  // Errors: InvalidArgument for a workspace that is none.
+  [[nodiscard]] static Result<std::unique_ptr<PieceWorld>> create(
+      const PieceWorldSettings& settings, PieceBoard::Opener opener, PieceLayout layout,
+      const Clock& clock);
+
+  [[nodiscard]] const WorldInfo& info() const noexcept override { return info_; }
+  [[nodiscard]] PieceWorld* pieces() noexcept override { return this; }
+  // Busy: there is one grasp point.
+  [[nodiscard]] Result<ProbeId> add_probe(Position3 hand) override;
+  void remove_probe(ProbeId probe) noexcept override;
+  // The first selects the piece that the hand presses, or drops the held one; the second deletes
+  // it. What does not fit into the queue is as if it had not been pressed.
+  void press(ProbeId probe, std::uint32_t buttons) noexcept override;
+  ProbeMotion move_probe(ProbeId probe, Position3 hand, Duration dt) noexcept override;
+
+  // To be done in their order. The number, from 1. Errors: Busy while kMaxWaiting wait.
+  [[nodiscard]] Result<std::uint64_t> submit(PieceAction action);
+  // What came to an end since the last call.
+  [[nodiscard]] std::vector<Finished> take_finished();
+  // Goes on, hand or not.
+  void pump();
+
+  [[nodiscard]] const PieceBoard& board() const noexcept { return board_; }
+
+ private:
+  // Select or drop is decided when its turn has come.
+  struct Waiting {
+    std::uint64_t number{0};
+    std::optional<PieceAction> action{};
+  };
+  // What a move started from: the same again would end the same.
+  struct Try {
+    CamAxes target{};
+    PieceState from{};
+    bool operator==(const Try&) const = default;
+  };
+
+  PieceWorld(const PieceWorldSettings& settings, PieceBoard::Opener opener, PieceLayout layout,
+             const Clock& clock);
+  [[nodiscard]] Result<std::uint64_t> enqueue(std::optional<PieceAction> action);
+  void note_end();
+  void begin_action();
+  // Whether one was begun.
+  [[nodiscard]] bool begin_move(MonotonicTime now);
+  // One beyond the space where the hand is beyond it.
+  [[nodiscard]] CamAxes cell_of(Position3 hand) const noexcept;
+  [[nodiscard]] CamAxes nearest_within(CamAxes cell) const noexcept;
+  [[nodiscard]] double face_m(std::size_t axis, int index) const noexcept;
+  [[nodiscard]] ProbeMotion motion() const;
+
+  PieceBoard board_;
+  const Clock* clock_;
+  CamAxes cells_;
+  WorldInfo info_;
+  std::optional<ProbeId> probe_;
+  std::uint32_t last_id_{0};
+  Position3 hand_{};
+  bool is_placing_{false};  // the ghost starts at the hand, whatever is between
+  std::uint64_t resets_seen_{0};
+  std::optional<CamAxes> goal_;  // of the move under way: the hand's cell
+  CamAxes pressed_{};            // by the hand, as the last answer has it: -1, 0, 1
+  std::optional<Try> last_try_;
+  MonotonicTime looked_at_{};
+  std::deque<Waiting> waiting_;
+  std::optional<std::uint64_t> under_way_;
+  std::vector<Finished> finished_;
+  std::uint64_t last_number_{0};
+};
+
+}  // namespace thimble::world::cam

@@ -1,0 +1,228 @@
+#include "daemon/world/cam/piece_world.hpp"
+
+#include <gtest/gtest.h>
+
+#include "drivers/cambus/board.hpp"
+#include "drivers/cambus/pci_port.hpp"
+#include "sim/model/cam/sim_cam_board.hpp"
+#include "sim/time/virtual_clock.hpp"
+
+namespace thimble::world::cam {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr CamGeometry kSpace{{5, 5, 0}, CamDivision::StripY};
+constexpr double kCell_m = 0.09 / 32;
+
+// A square of 8 cells a side, left of the middle of 32.
+PieceLayout one_square() {
+  PieceLayout layout(kSpace.cells());
+  for (int y = 12; y < 20; ++y) {
+    for (int x = 4; x < 12; ++x) layout[index_of(kSpace, {x, y, 0})] = 7;
+  }
+  return layout;
+}
+
+// The middle of a cell.
+Position3 at(int x, int y, double z_m = 0) {
+  return {(x - 15.5) * kCell_m, (y - 15.5) * kCell_m, z_m};
+}
+
+// A hand in a world on a board that takes its time: 25 MHz, two modules.
+class PieceWorldTest : public testing::Test {
+ protected:
+  Result<std::unique_ptr<CamBoard>> open(MonotonicTime now) {
+    if (!slot_) return fail(Errc::NotFound, "no board is plugged in");
+    auto port = cambus::PciPort::open(slot_->open_window(), now);
+    if (!port) return tl::unexpected(port.error());
+    return std::make_unique<cambus::Board>(*std::move(port));
+  }
+  void plug_in() {
+    slot_ = std::make_unique<sim::cam::SimCamBoard>(
+        clock_, sim::cam::BoardOptions{.shape = {{2, 1, 1}, 9}, .window_bytes = 1 << 20});
+  }
+  ProbeMotion hold(Position3 hand, Duration time = milliseconds(20)) {
+    ProbeMotion motion;
+    for (const MonotonicTime end = clock_.now() + time; clock_.now() < end;) {
+      clock_.run_for(milliseconds(1));
+      motion = world_->move_probe(probe_, hand, milliseconds(1));
+    }
+    return motion;
+  }
+  std::optional<PieceOutcome> act(PieceAction action, Position3 hand) {
+    const auto number = world_->submit(action);
+    if (!number) return std::nullopt;
+    hold(hand, milliseconds(50));
+    const auto finished = world_->take_finished();
+    if (finished.size() != 1 || finished[0].number != *number) return std::nullopt;
+    return finished[0].outcome;
+  }
+  void SetUp() override {
+    plug_in();
+    auto world = PieceWorld::create(
+        {.pieces = {.space = kSpace}, .source = "pieces"},
+        [this](MonotonicTime now) { return open(now); }, one_square(), clock_);
+    ASSERT_TRUE(world) << world.error().message;
+    world_ = *std::move(world);
+    probe_ = world_->add_probe(at(16, 16)).value();
+  }
+
+  sim::VirtualClock clock_;
+  std::unique_ptr<sim::cam::SimCamBoard> slot_;
+  std::unique_ptr<PieceWorld> world_;
+  ProbeId probe_;
+};
+
+TEST_F(PieceWorldTest, IsSilentUntilTheBoardHasAnswered) {
+  EXPECT_TRUE(world_->move_probe(probe_, at(16, 16), milliseconds(1)).is_silent);
+  const ProbeMotion motion = hold(at(16, 16));
+  EXPECT_FALSE(motion.is_silent);
+  EXPECT_TRUE(motion.planes.empty());
+  EXPECT_EQ(motion.ghost, at(16, 16));
+}
+
+TEST_F(PieceWorldTest, APieceStopsTheHandAtItsFaceAndNothingDoesAlongAnAxisOfOneCell) {
+  hold(at(16, 16));
+  const ProbeMotion motion = hold(at(9, 15, 0.03));
+  ASSERT_EQ(motion.planes.size(), 1U);
+  EXPECT_EQ(motion.planes[0].normal, (Direction3{-1, 0, 0}));
+  EXPECT_NEAR(motion.planes[0].offset_m, 4 * kCell_m, 1e-12) << "x of its right face, 12 - 16";
+  EXPECT_NEAR(motion.ghost.x, -4 * kCell_m, 1e-12);
+  EXPECT_EQ(motion.ghost.y, at(9, 15).y) << "it slides along";
+  EXPECT_EQ(motion.ghost.z, 0.03);
+  EXPECT_FALSE(motion.is_embedded);
+}
+
+TEST_F(PieceWorldTest, TheWorldHasWalls) {
+  hold(at(16, 16));
+  const ProbeMotion motion = hold(at(33, -2));
+  ASSERT_EQ(motion.planes.size(), 2U);
+  EXPECT_EQ(motion.planes[0].normal, (Direction3{1, 0, 0}));
+  EXPECT_NEAR(motion.planes[0].offset_m, 0.045, 1e-12);
+  EXPECT_EQ(motion.planes[1].normal, (Direction3{0, -1, 0}));
+  EXPECT_NEAR(motion.planes[1].offset_m, 0.045, 1e-12);
+  EXPECT_TRUE(hold(at(30, 1)).planes.empty());
+}
+
+TEST_F(PieceWorldTest, AWallIsLearnedOfLate) {
+  hold(at(16, 16));
+  clock_.run_for(milliseconds(1));
+  const ProbeMotion motion = world_->move_probe(probe_, at(9, 15), milliseconds(1));
+  EXPECT_TRUE(motion.planes.empty()) << "the board has only begun to look";
+  EXPECT_EQ(hold(at(9, 15)).planes.size(), 1U);
+}
+
+TEST_F(PieceWorldTest, AButtonSelectsWhatIsPressedAndDropsIt) {
+  hold(at(16, 16));
+  hold(at(9, 15));
+  world_->press(probe_, 1);
+  hold(at(9, 15), milliseconds(50));
+  EXPECT_EQ(world_->take_finished().at(0).outcome, PieceOutcome::Selected);
+  EXPECT_EQ(world_->board().state().held, 7);
+  EXPECT_TRUE(hold(at(20, 20), milliseconds(50)).planes.empty()) << "nothing holds it back";
+  world_->press(probe_, 1);
+  hold(at(20, 20), milliseconds(50));
+  EXPECT_EQ(world_->take_finished().at(0).outcome, PieceOutcome::Dropped);
+  EXPECT_EQ(world_->board().state().held, 0);
+  world_->press(probe_, 2);
+  world_->press({99}, 1);
+  hold(at(20, 20), milliseconds(50));
+  const auto finished = world_->take_finished();
+  ASSERT_EQ(finished.size(), 1U) << "nobody else has a button";
+  EXPECT_EQ(finished[0].outcome, PieceOutcome::NothingHeld);
+}
+
+TEST_F(PieceWorldTest, ActionsAreDoneWithoutAHandAndInTheirOrder) {
+  world_->remove_probe(probe_);
+  const PieceAction actions[] = {PieceAction::Drop, PieceAction::ToggleFree, PieceAction::Reset};
+  for (const PieceAction action : actions) ASSERT_TRUE(world_->submit(action));
+  for (int i = 0; i < 100; ++i) {
+    clock_.run_for(milliseconds(1));
+    world_->pump();
+  }
+  const auto finished = world_->take_finished();
+  ASSERT_EQ(finished.size(), 3U);
+  EXPECT_EQ(finished[0].outcome, PieceOutcome::NothingHeld);
+  EXPECT_EQ(finished[1].outcome, PieceOutcome::FreeMotionOn);
+  EXPECT_EQ(finished[2].outcome, PieceOutcome::WasReset);
+  EXPECT_TRUE(world_->take_finished().empty());
+}
+
+TEST_F(PieceWorldTest, TooManyActionsAreRefused) {
+  for (std::size_t i = 0; i < PieceWorld::kMaxWaiting; ++i) {
+    ASSERT_TRUE(world_->submit(PieceAction::ToggleFree));
+  }
+  EXPECT_EQ(world_->submit(PieceAction::ToggleFree).error().code, Errc::Busy);
+}
+
+TEST_F(PieceWorldTest, OneHandAtATime) {
+  EXPECT_EQ(world_->add_probe(at(1, 1)).error().code, Errc::Busy);
+  world_->remove_probe(probe_);
+  const auto next = world_->add_probe(at(20, 20));
+  ASSERT_TRUE(next);
+  EXPECT_NE(next->value, probe_.value);
+  EXPECT_EQ(world_->move_probe(probe_, at(5, 5), milliseconds(1)).ghost, at(5, 5));
+  probe_ = *next;
+  EXPECT_TRUE(hold(at(20, 20)).planes.empty());
+  EXPECT_EQ(world_->board().state().grasp, (CamAxes{20, 20, 0})) << "it starts at the hand";
+}
+
+TEST_F(PieceWorldTest, AHandThatAppearsWithinAPieceLeavesItFreely) {
+  world_->remove_probe(probe_);
+  probe_ = world_->add_probe(at(8, 15)).value();
+  ProbeMotion motion = hold(at(8, 15));
+  EXPECT_TRUE(motion.is_embedded);
+  EXPECT_TRUE(motion.planes.empty());
+  motion = hold(at(14, 15));
+  EXPECT_FALSE(motion.is_embedded);
+  EXPECT_EQ(hold(at(8, 15)).planes.size(), 1U) << "and does not come back that way";
+}
+
+TEST_F(PieceWorldTest, ABoardThatIsPulledOutMakesTheWorldSilentAndOneThatIsPluggedInIsFelt) {
+  hold(at(16, 16));
+  EXPECT_EQ(hold(at(9, 15)).planes.size(), 1U);
+  slot_->unplug();
+  EXPECT_TRUE(hold(at(9, 15), PieceWorld::kLookEvery + milliseconds(10)).is_silent);
+  ASSERT_TRUE(world_->board().trouble());
+  EXPECT_EQ(world_->board().trouble()->code, Errc::Disconnected);
+  EXPECT_TRUE(hold(at(9, 15), milliseconds(300)).is_silent);
+  plug_in();  // another one, whose memory is empty
+  const ProbeMotion motion = hold(at(16, 16), milliseconds(300));
+  EXPECT_FALSE(motion.is_silent);
+  EXPECT_FALSE(world_->board().trouble());
+  EXPECT_EQ(world_->board().counters().resets, 1U);
+  EXPECT_EQ(hold(at(9, 15)).planes.size(), 1U) << "the piece is where it was at first";
+}
+
+TEST_F(PieceWorldTest, AnActionThatABoardFailedAtIsToldSo) {
+  hold(at(16, 16));
+  ASSERT_TRUE(world_->submit(PieceAction::ToggleFree));
+  world_->pump();
+  slot_->unplug();
+  hold(at(16, 16), milliseconds(10));
+  const auto finished = world_->take_finished();
+  ASSERT_EQ(finished.size(), 1U);
+  EXPECT_EQ(finished[0].outcome, PieceOutcome::BoardFailed);
+}
+
+TEST_F(PieceWorldTest, HandsThatAreNowhereAreNotFollowed) {
+  EXPECT_EQ(world_->add_probe({NAN, 0, 0}).error().code, Errc::InvalidArgument);
+  hold(at(16, 16));
+  EXPECT_EQ(world_->move_probe(probe_, {NAN, 0, 0}, milliseconds(1)).ghost, at(16, 16));
+  EXPECT_EQ(act(PieceAction::Drop, {1e300, -1e300, 0}), PieceOutcome::NothingHeld);
+  EXPECT_EQ(world_->board().state().grasp, (CamAxes{31, 0, 0})) << "the corner";
+}
+
+TEST(PieceWorldSettings, ThatCannotBeAreRefused) {
+  const sim::VirtualClock clock;
+  const auto none = [](MonotonicTime) -> Result<std::unique_ptr<CamBoard>> {
+    return fail(Errc::NotFound, "none");
+  };
+  EXPECT_FALSE(PieceWorld::create({.pieces = {.space = kSpace}, .workspace_m = 0}, none,
+                                  one_square(), clock));
+  EXPECT_FALSE(PieceWorld::create({.pieces = {.space = kSpace}}, none, {}, clock));
+}
+
+}  // namespace
+}  // namespace thimble::world::cam
