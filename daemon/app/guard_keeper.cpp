@@ -1,7 +1,6 @@
 #include "daemon/app/guard_keeper.hpp"
 
 #include <fcntl.h>
-#include <poll.h>
 #include <spawn.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -41,17 +40,6 @@ guard::Handover handover_of(const linux::SharedDevice& device, const ZeroCommand
   return handover;
 }
 
-Result<void> wait_for_answer(int socket) {
-  pollfd answered{socket, POLLIN, 0};
-  const int ready = ::poll(&answered, 1, GuardKeeper::kPatience_ms);
-  if (ready == 0) return fail(Errc::Timeout, "it does not answer");
-  char answer = 0;
-  if (ready < 0 || ::recv(socket, &answer, 1, MSG_DONTWAIT) != 1 || answer != guard::kWatching) {
-    return fail(Errc::System, kEnded);
-  }
-  return {};
-}
-
 }  // namespace
 
 // One arm's: the page stays for the life of the session, a connection for that of a device.
@@ -62,8 +50,8 @@ class GuardProcess final : public devices::ArmGuard {
 
   [[nodiscard]] rt::Heartbeat& heartbeat() noexcept override { return page_.heartbeat(); }
 
-  Result<void> watch(const bus::DeviceAddress& address, const ZeroCommand& zero) override {
-    connection_ = Descriptor();  // the guard of the device before ends
+  Result<void> ask(const bus::DeviceAddress& address, const ZeroCommand& zero) override {
+    give_up();  // the guard of the device before ends
     const auto device = keeper_.settings_.share(address);
     if (!device) return tl::unexpected(device.error());
     auto connection = keeper_.connect();
@@ -71,25 +59,32 @@ class GuardProcess final : public devices::ArmGuard {
     const Result<void> sent = guard::send_handover(connection->get(), handover_of(*device, zero),
                                                    *device, page_.descriptor());
     if (!sent) return fail(Errc::System, kEnded);
-    Result<void> answered = wait_for_answer(connection->get());
-    if (answered) connection_ = *std::move(connection);
-    return answered;
+    connection_ = *std::move(connection);
+    return {};
   }
 
-  // A guard never says a second word: what can be read is its end.
-  [[nodiscard]] bool is_watching() noexcept override {
-    if (connection_.get() < 0) return false;
-    pollfd ended{connection_.get(), POLLIN, 0};
-    if (::poll(&ended, 1, 0) == 0) return true;
-    connection_ = Descriptor();
+  Result<bool> is_watching() override {
+    if (connection_.get() < 0) return fail(Errc::System, kEnded);
+    char word = 0;
+    const ssize_t size = ::recv(connection_.get(), &word, 1, MSG_DONTWAIT);
+    if (size < 0 && (errno == EAGAIN || errno == EINTR)) return has_answered_;
+    // It has one word to say; whatever else comes is its end.
+    if (size == 1 && word == guard::kWatching && !has_answered_) return has_answered_ = true;
+    give_up();
     keeper_.reap();
-    return false;
+    return fail(Errc::System, kEnded);
   }
 
  private:
+  void give_up() {
+    connection_ = Descriptor();
+    has_answered_ = false;
+  }
+
   GuardKeeper& keeper_;
   guard::SharedPage page_;
   Descriptor connection_;
+  bool has_answered_{false};
 };
 
 GuardSettings default_guard_settings() {
@@ -113,7 +108,7 @@ Result<Descriptor> GuardKeeper::connect() {
   const std::string path = settings_.socket.string();
   if (path.empty() || path.size() >= sizeof(name.sun_path)) return start();
   std::copy(path.begin(), path.end(), static_cast<char*>(name.sun_path));
-  Descriptor socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
+  Descriptor socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (socket.get() < 0) return tl::unexpected(linux::system_error("no socket for a guard", errno));
   if (::connect(socket.get(), reinterpret_cast<const sockaddr*>(&name), sizeof(name)) == 0) {
     return socket;

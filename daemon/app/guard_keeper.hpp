@@ -28,8 +28,8 @@ struct GuardSettings {
 
 // Guards that are processes: thimble-guard(8).
 //
-// Thread: control plane. Not RT: watch() waits kPatience_ms at most for a guard to answer.
-// Errors: System, Permission, Timeout; each says what to do.
+// Thread: control plane. Not RT; waits for no guard. Errors: System, Permission; each says what to
+// do.
 class GuardKeeper final : public devices::ArmGuards {
  public:
   explicit GuardKeeper(GuardSettings settings) : settings_(std::move(settings)) {}
@@ -38,9 +38,6 @@ class GuardKeeper final : public devices::ArmGuards {
   GuardKeeper& operator=(const GuardKeeper&) = delete;
 
   [[nodiscard]] Result<std::unique_ptr<devices::ArmGuard>> make() override;
-
-  // Ours: systemd takes some 100 ms to start a unit on a busy machine.
-  static constexpr int kPatience_ms = 5000;
 
  private:
   friend class GuardProcess;

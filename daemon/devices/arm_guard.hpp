@@ -27,11 +27,12 @@ class ArmGuard {
  public:
   virtual ~ArmGuard() = default;
   [[nodiscard]] virtual rt::Heartbeat& heartbeat() noexcept = 0;
-  // From now on it watches the device at `address`, just opened, and no other. Waits until it says
-  // so. Errors: why it does not; then nothing watches.
-  [[nodiscard]] virtual Result<void> watch(const bus::DeviceAddress& address,
-                                           const ZeroCommand& zero) = 0;
-  [[nodiscard]] virtual bool is_watching() noexcept = 0;
+  // It shall watch the device at `address`, just opened, and no other: from now on nothing watches
+  // until it answers, which is never waited for. Errors: why nobody can be asked.
+  [[nodiscard]] virtual Result<void> ask(const bus::DeviceAddress& address,
+                                         const ZeroCommand& zero) = 0;
+  // False: it was asked, and has not answered yet. Errors: it ended, or was never asked.
+  [[nodiscard]] virtual Result<bool> is_watching() = 0;
 };
 
 // Makes guards. Thread: control plane. Ownership: must outlive them. Errors: System.

@@ -1,5 +1,7 @@
 #include "daemon/session/guarded_arm.hpp"
 
+#include <utility>
+
 namespace thimble::session {
 
 Result<void> GuardedArm::begin(const HapticDevice& device) {
@@ -18,23 +20,41 @@ Result<void> GuardedArm::begin(const HapticDevice& device) {
     if (!made) return tl::unexpected(made.error().in(name_ + ": guard"));
     guard_ = *std::move(made);
   }
-  return watch();
+  return ask();
 }
 
-Result<void> GuardedArm::watch() {
-  const Result<void> watched = guard_->watch(address_, zero_);
-  controls_.is_guarded.store(watched.has_value(), std::memory_order_relaxed);
-  if (!watched) return tl::unexpected(watched.error().in(name_ + ": guard"));
-  pace_.ease();
+Result<void> GuardedArm::ask() {
+  const Result<void> asked = guard_->ask(address_, zero_);
+  is_asked_ = asked.has_value();
+  asked_since_.reset();
+  controls_.is_guarded.store(is_asked_ && guard_->is_watching().value_or(false),
+                             std::memory_order_relaxed);
+  if (!asked) return tl::unexpected(asked.error().in(name_ + ": guard"));
   return {};
 }
 
+bool GuardedArm::is_overdue(MonotonicTime now) noexcept {
+  if (!asked_since_) asked_since_ = now;
+  return now - *asked_since_ >= kPatience;
+}
+
 Result<void> GuardedArm::follow(MonotonicTime now) {
-  if (!guard_ || guard_->is_watching()) return {};
-  controls_.is_guarded.store(false, std::memory_order_relaxed);
+  if (!guard_) return {};
+  Result<bool> watching = guard_->is_watching();
+  controls_.is_guarded.store(watching.value_or(false), std::memory_order_relaxed);
+  if (watching.value_or(false)) {
+    if (std::exchange(is_asked_, false)) pace_.ease();
+    return {};
+  }
+  if (watching && !is_overdue(now)) return {};
+  if (watching) watching = fail(Errc::Timeout, "it does not answer");
+  // A person is told why before another one is asked.
+  if (std::exchange(is_asked_, false)) {
+    return tl::unexpected(watching.error().in(name_ + ": guard"));
+  }
   if (!pace_.is_due(now)) return {};
   pace_.tried(now);
-  return watch();
+  return ask();
 }
 
 }  // namespace thimble::session

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "daemon/devices/arm_guard.hpp"
@@ -25,12 +27,12 @@ class GuardedArm {
         guards_(guards),
         controls_(controls) {}
 
-  // `device` was just opened. Nothing for a simulated arm, and for one that lets go by itself.
-  // Unsupported when it needs a guard and none can be had, or its driver does not say what to
-  // write; otherwise as ArmGuard::watch().
+  // `device` was just opened; until its guard answers, follow() says, it is not driven. Nothing for
+  // a simulated arm, and for one that lets go by itself. Unsupported when it needs a guard and none
+  // can be had, or its driver does not say what to write; otherwise as ArmGuard::ask().
   [[nodiscard]] Result<void> begin(const HapticDevice& device);
-  // Looks whether the guard still watches; if not, has another one watch, trying less and less
-  // often. Errors: this try failed.
+  // Looks whether the guard watches; if it ended, or has not answered for kPatience, asks another
+  // one, less and less often. Errors: this try failed. Never waits: worlds are computed meanwhile.
   [[nodiscard]] Result<void> follow(MonotonicTime now);
 
   // nullptr: this arm has none.
@@ -38,8 +40,12 @@ class GuardedArm {
     return guard_ ? &guard_->heartbeat() : nullptr;
   }
 
+  // Ours: systemd takes some 100 ms to start a unit on a busy machine.
+  static constexpr Duration kPatience = std::chrono::seconds(5);
+
  private:
-  [[nodiscard]] Result<void> watch();
+  [[nodiscard]] Result<void> ask();
+  [[nodiscard]] bool is_overdue(MonotonicTime now) noexcept;
 
   std::string name_;
   bus::DeviceAddress address_;
@@ -48,6 +54,8 @@ class GuardedArm {
   ZeroCommand zero_{};
   std::unique_ptr<devices::ArmGuard> guard_;
   RetryPace pace_;
+  bool is_asked_{false};                      // and has said nothing, nor was it seen to end
+  std::optional<MonotonicTime> asked_since_;  // as far as follow() knows
 };
 
 }  // namespace thimble::session

@@ -69,12 +69,12 @@ class KnownGuards final : public devices::ArmGuards {
    public:
     explicit Guard(KnownGuards& all) : all_(all) {}
     [[nodiscard]] rt::Heartbeat& heartbeat() noexcept override { return heartbeat_; }
-    Result<void> watch(const bus::DeviceAddress& address, const ZeroCommand&) override {
+    Result<void> ask(const bus::DeviceAddress& address, const ZeroCommand&) override {
       if (all_.is_refusing) return fail(Errc::Timeout, "it does not answer");
       all_.watched.push_back(address.text);
       return {};
     }
-    [[nodiscard]] bool is_watching() noexcept override { return true; }
+    [[nodiscard]] Result<bool> is_watching() override { return true; }
 
    private:
     KnownGuards& all_;

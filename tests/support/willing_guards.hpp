@@ -11,10 +11,10 @@ namespace thimble::test {
 class WillingGuard final : public devices::ArmGuard {
  public:
   [[nodiscard]] rt::Heartbeat& heartbeat() noexcept override { return heartbeat_; }
-  Result<void> watch(const bus::DeviceAddress& /*address*/, const ZeroCommand& /*zero*/) override {
+  Result<void> ask(const bus::DeviceAddress& /*address*/, const ZeroCommand& /*zero*/) override {
     return {};
   }
-  [[nodiscard]] bool is_watching() noexcept override { return true; }
+  [[nodiscard]] Result<bool> is_watching() override { return true; }
 
  private:
   rt::Heartbeat heartbeat_;

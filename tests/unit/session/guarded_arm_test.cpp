@@ -26,23 +26,27 @@ class FakeDevice final : public HapticDevice {
 
 struct GuardScript {
   bool can_make{true};
-  bool can_watch{true};
-  bool is_watching{false};
+  bool can_be_asked{true};
+  bool answers{true};
+  bool has_ended{false};
   int made{0};
-  std::vector<std::string> watched;
+  std::vector<std::string> asked;
 };
 
 class FakeGuard final : public devices::ArmGuard {
  public:
   explicit FakeGuard(GuardScript& script) : script_(script) {}
   [[nodiscard]] rt::Heartbeat& heartbeat() noexcept override { return heartbeat_; }
-  Result<void> watch(const bus::DeviceAddress& address, const ZeroCommand& zero) override {
-    script_.watched.push_back(address.text + ' ' + std::to_string(zero.endpoint));
-    script_.is_watching = script_.can_watch;
-    if (!script_.can_watch) return fail(Errc::System, "it cannot be started");
+  Result<void> ask(const bus::DeviceAddress& address, const ZeroCommand& zero) override {
+    script_.asked.push_back(address.text + ' ' + std::to_string(zero.endpoint));
+    script_.has_ended = !script_.can_be_asked;
+    if (!script_.can_be_asked) return fail(Errc::System, "it cannot be started");
     return {};
   }
-  [[nodiscard]] bool is_watching() noexcept override { return script_.is_watching; }
+  [[nodiscard]] Result<bool> is_watching() override {
+    if (script_.has_ended) return fail(Errc::System, "it ended");
+    return script_.answers;
+  }
 
  private:
   GuardScript& script_;
@@ -83,7 +87,7 @@ class GuardedArmTest : public testing::Test {
 TEST_F(GuardedArmTest, HasItsDeviceWatchedWithTheZeroOfItsDriver) {
   ASSERT_EQ(sut_.heartbeat(), nullptr);
   EXPECT_EQ(refusal(sut_.begin(device_)), "");
-  EXPECT_EQ(script_.watched, (std::vector<std::string>{"hid:42 2"}));
+  EXPECT_EQ(script_.asked, (std::vector<std::string>{"hid:42 2"}));
   EXPECT_NE(sut_.heartbeat(), nullptr);
   EXPECT_TRUE(controls_.is_guarded);
 }
@@ -92,7 +96,7 @@ TEST_F(GuardedArmTest, OneThatReturnsIsWatchedAnewOnTheSameHeartbeat) {
   ASSERT_TRUE(sut_.begin(device_));
   rt::Heartbeat* const heartbeat = sut_.heartbeat();
   ASSERT_TRUE(sut_.begin(device_));
-  EXPECT_EQ(script_.watched.size(), 2U);
+  EXPECT_EQ(script_.asked.size(), 2U);
   EXPECT_EQ(script_.made, 1);
   EXPECT_EQ(sut_.heartbeat(), heartbeat);
 }
@@ -127,7 +131,7 @@ TEST_F(GuardedArmTest, IsRefusedWhereNoneCanBeHad) {
   script_.can_make = false;
   EXPECT_EQ(refusal(sut_.begin(device_)), "arm 'right': guard: no memory");
   script_.can_make = true;
-  script_.can_watch = false;
+  script_.can_be_asked = false;
   EXPECT_EQ(refusal(sut_.begin(device_)), "arm 'right': guard: it cannot be started");
   EXPECT_FALSE(controls_.is_guarded);
   device_.zero.reset();
@@ -135,27 +139,74 @@ TEST_F(GuardedArmTest, IsRefusedWhereNoneCanBeHad) {
             "arm 'right' needs a guard, but its driver does not say what takes its force away");
 }
 
+// Worlds are computed by the thread that would wait for it.
+TEST_F(GuardedArmTest, IsNotWaitedForAndNothingIsDrivenBeforeItAnswers) {
+  script_.answers = false;
+  EXPECT_EQ(refusal(sut_.begin(device_)), "");
+  EXPECT_FALSE(controls_.is_guarded);
+  EXPECT_EQ(refusal(sut_.follow(at(seconds(9)))), "");
+  EXPECT_EQ(refusal(sut_.follow(at(seconds(10)))), "");
+  EXPECT_FALSE(controls_.is_guarded);
+  script_.answers = true;
+  EXPECT_EQ(refusal(sut_.follow(at(seconds(11)))), "");
+  EXPECT_TRUE(controls_.is_guarded);
+  EXPECT_EQ(script_.asked.size(), 1U);
+}
+
+TEST_F(GuardedArmTest, OneThatDoesNotAnswerIsToldOfAndReplaced) {
+  script_.answers = false;
+  ASSERT_TRUE(sut_.begin(device_));
+  EXPECT_EQ(refusal(sut_.follow(at(seconds(1)))), "");
+  const Duration late = seconds(1) + GuardedArm::kPatience;
+  EXPECT_EQ(refusal(sut_.follow(at(late - milliseconds(1)))), "");
+  EXPECT_EQ(refusal(sut_.follow(at(late))), "arm 'right': guard: it does not answer");
+  EXPECT_EQ(script_.asked.size(), 1U);
+  EXPECT_EQ(refusal(sut_.follow(at(late + milliseconds(1)))), "");
+  EXPECT_EQ(script_.asked.size(), 2U);
+  EXPECT_FALSE(controls_.is_guarded);
+  script_.answers = true;
+  EXPECT_EQ(refusal(sut_.follow(at(late + milliseconds(2)))), "");
+  EXPECT_TRUE(controls_.is_guarded);
+}
+
+TEST_F(GuardedArmTest, OneThatEndsBeforeItsAnswerIsToldOfEachTime) {
+  script_.answers = false;
+  ASSERT_TRUE(sut_.begin(device_));
+  int told = 0;
+  for (int ms = 0; ms < 60'000; ms += 10) {
+    script_.has_ended = true;
+    told +=
+        refusal(sut_.follow(at(seconds(1) + milliseconds(ms)))) == "arm 'right': guard: it ended";
+  }
+  EXPECT_EQ(told, static_cast<int>(script_.asked.size()));
+  EXPECT_GT(told, 30);
+  EXPECT_LT(told, 40);
+  EXPECT_FALSE(controls_.is_guarded);
+}
+
 TEST_F(GuardedArmTest, AGuardThatEndsStopsTheArmAtOnceAndIsReplaced) {
   ASSERT_TRUE(sut_.begin(device_));
-  script_.is_watching = false;
-  script_.can_watch = false;
+  EXPECT_EQ(refusal(sut_.follow(at(milliseconds(900)))), "");
+  script_.has_ended = true;
+  script_.can_be_asked = false;
   EXPECT_NE(refusal(sut_.follow(at(seconds(1)))), "");
   EXPECT_FALSE(controls_.is_guarded);
-  script_.can_watch = true;
+  script_.can_be_asked = true;
   EXPECT_EQ(refusal(sut_.follow(at(seconds(1) + milliseconds(49)))), "");
   EXPECT_FALSE(controls_.is_guarded) << "the next try is due 50 ms after the last";
   EXPECT_EQ(refusal(sut_.follow(at(seconds(1) + milliseconds(50)))), "");
   EXPECT_TRUE(controls_.is_guarded);
-  EXPECT_EQ(script_.watched.size(), 3U);
+  EXPECT_EQ(script_.asked.size(), 3U);
 }
 
 TEST_F(GuardedArmTest, AGuardThatCannotBeHadIsTriedLessAndLessOften) {
   ASSERT_TRUE(sut_.begin(device_));
-  script_.is_watching = false;
-  script_.can_watch = false;
+  ASSERT_TRUE(sut_.follow(at(milliseconds(900))));
+  script_.has_ended = true;
+  script_.can_be_asked = false;
   for (int ms = 0; ms < 60'000; ms += 10) (void)sut_.follow(at(seconds(1) + milliseconds(ms)));
   // At 0, 0.05, 0.15 … 3.15 s, and then every 2 s.
-  EXPECT_EQ(script_.watched.size(), 1U + 7U + 28U);
+  EXPECT_EQ(script_.asked.size(), 1U + 7U + 28U);
 }
 
 }  // namespace
