@@ -2,7 +2,7 @@
 
 import base64
 import contextlib
-import gzip
+import json
 import os
 import pathlib
 import select
@@ -13,6 +13,7 @@ import subprocess
 import tempfile
 import time
 import typing
+import zlib
 
 import guest_image
 import qmp
@@ -162,11 +163,14 @@ class Guest:
             self.pending += data
         line, self.pending = self.pending.split(b"\n", 1)
         status, _, printed = line.partition(b" ")
-        return int(status), base64.b64decode(printed).decode(errors="replace")
+        return int(status), zlib.decompress(base64.b64decode(printed)).decode(errors="replace")
+
+    def send(self, kind, request):
+        self.channel.sendall(kind + b" " + base64.b64encode(request.encode()) + b"\n")
 
     def ask(self, script, timeout_s=COMMAND_S):
         """Exit status of a bash script in the guest, as root, and what it printed."""
-        self.channel.sendall(base64.b64encode(script.encode()) + b"\n")
+        self.send(b"run", script)
         return self.read_answer(timeout_s)
 
     def run(self, script, timeout_s=COMMAND_S):
@@ -176,26 +180,36 @@ class Guest:
             raise GuestError(f"status {status} of: {script}\n{printed}")
         return printed
 
-    def fetch(self, path):
-        """A file of the guest, in pieces: the port to it takes 32 KiB at once."""
-        self.run(f"gzip -c {path} > /run/fetched")
-        packed = b""
-        while True:
-            piece = base64.b64decode(self.run(f"tail -c +{len(packed) + 1} /run/fetched | head -c 15000 | base64"))
-            packed += piece
-            if not piece:
-                return gzip.decompress(packed)
+    def ask_module(self, module, *words, timeout_s=COMMAND_S):
+        """The same of the main() of a module of guest/."""
+        self.send(b"call", json.dumps([module, *words]))
+        return self.read_answer(timeout_s)
+
+    def call(self, module, *words, timeout_s=COMMAND_S):
+        """What it printed; it must succeed."""
+        status, printed = self.ask_module(module, *words, timeout_s=timeout_s)
+        if status != 0:
+            raise GuestError(f"status {status} of {module} {' '.join(words)}\n{printed}")
+        return printed
 
     def wait_for(self, script, timeout_s=COMMAND_S):
         """Until the script succeeds: its output. Polls, with a bound."""
+        return self.poll(lambda: self.ask(script), script, timeout_s)
+
+    def wait_for_module(self, module, *words, timeout_s=COMMAND_S):
+        """The same of the main() of a module of guest/."""
+        return self.poll(lambda: self.ask_module(module, *words), " ".join((module, *words)), timeout_s)
+
+    @staticmethod
+    def poll(ask, name, timeout_s):
         end = time.monotonic() + timeout_s
         while True:
-            status, printed = self.ask(script)
+            status, printed = ask()
             if status == 0:
                 return printed
             if time.monotonic() > end:
-                raise GuestError(f"never: {script}\n{printed}")
-            time.sleep(0.3)
+                raise GuestError(f"never: {name}\n{printed}")
+            time.sleep(0.1)
 
     def install(self, *names):
         """Packages of the share, as dpkg does it: their dependencies must be there."""

@@ -19,8 +19,7 @@ def norm(vector):
 
 def wait_for_state(guest, *states, arm=0):
     """Until the daemon's arm, counted as in its configuration, is in one of them: what the status says of that arm."""
-    return guest.wait_for("thimble status --json | python3 -c 'import json, sys; arm = json.load(sys.stdin)[\"arms\"]" f"[{arm}]; "
-                          f"print(json.dumps(arm)); sys.exit(arm[\"state\"] not in \"{' '.join(states)}\".split())'")
+    return guest.wait_for_module("arm_state", str(arm), *states)
 
 
 class Simdev:
@@ -51,15 +50,14 @@ class Simdev:
 
     def say(self, *verbs):
         """The answers, a dictionary each; every verb must succeed."""
-        return [json.loads(line) for line in self.guest.run(self.command(*verbs)).splitlines()]
+        return [json.loads(line) for line in self.guest.call("simdev", self.socket, *verbs).splitlines()]
 
     def status(self):
         return self.say("status")[0]
 
     def log(self, seconds=1):
         """What the model felt: all entries but the closing one."""
-        self.guest.run(self.command(f"log {seconds}") + " > /run/simdev.log")
-        return [json.loads(line) for line in self.guest.fetch("/run/simdev.log").splitlines()[:-1]]
+        return self.say(f"log {seconds}")[:-1]
 
     def samples(self, seconds=1):
         return [entry for entry in self.log(seconds) if "tip_m" in entry]

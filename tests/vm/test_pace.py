@@ -11,29 +11,26 @@ import arms
 import guest
 
 TICKS = 10_000
-# Two statuses around the sleep, each with the counters of kernel and device; everything in one script, since an idle guest's clock
-# runs ahead between two.
+# Two statuses around the sleep, each with the counters of the kernel, in one script, since an idle guest's clock runs ahead between two.
 SCRIPT = """
 look() {{
   thimble status --json | tr -d '\\n'; echo
-  {status}
   for task in /proc/$pid/task/*; do echo "$(cat $task/comm) $(awk '/ctxt_switches/ {{print $2}}' $task/status | xargs)"; done
 }}
 pid=$(systemctl show thimbled -p MainPID --value)
-{move} > /dev/null; sleep 1
 look > /run/before; sleep {seconds}; look > /run/after
 cat /run/before; echo; cat /run/after
 """
 
 
 def parse(text):
-    status, device, *threads = text.strip().splitlines()
+    status, *threads = text.strip().splitlines()
     switches = {}
     for line in threads:
         name, voluntary, involuntary = line.rsplit(" ", 2)
         before = switches.get(name, (0, 0))
         switches[name] = (before[0] + int(voluntary), before[1] + int(involuntary))
-    return json.loads(status)["servos"][0], json.loads(device)["counters"], switches
+    return json.loads(status)["servos"][0], switches
 
 
 class Paced(guest.GuestTest):
@@ -49,26 +46,30 @@ class Paced(guest.GuestTest):
         """What servo, device and kernel counted in TICKS and a few: of the device, and the switches of each name of a thread, by tick."""
         self.arm.configure(rate_hz)
         self.arm.activate()
-        script = SCRIPT.format(status=self.arm.command("status"), move=self.arm.command("move 0.018 0 0 0.3"),
-                               seconds=1.01 * TICKS / rate_hz)
-        before, after = (parse(text) for text in self.guest.run(script, timeout_s=600).split("\n\n"))
+        self.arm.say("move 0.018 0 0 0.3")
+        self.guest.run("sleep 1")
+        # The device, which no thread of the guest interrupts, is asked before and after, not within.
+        idle = self.arm.status()["counters"]
+        printed = self.guest.run(SCRIPT.format(seconds=1.01 * TICKS / rate_hz), timeout_s=600)
+        counters = self.arm.status()["counters"]
+        before, after = (parse(text) for text in printed.split("\n\n"))
         servo = {key: after[0][key] - before[0][key] for key in ("ticks", "overruns", "missed_exchanges", "malformed_reports")}
-        device = {key: after[1][key] - before[1][key] for key in before[1]}
-        switches = {name: [round((now - then) / servo["ticks"], 3) for now, then in zip(after[2][name], before[2][name])]
-                    for name in after[2]}
+        device = {key: counters[key] - idle[key] for key in idle}
+        switches = {name: [round((now - then) / servo["ticks"], 3) for now, then in zip(after[1][name], before[1][name])]
+                    for name in after[1]}
         print(f"{type(self).__name__}, {rate_hz} Hz: {servo}; {device}; switches a tick, voluntary and not: {switches}", file=sys.stderr)
         return servo, device, switches["servo-right"]
 
     def assert_in_time(self, rate_hz, exchanges_hz):
-        servo, device, (voluntary, involuntary) = self.count(rate_hz)
+        servo, device, (voluntary, _) = self.count(rate_hz)
         self.assertGreaterEqual(servo.pop("ticks"), TICKS)
         self.assertEqual(servo, {"overruns": 0, "missed_exchanges": 0, "malformed_reports": 0})
         self.assertEqual([device[key] for key in ("superseded", "lost", "malformed")], [0, 0, 0])
         seconds = TICKS / rate_hz
         self.assertGreaterEqual(device["from_host"], 0.99 * exchanges_hz * seconds)
-        # The sleep, and nothing else, lets others run.
+        # The sleep, and nothing else, lets others run. That the device, which has no processor of its own here, takes it away is counted, too;
+        # how often depends on which of them was switched on first.
         self.assertAlmostEqual(voluntary, 1, delta=0.01)
-        self.assertLess(involuntary, 0.05)
 
 
 class HidArm(Paced):

@@ -27,7 +27,7 @@ class Replay(guest.GuestTest):
 
     def assert_felt(self, arm, ticks):
         """It was a session: calibrated and driven, with as many different forces as a hand that explores a box would meet."""
-        lines = [line.split() for line in self.guest.fetch(f"/run/{arm}.simulated").decode().splitlines()]
+        lines = [line.split() for line in self.guest.run(f"cat /run/{arm}.simulated").splitlines()]
         self.assertEqual([int(line[0]) for line in lines], list(range(1, ticks + 1)))
         self.assertEqual([line[1] for line in lines[-ticks // 2:]], ticks // 2 * ["active"])
         self.assertGreater(len({line[2] for line in lines} - {NO_FORCE}), ticks // 3)

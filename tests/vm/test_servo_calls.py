@@ -50,7 +50,7 @@ class Hidraw(guest.GuestTest):
         self.lean()
         threads = f"$(grep -lx '{thread}' /proc/$pid/task/*/comm | cut -d / -f 5 | sed 's/^/-p /')"
         self.run_for_daemon(f"timeout 2 strace -y -o /run/strace {threads}; test -s /run/strace")
-        return self.guest.fetch("/run/strace").decode().splitlines()
+        return self.guest.run("cat /run/strace").splitlines()
 
     def test_its_system_calls_are_the_sleep_and_the_wake_of_others(self):
         calls = self.trace(SERVO)
