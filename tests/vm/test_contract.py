@@ -1,4 +1,4 @@
-"""The contract suites of HID devices and their enumerator over a real kernel: hidapi and libudev as they are, on devices that hang on uhid and vhci-hcd.
+"""The contract suites of HID and USB devices and their enumerator over a real kernel: hidapi, libusb and libudev as they are, on devices that hang on uhid and vhci-hcd.
 
 What the same suites say of the simulated buses, and of ours over stand-ins for the libraries, runs on any machine: tests/contract.
 """
@@ -14,7 +14,7 @@ class Contract(guest.GuestTest):
 
     def test_every_sentence_of_the_suites_is_true(self):
         self.guest.run("modprobe -a uhid vhci-hcd")
-        for suite, least in (("HidDeviceContract", 22), ("BusEnumeratorContract", 7)):
+        for suite, least in (("HidDeviceContract", 22), ("BusEnumeratorContract", 7), ("UsbDeviceContract", 29)):
             with self.subTest(suite):
                 status, printed = self.guest.ask(f"/run/bin/kernel_contract --gtest_filter='*{suite}*' 2>&1 | tail -n 60; "
                                                  "exit ${PIPESTATUS[0]}", timeout_s=600)
