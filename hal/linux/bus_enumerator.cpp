@@ -97,7 +97,8 @@ Result<Descriptor> BusEnumerator::open_node(const FoundDevice& device, int flags
 Result<std::unique_ptr<bus::HidDevice>> BusEnumerator::open_hid(const bus::DeviceAddress& address) {
   const Result<FoundDevice> found = find(address, bus::BusKind::Hid);
   if (!found.has_value()) return tl::unexpected(found.error());
-  Result<std::unique_ptr<bus::HidDevice>> device = hids_.open(found->node, found->info);
+  Result<std::unique_ptr<bus::HidDevice>> device =
+      hids_.open({found->node, found->hiddev}, found->info);
   if (!device.has_value()) return device;
   const Result<void> same = check_same(found.value());
   if (!same.has_value()) return tl::unexpected(same.error());

@@ -1,5 +1,6 @@
 #include "hal/linux/hid_connection.hpp"
 
+#include <fcntl.h>
 #include <poll.h>
 
 #include <algorithm>
@@ -20,21 +21,21 @@ void wait_for(EventFd& event, int patience_ms) noexcept {
 
 }  // namespace
 
-Result<std::unique_ptr<HidConnection>> HidConnection::start(std::string node,
+Result<std::unique_ptr<HidConnection>> HidConnection::start(HidNodes nodes,
                                                             const bus::BusDeviceInfo& info,
                                                             const BusSettings& settings,
                                                             std::mutex& opening) {
   // The constructor is private, so make_unique cannot reach it.
   std::unique_ptr<HidConnection> connection(
-      new HidConnection(std::move(node), info, settings, opening));
+      new HidConnection(std::move(nodes), info, settings, opening));
   const Result<void> started = connection->start();
   if (!started.has_value()) return tl::unexpected(started.error());
   return connection;
 }
 
-HidConnection::HidConnection(std::string node, const bus::BusDeviceInfo& info,
+HidConnection::HidConnection(HidNodes nodes, const bus::BusDeviceInfo& info,
                              const BusSettings& settings, std::mutex& opening)
-    : node_(std::move(node)),
+    : nodes_(std::move(nodes)),
       address_(info.address),
       has_report_ids_(info.has_report_ids),
       settings_(&settings),
@@ -93,6 +94,7 @@ void HidConnection::run() noexcept {
   const Result<void> opened = open();
   if (!opened.has_value()) {
     transfers_.reset();
+    hiddev_ = Descriptor();
     refusal_ = opened.error();
     return reach(State::Refused);
   }
@@ -106,13 +108,18 @@ void HidConnection::run() noexcept {
   transfers_->send();
   reader_.reset();
   transfers_.reset();
+  hiddev_ = Descriptor();
   reach(State::Closed);
 }
 
 Result<void> HidConnection::open() {
+  // Without it everything works as well, but holds others up.
+  if (!nodes_.hiddev.empty()) {
+    hiddev_ = Descriptor(::open(nodes_.hiddev.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  }
   {
     const std::lock_guard guard(*opening_);
-    auto transfers = HidTransfers::open(node_, has_report_ids_, mail_, settings_->clock);
+    auto transfers = HidTransfers::open(nodes_.hidraw, has_report_ids_, mail_, settings_->clock);
     if (!transfers.has_value()) return tl::unexpected(transfers.error());
     transfers_ = std::move(transfers.value());
   }

@@ -11,11 +11,18 @@
 #include "hal/bus/bus_enumerator.hpp"
 #include "hal/bus/hid_mailboxes.hpp"
 #include "hal/linux/bus_settings.hpp"
+#include "hal/linux/descriptor.hpp"
 #include "hal/linux/event_fd.hpp"
 #include "hal/linux/hid_transfers.hpp"
 #include "hal/linux/realtime_thread.hpp"
 
 namespace thimble::linux {
+
+// Of one HID device: "/dev/hidraw0", and "/dev/usb/hiddev0" where the kernel makes one, else empty.
+struct HidNodes {
+  std::string hidraw;
+  std::string hiddev;
+};
 
 // The threads of one opened HID device, and their mailboxes. One opens it, writes what is
 // submitted and closes it: all three last as long as the kernel lets any HID device's write last.
@@ -25,9 +32,9 @@ namespace thimble::linux {
 // Ownership: settings and `opening` must outlive it; the destructor waits for the kernel.
 class HidConnection {
  public:
-  // Begins to open `node`, of the device that `info` describes. `opening` is held while hidapi
+  // Begins to open `nodes`, of the device that `info` describes. `opening` is held while hidapi
   // opens, which does not take two at a time. Errors: of EventFd and RealtimeThread::start().
-  [[nodiscard]] static Result<std::unique_ptr<HidConnection>> start(std::string node,
+  [[nodiscard]] static Result<std::unique_ptr<HidConnection>> start(HidNodes nodes,
                                                                     const bus::BusDeviceInfo& info,
                                                                     const BusSettings& settings,
                                                                     std::mutex& opening);
@@ -49,7 +56,7 @@ class HidConnection {
  private:
   enum class State : std::uint8_t { Opening, Open, Refused, Closed };
 
-  HidConnection(std::string node, const bus::BusDeviceInfo& info, const BusSettings& settings,
+  HidConnection(HidNodes nodes, const bus::BusDeviceInfo& info, const BusSettings& settings,
                 std::mutex& opening);
   [[nodiscard]] Result<void> start();
   void run() noexcept;
@@ -58,7 +65,7 @@ class HidConnection {
   void reach(State state) noexcept;
   [[nodiscard]] bool has_reached(State state, Duration patience);
 
-  std::string node_;
+  HidNodes nodes_;
   bus::DeviceAddress address_;
   bool has_report_ids_;
   const BusSettings* settings_;
@@ -69,7 +76,11 @@ class HidConnection {
   std::atomic<State> state_{State::Opening};
   std::atomic<bool> is_over_{false};
   Error refusal_;  // once Refused
-  // Of the thread that writes.
+  // Of the thread that writes. The kernel sleeps 50 ms when a HID device on USB is opened first
+  // (usbhid_open(), Linux 6.1), and stops its transfers when it is closed last; within hidraw that
+  // would be behind the lock for which every other arm's writes wait. So hiddev, which has no such
+  // lock, is the first and the last (docs/decisions/0358).
+  Descriptor hiddev_;
   std::unique_ptr<HidTransfers> transfers_;
   std::unique_ptr<RealtimeThread> reader_;
 

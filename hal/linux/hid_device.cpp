@@ -33,7 +33,7 @@ class HidDevice final : public bus::HidDevice {
 
 }  // namespace
 
-Result<std::unique_ptr<bus::HidDevice>> HidHost::open(const std::string& node,
+Result<std::unique_ptr<bus::HidDevice>> HidHost::open(const HidNodes& nodes,
                                                       const bus::BusDeviceInfo& info) {
   if (std::max(info.input_report_bytes, info.output_report_bytes) > bus::kMaxHidReportBytes) {
     return fail(Errc::Unsupported,
@@ -44,7 +44,7 @@ Result<std::unique_ptr<bus::HidDevice>> HidHost::open(const std::string& node,
     if (old->address() != info.address || old->has_ended(kPatience)) continue;
     return fail(Errc::Busy, info.address.text + ": the kernel has not closed it yet");
   }
-  auto started = HidConnection::start(node, info, settings_, opening_);
+  auto started = HidConnection::start(nodes, info, settings_, opening_);
   if (!started.has_value()) return tl::unexpected(started.error().in(info.address.text));
   std::unique_ptr<HidConnection> connection = std::move(started.value());
   const Result<void> opened = connection->opened(kPatience);

@@ -26,11 +26,11 @@ class HidHost {
  public:
   explicit HidHost(BusSettings settings) : settings_(std::move(settings)) {}
 
-  // `node` is "/dev/hidrawN" of the device that `info` describes. Waits kPatience twice at most.
+  // `nodes` are those of the device that `info` describes. Waits kPatience twice at most.
   // NotFound, Permission, System; Busy when a daemon holds it, when it is not closed yet, or while
   // the kernel still writes to some HID device: try again. Unsupported for reports that are too
   // long.
-  [[nodiscard]] Result<std::unique_ptr<bus::HidDevice>> open(const std::string& node,
+  [[nodiscard]] Result<std::unique_ptr<bus::HidDevice>> open(const HidNodes& nodes,
                                                              const bus::BusDeviceInfo& info);
   // Of a device that is closed: takes what the kernel still holds up.
   void look_after(std::unique_ptr<HidConnection> connection);

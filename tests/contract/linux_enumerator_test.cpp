@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <map>
 #include <random>
 
@@ -348,6 +349,31 @@ TEST_F(LinuxEnumerator, TheHiddevOfAHidDeviceIsThatOfItsInterface) {
                                                          {"hid:X:1.1", "/dev/usb/hiddev3"},
                                                          {"hid:Y", ""},
                                                          {"hid:Z", ""}}));
+}
+
+bool is_open_here(const std::string& name) {
+  const std::filesystem::directory_iterator open("/proc/self/fd");
+  return std::any_of(begin(open), end(open), [&](const auto& entry) {
+    std::error_code error;
+    return std::filesystem::read_symlink(entry.path(), error).filename() == name;
+  });
+}
+
+// The first opening of a device lasts, and within hidraw it would hold up every other arm.
+TEST_F(LinuxEnumerator, TheHiddevOfAnArmIsOpenBeforeItsHidrawNodeAndUntilItIsClosed) {
+  FakeHidWire wire;
+  wire.attach("/dev/hidraw0");
+  plug_arm("1-4", "X", 0);
+  machine.plug_hiddev("1-4", 0, "hiddev7");
+  bool is_first = false;
+  wire.at_next_opening([&] { is_first = is_open_here("hiddev7"); });
+  auto opened = sut->open_hid({"hid:X"});
+  ASSERT_TRUE(opened.has_value()) << opened.error().message;
+  EXPECT_TRUE(is_first);
+  EXPECT_TRUE(is_open_here("hiddev7"));
+  opened->reset();
+  sut.reset();
+  EXPECT_FALSE(is_open_here("hiddev7"));
 }
 
 TEST_F(LinuxEnumerator, WithoutASecondWayThatAnswersTheFirstIsSharedAlone) {

@@ -38,7 +38,7 @@ struct HidDeviceTest : testing::Test {
     EXPECT_EQ(wire.breaches(), std::vector<std::string>{});
     EXPECT_EQ(FakeHidWire::alive(), 0);
   }
-  Result<std::unique_ptr<bus::HidDevice>> open() { return host->open(wire.node(), info); }
+  Result<std::unique_ptr<bus::HidDevice>> open() { return host->open({wire.node(), ""}, info); }
   static Report report(std::uint8_t seed) { return Report(kBytes, seed); }
 };
 
@@ -151,7 +151,7 @@ TEST_F(HidDeviceTest, ARefusalNamesTheDeviceAndWhy) {
   ASSERT_FALSE(second.has_value());
   EXPECT_EQ(second.error().code, Errc::Busy);
   EXPECT_NE(second.error().message.find("hid:1"), std::string::npos);
-  const auto nowhere = host->open(wire.node() + "0", info);
+  const auto nowhere = host->open({wire.node() + "0", ""}, info);
   ASSERT_FALSE(nowhere.has_value());
   EXPECT_EQ(nowhere.error().code, Errc::NotFound);
   info.input_report_bytes = bus::kMaxHidReportBytes + 1;
