@@ -21,8 +21,9 @@ namespace thimble::sim {
 //
 // Every transfer waits for a round of the bus (serve()), in order for each endpoint, and is
 // answered there: as it is taken or given by the model, with -EPIPE for a STALL, -EOVERFLOW for
-// babble, -EREMOTEIO for less than the host insisted on; NAK leaves it waiting. After a STALL what
-// waits for the endpoint waits on, as with a host controller, until the host ends the halt. A
+// babble, -EREMOTEIO for less than the host insisted on; NAK leaves it waiting. After a STALL of
+// the model's what waits for the endpoint waits on, as with a host controller, until the host ends
+// the halt; the misbehaviour's stall fails each transfer and halts nothing (decision 0377). A
 // transfer that is unlinked is answered by that alone, with -ECONNRESET; one that had ended before
 // with 0: each unlink has one answer.
 //
