@@ -20,6 +20,8 @@ namespace thimble::guard {
 // all that can be done.
 class ZeroWriter {
  public:
+  // Ours: twenty frames of full speed, in which an arm that takes anything has taken it; then the
+  // next try is made.
   static constexpr unsigned kBulkTimeout_ms = 20;
 
   ZeroWriter(const Handover& handover, linux::SharedDevice device,

@@ -37,8 +37,9 @@ bool LineReader::take_edges(bus::GpioLines& lines) noexcept {
   bool is_whole = true;
   bus::GpioEdge edge;
   IoStatus status = IoStatus::Ok;
-  // Bounded by what can wait: a line that chatters must not hold this up.
-  for (int i = 0; i < 512 && status != IoStatus::NoData; ++i) {
+  // A line that chatters must not hold this up. Ours: twice what GpioMailboxes keeps.
+  constexpr int kMostAtOnce = 512;
+  for (int i = 0; i < kMostAtOnce && status != IoStatus::NoData; ++i) {
     status = lines.next_edge(edge);
     if (status == IoStatus::Disconnected) return is_whole;  // the levels say so, too
     if (status == IoStatus::ProtocolError) is_whole = false;

@@ -7,10 +7,11 @@
 namespace thimble::falcon {
 namespace {
 
-// Bounds are ours. From the middle of the workspace Newton takes five steps to anywhere in it.
+// All ours. From the middle of the workspace Newton takes five steps to anywhere in it; four times
+// as many bound the tick.
 constexpr int kMaxSteps = 20;
-constexpr double kFound_m = 1e-10;
-constexpr double kFarthestStep_m = 0.03;
+constexpr double kFound_m = 1e-10;        // what legs may miss: far below an encoder's count
+constexpr double kFarthestStep_m = 0.03;  // less than a rod: no step leaves for another pose
 // The same pose found by the two ways; where a leg is nearly straight its angle hardly tells.
 constexpr double kSameAngle_rad = 1e-6;
 constexpr double kSameStretched_rad = 0.05;

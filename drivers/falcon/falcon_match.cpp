@@ -18,7 +18,8 @@ bool has_pipe(const bus::BusDeviceInfo& info, std::uint8_t address) {
       });
 }
 
-// Too large a value only weakens the arm.
+// Too large a value only weakens the arm; kLargest, ours, is where it is sooner a slip of the
+// comma: more than fifty times the table's.
 Result<double> checked_scale(const FalconModel& model, const plugin::DriverSettings& settings) {
   constexpr double kLargest = 1;
   const double said = settings.newton_per_count.value_or(model.newton_per_count);

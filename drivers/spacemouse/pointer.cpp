@@ -56,7 +56,6 @@ void Pointer::advance(MonotonicTime now) noexcept {
   now_ = now;
   if (calibration_ != CalibrationState::Ok) return;
   const double step_m = kFullSpeed_m_per_s * dt_s;
-  // Of the puck's axes right, towards the person, down.
   constexpr Position3 kCentre{};
   // Of the puck's axes right, towards the person, down.
   const Displacement3 way =

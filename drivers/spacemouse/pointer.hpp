@@ -38,6 +38,7 @@ class Pointer {
   static constexpr double kRadius_m = 0.1;
   static constexpr Duration kSilence = std::chrono::milliseconds(100);  // 6 reports of a slow puck
   static constexpr Duration kSettle = std::chrono::milliseconds(50);    // 3 of them
+  // A tick that comes later than this moves the point no further: 3 mm at most, no leap.
   static constexpr Duration kLongestStep = std::chrono::milliseconds(20);
 
  private:

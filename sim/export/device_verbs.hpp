@@ -33,6 +33,7 @@ class DeviceVerbs {
   // outlive the reply.
   using Reply = std::function<std::string()>;
   [[nodiscard]] Reply execute(std::string_view line);
+  // Ours: a few kilobytes, made in well under a frame.
   static constexpr std::size_t kLogLinesOfAPiece = 32;
 
  private:

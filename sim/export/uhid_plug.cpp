@@ -11,7 +11,8 @@
 namespace thimble::sim {
 namespace {
 
-// The kernel's queue has 32 (drivers/hid/uhid.c); a bound on one frame all the same.
+// Ours: twice the kernel's queue, which has 32 (UHID_BUFSIZE, drivers/hid/uhid.c), so that a host
+// that goes on writing does not hold a frame up.
 constexpr int kMostEventsOfAFrame = 64;
 
 }  // namespace

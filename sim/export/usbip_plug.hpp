@@ -28,7 +28,7 @@ namespace thimble::sim {
 // the io_context.
 class UsbipPlug final : public Plug, private Event {
  public:
-  static constexpr std::size_t kMostConnections = 4;
+  static constexpr std::size_t kMostConnections = 4;  // ours: one host, and `usbip list` beside it
 
   // `port` 0: one that is free. Errors: Busy when it is taken, else System.
   [[nodiscard]] static Result<std::unique_ptr<UsbipPlug>> listen(

@@ -33,8 +33,11 @@ namespace thimble::sim {
 // Errors: take() says so.
 class UsbipSession {
  public:
+  // All ours. 43 frames of the wire; our drivers ask for packets of 64 bytes.
   static constexpr std::size_t kMaxTransferBytes = 65536;
+  // A driver of ours has two pending on each pipe.
   static constexpr std::size_t kMaxTransfers = 256;
+  // 64 of the longest transfers.
   static constexpr std::size_t kMaxOutboxBytes = 4U << 20U;
   static constexpr const char* kBusId = "1-1";
 
@@ -51,7 +54,8 @@ class UsbipSession {
 
   [[nodiscard]] bool is_attached() const noexcept { return is_attached_; }
   // Somebody on the host's side has a transfer on one of its endpoints, or had within the last
-  // kUseLasts.
+  // kUseLasts. Ours: a driver that polls has a transfer pending nearly always, and tells nobody
+  // when it closes.
   static constexpr Duration kUseLasts = std::chrono::milliseconds(100);
   [[nodiscard]] bool is_used(MonotonicTime now) const noexcept {
     return used_at_ && now - *used_at_ < kUseLasts;

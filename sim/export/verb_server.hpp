@@ -21,7 +21,7 @@ namespace thimble::sim {
 // io_context must outlive it.
 class VerbServer {
  public:
-  static constexpr std::size_t kMostConnections = 8;
+  static constexpr std::size_t kMostConnections = 8;  // ours: a test has one, a person a few
   using Reply = std::function<std::string()>;
   using Answer = std::function<Reply(std::string_view line)>;
 
