@@ -19,7 +19,8 @@ inline constexpr Duration kEdgePatience = std::chrono::milliseconds(150);
 // What the inputs of a claim say, and whether they can be believed. Between two steps an input
 // counts as what is less safe for a moment, too: a pulse is not overlooked.
 //
-// Thread: that of the lines.
+// Thread: that of the lines. Not RT. Ownership: keeps no lines. Errors: those of a step, as its
+// trouble.
 class LineReader {
  public:
   explicit LineReader(std::size_t inputs) noexcept : inputs_(inputs) {}

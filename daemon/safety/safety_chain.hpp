@@ -38,7 +38,9 @@ struct ChainSettings {
 // It is beaten while the latch is free and only as fast as the servos beat. The lamp is lit then,
 // blinks while all is healthy and a person is awaited, and is dark otherwise.
 //
-// Thread: one, never a servo's. It makes no system call but those of the lines.
+// Thread: one, never a servo's. It makes no system call but those of the lines. Not RT.
+// Ownership: keeps no lines; those of a step need to live no longer than it.
+// Errors: none; what is wrong with the lines is a stop, and in status().
 class SafetyChain {
  public:
   explicit SafetyChain(const ChainSettings& settings) noexcept;

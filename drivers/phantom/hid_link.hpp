@@ -9,6 +9,8 @@
 namespace thimble::phantom {
 
 // The controller's HID reports (phantom_wire.hpp): lock-step, every write is a report.
+//
+// Thread, RT, Errors: as ControllerLink. Ownership: owns its bus device, which closes with it.
 class HidLink final : public ControllerLink {
  public:
   HidLink(std::unique_ptr<bus::HidDevice> bus, ReportForm form) noexcept;
