@@ -27,6 +27,7 @@ Result<void> GuardedArm::ask() {
   const Result<void> asked = guard_->ask(address_, zero_);
   is_asked_ = asked.has_value();
   asked_since_.reset();
+  watching_since_.reset();
   controls_.is_guarded.store(is_asked_ && guard_->is_watching().value_or(false),
                              std::memory_order_relaxed);
   if (!asked) return tl::unexpected(asked.error().in(name_ + ": guard"));
@@ -43,7 +44,8 @@ Result<void> GuardedArm::follow(MonotonicTime now) {
   Result<bool> watching = guard_->is_watching();
   controls_.is_guarded.store(watching.value_or(false), std::memory_order_relaxed);
   if (watching.value_or(false)) {
-    if (std::exchange(is_asked_, false)) pace_.ease();
+    if (!watching_since_) watching_since_ = now;
+    if (now - *watching_since_ >= kProven) pace_.ease();
     return {};
   }
   if (watching && !is_overdue(now)) return {};

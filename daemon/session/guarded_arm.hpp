@@ -32,7 +32,8 @@ class GuardedArm {
   // can be had, or its driver does not say what to write; otherwise as ArmGuard::ask().
   [[nodiscard]] Result<void> begin(const HapticDevice& device);
   // Looks whether the guard watches; if it ended, or has not answered for kPatience, asks another
-  // one, less and less often. Errors: this try failed. Never waits: worlds are computed meanwhile.
+  // one, less and less often until one has watched for kProven. Errors: it ended or did not answer,
+  // once each; this try failed. Never waits: worlds are computed meanwhile.
   [[nodiscard]] Result<void> follow(MonotonicTime now);
 
   // nullptr: this arm has none.
@@ -42,6 +43,8 @@ class GuardedArm {
 
   // Ours: systemd takes some 100 ms to start a unit on a busy machine.
   static constexpr Duration kPatience = std::chrono::seconds(5);
+  // Ours: one that answers and ends, again and again, is no better than one that does not answer.
+  static constexpr Duration kProven = std::chrono::seconds(10);
 
  private:
   [[nodiscard]] Result<void> ask();
@@ -54,8 +57,10 @@ class GuardedArm {
   ZeroCommand zero_{};
   std::unique_ptr<devices::ArmGuard> guard_;
   RetryPace pace_;
-  bool is_asked_{false};                      // and has said nothing, nor was it seen to end
-  std::optional<MonotonicTime> asked_since_;  // as far as follow() knows
+  bool is_asked_{false};  // and nobody was told yet that it ended or does not answer
+  // As far as follow() knows:
+  std::optional<MonotonicTime> asked_since_;
+  std::optional<MonotonicTime> watching_since_;
 };
 
 }  // namespace thimble::session

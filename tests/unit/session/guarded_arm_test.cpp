@@ -184,13 +184,57 @@ TEST_F(GuardedArmTest, OneThatEndsBeforeItsAnswerIsToldOfEachTime) {
   EXPECT_FALSE(controls_.is_guarded);
 }
 
+// An answer proves nothing: it is replaced as rarely as one that gives none, and each end is told.
+TEST_F(GuardedArmTest, OneThatAnswersAndEndsAgainAndAgainIsToldOfEachTimeAndTriedLessAndLessOften) {
+  ASSERT_TRUE(sut_.begin(device_));
+  int told = 0;
+  for (int ms = 0; ms < 60'000; ms += 10) {
+    const MonotonicTime now = at(seconds(1) + milliseconds(ms));
+    EXPECT_EQ(refusal(sut_.follow(now)), "");
+    if (!controls_.is_guarded) continue;
+    script_.has_ended = true;
+    told += refusal(sut_.follow(now)) == "arm 'right': guard: it ended";
+    EXPECT_FALSE(controls_.is_guarded);
+  }
+  EXPECT_EQ(told, static_cast<int>(script_.asked.size()));
+  // The first, then at 0.01, 0.06, 0.16 … 3.16 s, and then every 2 s.
+  EXPECT_EQ(script_.asked.size(), 1U + 7U + 28U);
+}
+
+TEST_F(GuardedArmTest, OneThatHasWatchedForLongIsReplacedSoonAgain) {
+  ASSERT_TRUE(sut_.begin(device_));
+  const auto end = [&](Duration when) {
+    script_.has_ended = true;
+    EXPECT_NE(refusal(sut_.follow(at(when))), "");
+  };
+  // How long after its end, at `when`, another one is asked, looked for every 10 ms.
+  const auto ends_until_asked = [&](Duration when) {
+    end(when);
+    const std::size_t before = script_.asked.size();
+    for (Duration rest{};; rest += milliseconds(10)) {
+      EXPECT_EQ(refusal(sut_.follow(at(when + rest))), "");
+      if (script_.asked.size() > before || rest > seconds(9)) return rest;
+    }
+  };
+  Duration now = seconds(1);
+  for (int i = 0; i < 8; ++i) now += ends_until_asked(now);
+  EXPECT_EQ(ends_until_asked(now), seconds(2));
+  now += seconds(2);
+  EXPECT_EQ(refusal(sut_.follow(at(now))), "");
+  now += GuardedArm::kProven;
+  EXPECT_EQ(refusal(sut_.follow(at(now))), "");
+  EXPECT_EQ(ends_until_asked(now), Duration::zero());
+  EXPECT_EQ(ends_until_asked(now), milliseconds(50));
+}
+
 TEST_F(GuardedArmTest, AGuardThatEndsStopsTheArmAtOnceAndIsReplaced) {
   ASSERT_TRUE(sut_.begin(device_));
   EXPECT_EQ(refusal(sut_.follow(at(milliseconds(900)))), "");
   script_.has_ended = true;
   script_.can_be_asked = false;
-  EXPECT_NE(refusal(sut_.follow(at(seconds(1)))), "");
+  EXPECT_EQ(refusal(sut_.follow(at(seconds(1)))), "arm 'right': guard: it ended");
   EXPECT_FALSE(controls_.is_guarded);
+  EXPECT_EQ(refusal(sut_.follow(at(seconds(1)))), "arm 'right': guard: it cannot be started");
   script_.can_be_asked = true;
   EXPECT_EQ(refusal(sut_.follow(at(seconds(1) + milliseconds(49)))), "");
   EXPECT_FALSE(controls_.is_guarded) << "the next try is due 50 ms after the last";
@@ -204,6 +248,7 @@ TEST_F(GuardedArmTest, AGuardThatCannotBeHadIsTriedLessAndLessOften) {
   ASSERT_TRUE(sut_.follow(at(milliseconds(900))));
   script_.has_ended = true;
   script_.can_be_asked = false;
+  EXPECT_FALSE(sut_.follow(at(seconds(1))));
   for (int ms = 0; ms < 60'000; ms += 10) (void)sut_.follow(at(seconds(1) + milliseconds(ms)));
   // At 0, 0.05, 0.15 … 3.15 s, and then every 2 s.
   EXPECT_EQ(script_.asked.size(), 1U + 7U + 28U);
