@@ -1,0 +1,71 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hal/linux/bus_enumerator.hpp"
+#include "hal/linux/monotonic_clock.hpp"
+#include "tests/support/fake_hidapi.hpp"
+#include "tests/support/mock_machine.hpp"
+
+namespace thimble::test {
+
+inline MockMachine::Bytes numbered_reports() {
+  MockMachine::Bytes descriptor = plain_report_descriptor(6, 2);
+  descriptor.insert(descriptor.begin() + 7, {0x85, 0x01});
+  return descriptor;
+}
+
+// The enumerator of a machine that is made up (umockdev), and what stands on it.
+struct LinuxEnumerator : testing::Test {
+  using Texts = std::vector<std::string>;
+  using Usb = MockMachine::UsbDevice;
+  using Hid = MockMachine::HidDevice;
+
+  linux::MonotonicClock clock;
+  MockMachine machine;
+  std::unique_ptr<linux::BusEnumerator> sut = make();
+
+  std::unique_ptr<linux::BusEnumerator> make() {
+    return std::make_unique<linux::BusEnumerator>(linux::BusSettings{clock, {}, {}});
+  }
+  ~LinuxEnumerator() override { EXPECT_EQ(FakeHidWire::alive(), 0); }
+
+  Texts addresses() {
+    Texts texts;
+    for (const bus::BusDeviceInfo& info : sut->list()) texts.push_back(info.address.text);
+    std::sort(texts.begin(), texts.end());
+    return texts;
+  }
+  // "+" arrived, "-" left.
+  Texts events() {
+    Texts texts;
+    while (const auto event = sut->poll_event()) {
+      const bool is_arrival = event->kind == bus::BusEvent::Kind::Arrived;
+      texts.push_back((is_arrival ? "+" : "-") + event->device.address.text);
+    }
+    return texts;
+  }
+  bus::BusDeviceInfo info_of(const std::string& address) {
+    for (const bus::BusDeviceInfo& info : sut->list()) {
+      if (info.address.text == address) return info;
+    }
+    ADD_FAILURE() << address << " is not listed";
+    return {};
+  }
+  std::string plug_arm(const std::string& port, const std::string& serial, int number) {
+    const std::string usb = machine.plug(Usb{.port = port, .serial_number = serial});
+    machine.plug(Hid{.port = port,
+                     .node_number = number,
+                     .instance = "0" + std::to_string(100 + number),
+                     .serial_number = serial,
+                     .report_descriptor = plain_report_descriptor(14, 14)});
+    return usb;
+  }
+};
+
+}  // namespace thimble::test

@@ -1,0 +1,139 @@
+// How devices of the machine are opened, and shared with a guard, however they come and go
+// meanwhile.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+
+#include "hal/linux/udev_scan.hpp"
+#include "tests/contract/linux_enumerator_fixture.hpp"
+#include "tests/rt/in_child_process.hpp"
+
+namespace thimble::test {
+namespace {
+
+TEST_F(LinuxEnumerator, ANodeThatBecameAnotherDevicesWhileItWasOpenedIsRefused) {
+  FakeHidWire wire;
+  wire.attach("/dev/hidraw0");
+  const std::string arm = plug_arm("1-4", "X", 0);
+  wire.at_next_opening([&] {
+    machine.unplug(arm);
+    machine.plug(Usb{.port = "1-5", .number = 5});
+    machine.plug(Hid{.port = "1-5",
+                     .instance = "0200",
+                     .serial_number = "Y",
+                     .report_descriptor = plain_report_descriptor(14, 14)});
+  });
+  const auto opened = sut->open_hid({"hid:X"});
+  ASSERT_FALSE(opened.has_value());
+  EXPECT_EQ(opened.error().code, Errc::NotFound);
+  EXPECT_NE(opened.error().message.find("hid:X"), std::string::npos) << opened.error().message;
+  EXPECT_TRUE(wire.received_by_device().empty()) << "nothing was sent to the other one";
+  EXPECT_TRUE(sut->open_hid({"hid:Y"}).has_value()) << "and it is not held";
+}
+
+TEST_F(LinuxEnumerator, SharesTheNodeOfAHidDeviceWithWhoMayHaveToLetItGo) {
+  plug_arm("1-4", "X", 0);
+  const auto shared = sut->share({"hid:X"});
+  ASSERT_TRUE(shared.has_value()) << shared.error().message;
+  EXPECT_TRUE(shared->takes_leading_zero);
+  EXPECT_EQ(::write(shared->node.get(), "zero", 4), 4);
+  std::string written(4, ' ');
+  const int node = ::open("/dev/hidraw0", O_RDONLY | O_CLOEXEC);
+  EXPECT_EQ(::read(node, written.data(), written.size()), 4);
+  EXPECT_EQ(written, "zero");
+  EXPECT_EQ(::close(node), 0);
+}
+
+TEST_F(LinuxEnumerator, AReportWithANumberIsSharedWithoutAZeroBeforeIt) {
+  machine.plug_virtual(Hid{.serial_number = "P1", .report_descriptor = numbered_reports()});
+  const auto shared = sut->share({"hid:P1"});
+  ASSERT_TRUE(shared.has_value()) << shared.error().message;
+  EXPECT_FALSE(shared->takes_leading_zero);
+}
+
+TEST_F(LinuxEnumerator, TheHiddevOfAHidDeviceIsThatOfItsInterface) {
+  plug_arm("1-4", "X", 0);
+  machine.plug_hiddev("1-4", 0, "hiddev4");
+  machine.plug(Hid{.interface_number = 1, .node_number = 3, .instance = "0103"});
+  machine.plug_hiddev("1-4", 1, "hiddev3");
+  static_cast<void>(events());  // more at once than a mock machine can tell of
+  plug_arm("1-5", "Y", 1);
+  machine.plug_virtual({.node_number = 2, .instance = "0102", .serial_number = "Z"});
+  linux::UdevScan scan;
+  std::map<std::string, std::string> hiddevs;
+  for (const linux::FoundDevice& device : scan.devices()) {
+    if (device.info.kind == bus::BusKind::Hid) hiddevs[device.info.address.text] = device.hiddev;
+  }
+  EXPECT_EQ(hiddevs, (std::map<std::string, std::string>{{"hid:X", "/dev/usb/hiddev4"},
+                                                         {"hid:X:1.1", "/dev/usb/hiddev3"},
+                                                         {"hid:Y", ""},
+                                                         {"hid:Z", ""}}));
+}
+
+bool is_open_here(const std::string& name) {
+  const std::filesystem::directory_iterator open("/proc/self/fd");
+  return std::any_of(begin(open), end(open), [&](const auto& entry) {
+    std::error_code error;
+    return std::filesystem::read_symlink(entry.path(), error).filename() == name;
+  });
+}
+
+// The first opening of a device lasts, and within hidraw it would hold up every other arm.
+TEST_F(LinuxEnumerator, TheHiddevOfAnArmIsOpenBeforeItsHidrawNodeAndUntilItIsClosed) {
+  FakeHidWire wire;
+  wire.attach("/dev/hidraw0");
+  plug_arm("1-4", "X", 0);
+  machine.plug_hiddev("1-4", 0, "hiddev7");
+  bool is_first = false;
+  wire.at_next_opening([&] { is_first = is_open_here("hiddev7"); });
+  auto opened = sut->open_hid({"hid:X"});
+  ASSERT_TRUE(opened.has_value()) << opened.error().message;
+  EXPECT_TRUE(is_first);
+  EXPECT_TRUE(is_open_here("hiddev7"));
+  opened->reset();
+  sut.reset();
+  EXPECT_FALSE(is_open_here("hiddev7"));
+}
+
+TEST_F(LinuxEnumerator, WithoutASecondWayThatAnswersTheFirstIsSharedAlone) {
+  plug_arm("1-4", "X", 0);
+  machine.plug_hiddev("1-4", 0, "hiddev0");  // a plain file: no report, says the kernel
+  const auto shared = sut->share({"hid:X"});
+  ASSERT_TRUE(shared.has_value()) << shared.error().message;
+  EXPECT_GE(shared->node.get(), 0);
+  EXPECT_LT(shared->hiddev.get(), 0);
+}
+
+TEST_F(LinuxEnumerator, SharesNoUsbDeviceThatItDidNotOpen) {
+  plug_arm("1-4", "X", 0);
+  EXPECT_EQ(sut->share({"usb:1-4"}).error().code, Errc::NotFound);
+  EXPECT_EQ(sut->share({"hid:Y"}).error().code, Errc::NotFound);
+}
+
+TEST_F(LinuxEnumerator, RefusalsAreToldApart) {
+  plug_arm("1-4", "X", 0);
+  EXPECT_EQ(sut->open_hid({"hid:Y"}).error().code, Errc::NotFound);
+  EXPECT_EQ(sut->open_hid({"usb:1-4"}).error().code, Errc::NotFound) << "of the other kind";
+  EXPECT_EQ(sut->open_usb({"hid:X"}, {}).error().code, Errc::NotFound);
+  const auto no_usb = sut->open_usb({"usb:1-4"}, {});
+  ASSERT_FALSE(no_usb.has_value());
+  EXPECT_NE(no_usb.error().message.find("usb:1-4"), std::string::npos);
+  machine.let_others_look();
+  const std::string said = in_child_process(Rights::None, [&] {
+    const auto hid = sut->open_hid({"hid:X"});
+    const auto usb = sut->open_usb({"usb:1-4"}, {});
+    if (hid.has_value() || usb.has_value()) return std::string("opened");
+    return std::string(to_string(hid.error().code)) + " " +
+           std::string(to_string(usb.error().code)) + " " + hid.error().message;
+  });
+  const std::string permission(to_string(Errc::Permission));
+  EXPECT_EQ(said.find(permission + " " + permission), 0U) << said;
+  EXPECT_NE(said.find("hid:X: /dev/hidraw0"), std::string::npos) << said;
+}
+
+}  // namespace
+}  // namespace thimble::test
