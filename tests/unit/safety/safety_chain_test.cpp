@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <set>
 #include <string>
+#include <utility>
 
 #include "tests/unit/safety/safety_bench.hpp"
 
@@ -134,6 +136,54 @@ TEST_F(SafetyChainTest, AChipThatAnswersNothingStopsWithinItsSilence) {
   run(milliseconds(100));
   EXPECT_EQ(chain.status().trouble, ChainTrouble::None);
   EXPECT_TRUE(chain.reset());
+}
+
+// An adapter that reads its inputs and takes no output: nobody could cut the power by it.
+class DeafLines final : public bus::GpioLines {
+ public:
+  DeafLines(bus::GpioLines& lines, const bool& is_deaf) : lines_(lines), is_deaf_(is_deaf) {}
+  IoStatus next_edge(bus::GpioEdge& out) noexcept override { return lines_.next_edge(out); }
+  IoStatus levels(bus::GpioLevels& out) noexcept override { return lines_.levels(out); }
+  IoStatus set(std::size_t output, bool is_high) noexcept override {
+    return is_deaf_ ? IoStatus::Backlogged : lines_.set(output, is_high);
+  }
+
+ private:
+  bus::GpioLines& lines_;
+  const bool& is_deaf_;
+};
+
+TEST_F(SafetyChainTest, OutputsThatStayBackloggedStopWithinTheSilence) {
+  bool is_deaf = false;
+  const std::unique_ptr<bus::GpioLines> below = std::exchange(lines, nullptr);
+  lines = std::make_unique<DeafLines>(*below, is_deaf);
+  ASSERT_TRUE(start());
+  run(milliseconds(200));
+  is_deaf = true;
+  run(kSilence);
+  EXPECT_FALSE(chain.status().is_stopped);
+  run(kEnableHalfPeriod + kStep);
+  EXPECT_EQ(chain.status().trouble, ChainTrouble::OutputStuck);
+  expect_stopped(ChainTrouble::OutputStuck);
+  EXPECT_FALSE(chain.reset()) << "as long as it takes nothing";
+  is_deaf = false;
+  run(milliseconds(100));
+  EXPECT_EQ(chain.status().trouble, ChainTrouble::None);
+  expect_stopped(ChainTrouble::OutputStuck);
+  EXPECT_TRUE(chain.reset());
+  EXPECT_GT(beats_within(milliseconds(100)), 3U);
+}
+
+TEST_F(SafetyChainTest, OutputsThatAreBackloggedNowAndThenAreNoStop) {
+  bool is_deaf = false;
+  const std::unique_ptr<bus::GpioLines> below = std::exchange(lines, nullptr);
+  lines = std::make_unique<DeafLines>(*below, is_deaf);
+  ASSERT_TRUE(start());
+  for (int i = 0; i < 20; ++i) {
+    is_deaf = i % 2 == 0;
+    run(kSilence / 2);
+    ASSERT_FALSE(chain.status().is_stopped) << i;
+  }
 }
 
 TEST_F(SafetyChainTest, EnableBeatsAtTwentyFiveHertzWhileTheServosDo) {
