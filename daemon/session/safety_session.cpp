@@ -20,9 +20,13 @@ SafetySession::SafetySession(const config::SafetyConfig& safety, Runtime& runtim
 SafetySession::~SafetySession() = default;
 
 void SafetySession::step(MonotonicTime now) {
+  // A chip may take as long as it likes to open and to close: nobody who wants the arms waits for
+  // it. Lost lines close when this returns: the stop is told before.
+  const std::unique_ptr<bus::GpioLines> lost = take_lost_lines(now);
+  const bool are_new = open_lines(now);
   const std::lock_guard guard(arms_lock_);
   if (is_unwatched_.exchange(false)) chain_.stop(safety::ChainTrouble::Unwatched);
-  follow_lines(now);
+  if (are_new) chain_.restart_lines();
   chain_.step(lines_.get(), now, [this] { return have_servos_beaten(); });
   answer_reset();
   stepped_at_ns_.store(std::max<std::int64_t>(now.since_epoch.count(), 1));
@@ -37,20 +41,22 @@ void SafetySession::answer_reset() {
   if (is_new) reset_answer_.store(std::uint64_t{asked} * 2 + (is_free ? 1 : 0));
 }
 
-void SafetySession::follow_lines(MonotonicTime now) {
+std::unique_ptr<bus::GpioLines> SafetySession::take_lost_lines(MonotonicTime now) {
   bus::GpioLevels levels;
-  if (lines_ != nullptr && lines_->levels(levels) == IoStatus::Disconnected) {
-    lines_.reset();
-    note_trouble(config_.chip + " was pulled out");
-    next_try_ = now + kReopen;
-  }
-  if (lines_ != nullptr || now < next_try_) return;
+  if (lines_ == nullptr || lines_->levels(levels) != IoStatus::Disconnected) return nullptr;
+  note_trouble(config_.chip + " was pulled out");
+  next_try_ = now + kReopen;
+  return std::move(lines_);
+}
+
+bool SafetySession::open_lines(MonotonicTime now) {
+  if (lines_ != nullptr || now < next_try_) return false;
   next_try_ = now + kReopen;
   auto opened = chips_.open(make_gpio_claim(config_), wake_);
-  if (!opened) return note_trouble(opened.error().message);
+  note_trouble(opened ? std::string() : opened.error().message);
+  if (!opened) return false;
   lines_ = *std::move(opened);
-  chain_.restart_lines();
-  note_trouble({});
+  return true;
 }
 
 void SafetySession::exchange_arms(const std::function<void()>& change) {

@@ -23,7 +23,7 @@ namespace thimble::session {
 //
 // Thread: step() and close() from one, not a servo's; ask_reset(), answer(), status() and
 // trouble() from any; supervise() and exchange_arms() from one other, which alone changes the
-// runtime.
+// runtime. exchange_arms() waits for the chain's step at most, never for a chip.
 // Ownership: runtime, chips and wake must outlive it.
 class SafetySession {
  public:
@@ -68,7 +68,8 @@ class SafetySession {
   static constexpr Duration kUnwatched = std::chrono::milliseconds(400);  // ours: twice kSilence
 
  private:
-  void follow_lines(MonotonicTime now);
+  [[nodiscard]] std::unique_ptr<bus::GpioLines> take_lost_lines(MonotonicTime now);
+  [[nodiscard]] bool open_lines(MonotonicTime now);
   void note_trouble(std::string text);
   [[nodiscard]] bool have_servos_beaten();
   void publish();

@@ -3,8 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <functional>
+#include <memory>
 #include <optional>
 #include <random>
+#include <thread>
+#include <utility>
 
 #include "daemon/app/arm_commands.hpp"
 #include "daemon/session/safety_session.hpp"
@@ -217,6 +221,67 @@ TEST_F(SafetyLinesTest, ArmsThatAreExchangedHearOfAStopBeforeTheyAreDriven) {
     has_changed = true;
   });
   EXPECT_TRUE(has_changed);
+  EXPECT_FALSE(loop.controls().is_estop_healthy);
+}
+
+// Lines, and the chips they are of, that open and close when `wait` returns.
+class SlowLines final : public bus::GpioLines {
+ public:
+  SlowLines(std::unique_ptr<bus::GpioLines> lines, std::function<void()> wait)
+      : lines_(std::move(lines)), wait_(std::move(wait)) {}
+  ~SlowLines() override { wait_(); }
+  SlowLines(const SlowLines&) = delete;
+  SlowLines& operator=(const SlowLines&) = delete;
+  IoStatus next_edge(bus::GpioEdge& out) noexcept override { return lines_->next_edge(out); }
+  IoStatus levels(bus::GpioLevels& out) noexcept override { return lines_->levels(out); }
+  IoStatus set(std::size_t output, bool is_high) noexcept override {
+    return lines_->set(output, is_high);
+  }
+
+ private:
+  std::unique_ptr<bus::GpioLines> lines_;
+  std::function<void()> wait_;
+};
+
+class SlowChips final : public bus::GpioChips {
+ public:
+  explicit SlowChips(bus::GpioChips& chips) : chips_(chips) {}
+  Result<std::unique_ptr<bus::GpioLines>> open(const bus::GpioClaim& claim,
+                                               rt::WakeSignal* wake) override {
+    wait();
+    auto opened = chips_.open(claim, wake);
+    if (!opened) return opened;
+    return std::make_unique<SlowLines>(*std::move(opened), [this] { wait(); });
+  }
+  std::function<void()> wait = [] {};
+
+ private:
+  bus::GpioChips& chips_;
+};
+
+// An adapter that opens or closes only when the arms were exchanged: whoever exchanges them, and
+// computes the worlds, does not wait for it. A deadlock otherwise.
+TEST_F(SafetyLinesTest, AChipThatHangsWhileItOpensOrClosesHoldsNobodyUp) {
+  safety.close();
+  SlowChips slow(chips);
+  session::SafetySession sut(lines(), loop.runtime(), slow, nullptr);
+  int exchanged = 0;
+  slow.wait = [&] {
+    std::thread([&] { sut.exchange_arms([&] { ++exchanged; }); }).join();
+    EXPECT_FALSE(loop.controls().is_estop_healthy);
+  };
+  sut.step(loop.now());
+  EXPECT_EQ(exchanged, 1) << "opened";
+  for (int i = 0; i < 10; ++i) {
+    loop.tick();
+    sut.step(loop.now());
+  }
+  sut.ask_reset();
+  sut.step(loop.now());
+  ASSERT_TRUE(loop.controls().is_estop_healthy);
+  chip.lose();
+  sut.step(loop.now());
+  EXPECT_EQ(exchanged, 2) << "closed, and the arms were stopped before";
   EXPECT_FALSE(loop.controls().is_estop_healthy);
 }
 
