@@ -11,8 +11,10 @@ namespace thimble::falcon {
 //
 // The arm never talks unasked, and what it does with two requests at once nobody knows. So the next
 // leaves when the last is answered; and when an answer takes longer than kPatience, without it.
-// Then two may be under way: after the first of the late ones nothing leaves until the other came
-// or kPatience passed, so that the exchange is in step again.
+// As after a lost reply, and nobody can tell which it was: behind an arm that answers later than
+// that, one request leaves every kPatience, and as many are under way as fit into its answer, five
+// at 16 ms (decision 0386). After the first of the late ones nothing leaves until another came or
+// kPatience passed, so that the exchange is in step again.
 //
 // Thread: one. RT: all THIMBLE_RT. Times are its owner's: of the packets that arrive, and of a
 // clock where none does.
