@@ -32,7 +32,6 @@ inline constexpr std::size_t kMaxPayloadBytes = kUsbPacketBytes - kModemStatusBy
 // Requests to endpoint 0: vendor's, host to device, index 0, no data stage.
 inline constexpr std::uint8_t kRequestType = 0x40;
 inline constexpr std::uint8_t kRequestReset = 0;
-inline constexpr std::uint16_t kResetAll = 0;
 inline constexpr std::uint16_t kPurgeRx = 1;  // what the processor sent and nobody has fetched
 inline constexpr std::uint16_t kPurgeTx = 2;  // what was written and is not yet on the serial line
 inline constexpr std::uint8_t kRequestModemLines = 1;
@@ -115,10 +114,8 @@ inline constexpr std::uint8_t kAllHomed = 0x70;
 // The source clamps here; what the firmware does beyond it is unknown.
 inline constexpr std::int16_t kMaxMotor_counts = 4095;
 
-// Detecting a firmware that runs: so many packets of zeros, with so many looks for an answer after
-// each; any answer means yes.
+// Detecting a firmware that runs: so many packets of zeros; any answer means yes.
 inline constexpr int kDetectRounds = 10;
-inline constexpr int kDetectPolls = 100;
 
 // Full-speed frame and latency timer; the serial line adds 107 us each way.
 inline constexpr Duration kSamplePeriod = std::chrono::milliseconds(1);
