@@ -4,23 +4,15 @@
 #include <sys/ioctl.h>
 
 #include <algorithm>
-#include <memory>
 #include <string_view>
+
+#include "hal/linux/udev_handles.hpp"
 
 namespace thimble::linux {
 namespace {
 
 constexpr unsigned kNoNumber = 0;
 constexpr std::int64_t kLargestByte = 255;
-
-struct FreeDevice {
-  void operator()(udev_device* device) const noexcept { ::udev_device_unref(device); }
-};
-struct FreeList {
-  void operator()(udev_enumerate* list) const noexcept { ::udev_enumerate_unref(list); }
-};
-
-std::string_view text_of(const char* text) { return text == nullptr ? "" : text; }
 
 }  // namespace
 
@@ -29,19 +21,19 @@ std::string hiddev_node_of(udev_device* hid) {
       ::udev_device_get_parent_with_subsystem_devtype(hid, "usb", "usb_interface");
   if (interface == nullptr) return {};
   udev* const context = ::udev_device_get_udev(hid);
-  const std::unique_ptr<udev_enumerate, FreeList> list(::udev_enumerate_new(context));
+  const UdevHandle<udev_enumerate> list(::udev_enumerate_new(context));
   if (list == nullptr) return {};
   ::udev_enumerate_add_match_parent(list.get(), interface);
   ::udev_enumerate_add_match_subsystem(list.get(), "usbmisc");
   ::udev_enumerate_scan_devices(list.get());
   for (udev_list_entry* entry = ::udev_enumerate_get_list_entry(list.get()); entry != nullptr;
        entry = ::udev_list_entry_get_next(entry)) {
-    const std::unique_ptr<udev_device, FreeDevice> device(
+    const UdevHandle<udev_device> device(
         ::udev_device_new_from_syspath(context, ::udev_list_entry_get_name(entry)));
     if (device == nullptr) continue;  // gone meanwhile
-    const std::string_view name = text_of(::udev_device_get_sysname(device.get()));
+    const std::string_view name = udev_text(::udev_device_get_sysname(device.get()));
     if (!name.starts_with("hiddev")) continue;
-    return std::string(text_of(::udev_device_get_devnode(device.get())));
+    return std::string(udev_text(::udev_device_get_devnode(device.get())));
   }
   return {};
 }

@@ -27,22 +27,10 @@ constexpr std::size_t kMaxFileBytes = 65536;
 constexpr std::size_t kMaxTextBytes = 256;  // a USB string has at most 126 letters
 constexpr const char* kHubClass = "09";
 
-struct FreeContext {
-  void operator()(udev* context) const noexcept { ::udev_unref(context); }
-};
-
-struct FreeDevice {
-  void operator()(udev_device* device) const noexcept { ::udev_device_unref(device); }
-};
-using Device = std::unique_ptr<udev_device, FreeDevice>;
-
-struct FreeList {
-  void operator()(udev_enumerate* list) const noexcept { ::udev_enumerate_unref(list); }
-};
+using Device = UdevHandle<udev_device>;
 
 std::string text_of(const char* text) {
-  return text == nullptr ? std::string()
-                         : std::string(std::string_view(text).substr(0, kMaxTextBytes));
+  return std::string(udev_text(text).substr(0, kMaxTextBytes));
 }
 
 std::string attribute(udev_device* device, const char* name) {
@@ -212,7 +200,7 @@ constexpr const char* kPortsThatCome = "tty[!0-9S]*";
 // Of what `subsystem` has under names like `name`, in the order of its paths.
 void add_places(udev* context, const char* subsystem, const char* name,
                 std::vector<Place>& places) {
-  const std::unique_ptr<udev_enumerate, FreeList> list(::udev_enumerate_new(context));
+  const UdevHandle<udev_enumerate> list(::udev_enumerate_new(context));
   if (list == nullptr) return;
   ::udev_enumerate_add_match_subsystem(list.get(), subsystem);
   ::udev_enumerate_add_match_sysname(list.get(), name);
@@ -227,7 +215,7 @@ void add_places(udev* context, const char* subsystem, const char* name,
 
 // In whatever thread, with a libudev of its own.
 std::optional<ReadDevice> read_at(const Place& place) {
-  const std::unique_ptr<udev, FreeContext> context(::udev_new());
+  const UdevHandle<udev> context(::udev_new());
   if (context == nullptr) return std::nullopt;
   const Device device(::udev_device_new_from_syspath(context.get(), place.path.c_str()));
   if (device == nullptr) return std::nullopt;
@@ -270,11 +258,6 @@ std::vector<FoundDevice> with_addresses(std::vector<ReadDevice> read,
 
 }  // namespace
 
-void UdevScan::Free::operator()(udev* context) const noexcept { ::udev_unref(context); }
-void UdevScan::Free::operator()(udev_monitor* monitor) const noexcept {
-  ::udev_monitor_unref(monitor);
-}
-
 UdevScan::UdevScan(IsArm is_arm) : is_arm_(std::move(is_arm)), context_(::udev_new()) {
   if (context_ == nullptr) return;
   // "udev": told when the rules have been applied, with the rights that they give.
@@ -315,7 +298,8 @@ bool UdevScan::has_news() noexcept {
   if (monitor_ == nullptr) return is_news;
   constexpr int kMostAtOnce = 256;  // ours: a flood of events is for several calls
   pollfd watched{::udev_monitor_get_fd(monitor_.get()), POLLIN, 0};
-  for (int i = 0; i<kMostAtOnce&& ::poll(&watched, 1, 0)> 0; ++i) {
+  for (int i = 0; i < kMostAtOnce; ++i) {
+    if (::poll(&watched, 1, 0) <= 0) break;
     // One that was lost or does not concern us gives nothing, and to look is never wrong.
     const Device device(::udev_monitor_receive_device(monitor_.get()));
     is_news = true;

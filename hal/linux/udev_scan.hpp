@@ -1,13 +1,10 @@
 #pragma once
 
 #include <functional>
-#include <memory>
 #include <vector>
 
 #include "hal/linux/device_readings.hpp"
-
-struct udev;
-struct udev_monitor;
+#include "hal/linux/udev_handles.hpp"
 
 namespace thimble::linux {
 
@@ -46,14 +43,9 @@ class UdevScan {
   static constexpr Duration kFurtherPatience = std::chrono::milliseconds(20);
 
  private:
-  struct Free {
-    void operator()(udev* context) const noexcept;
-    void operator()(udev_monitor* monitor) const noexcept;
-  };
-
   IsArm is_arm_;
-  std::unique_ptr<udev, Free> context_;
-  std::unique_ptr<udev_monitor, Free> monitor_;  // nullptr: nobody tells
+  UdevHandle<udev> context_;
+  UdevHandle<udev_monitor> monitor_;  // nullptr: nobody tells
   DeviceReadings readings_;
 };
 
