@@ -4,15 +4,14 @@
 #include <utility>
 
 namespace thimble::linux {
-namespace {
 
-class HidDevice final : public bus::HidDevice {
+class HidHost::Device final : public bus::HidDevice {
  public:
-  HidDevice(HidHost& host, std::unique_ptr<HidConnection> connection) noexcept
+  Device(HidHost& host, std::unique_ptr<HidConnection> connection) noexcept
       : host_(&host), connection_(std::move(connection)) {}
-  ~HidDevice() override { host_->look_after(std::move(connection_)); }
-  HidDevice(const HidDevice&) = delete;
-  HidDevice& operator=(const HidDevice&) = delete;
+  ~Device() override { host_->close(std::move(connection_)); }
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
 
   IoStatus read_newest(bus::HidReport& out) noexcept override {
     return connection_->mail().read_newest(out);
@@ -31,8 +30,6 @@ class HidDevice final : public bus::HidDevice {
   std::unique_ptr<HidConnection> connection_;
 };
 
-}  // namespace
-
 Result<std::unique_ptr<bus::HidDevice>> HidHost::open(const HidNodes& nodes,
                                                       const bus::BusDeviceInfo& info) {
   if (std::max(info.input_report_bytes, info.output_report_bytes) > bus::kMaxHidReportBytes) {
@@ -48,17 +45,16 @@ Result<std::unique_ptr<bus::HidDevice>> HidHost::open(const HidNodes& nodes,
   if (!started.has_value()) return tl::unexpected(started.error().in(info.address.text));
   std::unique_ptr<HidConnection> connection = std::move(started.value());
   const Result<void> opened = connection->opened(kPatience);
-  if (opened.has_value()) return std::make_unique<HidDevice>(*this, std::move(connection));
-  look_after(std::move(connection));
+  if (opened.has_value()) return std::make_unique<Device>(*this, std::move(connection));
+  close(std::move(connection));
   if (opened.error().code != Errc::Timeout) {
     return tl::unexpected(opened.error().in(info.address.text));
   }
-  return fail(Errc::Busy, info.address.text +
-                              ": the kernel lets no HID device be opened while one "
-                              "of them takes no report");
+  return fail(Errc::Busy,
+              info.address.text + ": no HID device can be opened while one takes no report");
 }
 
-void HidHost::look_after(std::unique_ptr<HidConnection> connection) {
+void HidHost::close(std::unique_ptr<HidConnection> connection) {
   connection->end();
   if (!connection->has_ended(kClosingPatience)) closing_.push_back(std::move(connection));
 }

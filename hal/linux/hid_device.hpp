@@ -32,8 +32,6 @@ class HidHost {
   // long.
   [[nodiscard]] Result<std::unique_ptr<bus::HidDevice>> open(const HidNodes& nodes,
                                                              const bus::BusDeviceInfo& info);
-  // Of a device that is closed: takes what the kernel still holds up.
-  void look_after(std::unique_ptr<HidConnection> connection);
   // Devices that are closed for their users, but not yet for the kernel.
   [[nodiscard]] std::size_t lingering();
 
@@ -43,6 +41,10 @@ class HidHost {
   static constexpr Duration kClosingPatience = std::chrono::milliseconds(50);
 
  private:
+  class Device;
+  // Waits kClosingPatience, and keeps a connection that the kernel holds up for longer.
+  void close(std::unique_ptr<HidConnection> connection);
+
   BusSettings settings_;
   std::mutex opening_;
   std::vector<std::unique_ptr<HidConnection>> closing_;

@@ -32,7 +32,8 @@ class SerialPort final : public bus::SerialMailboxes {
   SerialPort& operator=(const SerialPort&) = delete;
 
   THIMBLE_RT_IO IoStatus submit(std::span<const std::uint8_t> message) noexcept override;
-  // Of whoever may have to let the arm go when this process cannot; expires with this.
+  // The opened node, to be duplicated for whoever may have to let the arm go when this process
+  // cannot; expires with this.
   [[nodiscard]] std::weak_ptr<const Descriptor> node() const noexcept { return transfers_->node(); }
 
  private:
