@@ -40,8 +40,7 @@ std::string_view explain(ChainTrouble trouble) noexcept {
       return "the emergency stop is pressed, or its wire is broken";
     case ChainTrouble::Disagree:
       return "the two channels of the emergency stop disagree; press it and release it, and if "
-             "this "
-             "stays look for a welded contact or a broken wire";
+             "this stays look for a welded contact or a broken wire";
     case ChainTrouble::Unwatched:
       return "the safety lines were not looked after in time; this machine is too busy";
   }

@@ -41,15 +41,13 @@ std::string_view advice_for(BootTrouble trouble) noexcept {
              "drivers/falcon/README.md";
     case BootTrouble::NoLoader:
       return "The Falcon's boot-loader does not answer: plug in its power supply, then its USB "
-             "cable "
-             "once more";
+             "cable once more";
     case BootTrouble::EchoMissing:
       return "The upload to the Falcon breaks off; it is tried again, but a powered USB 2 hub or "
              "another port may help";
     case BootTrouble::EchoWrong:
       return "The Falcon got another firmware than was sent; it is tried again, but a shorter "
-             "cable or "
-             "another port may help";
+             "cable or another port may help";
     case BootTrouble::NotStarted:
       return "The Falcon took the firmware but does not run it: is arm.firmware the right file?";
     case BootTrouble::RequestRefused:

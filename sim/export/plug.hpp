@@ -13,10 +13,10 @@ namespace thimble::sim {
 struct PlugCounters {
   std::uint64_t to_host{0};    // reports or packets that the kernel was given
   std::uint64_t from_host{0};  // that the model was given
-  std::uint64_t superseded{
-      0};  // came from the host in the same frame as a newer one: not given to the model
-  std::uint64_t lost{
-      0};  // the other way: what the kernel did not take, or a stalled device refused
+  // Came from the host in the same frame as a newer one: not given to the model.
+  std::uint64_t superseded{0};
+  // The other way: what the kernel did not take, or a stalled device refused.
+  std::uint64_t lost{0};
   std::uint64_t requests{0};   // to the control pipe
   std::uint64_t malformed{0};  // what came over the connection and is none of its messages
   bool operator==(const PlugCounters&) const = default;

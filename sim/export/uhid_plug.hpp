@@ -65,8 +65,8 @@ class UhidPlug final : public Plug, private Event {
   bool is_broken_{false};
   PlugCounters counters_{};
   std::array<std::uint8_t, uhid::kEventBytes> event_{};
-  std::array<std::uint8_t, uhid::kMaxReportBytes>
-      output_{};  // the newest that was not given to the model yet
+  // The newest that was not given to the model yet.
+  std::array<std::uint8_t, uhid::kMaxReportBytes> output_{};
   std::size_t output_bytes_{0};
   bool has_output_{false};
   std::array<std::uint8_t, bus::kMaxHidReportBytes> endpoint_{};  // what waits for the host
