@@ -1,6 +1,7 @@
-"""The plug of an arm is pulled while a hand presses on a wall: it stops, says why and has recorded it, the arm beside it notices nothing.
+"""The plug of an arm is pulled while a hand presses on a wall: it stops, says why and has recorded it; plugged in again and calibrated it
+goes on. The arm beside it notices nothing of all this.
 
-A HID arm through uhid.
+HID arms through uhid.
 """
 
 import json
@@ -30,3 +31,19 @@ class Unplugged(two_arms.TwoArms):
                                     "test -f \"$file\" && thimble flight show $file")
         self.assertIn("disconnected", shown)
         self.assertIn("touch", shown)
+
+    def test_4_plugged_in_again_it_is_not_driven_before_it_is_calibrated(self):
+        before = self.of_the_arm_beside()
+        _, left, _ = self.log_around(self.right.command("plug"))
+        self.assert_pressed_without_a_gap(left)
+        arm = json.loads(simdev.wait_for_state(self.guest, "calibrating"))
+        self.assertEqual([fault["code"] for fault in arm["faults"]], [])
+        self.assertLess(max(simdev.norm(entry["force_newton"]) for entry in self.right.samples(0.5)), 1e-6)
+        self.assert_nothing_happened_beside(before)
+
+    def test_5_calibrated_it_resumes(self):
+        before = self.of_the_arm_beside()
+        self.right.activate()
+        self.press(self.right)
+        self.assert_nothing_happened_beside(before)
+        self.assertLess(self.left.felt(0.2)[0], -two_arms.WALL_NEWTON)

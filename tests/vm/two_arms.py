@@ -7,6 +7,7 @@ import guest
 import simdev
 
 BESIDE = "VM-ARM-2"
+PORT_BESIDE = "3241"
 LEFT = f"""
 [[arm]]
 name = "left"
@@ -58,11 +59,12 @@ class TwoArms(guest.GuestTest):
             self.press(arm)
 
     def of_the_arm_beside(self):
-        """What would tell that something had happened to it."""
+        """What would tell that something had happened to it. A period now and then is late: the devices have the guest's only processor before
+        the servo, and who comes or goes has the kernel's one lock of all hidraw nodes (decision 0245). assert_pressed_without_a_gap() bounds that."""
         status = json.loads(self.guest.run("thimble status --json"))
-        arm, servo = status["arms"][1], status["servos"][1]
+        arm = status["arms"][1]
         return {**{key: arm[key] for key in ("state", "is_in_contact", "contacts", "faults", "constraint_state")},
-                **{key: servo[key] for key in ("overruns", "missed_exchanges", "malformed_reports")}}
+                "malformed_reports": status["servos"][1]["malformed_reports"]}
 
     def assert_nothing_happened_beside(self, before):
         self.assertEqual(before["state"], "active")
