@@ -53,6 +53,31 @@ class HidArm(Arm):
         simdev.wait_for_state(self.guest, "active")
 
 
+class TextArm(Arm):
+    """The same arm at a Teensy with the text protocol: a serial port, made by the kernel's cdc_acm."""
+
+    words = f'device = "serial:{SERIAL}"\nmodel = "phantom-vintage"\namplifier_max_a = 3.0'
+
+    def __init__(self, guest):
+        guest.run("modprobe -a vhci-hcd cdc-acm")
+        super().__init__(guest, "text-arm", "--usbip", simdev.PORT, "--serial", SERIAL, "--amplifier-max-a", "3", "phantom-vintage-serial")
+        self.plug()
+        self.configure()
+
+    def plug(self):
+        """Into the kernel; also again, after the verb plug."""
+        self.attach()
+        # The node, and its rule, which may come a little later.
+        self.node = self.guest.wait_for(f"udevadm settle; grep -lx {SERIAL} /sys/class/tty/ttyACM*/device/../serial > /dev/null && "
+                                   "ls -d /sys/class/tty/ttyACM*").strip().rsplit("/", 1)[1]
+        self.guest.wait_for(f"stat -c %G /dev/{self.node} | grep -qx thimble")
+
+    def activate(self):
+        simdev.wait_for_state(self.guest, "calibrating")
+        self.calibrate()
+        simdev.wait_for_state(self.guest, "active")
+
+
 def firmware(words=600):
     """A boot stream as the processor's maker defines it, with noise for code: key, eight reserved words and the entry point; one
     block; the end."""

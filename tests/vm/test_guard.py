@@ -1,6 +1,6 @@
 """A daemon that is killed, stopped or hangs while a hand presses on a wall: the arm's guard lets it go, and nothing comes back unasked.
 
-A HID arm, whose own watchdog takes 500 ms, and a Falcon, which has none: what lets go earlier is the guard. The guest's clock counts
+A HID arm, whose own watchdog takes 500 ms, one on a serial port, whose takes 100 ms, and a Falcon, which has none: what lets go earlier is the guard. The guest's clock counts
 instructions, so that the time between the blow and the last force may be asserted; both are of the guest's CLOCK_MONOTONIC.
 """
 
@@ -82,6 +82,29 @@ class HidArm(LetsGo, guest.GuestTest):
     @classmethod
     def plug_in(cls):
         return arms.HidArm(cls.guest)
+
+    def test_a_servo_that_hangs_for_good_costs_the_daemon_its_life(self):
+        """All else in it runs on, so that nobody but the servo could have petted the watchdog."""
+        self.guest.run(f"python3 -B /run/tests/hang_thread.py {SERVO} 10 > /dev/null 2>&1 &")
+        self.assert_started_anew_without_force()
+        self.assertIn("Watchdog timeout", self.guest.run("journalctl -u thimbled -n 30"))
+
+
+class TextArm(LetsGo, guest.GuestTest):
+    """Where it was calibrated before, a new daemon does not see the button pressed: it is switched off and on, as the instruction says."""
+
+    pace = guest.counted(0)  # as the Falcon's
+    STARTED_ANEW = "calibrating"
+
+    @classmethod
+    def plug_in(cls):
+        return arms.TextArm(cls.guest)
+
+    def setUp(self):
+        self.guest.run("systemctl stop thimbled")
+        self.arm.say("unplug", "plug")
+        self.arm.plug()
+        super().setUp()
 
 
 class Falcon(LetsGo, guest.GuestTest):
