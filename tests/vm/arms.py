@@ -78,6 +78,19 @@ class TextArm(Arm):
         simdev.wait_for_state(self.guest, "active")
 
 
+class Puck(Arm):
+    """A SpaceMouse; `node`: its hidraw node."""
+
+    def __init__(self, guest):
+        guest.run("modprobe -a uhid vhci-hcd")
+        super().__init__(guest, "puck", "--usbip", simdev.PORT, "--serial", SERIAL, "spacemouse")
+        self.attach()
+        address = guest.wait_for("thimble devices | grep -o 'hid:[^ ]*'").split()[0]
+        self.words = f'device = "{address}"'
+        self.node = guest.wait_for("ls /sys/bus/hid/devices/0003:*/hidraw").split()[-1]
+        self.configure()
+
+
 def firmware(words=600):
     """A boot stream as the processor's maker defines it, with noise for code: key, eight reserved words and the entry point; one
     block; the end."""
