@@ -27,6 +27,7 @@ class Falcon(guest.GuestTest):
         self.guest.wait_for("systemctl is-active thimbled")
         node = self.guest.run("udevadm info --query=name /sys/bus/usb/devices/" + self.arm.address.removeprefix("usb:")).strip()
         self.assertEqual(self.guest.run(f"stat -c '%U:%G %a' /dev/{node}").strip(), "root:thimble 660")
+        self.assertEqual(self.guest.run("cat /sys/bus/usb/devices/" + self.arm.address.removeprefix("usb:") + "/power/control").strip(), "on")
         self.guest.wait_for(f"ls -l /proc/$(systemctl show thimbled -p MainPID --value)/fd | grep -q /dev/{node}")
         self.assertEqual(self.arm.status()["counters"]["malformed"], 0)
 

@@ -26,6 +26,9 @@ class Uhid(guest.GuestTest):
         self.guest.wait_for(f"ls -l /proc/$(systemctl show thimbled -p MainPID --value)/fd | grep -q /dev/{node}")
         self.assertTrue(self.arm.status()["open"])
         self.assertEqual(self.arm.status()["counters"]["malformed"], 0)
+        # Of those on USB: it never sleeps.
+        self.assertEqual(self.guest.run(f"path=$(readlink -f /sys/class/hidraw/{node}/device/../../power/control); "
+                                        "case $path in */usb*) cat $path;; *) echo on;; esac").strip(), "on")
 
     def test_2_held_in_its_home_pose_it_is_calibrated_and_becomes_active(self):
         simdev.wait_for_state(self.guest, "calibrating")
