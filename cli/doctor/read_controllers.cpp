@@ -85,7 +85,9 @@ void describe(bus::BusKind kind, const HidIds& ids, Controller& controller,
   controller.product_id = info.product_id = ids.product;
   controller.serial_number = info.serial_number = ids.serial_number;
   info.kind = kind;
-  const std::string& place = ids.serial_number.empty() ? controller.usb_port : ids.serial_number;
+  // On bare USB by the port alone, whatever number the device says.
+  const bool is_by_number = kind != bus::BusKind::Usb && !ids.serial_number.empty();
+  const std::string& place = is_by_number ? ids.serial_number : controller.usb_port;
   controller.address = std::string(scheme_of(kind)) + place;
   info.address = {controller.address};
 }
