@@ -24,8 +24,8 @@ std::vector<double> exchange(libusb_context* context, libusb_device_handle* devi
   int is_back = 0;
   libusb_transfer* out = libusb_alloc_transfer(0);
   libusb_transfer* in = libusb_alloc_transfer(0);
-  libusb_fill_bulk_transfer(out, device, 0x02, sent, sizeof sent, note_end, &is_sent, 5000);
-  libusb_fill_bulk_transfer(in, device, 0x81, answer, sizeof answer, note_end, &is_back, 5000);
+  libusb_fill_bulk_transfer(out, device, 0x02, sent, sizeof sent, note_end, &is_sent, 0);
+  libusb_fill_bulk_transfer(in, device, 0x81, answer, sizeof answer, note_end, &is_back, 0);
   std::vector<double> trips_s;
   for (std::size_t i = 1; i <= round_trips; ++i) {
     std::memcpy(sent, &i, sizeof i);
