@@ -1,3 +1,4 @@
+#include <csignal>
 #include <cstdio>
 #include <string_view>
 
@@ -15,6 +16,15 @@ constexpr int kGuardPriority = 90;
 // The connection that the daemon or systemd (StandardInput=socket) made.
 constexpr int kConnection = 0;
 
+// The end of the connection is its only end: who ends the daemon ends it, too, as a rule at the
+// same moment, and the arm's zeros go on for 100 ms then. systemd waits for 2 s (TimeoutStopSec=).
+void outlive_requests_to_end() noexcept {
+  sigset_t requests;
+  sigemptyset(&requests);
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&requests, signal);
+  ::pthread_sigmask(SIG_BLOCK, &requests, nullptr);
+}
+
 void watch(guard::GuardSession& session) noexcept {
   linux::MonotonicClock clock;
   MonotonicTime next = clock.now();
@@ -25,6 +35,7 @@ void watch(guard::GuardSession& session) noexcept {
 }
 
 int run() {
+  outlive_requests_to_end();
   const linux::RealtimeProcess process;
   linux::KernelCalls calls;
   auto session = guard::GuardSession::accept(kConnection, guard::kHandoverTimeout_ms, calls);

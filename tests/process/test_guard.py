@@ -155,6 +155,15 @@ class Guarded(unittest.TestCase):
         self.wait_for_zero()
         self.assertEqual(self.guard.wait(TIMEOUT_S), 0)
 
+    def test_asked_to_end_it_lets_the_arm_go_first(self):
+        self.begin()
+        self.guard.send_signal(signal.SIGTERM)
+        self.daemon.close()
+        self.servo.kill()
+        self.servo.wait(TIMEOUT_S)
+        self.wait_for_zero()
+        self.assertEqual(self.guard.wait(TIMEOUT_S), 0)
+
     def test_a_packet_that_is_no_handover_ends_the_guard_with_a_word(self):
         self.hand_over(b"GET / HTTP/1.1\r\n\r\n")
         self.assertEqual(self.guard.wait(TIMEOUT_S), 1)
