@@ -121,7 +121,7 @@ Result<void> BoardEngine::put(std::span<const std::uint16_t> sites) {
   for (int module = 0; module < space_.modules(); ++module) {
     CamProgram program(space_);
     program.write_sites(module, sectors[static_cast<std::size_t>(module)]);
-    if (const auto played = play(program); !played) return played;
+    if (Result<void> played = play(program); !played) return played;
   }
   return {};
 }
@@ -134,7 +134,7 @@ Result<void> BoardEngine::get(std::span<std::uint16_t> sites) {
   for (int module = 0; module < space_.modules(); ++module) {
     CamProgram program(space_);
     const cambus::ReadSlot slot = program.read_sites(module);
-    if (const auto played = play(program); !played) return played;
+    if (Result<void> played = play(program); !played) return played;
     sectors.push_back(words_of(slot));
   }
   for (std::size_t i = 0; i < sites.size(); ++i) {
@@ -160,7 +160,7 @@ Result<void> BoardEngine::show_table(std::size_t bank) {
   CamProgram program(space_);
   program.load_table(tables_[bank]);
   program.run({.is_scan = false, .swaps_tables = true});
-  if (const auto played = play(program); !played) return played;
+  if (Result<void> played = play(program); !played) return played;
   bank_ = bank;
   return {};
 }

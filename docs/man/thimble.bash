@@ -41,8 +41,12 @@ _thimble() {
         options="reference general compiled auto"
       elif [[ $before == --pattern || $before == --write ]]; then
         mapfile -t COMPREPLY < <(compgen -f -- "$word"); return
+      elif [[ $word == -* && " ${COMP_WORDS[*]:0:COMP_CWORD} " == *" run "* ]]; then
+        options+=" --size --steps --seed --pattern --engine --modules --write --json"
+      elif [[ $word == -* && " ${COMP_WORDS[*]:0:COMP_CWORD} " == *" list "* ]]; then
+        options+=" --json"
       elif [[ $word == -* ]]; then
-        options+=" --sync --sites --size --steps --seed --pattern --engine --modules --write --json"
+        options+=" --sync --sites"
       elif [[ " ${COMP_WORDS[*]:0:COMP_CWORD} " == *" disassemble "* ]]; then
         mapfile -t COMPREPLY < <(compgen -f -- "$word"); return
       else

@@ -63,7 +63,7 @@ Result<void> Board::start(const CamSteps& steps, Duration at_most, MonotonicTime
     ++counters_.refused;
     return tl::unexpected(added.error().in("step " + std::to_string(i)));
   }
-  const auto started = player_.start(program.finish(), at_most, now);
+  Result<void> started = player_.start(program.finish(), at_most, now);
   if (!started) {
     state_ = before;
     ++counters_.refused;
@@ -125,7 +125,7 @@ Result<void> Board::add_run(const CamRun& options, CamProgram& program) {
     return fail(Errc::InvalidArgument, "a kick is repeated with a scan that has none of its own");
   }
   if (options.is_scan && state_.kicked == Kicked::Done && !options.repeats_kick) {
-    if (const auto still = program.kick({}); !still) return still;
+    if (Result<void> still = program.kick({}); !still) return still;
     state_.kicked = Kicked::Nothing;
   }
   program.run(options);

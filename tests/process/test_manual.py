@@ -10,7 +10,7 @@ MAN = ROOT / "docs/man"
 sys.path.insert(0, str(MAN))
 import make_configuration_page  # noqa: E402  its folder is known only now
 
-NESTED = {"flight": ("show",), "cam": ("disassemble",)}  # subcommands of a subcommand; each has one
+NESTED = {"flight": ("show",), "cam": ("disassemble",)}  # a subcommand of each that has some
 EVERYWHERE = {"--help", "--socket"}  # options of the program that may follow a subcommand
 
 
@@ -91,6 +91,10 @@ class Manual(ProcessTest):
             with self.subTest(command):
                 self.assertEqual(self.completed("thimble", command, *NESTED.get(command, ()), "--"),
                                  options_of_help(self.command_help(command)) | EVERYWHERE)
+        for nested in ("run", "list"):
+            with self.subTest(nested):
+                self.assertEqual(self.completed("thimble", "cam", nested, "--"),
+                                 options_of_help(self.help("thimble", "cam", nested)) | EVERYWHERE)
         self.assertEqual(self.completed("thimbled", "--"), options_of_help(self.help("thimbled")))
 
     def test_completion_offers_the_arms_of_the_daemon(self):

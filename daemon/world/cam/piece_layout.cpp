@@ -112,8 +112,9 @@ CamAxes cells_along(const CamGeometry& space) noexcept {
 }
 
 std::size_t index_of(const CamGeometry& space, const CamAxes& cell) noexcept {
-  return static_cast<std::size_t>(
-      cell[0] + ((cell[1] + (cell[2] << space.log2_cells[1])) << space.log2_cells[0]));
+  const int row = cell[1] + (cell[2] << space.log2_cells[1]);
+  const int index = cell[0] + (row << space.log2_cells[0]);
+  return static_cast<std::size_t>(index);
 }
 
 PieceSizes sizes_of(const PieceLayout& layout) noexcept {

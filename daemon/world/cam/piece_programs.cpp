@@ -65,7 +65,8 @@ bool overlaps(const CamAnswer& answer) noexcept {
 int grasped_part(const CamAnswer& answer) noexcept {
   int part = 0;
   for (int bit = 0; bit < cell::kNumberLayers; ++bit) {
-    const auto layer = static_cast<std::size_t>(cell::kSelectLayer + bit);
+    const int counted = cell::kSelectLayer + bit;
+    const auto layer = static_cast<std::size_t>(counted);
     if (answer.counts.at(0)[layer] != 0) part |= 1 << bit;
   }
   return part;

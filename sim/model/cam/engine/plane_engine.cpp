@@ -30,7 +30,7 @@ struct alignas(64) SiteBlock {
 
 Result<std::unique_ptr<PlaneEngine>> PlaneEngine::make(const SiteSpace& space, TablePath path,
                                                        const VectorKernels& kernels) {
-  if (const auto checked = check_space(space); !checked) return tl::unexpected(checked.error());
+  if (Result<void> checked = check_space(space); !checked) return tl::unexpected(checked.error());
   return std::unique_ptr<PlaneEngine>(new PlaneEngine(space, path, kernels));
 }
 
@@ -51,7 +51,7 @@ PlaneEngine::PlaneEngine(const SiteSpace& space, TablePath path, const VectorKer
 }
 
 Result<void> PlaneEngine::put(std::span<const std::uint16_t> sites) {
-  if (const auto checked = check_sites(sites.size(), space()); !checked) return checked;
+  if (Result<void> checked = check_sites(sites.size(), space()); !checked) return checked;
   std::array<SitePlanes::Plane, kPlanes> planes{};
   std::generate(planes.begin(), planes.end(), [&] { return planes_.claim(); });
   SiteBlock padded;
@@ -69,7 +69,7 @@ Result<void> PlaneEngine::put(std::span<const std::uint16_t> sites) {
 }
 
 Result<void> PlaneEngine::get(std::span<std::uint16_t> sites) {
-  if (const auto checked = check_sites(sites.size(), space()); !checked) return checked;
+  if (Result<void> checked = check_sites(sites.size(), space()); !checked) return checked;
   SiteBlock padded;
   for (std::size_t block = 0; block < planes_.blocks(); ++block) {
     std::array<const Word*, kPlanes> in{};
