@@ -6,6 +6,7 @@
 
 #include "daemon/world/cam/piece_layout.hpp"
 #include "daemon/world/cam/piece_state.hpp"
+#include "tests/unit/world/cam/greedy_walk.hpp"
 
 namespace thimble::world::cam::test {
 
@@ -24,20 +25,9 @@ class PieceOracle {
       is_embedded_ = overlaps({});
       return;
     }
-    CamAxes at{};
-    for (bool helped = true; helped;) {
-      helped = false;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        while (at[axis] != desired[axis]) {
-          CamAxes next = at;
-          next[axis] += desired[axis] < at[axis] ? -1 : 1;
-          if (overlaps(next)) break;
-          at = next;
-          helped = true;
-        }
-      }
-    }
-    grasp_ = sum(grasp_, at);
+    const CamAxes by =
+        greedy_walk(desired, [this](const CamAxes& moved) { return overlaps(moved); });
+    grasp_ = sum(grasp_, by);
   }
 
   PieceOutcome act(PieceAction action, const CamAxes& pressed) {

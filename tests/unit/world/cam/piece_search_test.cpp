@@ -7,6 +7,8 @@
 #include <random>
 #include <set>
 
+#include "tests/unit/world/cam/greedy_walk.hpp"
+
 namespace thimble::world::cam {
 namespace {
 
@@ -40,24 +42,6 @@ Walk walk(SearchKind kind, const CamAxes& desired, const Overlaps& overlaps) {
   EXPECT_EQ(search.actual(), at) << "the shape stands where the search says";
   walk.end = at;
   return walk;
-}
-
-// Along each axis as far as it is free, one cell after the other, while that helps.
-CamAxes greedy(const CamAxes& desired, const Overlaps& overlaps) {
-  CamAxes at{};
-  for (bool helped = true; helped;) {
-    helped = false;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      while (at[axis] != desired[axis]) {
-        CamAxes next = at;
-        next[axis] += desired[axis] < at[axis] ? -1 : 1;
-        if (overlaps(next)) break;
-        at = next;
-        helped = true;
-      }
-    }
-  }
-  return at;
 }
 
 TEST(PieceSearch, WhereNothingIsItGetsThereInAsFewLooksAsTheThesisSays) {
@@ -97,7 +81,7 @@ TEST(PieceSearch, ThickWallsStopBothKindsAtTheSamePlace) {
       return blocks.contains({block(at[0]), block(at[1]), block(at[2])});
     };
     const CamAxes desired{below(31) - 15, below(31) - 15, below(31) - 15};
-    const CamAxes expected = greedy(desired, overlaps);
+    const CamAxes expected = test::greedy_walk(desired, overlaps);
     EXPECT_EQ(walk(SearchKind::OneCell, desired, overlaps).end, expected);
     EXPECT_EQ(walk(SearchKind::Leap, desired, overlaps).end, expected);
   }
