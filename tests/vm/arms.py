@@ -32,6 +32,11 @@ class Arm(simdev.Simdev):
                 f'[[arm]]\nname = "right"\n{self.words}{BOX}')
         self.guest.run(f"cat > /etc/thimble/thimble.toml <<'E'\n{text}E\nudevadm settle; systemctl restart thimbled")
 
+    def activate(self):
+        simdev.wait_for_state(self.guest, "calibrating")
+        self.calibrate()
+        simdev.wait_for_state(self.guest, "active")
+
 
 class HidArm(Arm):
     """Of the PHANToM family; `way`: of WAYS."""
@@ -46,11 +51,6 @@ class HidArm(Arm):
         # The node, and its rule, which may come a little later.
         guest.wait_for("stat -c %G /dev/$(basename /sys/bus/hid/devices/0003:1234:0006.*/hidraw/hidraw*) | grep -qx thimble")
         self.configure()
-
-    def activate(self):
-        simdev.wait_for_state(self.guest, "calibrating")
-        self.calibrate()
-        simdev.wait_for_state(self.guest, "active")
 
 
 class TextArm(Arm):
@@ -71,11 +71,6 @@ class TextArm(Arm):
         self.node = self.guest.wait_for(f"udevadm settle; grep -lx {SERIAL} /sys/class/tty/ttyACM*/device/../serial > /dev/null && "
                                    "ls -d /sys/class/tty/ttyACM*").strip().rsplit("/", 1)[1]
         self.guest.wait_for(f"stat -c %G /dev/{self.node} | grep -qx thimble")
-
-    def activate(self):
-        simdev.wait_for_state(self.guest, "calibrating")
-        self.calibrate()
-        simdev.wait_for_state(self.guest, "active")
 
 
 class Puck(Arm):

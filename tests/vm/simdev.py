@@ -6,6 +6,7 @@ import statistics
 
 
 PORT = "3240"  # that of USB/IP
+SECOND_PORT = "3241"  # of another device beside it
 
 
 def attach_command(port=PORT):

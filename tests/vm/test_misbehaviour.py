@@ -34,8 +34,8 @@ class Misbehaviour(guest.GuestTest):
     def setUpClass(cls):
         super().setUpClass()
         falcon = arms.Falcon(cls.guest)
-        beside = simdev.Simdev(cls.guest, "left", "--usbip", two_arms.PORT_BESIDE, "--serial", two_arms.BESIDE, "phantom-vintage")
-        beside.attach(two_arms.PORT_BESIDE)
+        beside = simdev.Simdev(cls.guest, "left", "--usbip", simdev.SECOND_PORT, "--serial", two_arms.BESIDE, "phantom-vintage")
+        beside.attach(simdev.SECOND_PORT)
         cls.guest.wait_for(f"thimble devices | grep -q {two_arms.BESIDE}")
         falcon.words = f"{falcon.words}\nworld = \"box\"\n{LIMIT}{two_arms.LEFT}{LIMIT}"
         falcon.configure()

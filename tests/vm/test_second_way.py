@@ -11,7 +11,6 @@ import guest
 import simdev
 
 HUNG = "VM-HUNG"
-PORT = "3241"
 # 20 ms in which no report leaves, 20 ms in which the servo does not beat for that, and as much for a busy guest.
 LET_GO_S = 0.08
 NOTHING_NEWTON = 1e-6
@@ -25,8 +24,8 @@ class SecondWay(guest.GuestTest):
     def setUpClass(cls):
         super().setUpClass()
         cls.arm = arms.HidArm(cls.guest, "usbip")
-        cls.hung = simdev.Simdev(cls.guest, "hung", "--usbip", PORT, "--serial", HUNG, "phantom-vintage")
-        cls.hung.attach(PORT)
+        cls.hung = simdev.Simdev(cls.guest, "hung", "--usbip", simdev.SECOND_PORT, "--serial", HUNG, "phantom-vintage")
+        cls.hung.attach(simdev.SECOND_PORT)
         cls.guest.wait_for(f"thimble devices | grep -q {HUNG}")
         # Its coming took the only processor for longer than a servo waits.
         cls.arm.configure()

@@ -7,7 +7,6 @@ import guest
 import simdev
 
 BESIDE = "VM-ARM-2"
-PORT_BESIDE = "3241"
 LEFT = f"""
 [[arm]]
 name = "left"
