@@ -23,6 +23,7 @@
 #include "daemon/config/paths.hpp"
 #include "hal/linux/monotonic_clock.hpp"
 #include "hal/linux/standard_streams.hpp"
+#include "lab/cam_latency.hpp"
 
 namespace {
 
@@ -200,6 +201,23 @@ void add_cam_commands(CLI::App& app, Arguments& arguments, int& code) {
   });
 }
 
+void add_lab_commands(CLI::App& app, int& code) {
+  CLI::App* lab = app.add_subcommand("lab", "Measure the thesis's figures in virtual time");
+  lab->require_subcommand(1);
+  CLI::App* latency = lab->add_subcommand(
+      "cam-latency", "Haptic updates on a simulated CAM-8, beside thesis 4.2; takes a minute");
+  latency->callback([&] {
+    const auto report = thimble::lab::report_cam_latency();
+    if (!report) {
+      std::cerr << "thimble: " << report.error().message << '\n';
+      code = 1;
+      return;
+    }
+    std::cout << report->text;
+    code = report->is_within ? 0 : 1;
+  });
+}
+
 CLI::App* add_arm_command(CLI::App& app, const char* verb, const char* what, Arguments& arguments,
                           int& code) {
   CLI::App* command = app.add_subcommand(verb, what);
@@ -285,6 +303,7 @@ int run(int argc, char** argv) {
   add_machine_commands(app, arguments, code);
   add_flight_commands(app, arguments, code);
   add_cam_commands(app, arguments, code);
+  add_lab_commands(app, code);
   add_arm_command(app, "activate", "Keep an arm active while this runs", arguments, code);
   add_arm_command(app, "deactivate", "Take the force off an arm", arguments, code);
   add_arm_command(app, "clear-fault", "Clear a latched fault whose cause is gone", arguments, code)

@@ -6,7 +6,7 @@ _thimble_arms() {
 
 _thimble() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]}
-  local commands="status watch report doctor devices flight cam activate deactivate clear-fault calibrate-force world"
+  local commands="status watch report doctor devices flight cam activate deactivate clear-fault calibrate-force world lab"
   local options="--help --socket" command= socket=() i
   for ((i = 1; i < COMP_CWORD; ++i)); do
     if [[ ${COMP_WORDS[i]} == --socket ]]; then
@@ -60,6 +60,7 @@ _thimble() {
       else
         options=
       fi ;;
+    lab) [[ $word == -* ]] || options=cam-latency ;;
     report) [[ $word == -* ]] || { mapfile -t COMPREPLY < <(compgen -f -- "$word"); return; } ;;
     clear-fault) [[ $word == -* ]] && options+=" --fault" || options=$(_thimble_arms "${socket[@]}") ;;
     calibrate-force) [[ $word == -* ]] && options+=" --most --steps" || options=$(_thimble_arms "${socket[@]}") ;;
