@@ -160,9 +160,22 @@ struct SphereConfig {
   bool operator==(const SphereConfig&) const = default;
 };
 
+enum class PieceSearch : std::uint8_t { Leap, OneCell };
+
+// The thesis's static pieces on a simulated CAM board (4.2.1, 4.2.2).
+struct PiecesConfig {
+  int cells{512};  // along x and y; a power of two
+  int count{20};   // of pieces
+  std::uint64_t seed{1};
+  PieceSearch search{PieceSearch::Leap};
+  int boards{8};  // modules, in one machine; a power of two
+  bool operator==(const PiecesConfig&) const = default;
+};
+
 struct WorldConfig {
   std::string name;
-  std::string source;  // "box:N", "sphere", or the path of a volume file, with the file's folder
+  std::string
+      source;  // "box:N", "sphere", "pieces", or the path of a volume file, with the file's folder
   double workspace_m{0.09};
   double threshold{0};  // cells above it are filled (files)
   ConstraintModel constraint_model{ConstraintModel::GhostPoint};
@@ -176,6 +189,7 @@ struct WorldConfig {
   std::optional<std::array<double, 3>> spacing{};  // along them, instead of the file's
   std::vector<MaterialConfig> materials{};         // the first that fits counts
   std::optional<SphereConfig> sphere{};            // of the source "sphere", and only there
+  std::optional<PiecesConfig> pieces{};            // likewise of "pieces"
   bool operator==(const WorldConfig&) const = default;
 };
 

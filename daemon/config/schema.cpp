@@ -237,7 +237,8 @@ void read_other_side(TableReader& reader, ArmConfig& arm) {
 }
 
 void read_source(TableReader& reader, const std::filesystem::path& folder, WorldConfig& world) {
-  reader.require("source", "\"box:N\", \"sphere\" or the path of an .npy, .nrrd or .nhdr file");
+  reader.require("source",
+                 "\"box:N\", \"sphere\", \"pieces\" or the path of an .npy, .nrrd or .nhdr file");
   std::string source;
   if (!reader.read("source", source)) return;
   if (is_volume_file(source)) {
@@ -246,7 +247,7 @@ void read_source(TableReader& reader, const std::filesystem::path& folder, World
     world.source = path.value_or(source);
     return;
   }
-  if (source == kSphereSource) {
+  if (source == kSphereSource || source == kPiecesSource) {
     world.source = source;
     return;
   }
@@ -256,10 +257,11 @@ void read_source(TableReader& reader, const std::filesystem::path& folder, World
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), cells);
   const bool is_number = error == std::errc{} && end == text.data() + text.size();
   if (!source.starts_with("box:") || !is_number || cells < 3 || cells > 1024) {
-    return reader.reject("source",
-                         "expected \"box:N\" with N from 3 to 1024, \"sphere\", or the path of an "
-                         ".npy, .nrrd or .nhdr file, found " +
-                             in_quotes(source));
+    return reader.reject(
+        "source",
+        "expected \"box:N\" with N from 3 to 1024, \"sphere\", \"pieces\", or the path "
+        "of an .npy, .nrrd or .nhdr file, found " +
+            in_quotes(source));
   }
   world.source = source;
 }
@@ -349,6 +351,7 @@ Entry<WorldConfig> read_world(TableReader reader, const std::filesystem::path& f
   read_source(reader, folder, out);
   read_volume(reader, out);
   read_sphere(reader, out);
+  read_pieces(reader, out);
   read_choice(reader, "constraint_model", kConstraintModels, out.constraint_model);
   read_listener(reader, out);
   out.impairment = read_impairment(reader.table("impairment"));

@@ -34,6 +34,10 @@ void read_volume(TableReader& reader, WorldConfig& world);
 inline constexpr std::string_view kSphereSource = "sphere";
 void read_sphere(TableReader& reader, WorldConfig& world);
 
+// The source of pieces on a CAM board, and its keys.
+inline constexpr std::string_view kPiecesSource = "pieces";
+void read_pieces(TableReader& reader, WorldConfig& world);
+
 // What no table can tell alone: names are unique, references resolve, addresses do not clash.
 void check_relations(std::vector<Entry<ArmConfig>>& arms, std::vector<Entry<WorldConfig>>& worlds);
 

@@ -3,8 +3,13 @@
 namespace thimble::session {
 namespace {
 
+// That models work on.
+[[nodiscard]] bool has_grid(const world::World& world) noexcept { return world.grid() != nullptr; }
+
 // Faces of cells lie across the axes; other worlds may turn theirs any way.
-[[nodiscard]] bool has_cells(const world::World& world) noexcept { return world.grid() != nullptr; }
+[[nodiscard]] bool has_cells(const world::World& world) noexcept {
+  return world.info().cells[0] > 0;
+}
 
 [[nodiscard]] Result<void> as_result(const std::optional<Refusal>& refusal) {
   if (!refusal) return {};
@@ -14,10 +19,16 @@ namespace {
 }  // namespace
 
 std::optional<Refusal> find_refusal(const world::World& world, const config::WorldConfig& said) {
-  if (has_cells(world)) return std::nullopt;
+  if (has_grid(world)) return std::nullopt;
   if (said.constraint_model == config::ConstraintModel::Simple) {
     return Refusal{"constraint_model", "\"simple\" works on cells, of which " +
                                            world.info().source + " has none; use \"ghost-point\""};
+  }
+  if (said.listen && has_cells(world)) {
+    return Refusal{"listen",
+                   "a world on a board falls silent when the board fails, which the "
+                   "datagrams of 1999 cannot say; name it as the world of an arm of "
+                   "this configuration"};
   }
   if (said.listen) {
     return Refusal{"listen", "the datagrams of 1999 carry faces across the axes only, " +

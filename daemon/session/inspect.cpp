@@ -14,6 +14,7 @@
 #include "daemon/session/stand_in.hpp"
 #include "daemon/session/world_settings.hpp"
 #include "daemon/world/io/world_source.hpp"
+#include "sim/time/virtual_clock.hpp"
 
 namespace thimble::session {
 namespace {
@@ -169,11 +170,12 @@ class ArmInspection {
   std::vector<Objection> objections_;
 };
 
-// A world without cells costs nothing to make, so whether it goes with what is said is seen at
-// once; one with cells goes with everything.
-void inspect_sphere(const config::Config& config, std::size_t index, std::vector<Objection>& out) {
+// A world without a grid costs little to make, so whether it goes with what is said is seen at
+// once; one with a grid goes with everything.
+void inspect_made(const config::Config& config, std::size_t index, std::vector<Objection>& out) {
   const config::WorldConfig& said = config.worlds[index];
-  const Result<std::unique_ptr<world::World>> made = make_world(said);
+  const sim::VirtualClock clock;
+  const Result<std::unique_ptr<world::World>> made = make_world(said, &clock);
   if (!made) return out.push_back({Objection::Table::World, index, "source", made.error().message});
   if (const auto refusal = find_refusal(**made, said)) {
     out.push_back({Objection::Table::World, index, refusal->key, refusal->reason});
@@ -199,8 +201,8 @@ std::vector<Objection> inspect(const config::Config& config, const RigParts& par
   for (std::size_t i = 0; i < config.worlds.size(); ++i) {
     const config::WorldConfig& said = config.worlds[i];
     if (said.source.empty()) continue;
-    if (said.sphere) {
-      inspect_sphere(config, i, out);
+    if (said.sphere || said.pieces) {
+      inspect_made(config, i, out);
       continue;
     }
     const Result<void> checked = world::check_world(said.source, volume_options(said));

@@ -86,7 +86,7 @@ std::optional<MonotonicTime> Runtime::pump(MonotonicTime now) {
   std::optional<MonotonicTime> earliest;
   // Before the links: who asks next is answered by what the cells are now.
   for (const auto& host : worlds_) {
-    const std::optional<MonotonicTime> due = host->pump_edits(now);
+    const std::optional<MonotonicTime> due = host->pump(now);
     if (due && (!earliest || *due < *earliest)) earliest = due;
   }
   for (const auto& arm : arms_) {

@@ -7,6 +7,7 @@
 #include "daemon/session/arm_settings.hpp"
 #include "daemon/session/combination.hpp"
 #include "daemon/session/world_settings.hpp"
+#include "daemon/world/cam/piece_world.hpp"
 
 namespace thimble::session {
 
@@ -57,7 +58,7 @@ Result<std::unique_ptr<WorldHost>> WorldHost::create(const config::WorldConfig& 
   host->name_ = said.name;
   host->model_ = said.constraint_model;
   host->loss_ = find_loss(said);
-  Result<std::unique_ptr<world::World>> world = make_world(said);
+  Result<std::unique_ptr<world::World>> world = make_world(said, parts.real_clock);
   if (!world) return tl::unexpected(world.error().in(name));
   host->world_ = *std::move(world);
   if (world::VoxelWorld* cells = host->world_->editable()) host->edits_.emplace(*cells);
@@ -96,7 +97,11 @@ Result<std::uint64_t> WorldHost::submit_edits(std::vector<world::CellEdit> edits
   return number;
 }
 
-std::optional<MonotonicTime> WorldHost::pump_edits(MonotonicTime now) {
+std::optional<MonotonicTime> WorldHost::pump(MonotonicTime now) {
+  if (auto* pieces = world_->pieces()) {
+    pieces->pump();
+    return now + kEditPace;
+  }
   if (!edits_ || edits_->is_idle()) return std::nullopt;
   if (!next_slice_ || now >= *next_slice_) {
     edits_->step();

@@ -45,9 +45,12 @@ class WorldHost {
   [[nodiscard]] const world::EditQueue* edits() const noexcept {
     return edits_ ? &*edits_ : nullptr;
   }
-  // One slice of them, no sooner than kEditPace after the last, however often it is called.
-  // Returns when the next is due; none while none wait.
-  std::optional<MonotonicTime> pump_edits(MonotonicTime now);
+  // One slice of them, no sooner than kEditPace after the last, however often it is called; of
+  // pieces on a board, what it has done meanwhile. Returns when the next is due; none while none
+  // wait.
+  std::optional<MonotonicTime> pump(MonotonicTime now);
+  // Where there are pieces to select and drop; nullptr where there are none.
+  [[nodiscard]] world::cam::PieceWorld* pieces() noexcept { return world_->pieces(); }
   // What somebody who touches it does not feel, though the configuration says it: a sentence.
   [[nodiscard]] const std::optional<std::string>& loss() const noexcept { return loss_; }
   // Nothing where the world does not listen.

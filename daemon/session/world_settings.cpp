@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "daemon/session/piece_settings.hpp"
 #include "daemon/world/io/world_source.hpp"
 #include "daemon/world/sphere_world.hpp"
 
@@ -46,8 +47,10 @@ world::VolumeOptions volume_options(const config::WorldConfig& said) {
   return options;
 }
 
-Result<std::unique_ptr<world::World>> make_world(const config::WorldConfig& said) {
+Result<std::unique_ptr<world::World>> make_world(const config::WorldConfig& said,
+                                                 const Clock* clock) {
   if (said.sphere) return make_sphere(*said.sphere);
+  if (said.pieces) return make_piece_world(said, clock);
   return world::make_world(said.source, volume_options(said));
 }
 

@@ -6,14 +6,17 @@
 #include "daemon/world/io/volume_writer.hpp"
 #include "daemon/world/world.hpp"
 #include "hal/base/result.hpp"
+#include "hal/base/time.hpp"
 
 namespace thimble::session {
 
 // What the configuration's words about a world mean to the readers of volumes. Pure.
 [[nodiscard]] world::VolumeOptions volume_options(const config::WorldConfig& said);
 
-// The world that a configuration describes. Not RT; reads the file where there is one. Errors: one
-// sentence that starts with the source.
-[[nodiscard]] Result<std::unique_ptr<world::World>> make_world(const config::WorldConfig& said);
+// The world that a configuration describes. Not RT; reads the file where there is one. `clock`, for
+// worlds that take their time, must outlive it; nullptr where there is none. Errors: one sentence
+// that starts with the source.
+[[nodiscard]] Result<std::unique_ptr<world::World>> make_world(const config::WorldConfig& said,
+                                                               const Clock* clock);
 
 }  // namespace thimble::session

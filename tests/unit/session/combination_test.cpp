@@ -8,8 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "daemon/session/piece_settings.hpp"
 #include "daemon/world/sphere_world.hpp"
 #include "daemon/world/voxel_world.hpp"
+#include "sim/time/virtual_clock.hpp"
 
 namespace thimble::session {
 namespace {
@@ -71,8 +73,14 @@ TEST(Combination, IsAcceptedOrRefusedWithItsReasonAsTheMatrixSays) {
   const world::VoxelWorld with_cells(world::make_box(3).value(), "box:3");
   const auto sphere = world::SphereWorld::create({{}, 0.02, -0.02});
   ASSERT_TRUE(sphere);
-  const std::map<std::string, const world::World*> worlds{{"with cells", &with_cells},
-                                                          {"`sphere`", &*sphere}};
+  const sim::VirtualClock clock;
+  config::WorldConfig of_pieces;
+  of_pieces.source = "pieces";
+  of_pieces.pieces = config::PiecesConfig{.cells = 32, .count = 3};
+  const auto pieces = make_piece_world(of_pieces, &clock);
+  ASSERT_TRUE(pieces) << pieces.error().message;
+  const std::map<std::string, const world::World*> worlds{
+      {"with cells", &with_cells}, {"`sphere`", &*sphere}, {"`pieces`", pieces->get()}};
   ASSERT_EQ(page().at("world").size(), 6U) << "a new column needs a line here";
   ASSERT_EQ(page().size(), 1 + 1 + worlds.size()) << "a new row needs a world here";
   for (const auto& [name, world] : worlds) {
@@ -88,6 +96,20 @@ TEST(Combination, IsAcceptedOrRefusedWithItsReasonAsTheMatrixSays) {
     said.constraint_model = config::ConstraintModel::Simple;
     expect_as_on_page(name, "model `simple`", check_combination(*world, said));
   }
+}
+
+TEST(PieceWorldOfAConfiguration, NeedsAClockAndRoomForItsPieces) {
+  const sim::VirtualClock clock;
+  config::WorldConfig said;
+  said.source = "pieces";
+  said.pieces = config::PiecesConfig{.cells = 32, .count = 3};
+  const auto made = make_piece_world(said, &clock);
+  ASSERT_TRUE(made);
+  EXPECT_EQ((*made)->info().cells, (std::array<std::uint32_t, 3>{32, 32, 1}));
+  EXPECT_DOUBLE_EQ((*made)->info().cell_m, 0.09 / 32);
+  EXPECT_EQ(make_piece_world(said, nullptr).error().code, Errc::Unsupported);
+  said.pieces->count = 63;
+  EXPECT_EQ(make_piece_world(said, &clock).error().code, Errc::InvalidArgument);
 }
 
 TEST(Combination, TellsWhatAListenerDoesNotFeel) {

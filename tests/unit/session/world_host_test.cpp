@@ -35,7 +35,7 @@ TEST(WorldHost, SlicesOfEditsKeepTheirPaceHoweverOftenItIsPumped) {
   MonotonicTime last_slice{-WorldHost::kEditPace};
   int slices = 0;
   for (int pump = 0; pump < 2000; ++pump) {
-    const auto due = sut->pump_edits(now);
+    const auto due = sut->pump(now);
     if (sut->world().occupied_cells() != before) {
       EXPECT_GE(now - last_slice, WorldHost::kEditPace);
       last_slice = now;
@@ -52,10 +52,10 @@ TEST(WorldHost, SlicesOfEditsKeepTheirPaceHoweverOftenItIsPumped) {
 
 TEST(WorldHost, AnEditAfterARestIsAppliedAtOnceAndEndsThePace) {
   const auto sut = large_world();
-  EXPECT_FALSE(sut->pump_edits({}));
+  EXPECT_FALSE(sut->pump({}));
   const MonotonicTime later{std::chrono::seconds(5)};
   ASSERT_TRUE(sut->submit_edits({{world::CellEdit::Kind::Fill, {}, {}, {}, 0, 0}}));
-  EXPECT_FALSE(sut->pump_edits(later)) << "nothing is left to come back for";
+  EXPECT_FALSE(sut->pump(later)) << "nothing is left to come back for";
   EXPECT_EQ(sut->edits()->applied(), 1U);
 }
 

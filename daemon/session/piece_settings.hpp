@@ -1,0 +1,19 @@
+#pragma once
+
+#include <memory>
+
+#include "daemon/config/config.hpp"
+#include "daemon/world/world.hpp"
+#include "hal/base/result.hpp"
+#include "hal/base/time.hpp"
+
+namespace thimble::session {
+
+// The world of pieces that a configuration describes, on a simulated CAM board of its own, which
+// scans in the thread that touches the world and takes no longer than that. Not RT. `clock` must
+// outlive it. Errors: Unsupported without a clock; InvalidArgument for more pieces than there is
+// room for.
+[[nodiscard]] Result<std::unique_ptr<world::World>> make_piece_world(
+    const config::WorldConfig& said, const Clock* clock);
+
+}  // namespace thimble::session

@@ -1,0 +1,66 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "tests/unit/config/config_testing.hpp"
+
+namespace thimble::config {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+std::string pieces_with(const std::string& lines) {
+  return "[[world]]\nname = \"w\"\nsource = \"pieces\"\n" + lines;
+}
+
+TEST(ConfigPieces, NeedNothingButTheirName) {
+  const auto sut = parse_text(pieces_with(""));
+  ASSERT_TRUE(sut);
+  EXPECT_EQ(sut->worlds.at(0).source, "pieces");
+  EXPECT_EQ(sut->worlds.at(0).pieces, PiecesConfig{});
+  EXPECT_FALSE(sut->worlds.at(0).sphere);
+}
+
+TEST(ConfigPieces, ReadsEveryKey) {
+  const auto sut = parse_text(
+      pieces_with("workspace_m = 0.1\n[world.pieces]\ncells = 64\ncount = 63\nseed = 9\nsearch = "
+                  "\"one-cell\"\nboards = 4\n"));
+  ASSERT_TRUE(sut);
+  const PiecesConfig expected{64, 63, 9, PieceSearch::OneCell, 4};
+  EXPECT_EQ(sut->worlds.at(0).pieces, expected);
+  EXPECT_EQ(sut->worlds.at(0).workspace_m, 0.1);
+}
+
+TEST(ConfigPieces, TheirTableBesideAnotherSourceIsAMistake) {
+  EXPECT_THAT(mistakes("[[world]]\nname = \"w\"\nsource = \"box:3\"\n[world.pieces]\n"),
+              ElementsAre(AllOf(HasSubstr("world.0.pieces"), HasSubstr("\"box:3\""))));
+}
+
+struct BadPieces {
+  const char* lines;
+  const char* expected;
+};
+class ConfigPiecesBadLine : public testing::TestWithParam<BadPieces> {};
+
+TEST_P(ConfigPiecesBadLine, IsTheOnlyMistakeReported) {
+  EXPECT_THAT(mistakes(pieces_with(GetParam().lines)), ElementsAre(HasSubstr(GetParam().expected)));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Values, ConfigPiecesBadLine,
+    testing::Values(BadPieces{"pieces.cells = 96\n", "a power of two, found 96"},
+                    BadPieces{"pieces.cells = 1024\n", "32 to 512"},
+                    BadPieces{"pieces.boards = 3\n", "a power of two, found 3"},
+                    BadPieces{"pieces.boards = 16\n", "1 to 8"},
+                    BadPieces{"pieces.count = 64\n", "1 to 63"},
+                    BadPieces{"pieces.count = 0\n", "1 to 63"},
+                    BadPieces{"pieces.seed = -1\n", "pieces.seed"},
+                    BadPieces{"pieces.search = \"fast\"\n", "\"leap\""},
+                    BadPieces{"pieces = 3\n", "world.0.pieces: expected a table, found 3"},
+                    BadPieces{"threshold = 1\n", "only with a volume file"}));
+
+}  // namespace
+}  // namespace thimble::config
