@@ -47,6 +47,15 @@ Result<std::uint64_t> parse_changed_cells(std::string_view json, std::string_vie
   return *changed;
 }
 
+Result<PieceReply> parse_piece_reply(std::string_view json, std::string_view world) {
+  const auto outcome = parse_member(json, "outcome");
+  const auto is_done = parse_flag(json, "is_done");
+  if (parse_member(json, "world") != world || !outcome || !is_done) {
+    return not_the_daemons("what was done to the pieces of world " + plain(world));
+  }
+  return PieceReply{plain(*outcome), *is_done};
+}
+
 std::string render_reply(std::string_view verb, const CommandReply& reply) {
   if (verb == "activate") return render_activation(reply);
   if (verb == "clear-fault") {

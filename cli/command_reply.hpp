@@ -22,6 +22,12 @@ struct CommandReply {
 // Likewise of an edit of `world`: how many cells have changed.
 [[nodiscard]] Result<std::uint64_t> parse_changed_cells(std::string_view json,
                                                         std::string_view world);
+// Likewise of what was done to the pieces of `world`, or why it was not.
+struct PieceReply {
+  std::string outcome;
+  bool is_done{false};
+};
+[[nodiscard]] Result<PieceReply> parse_piece_reply(std::string_view json, std::string_view world);
 // What came of `verb` ("activate", "deactivate" or "clear-fault"), for a person: no line break.
 [[nodiscard]] std::string render_reply(std::string_view verb, const CommandReply& reply);
 

@@ -127,6 +127,20 @@ int run_world_edit(const std::string& socket_path, const std::string& world,
   return kExitOk;
 }
 
+int run_piece_action(const std::string& socket_path, const std::string& verb,
+                     const std::string& world) {
+  auto client = Client::connect(socket_path);
+  if (!client) return complain(client.error());
+  const auto meant = find_world(**client, world);
+  if (!meant) return complain(meant.error());
+  const auto body = ask(**client, "POST", "/v1/worlds/" + meant->name + "/" + verb);
+  if (!body) return complain(body.error());
+  const Result<PieceReply> reply = parse_piece_reply(*body, meant->name);
+  if (!reply) return complain(reply.error());
+  std::cout << "world " << plain(meant->name) << ": " << reply->outcome << '\n';
+  return reply->is_done ? kExitOk : kExitRefused;
+}
+
 int run_report(const std::string& file) {
   const Result<std::string> text = read_at_most(file, kMaxReportBytes);
   if (!text && text.error().code == Errc::NotFound) {

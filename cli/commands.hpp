@@ -33,6 +33,10 @@ int run_command(const std::string& socket_path, const std::string& verb, const s
                 const std::string& body = {});
 // An empty world means the only one.
 int run_world_edit(const std::string& socket_path, const std::string& world, const WorldEdit& edit);
+// `verb` is "select", "drop", "delete", "free" or "reset", done to the pieces of the world; refused
+// also where the world says that it could not be. An empty world means the only one.
+int run_piece_action(const std::string& socket_path, const std::string& verb,
+                     const std::string& world);
 // Prints what a file of `thimbled --summary` says of a session.
 int run_report(const std::string& file);
 

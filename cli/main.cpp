@@ -279,6 +279,25 @@ void add_world_command(CLI::App& app, Arguments& arguments, int& code) {
   });
 }
 
+void add_piece_command(CLI::App& app, const char* verb, const char* what, Arguments& arguments,
+                       int& code) {
+  CLI::App* command = app.add_subcommand(verb, what);
+  command->add_option("WORLD", arguments.world, "Name of the world; not needed when there is one")
+      ->check(refuse_no_name);
+  command->callback([&, verb] {
+    code = thimble::cli::run_piece_action(arguments.socket_path, verb, arguments.world);
+  });
+}
+
+void add_piece_commands(CLI::App& app, Arguments& arguments, int& code) {
+  add_piece_command(app, "select", "Take the piece that the hand presses", arguments, code);
+  add_piece_command(app, "drop", "Let go of the held piece where it is", arguments, code);
+  add_piece_command(app, "delete", "Take the held piece out of the world", arguments, code);
+  add_piece_command(app, "free", "Switch free motion, through everything, on or off", arguments,
+                    code);
+  add_piece_command(app, "reset", "Put all pieces where they were at first", arguments, code);
+}
+
 // CLI11 takes "-.01" for an option, "-0.01" for a number.
 std::vector<std::string> with_leading_zeros(int argc, char** argv) {
   std::vector<std::string> words(argv, argv + argc);
@@ -312,6 +331,7 @@ int run(int argc, char** argv) {
       ->check(refuse_no_fault);
   add_calibrate_command(app, arguments, code);
   add_world_command(app, arguments, code);
+  add_piece_commands(app, arguments, code);
   app.footer(
       "Exit codes: 0 done, 1 refused, not printed or (doctor) something wrong, 2 wrong arguments, "
       "3 no daemon.");

@@ -227,4 +227,11 @@ std::optional<std::uint64_t> parse_count(std::string_view bytes, std::string_vie
   return find_count(parse_bytes(bytes), key);
 }
 
+std::optional<bool> parse_flag(std::string_view bytes, std::string_view key) {
+  const json::value document = parse_bytes(bytes);
+  const json::value* said = member(document, key);
+  if (said == nullptr || !said->is_bool()) return std::nullopt;
+  return said->get_bool();
+}
+
 }  // namespace thimble::cli

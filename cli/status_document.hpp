@@ -21,5 +21,7 @@ namespace thimble::cli {
 [[nodiscard]] std::optional<std::string> parse_member(std::string_view json, std::string_view key);
 // The count `key` of a document, or nothing when there is none.
 [[nodiscard]] std::optional<std::uint64_t> parse_count(std::string_view json, std::string_view key);
+// The yes or no `key` of a document, or nothing when there is none.
+[[nodiscard]] std::optional<bool> parse_flag(std::string_view json, std::string_view key);
 
 }  // namespace thimble::cli

@@ -50,6 +50,14 @@ struct Edited {
 };
 using EditAnswer = std::function<void(const Result<Edited>&)>;
 
+// What is done to the pieces of a world on a board, where the hand is now.
+enum class PieceVerb : std::uint8_t { Select, Drop, Delete, Free, Reset };
+struct PieceDone {
+  std::string outcome;  // in words: "selected", "no room" …
+  bool is_done{false};  // false: the world is as it was, and the words say why
+};
+using PieceAnswer = std::function<void(const Result<PieceDone>&)>;
+
 // What a client may ask of the daemon. An arm that a client activated is that client's lease:
 // client_gone() must release it.
 //
@@ -58,8 +66,8 @@ using EditAnswer = std::function<void(const Result<Edited>&)>;
 // client_gone() of its client.
 // Errors: NotFound for an unknown arm or world, Busy when the state or another lease forbids it,
 //         Disconnected for a lost arm, Timeout when it did not come true in time, Unsupported
-//         for a world that cannot be edited, InvalidArgument for edits that its cells forbid,
-//         TooLarge for more of them than one request may bring.
+//         for a world that cannot be edited, or has no pieces, InvalidArgument for edits that its
+//         cells forbid, TooLarge for more of them than one request may bring.
 class Commands {
  public:
   virtual ~Commands() = default;
@@ -78,6 +86,10 @@ class Commands {
   // has begun.
   virtual void edit_world(std::string_view world, const std::vector<CellEdit>& edits,
                           ClientId client, EditAnswer answer) = 0;
+  // Needs no lease, as edits. Answered when the board has done it; what it could not do is no
+  // error.
+  virtual void act_on_pieces(std::string_view world, PieceVerb verb, ClientId client,
+                             PieceAnswer answer) = 0;
   // Called once for every client that sent a command, after its last one.
   virtual void client_gone(ClientId client) = 0;
 };

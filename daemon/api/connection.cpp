@@ -134,6 +134,13 @@ void Connection::command(const Action& action, bool is_kept) {
           self->on_edited(world, edited, is_kept);
         });
   }
+  if (action.kind == ActionKind::ActOnPieces) {
+    return context_.commands.act_on_pieces(
+        action.name, action.piece_verb, id_,
+        [self = shared_from_this(), world = action.name, is_kept](const Result<PieceDone>& done) {
+          self->on_pieces(world, done, is_kept);
+        });
+  }
   const auto answer = [self = shared_from_this(), action, is_kept](const Result<Done>& done) {
     self->on_done(action, done, is_kept);
   };
@@ -168,6 +175,14 @@ void Connection::on_edited(const std::string& world, const Result<Edited>& edite
       to_text(boost::json::object{
           {"world", world}, {"edits", edited->edits}, {"changed_cells", edited->changed_cells}}),
       is_kept);
+}
+
+void Connection::on_pieces(const std::string& world, const Result<PieceDone>& done, bool is_kept) {
+  if (is_closed_) return;
+  if (!done) return respond(tl::unexpected(to_request_error(done.error())), is_kept);
+  respond(to_text(boost::json::object{
+              {"world", world}, {"outcome", done->outcome}, {"is_done", done->is_done}}),
+          is_kept);
 }
 
 std::string Connection::lease_of(const std::string& arm) const {

@@ -51,6 +51,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void watch_for_hang_up();
   void on_done(const Action& action, const Result<Done>& done, bool is_kept);
   void on_edited(const std::string& world, const Result<Edited>& edited, bool is_kept);
+  void on_pieces(const std::string& world, const Result<PieceDone>& done, bool is_kept);
   void respond(tl::expected<std::string, RequestError> body, bool is_kept);
   [[nodiscard]] std::string lease_of(const std::string& arm) const;
   void prepare(unsigned status, std::string body, bool is_kept);

@@ -22,13 +22,19 @@ struct Verb {
   std::string_view folder;
   std::string_view word;
   ActionKind kind;
+  PieceVerb piece_verb{};
 };
-constexpr std::array<Verb, 5> kVerbs{{
+constexpr std::array<Verb, 10> kVerbs{{
     {kArms, "activate", ActionKind::Activate},
     {kArms, "deactivate", ActionKind::Deactivate},
     {kArms, "clear-fault", ActionKind::ClearFault},
     {kArms, "steady-force", ActionKind::SteadyForce},
     {kWorlds, "edits", ActionKind::EditWorld},
+    {kWorlds, "select", ActionKind::ActOnPieces, PieceVerb::Select},
+    {kWorlds, "drop", ActionKind::ActOnPieces, PieceVerb::Drop},
+    {kWorlds, "delete", ActionKind::ActOnPieces, PieceVerb::Delete},
+    {kWorlds, "free", ActionKind::ActOnPieces, PieceVerb::Free},
+    {kWorlds, "reset", ActionKind::ActOnPieces, PieceVerb::Reset},
 }};
 
 bool is_name(std::string_view text) {
@@ -50,7 +56,9 @@ std::optional<Action> parse_target(std::string_view target) {
     return candidate.folder == folder && candidate.word == word;
   });
   if (verb == kVerbs.end()) return std::nullopt;
-  return Action{verb->kind, std::string(target.substr(0, slash))};
+  Action action{verb->kind, std::string(target.substr(0, slash))};
+  action.piece_verb = verb->piece_verb;
+  return action;
 }
 
 // Which fault is meant; nothing where the body leaves it open.
@@ -151,7 +159,8 @@ tl::expected<Action, RequestError> parse_request(std::string_view method, std::s
     return tl::unexpected(
         RequestError{404, "not-found",
                      "there is only /v1/status, /v1/arms/NAME/activate, "
-                     "deactivate, clear-fault and steady-force, and /v1/worlds/NAME/edits",
+                     "deactivate, clear-fault and steady-force, and /v1/worlds/NAME/edits, select, "
+                     "drop, delete, free and reset",
                      ""});
   }
   const std::string_view allowed = action->kind == ActionKind::Status ? "GET" : "POST";

@@ -17,7 +17,8 @@ enum class ActionKind : std::uint8_t {
   Deactivate,
   ClearFault,
   SteadyForce,
-  EditWorld
+  EditWorld,
+  ActOnPieces
 };
 
 // What a request asks for.
@@ -27,6 +28,7 @@ struct Action {
   std::vector<CellEdit> edits{};
   std::optional<std::uint32_t> fault{};  // ClearFault: its number, where one is named
   std::optional<double> up_newton{};     // SteadyForce: nothing ends it
+  PieceVerb piece_verb{};                // ActOnPieces
   bool operator==(const Action&) const = default;
 };
 

@@ -144,6 +144,7 @@ void ArmCommands::client_gone(api::ClientId client) {
   }
   end_steady_forces();
   edits_.client_gone(client);
+  pieces_.client_gone(client);
   if (!leases_.drop_client(client.value).empty()) apply_leases();
 }
 
@@ -163,6 +164,7 @@ void ArmCommands::poll() {
   }
   for (const auto& [answer, verdict] : answers) answer(verdict);
   edits_.poll();
+  pieces_.poll();
 }
 
 ArmCommands::Verdict ArmCommands::judge(Wait& wait) {

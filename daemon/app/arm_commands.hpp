@@ -8,6 +8,7 @@
 
 #include "daemon/api/commands.hpp"
 #include "daemon/app/leases.hpp"
+#include "daemon/app/piece_actions.hpp"
 #include "daemon/app/world_edits.hpp"
 #include "daemon/session/runtime.hpp"
 #include "daemon/session/safety_session.hpp"
@@ -18,7 +19,8 @@ namespace thimble::app {
 // Carries out what clients ask of arms, and answers with what was then seen of the servo: an
 // activation when the arm is active or waits for a person to calibrate it, a cleared fault when
 // the arm has left it, for which the safety chain is let go first. What cannot come true is refused
-// at once, with the cause. Edits of worlds are handed on to WorldEdits.
+// at once, with the cause. Edits of worlds are handed on to WorldEdits, and what
+// is done to pieces to PieceActions.
 //
 // Thread: the net plane's one thread. Not RT.
 // Ownership: runtime, leases and clock must outlive it; the clock never decides about an arm,
@@ -28,7 +30,12 @@ class ArmCommands final : public api::Commands {
   // `safety`, which must outlive it, is nullptr where there are no such lines.
   ArmCommands(session::Runtime& runtime, Leases& leases, const Clock& clock,
               session::SafetySession* safety = nullptr)
-      : runtime_(runtime), leases_(leases), clock_(clock), safety_(safety), edits_(runtime) {}
+      : runtime_(runtime),
+        leases_(leases),
+        clock_(clock),
+        safety_(safety),
+        edits_(runtime),
+        pieces_(runtime, clock) {}
 
   void activate(std::string_view arm, api::ClientId client, api::Answer answer) override;
   void deactivate(std::string_view arm, api::ClientId client, api::Answer answer) override;
@@ -39,6 +46,10 @@ class ArmCommands final : public api::Commands {
   void edit_world(std::string_view world, const std::vector<api::CellEdit>& edits,
                   api::ClientId client, api::EditAnswer answer) override {
     edits_.submit(world, edits, client, std::move(answer));
+  }
+  void act_on_pieces(std::string_view world, api::PieceVerb verb, api::ClientId client,
+                     api::PieceAnswer answer) override {
+    pieces_.submit(world, verb, client, std::move(answer));
   }
   void client_gone(api::ClientId client) override;
 
@@ -88,6 +99,7 @@ class ArmCommands final : public api::Commands {
   const Clock& clock_;
   session::SafetySession* safety_;
   WorldEdits edits_;
+  PieceActions pieces_;
   std::vector<Wait> waits_;
   std::vector<Steady> steady_;
 };

@@ -43,7 +43,7 @@ Result<std::unique_ptr<world::World>> make_piece_world(const config::WorldConfig
   settings.workspace_m = said.workspace_m;
   settings.source = said.source;
   auto layout = pieces::random_layout(settings.pieces.space, of.count, of.seed);
-  if (!layout) return tl::unexpected(layout.error().in(said.source));
+  if (!layout) return tl::unexpected(layout.error());
   const auto slot = std::make_shared<sim::cam::SimCamBoard>(*clock, board_options(of));
   const auto open = [slot](MonotonicTime now) -> Result<std::unique_ptr<CamBoard>> {
     auto port = cambus::PciPort::open(slot->open_window(), now);

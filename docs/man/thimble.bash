@@ -6,7 +6,7 @@ _thimble_arms() {
 
 _thimble() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]}
-  local commands="status watch report doctor devices flight cam activate deactivate clear-fault calibrate-force world lab"
+  local commands="status watch report doctor devices flight cam activate deactivate clear-fault calibrate-force world lab select drop delete free reset"
   local options="--help --socket" command= socket=() i
   for ((i = 1; i < COMP_CWORD; ++i)); do
     if [[ ${COMP_WORDS[i]} == --socket ]]; then
@@ -61,6 +61,7 @@ _thimble() {
         options=
       fi ;;
     lab) [[ $word == -* ]] || options=cam-latency ;;
+    select | drop | delete | free | reset) [[ $word == -* ]] || options= ;;
     report) [[ $word == -* ]] || { mapfile -t COMPREPLY < <(compgen -f -- "$word"); return; } ;;
     clear-fault) [[ $word == -* ]] && options+=" --fault" || options=$(_thimble_arms "${socket[@]}") ;;
     calibrate-force) [[ $word == -* ]] && options+=" --most --steps" || options=$(_thimble_arms "${socket[@]}") ;;

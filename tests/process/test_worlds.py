@@ -34,6 +34,40 @@ class Sphere(ProcessTest):
             self.assert_one_sentence(result.stderr, key, reason)
 
 
+class Pieces(ProcessTest):
+    def test_the_example_is_felt_and_takes_commands(self):
+        daemon = self.start("--config", EXAMPLES / "pieces.toml", "--set", "world.pieces.cells=32",
+                            "--set", "world.pieces.count=3")
+        daemon.status_when(lambda s: s["arms"][0]["contacts"] > 0 and s["arms"][0]["peak_force_newton"] > 0.3)
+        for verb, outcome, code in (("drop", "no piece is held", 1), ("delete", "no piece is held", 1),
+                                    ("free", "free motion is on", 0), ("free", "free motion is off", 0),
+                                    ("reset", "all pieces are as they were at first", 0)):
+            told = self.thimble(daemon, verb)
+            self.assertEqual((told.returncode, told.stderr), (code, ""), verb)
+            self.assertEqual(told.stdout, f"world desk: {outcome}\n")
+        self.assertEqual(http_over(daemon.socket, "POST", "/v1/worlds/elsewhere/select")[0], 404)
+        self.assertEqual(daemon.status()["arms"][0]["faults"], [])
+        self.assertEqual(daemon.stop(), 0)
+
+    def test_a_world_without_pieces_says_so(self):
+        daemon = self.start(config=HELLO)
+        told = self.thimble(daemon, "select")
+        self.assertEqual(told.returncode, 1)
+        self.assert_one_sentence(told.stderr, "it has no pieces")
+
+    def test_what_does_not_go_with_it_is_refused_at_its_key(self):
+        for setting, key, reason in (
+                ("world.constraint_model=simple", "world.0.constraint_model", "works on cells"),
+                ("world.listen=udp://127.0.0.1:0", "world.0.listen", "falls silent")):
+            result = self.thimbled("--config", EXAMPLES / "pieces.toml", "--set", setting, "--check")
+            self.assertEqual(result.returncode, 2, result.stderr)
+            self.assert_one_sentence(result.stderr, key, reason)
+        crowded = self.thimbled("--config", EXAMPLES / "pieces.toml", "--set", "world.pieces.cells=32",
+                                "--set", "world.pieces.count=63", "--check")
+        self.assertEqual(crowded.returncode, 2, crowded.stderr)
+        self.assert_one_sentence(crowded.stderr, "world.0.source", "room for")
+
+
 def occupied(status):
     return status["worlds"][0]["occupied_cells"]
 

@@ -50,6 +50,25 @@ TEST(ApiRequest, KnowsTheEditsOfAWorld) {
   }
 }
 
+TEST(ApiRequest, KnowsWhatIsDoneToPieces) {
+  const std::pair<const char*, PieceVerb> verbs[] = {{"select", PieceVerb::Select},
+                                                     {"drop", PieceVerb::Drop},
+                                                     {"delete", PieceVerb::Delete},
+                                                     {"free", PieceVerb::Free},
+                                                     {"reset", PieceVerb::Reset}};
+  for (const auto& [word, verb] : verbs) {
+    const std::string target = std::string("/v1/worlds/desk/") + word;
+    const auto sut = parse_request("POST", target, "");
+    ASSERT_TRUE(sut) << word;
+    EXPECT_EQ(sut->kind, ActionKind::ActOnPieces);
+    EXPECT_EQ(sut->piece_verb, verb);
+    EXPECT_EQ(sut->name, "desk");
+    EXPECT_EQ(parse_request("GET", target, "").error().http_status, 405U);
+    EXPECT_EQ(parse_request("POST", target, "{\"piece\": 3}").error().http_status, 400U);
+    EXPECT_FALSE(parse_request("POST", std::string("/v1/arms/desk/") + word, ""));
+  }
+}
+
 TEST(ApiRequest, AnswersNotFoundToEveryOtherTarget) {
   const std::string long_name(33, 'a');
   for (const std::string& target :

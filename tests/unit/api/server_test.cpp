@@ -68,11 +68,11 @@ class FakeDaemon : public StatusView, public Commands {
     if (world != "box") return answer(fail(Errc::Unsupported, "it has no cells"));
     answer(Edited{edits.size(), 5});
   }
+  void act_on_pieces(std::string_view, PieceVerb, ClientId, PieceAnswer) override {}
   void client_gone(ClientId client) override {
     log.push_back("gone");
     if (client == holder) lease = "none";
   }
-
   std::vector<std::string> log;
   std::string lease{"none"};
   ClientId holder{};

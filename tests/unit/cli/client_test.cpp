@@ -37,6 +37,7 @@ class FakeDaemon : public api::StatusView, public api::Commands {
   }
   void edit_world(std::string_view, const std::vector<api::CellEdit>&, api::ClientId,
                   api::EditAnswer) override {}
+  void act_on_pieces(std::string_view, api::PieceVerb, api::ClientId, api::PieceAnswer) override {}
   void client_gone(api::ClientId) override {}
 };
 

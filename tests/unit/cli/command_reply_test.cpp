@@ -58,6 +58,23 @@ TEST(ChangedCells, AreKnownOnlyFromAnAnswerThatTellsOfTheWorld) {
   }
 }
 
+TEST(PieceReply, IsKnownOnlyFromAnAnswerThatTellsOfTheWorld) {
+  const auto sut = parse_piece_reply(
+      R"({"world": "desk", "outcome": "no\u001b room", "is_done": false})", "desk");
+  ASSERT_TRUE(sut);
+  EXPECT_FALSE(sut->is_done);
+  EXPECT_EQ(sut->outcome.find('\x1b'), std::string::npos);
+  EXPECT_TRUE(
+      parse_piece_reply(R"({"world": "desk", "outcome": "selected", "is_done": true})", "desk")
+          ->is_done);
+  for (const char* other : {"", "{}", R"({"world": "desk", "outcome": "selected"})",
+                            R"({"world": "x", "outcome": "selected", "is_done": true})",
+                            R"({"world": "desk", "outcome": 1, "is_done": true})",
+                            R"({"world": "desk", "outcome": "selected", "is_done": "true"})"}) {
+    EXPECT_FALSE(parse_piece_reply(other, "desk")) << other;
+  }
+}
+
 TEST(CommandReply, SaysActiveOnlyOfAnArmThatIs) {
   EXPECT_EQ(render_reply("activate", {"right", "client", "active", ""}),
             "arm right is active while this runs");

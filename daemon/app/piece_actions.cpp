@@ -1,0 +1,97 @@
+#include "daemon/app/piece_actions.hpp"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "daemon/world/cam/piece_world.hpp"
+
+namespace thimble::app {
+namespace {
+
+using world::cam::PieceAction;
+using world::cam::PieceOutcome;
+
+[[nodiscard]] PieceAction action_of(api::PieceVerb verb) noexcept {
+  switch (verb) {
+    case api::PieceVerb::Select:
+      return PieceAction::Select;
+    case api::PieceVerb::Drop:
+      return PieceAction::Drop;
+    case api::PieceVerb::Delete:
+      return PieceAction::Delete;
+    case api::PieceVerb::Free:
+      return PieceAction::ToggleFree;
+    case api::PieceVerb::Reset:
+      return PieceAction::Reset;
+  }
+  return PieceAction::Reset;
+}
+
+[[nodiscard]] bool is_done(PieceOutcome outcome) noexcept {
+  switch (outcome) {
+    case PieceOutcome::NothingThere:
+    case PieceOutcome::NoRoom:
+    case PieceOutcome::NothingHeld:
+    case PieceOutcome::AlreadyHeld:
+    case PieceOutcome::BoardFailed:
+      return false;
+    default:
+      return true;
+  }
+}
+
+}  // namespace
+
+void PieceActions::submit(std::string_view world, api::PieceVerb verb, api::ClientId client,
+                          api::PieceAnswer answer) {
+  session::WorldHost* host = runtime_.find_world(world);
+  const std::string name = "world '" + std::string(world) + "'";
+  if (host == nullptr) {
+    return answer(fail(Errc::NotFound, name + ": this daemon has none of that name"));
+  }
+  world::cam::PieceWorld* pieces = host->pieces();
+  if (pieces == nullptr) {
+    return answer(fail(Errc::Unsupported, name + ": it has no pieces"));
+  }
+  const auto number = pieces->submit(action_of(verb));
+  if (!number) return answer(tl::unexpected(number.error().in(name)));
+  waits_.push_back({host, *number, client, clock_.now() + kPatience, std::move(answer)});
+}
+
+void PieceActions::client_gone(api::ClientId client) {
+  std::erase_if(waits_, [&](const Wait& wait) { return wait.client == client; });
+}
+
+void PieceActions::poll() {
+  // Taken out first: an answer may bring the next request, or the end of its client.
+  std::vector<std::pair<api::PieceAnswer, Result<api::PieceDone>>> answers;
+  for (const auto& host : runtime_.worlds()) {
+    if (host->pieces() == nullptr) continue;
+    for (const auto& finished : host->pieces()->take_finished()) {
+      const auto wait = std::find_if(waits_.begin(), waits_.end(), [&](const Wait& one) {
+        return one.world == host.get() && one.number == finished.number;
+      });
+      if (wait == waits_.end()) continue;
+      answers.emplace_back(
+          std::move(wait->answer),
+          api::PieceDone{std::string(to_string(finished.outcome)), is_done(finished.outcome)});
+      waits_.erase(wait);
+    }
+  }
+  const MonotonicTime now = clock_.now();
+  for (auto wait = waits_.begin(); wait != waits_.end();) {
+    if (now < wait->until) {
+      ++wait;
+      continue;
+    }
+    const auto& trouble = wait->world->pieces()->board().trouble();
+    answers.emplace_back(std::move(wait->answer),
+                         fail(Errc::Timeout, "the board does not come to it" +
+                                                 (trouble ? ": " + trouble->message : "")));
+    wait = waits_.erase(wait);
+  }
+  for (const auto& [answer, done] : answers) answer(done);
+}
+
+}  // namespace thimble::app
