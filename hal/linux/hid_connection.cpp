@@ -38,6 +38,7 @@ HidConnection::HidConnection(HidNodes nodes, const bus::BusDeviceInfo& info,
     : nodes_(std::move(nodes)),
       address_(info.address),
       has_report_ids_(info.has_report_ids),
+      output_report_bytes_(info.output_report_bytes),
       settings_(&settings),
       opening_(&opening),
       mail_(info.output_report_bytes) {}
@@ -93,8 +94,7 @@ void HidConnection::reach(State state) noexcept {
 void HidConnection::run() noexcept {
   const Result<void> opened = open();
   if (!opened.has_value()) {
-    transfers_.reset();
-    hiddev_ = Descriptor();
+    close();
     refusal_ = opened.error();
     return reach(State::Refused);
   }
@@ -106,10 +106,15 @@ void HidConnection::run() noexcept {
   // The last is the newest that the servo wanted, zero after a fault: an older one that the kernel
   // was slow to deliver must not be what the arm is left with.
   transfers_->send();
+  close();
+  reach(State::Closed);
+}
+
+void HidConnection::close() noexcept {
   reader_.reset();
   transfers_.reset();
+  shared_.reset();
   hiddev_ = Descriptor();
-  reach(State::Closed);
 }
 
 Result<void> HidConnection::open() {
@@ -123,9 +128,19 @@ Result<void> HidConnection::open() {
     if (!transfers.has_value()) return tl::unexpected(transfers.error());
     transfers_ = std::move(transfers.value());
   }
+  if (const Result<void> shared = open_for_guard(); !shared.has_value()) return shared;
   auto reader = RealtimeThread::start(settings_->thread, settings_->process, [this] { read(); });
   if (!reader.has_value()) return tl::unexpected(reader.error());
   reader_ = std::move(reader.value());
+  return {};
+}
+
+// Here and now, since a guard is asked for when nobody may wait for the kernel.
+Result<void> HidConnection::open_for_guard() {
+  auto shared =
+      open_hid_to_share(nodes_.hidraw, nodes_.hiddev, has_report_ids_, output_report_bytes_);
+  if (!shared.has_value()) return tl::unexpected(shared.error());
+  shared_ = std::make_shared<const SharedDevice>(std::move(shared.value()));
   return {};
 }
 

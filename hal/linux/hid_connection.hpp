@@ -15,6 +15,7 @@
 #include "hal/linux/event_fd.hpp"
 #include "hal/linux/hid_transfers.hpp"
 #include "hal/linux/realtime_thread.hpp"
+#include "hal/linux/shared_device.hpp"
 
 namespace thimble::linux {
 
@@ -45,6 +46,8 @@ class HidConnection {
   // How the opening went; Timeout while it goes on after `patience`.
   [[nodiscard]] Result<void> opened(Duration patience);
   [[nodiscard]] bus::HidMailboxes& mail() noexcept { return mail_; }
+  // Once opened; expires when it closes. Where only the second way cannot be had, that is left out.
+  [[nodiscard]] std::weak_ptr<const SharedDevice> shared() const noexcept { return shared_; }
   // Something was submitted.
   THIMBLE_RT_IO void wake() noexcept { wake_->signal(); }
   // What was submitted and waits is still written, once, and then it closes.
@@ -61,6 +64,8 @@ class HidConnection {
   [[nodiscard]] Result<void> start();
   void run() noexcept;
   [[nodiscard]] Result<void> open();
+  [[nodiscard]] Result<void> open_for_guard();
+  void close() noexcept;
   void read() noexcept;
   void reach(State state) noexcept;
   [[nodiscard]] bool has_reached(State state, Duration patience);
@@ -68,6 +73,7 @@ class HidConnection {
   HidNodes nodes_;
   bus::DeviceAddress address_;
   bool has_report_ids_;
+  std::size_t output_report_bytes_;
   const BusSettings* settings_;
   std::mutex* opening_;
   bus::HidMailboxes mail_;
@@ -81,6 +87,7 @@ class HidConnection {
   // would be behind the lock for which every other arm's writes wait. So hiddev, which has no such
   // lock, is the first and the last (docs/decisions/0358).
   Descriptor hiddev_;
+  std::shared_ptr<const SharedDevice> shared_;
   std::unique_ptr<HidTransfers> transfers_;
   std::unique_ptr<RealtimeThread> reader_;
 

@@ -11,15 +11,44 @@
 
 namespace thimble::linux {
 
+class HidHost;
+
+// A HID device that HidHost opened. Thread, errors: as bus::HidDevice. Ownership: the host must
+// outlive it.
+class HidDevice final : public bus::HidDevice {
+ public:
+  HidDevice(HidHost& host, std::unique_ptr<HidConnection> connection) noexcept
+      : host_(&host), connection_(std::move(connection)) {}
+  ~HidDevice() override;
+  HidDevice(const HidDevice&) = delete;
+  HidDevice& operator=(const HidDevice&) = delete;
+
+  // Expires with this. Thread: of who opened it.
+  [[nodiscard]] std::weak_ptr<const SharedDevice> shared() const noexcept {
+    return connection_->shared();
+  }
+  IoStatus read_newest(bus::HidReport& out) noexcept override {
+    return connection_->mail().read_newest(out);
+  }
+  IoStatus submit(std::span<const std::uint8_t> report) noexcept override;
+  [[nodiscard]] bus::HidCounters counters() const noexcept override {
+    return connection_->mail().counters();
+  }
+
+ private:
+  HidHost* host_;
+  std::unique_ptr<HidConnection> connection_;
+};
+
 // Opens the HID devices of this machine, and looks after those whose closing takes long.
 //
-// A device that it opened is bus::HidDevice: read_newest() is served from a mailbox, without a
+// A device that it opened is linux::HidDevice: read_newest() is served from a mailbox, without a
 // system call, since hidapi would need two for every report that waits (poll and read); submit()
 // writes to one eventfd. A write that the kernel does not end shows as Backlogged and in the age
 // of the samples, never as a wait. Reports longer than kMaxHidReportBytes are lost. Of what was
 // submitted when it is closed the newest is still written, then nothing.
 //
-// Thread: control plane, one thread; the devices as bus::HidDevice. Not RT.
+// Thread: any, one at a time for each device; the devices as bus::HidDevice. Not RT.
 // Ownership: must outlive the devices. The destructor waits for the kernel, up to 5 s for a device
 // that takes nothing.
 class HidHost {
@@ -30,8 +59,8 @@ class HidHost {
   // NotFound, Permission, System; Busy when a daemon holds it, when it is not closed yet, or while
   // the kernel still writes to some HID device: try again. Unsupported for reports that are too
   // long.
-  [[nodiscard]] Result<std::unique_ptr<bus::HidDevice>> open(const HidNodes& nodes,
-                                                             const bus::BusDeviceInfo& info);
+  [[nodiscard]] Result<std::unique_ptr<HidDevice>> open(const HidNodes& nodes,
+                                                        const bus::BusDeviceInfo& info);
   // Devices that are closed for their users, but not yet for the kernel.
   [[nodiscard]] std::size_t lingering();
 
@@ -41,12 +70,14 @@ class HidHost {
   static constexpr Duration kClosingPatience = std::chrono::milliseconds(50);
 
  private:
-  class Device;
+  friend class HidDevice;
+  [[nodiscard]] Result<void> await_end_of_older(const bus::DeviceAddress& address);
   // Waits kClosingPatience, and keeps a connection that the kernel holds up for longer.
   void close(std::unique_ptr<HidConnection> connection);
 
   BusSettings settings_;
   std::mutex opening_;
+  std::mutex closing_list_;  // of:
   std::vector<std::unique_ptr<HidConnection>> closing_;
 };
 

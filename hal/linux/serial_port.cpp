@@ -15,6 +15,9 @@ Result<std::unique_ptr<SerialPort>> SerialPort::open(const std::string& node,
   auto transfers = SerialTransfers::open(node, line, *port, settings.clock, port->calls_);
   if (!transfers.has_value()) return tl::unexpected(transfers.error().in(address.text));
   port->transfers_ = std::move(transfers.value());
+  Result<SharedDevice> shared = share_node(port->transfers_->node());
+  if (!shared.has_value()) return tl::unexpected(shared.error().in(address.text));
+  port->shared_ = std::make_shared<const SharedDevice>(std::move(shared.value()));
   auto thread = RealtimeThread::start(settings.thread, settings.process,
                                       [self = port.get()] { self->run(); });
   if (!thread.has_value()) return tl::unexpected(thread.error().in(address.text));

@@ -11,6 +11,7 @@
 #include "hal/linux/event_fd.hpp"
 #include "hal/linux/realtime_thread.hpp"
 #include "hal/linux/serial_transfers.hpp"
+#include "hal/linux/shared_device.hpp"
 
 namespace thimble::linux {
 
@@ -32,15 +33,15 @@ class SerialPort final : public bus::SerialMailboxes {
   SerialPort& operator=(const SerialPort&) = delete;
 
   THIMBLE_RT_IO IoStatus submit(std::span<const std::uint8_t> message) noexcept override;
-  // The opened node, to be duplicated for whoever may have to let the arm go when this process
-  // cannot; expires with this.
-  [[nodiscard]] std::weak_ptr<const Descriptor> node() const noexcept { return transfers_->node(); }
+  // The very node, for nobody else can open it; expires with this.
+  [[nodiscard]] std::weak_ptr<const SharedDevice> shared() const noexcept { return shared_; }
 
  private:
   explicit SerialPort(std::unique_ptr<EventFd> wake) noexcept : wake_(std::move(wake)) {}
   void run() noexcept;
 
   KernelCalls calls_;
+  std::shared_ptr<const SharedDevice> shared_;
   std::unique_ptr<EventFd> wake_;
   std::unique_ptr<SerialTransfers> transfers_;
   std::atomic<bool> is_over_{false};

@@ -89,7 +89,7 @@ Result<void> SerialTransfers::set_up(const std::string& node, const bus::SerialL
                 node + ": no line of " + std::to_string(line.bit_per_s) + " bit/s");
   }
   termios settings{};
-  if (::ioctl(node_->get(), TIOCEXCL) != 0 || ::tcgetattr(node_->get(), &settings) != 0) {
+  if (::ioctl(node_.get(), TIOCEXCL) != 0 || ::tcgetattr(node_.get(), &settings) != 0) {
     return tl::unexpected(system_error(node + " is no terminal", errno));
   }
   ::cfmakeraw(&settings);
@@ -99,19 +99,19 @@ Result<void> SerialTransfers::set_up(const std::string& node, const bus::SerialL
   settings.c_cc[VMIN] = 1;  // so that no byte there is EAGAIN, and 0 bytes the end
   settings.c_cc[VTIME] = 0;
   ::cfsetspeed(&settings, *speed);
-  if (::tcsetattr(node_->get(), TCSANOW, &settings) != 0) {
+  if (::tcsetattr(node_.get(), TCSANOW, &settings) != 0) {
     return tl::unexpected(system_error(node + " cannot be set up", errno));
   }
-  ask_for_low_latency(node_->get());
-  static_cast<void>(::tcflush(node_->get(), TCIOFLUSH));
+  ask_for_low_latency(node_.get());
+  static_cast<void>(::tcflush(node_.get(), TCIOFLUSH));
   return {};
 }
 
 // Who shares the node must not keep the next opener out, nor make the kernel wait with what it has.
 SerialTransfers::~SerialTransfers() {
-  static_cast<void>(::tcflush(node_->get(), TCOFLUSH));
-  static_cast<void>(::ioctl(node_->get(), TIOCNXCL));
-  static_cast<void>(::flock(node_->get(), LOCK_UN));
+  static_cast<void>(::tcflush(node_.get(), TCOFLUSH));
+  static_cast<void>(::ioctl(node_.get(), TIOCNXCL));
+  static_cast<void>(::flock(node_.get(), LOCK_UN));
 }
 
 void SerialTransfers::fail_unless_later() noexcept {
@@ -121,7 +121,7 @@ void SerialTransfers::fail_unless_later() noexcept {
 void SerialTransfers::receive() noexcept {
   std::array<std::uint8_t, bus::kMaxSerialBytes> buffer;
   for (std::size_t i = 0; i < bus::kUsbQueuedPackets && !mail_->is_disconnected(); ++i) {
-    const ssize_t bytes = ::read(node_->get(), buffer.data(), buffer.size());
+    const ssize_t bytes = ::read(node_.get(), buffer.data(), buffer.size());
     if (bytes < 0) return fail_unless_later();
     if (bytes == 0) return mail_->disconnect();  // hung up
     mail_->deliver(std::span(buffer).first(static_cast<std::size_t>(bytes)), clock_->now());
@@ -131,7 +131,7 @@ void SerialTransfers::receive() noexcept {
 // Of a terminal that cannot tell: yes.
 bool SerialTransfers::is_kernel_done() const noexcept {
   int bytes = 0;
-  return calls_->control(node_->get(), TIOCOUTQ, &bytes) != 0 || bytes == 0;
+  return calls_->control(node_.get(), TIOCOUTQ, &bytes) != 0 || bytes == 0;
 }
 
 bool SerialTransfers::send() noexcept {
@@ -143,7 +143,7 @@ bool SerialTransfers::send() noexcept {
     }
     const std::span<const std::uint8_t> rest = mail_->take_out();
     if (rest.empty()) return true;
-    const ssize_t bytes = calls_->write(node_->get(), rest);
+    const ssize_t bytes = calls_->write(node_.get(), rest);
     if (bytes <= 0) {
       if (bytes < 0) fail_unless_later();
       left_ = Left::Room;
@@ -157,7 +157,7 @@ bool SerialTransfers::send() noexcept {
 void SerialTransfers::wait(int event) const noexcept {
   const bool is_gone = mail_->is_disconnected();  // and would be readable for ever
   const short wanted = left_ == Left::Room ? POLLIN | POLLOUT : POLLIN;
-  std::array<pollfd, 2> watched{{{event, POLLIN, 0}, {is_gone ? -1 : node_->get(), wanted, 0}}};
+  std::array<pollfd, 2> watched{{{event, POLLIN, 0}, {is_gone ? -1 : node_.get(), wanted, 0}}};
   ::poll(watched.data(), watched.size(), left_ == Left::Earlier ? kLook_ms : kForEver);
 }
 
@@ -165,7 +165,7 @@ void SerialTransfers::send_last() noexcept {
   for (int i = 0; i < kLastLooks; ++i) {
     const bool is_sent = send();
     if (mail_->is_disconnected() || (is_sent && is_kernel_done())) return;
-    pollfd room{node_->get(), 0, 0};
+    pollfd room{node_.get(), 0, 0};
     if (left_ == Left::Room) room.events = POLLOUT;
     ::poll(&room, 1, kLook_ms);
   }

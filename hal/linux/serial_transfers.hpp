@@ -43,8 +43,8 @@ class SerialTransfers {
   void wait(int event) const noexcept;
   // send() again and again until the device has all of it, at most 20 ms.
   void send_last() noexcept;
-  // Lives as long as this.
-  [[nodiscard]] std::shared_ptr<const Descriptor> node() const noexcept { return node_; }
+  // Open as long as this lives.
+  [[nodiscard]] int node() const noexcept { return node_.get(); }
 
  private:
   enum class Left : std::uint8_t {
@@ -55,15 +55,12 @@ class SerialTransfers {
 
   SerialTransfers(Descriptor node, bus::SerialMailboxes& mail, const Clock& clock,
                   DeviceCalls& calls)
-      : node_(std::make_shared<const Descriptor>(std::move(node))),
-        mail_(&mail),
-        clock_(&clock),
-        calls_(&calls) {}
+      : node_(std::move(node)), mail_(&mail), clock_(&clock), calls_(&calls) {}
   [[nodiscard]] Result<void> set_up(const std::string& node, const bus::SerialLine& line);
   [[nodiscard]] bool is_kernel_done() const noexcept;
   void fail_unless_later() noexcept;
 
-  std::shared_ptr<const Descriptor> node_;
+  Descriptor node_;
   bus::SerialMailboxes* mail_;
   const Clock* clock_;
   DeviceCalls* calls_;

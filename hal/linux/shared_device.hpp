@@ -1,5 +1,9 @@
 #pragma once
 
+#include <cstddef>
+#include <string>
+
+#include "hal/base/result.hpp"
 #include "hal/linux/descriptor.hpp"
 
 namespace thimble::linux {
@@ -12,5 +16,18 @@ struct SharedDevice {
   // one begins with it already.
   bool takes_leading_zero{false};
 };
+
+// Opens the nodes of a HID device that has such output reports; where only the second way cannot
+// be had, `hiddev` is empty or it takes no plain bytes, that one is left out.
+// Thread: any; waits for the kernel, as long as it lets some HID device's write last. Errors:
+// Permission, NotFound, System.
+[[nodiscard]] Result<SharedDevice> open_hid_to_share(const std::string& hidraw,
+                                                     const std::string& hiddev, bool has_report_ids,
+                                                     std::size_t output_report_bytes);
+// The very file that is open as `node`, which stays the caller's, under another number.
+// Thread: any; waits for nothing. Errors: System.
+[[nodiscard]] Result<SharedDevice> share_node(int node);
+// The same for a whole one.
+[[nodiscard]] Result<SharedDevice> share_again(const SharedDevice& device);
 
 }  // namespace thimble::linux

@@ -272,6 +272,7 @@ UdevScan::UdevScan(IsArm is_arm) : is_arm_(std::move(is_arm)), context_(::udev_n
 UdevScan::~UdevScan() = default;
 
 std::vector<FoundDevice> UdevScan::devices() {
+  const std::lock_guard guard(looking_);
   std::vector<Place> places;
   if (context_ != nullptr) {
     add_places(context_.get(), "hidraw", "*", places);
@@ -294,6 +295,8 @@ std::vector<FoundDevice> UdevScan::devices() {
 }
 
 bool UdevScan::has_news() noexcept {
+  const std::unique_lock lock(looking_, std::try_to_lock);
+  if (!lock.owns_lock()) return false;
   bool is_news = readings_.has_caught_up();
   if (monitor_ == nullptr) return is_news;
   constexpr int kMostAtOnce = 256;  // ours: a flood of events is for several calls

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <mutex>
 #include <vector>
 
 #include "hal/linux/device_readings.hpp"
@@ -19,7 +20,7 @@ namespace thimble::linux {
 // to it: up to seconds where it answers nothing. Such a device waits for its own answer alone:
 // device_readings.hpp.
 //
-// Thread: one. Not RT. Ownership: none shared. Errors: what cannot be read is left out.
+// Thread: any. Not RT. Ownership: none shared. Errors: what cannot be read is left out.
 class UdevScan {
  public:
   // Whether a driver knows such a device: its address is then its own (hid_address.hpp).
@@ -31,19 +32,20 @@ class UdevScan {
 
   // HID devices, then serial ports, then USB devices but hubs; also those whose rules udevd is
   // about to apply: who may not open one yet tries again. Waits kPatience for the first that is
-  // held up, and kFurtherPatience for each that is from then on.
+  // held up, and kFurtherPatience for each that is from then on; and for a look of another thread.
   [[nodiscard]] std::vector<FoundDevice> devices();
   // Whether something came or went since the last call, as far as udevd tells, or can be read at
-  // last. Never waits.
+  // last. Never waits: during a look it says no, and remembers.
   [[nodiscard]] bool has_news() noexcept;
 
-  // Ours. Of the control plane, which the service manager wants to hear of within 3 s, and which
-  // may look twice at an opening; a device that is not held up is read within a millisecond.
-  static constexpr Duration kPatience = std::chrono::milliseconds(500);
+  // Ours. Of who opens an arm or lists what is there; a device that is not held up is read within a
+  // millisecond, of a busy machine within some hundred.
+  static constexpr Duration kPatience = std::chrono::milliseconds(2000);
   static constexpr Duration kFurtherPatience = std::chrono::milliseconds(20);
 
  private:
   IsArm is_arm_;
+  std::mutex looking_;
   UdevHandle<udev> context_;
   UdevHandle<udev_monitor> monitor_;  // nullptr: nobody tells
   DeviceReadings readings_;

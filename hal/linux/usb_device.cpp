@@ -6,11 +6,10 @@
 
 namespace thimble::linux {
 
-Result<std::unique_ptr<bus::UsbDevice>> UsbDevice::open(int node, const bus::BusDeviceInfo& info,
-                                                        const bus::UsbClaim& claim,
-                                                        const Clock& clock,
-                                                        const RealtimeThreadSettings& thread,
-                                                        const RealtimeReport& process) {
+Result<std::unique_ptr<UsbDevice>> UsbDevice::open(int node, const bus::BusDeviceInfo& info,
+                                                   const bus::UsbClaim& claim, const Clock& clock,
+                                                   const RealtimeThreadSettings& thread,
+                                                   const RealtimeReport& process) {
   const auto pipes = bus::resolve_claim(claim, info.endpoints);
   Result<std::unique_ptr<EventFd>> wake = EventFd::create();
   if (!pipes.has_value() || !wake.has_value()) {
@@ -18,7 +17,14 @@ Result<std::unique_ptr<bus::UsbDevice>> UsbDevice::open(int node, const bus::Bus
     const Error& error = pipes.has_value() ? wake.error() : pipes.error();
     return tl::unexpected(error.in(info.address.text));
   }
+  Result<SharedDevice> shared = share_node(node);
+  if (!shared.has_value()) {
+    ::close(node);
+    return tl::unexpected(shared.error().in(info.address.text));
+  }
+  // The constructor is private, so make_unique cannot reach it.
   std::unique_ptr<UsbDevice> device(new UsbDevice(pipes.value(), std::move(wake.value())));
+  device->shared_ = std::make_shared<const SharedDevice>(std::move(shared.value()));
   auto transfers = UsbTransfers::open(node, claim.interface_number, *device, clock);
   if (!transfers.has_value()) return tl::unexpected(transfers.error().in(info.address.text));
   device->transfers_ = std::move(transfers.value());

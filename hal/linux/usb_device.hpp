@@ -9,6 +9,7 @@
 #include "hal/bus/usb_mailboxes.hpp"
 #include "hal/linux/event_fd.hpp"
 #include "hal/linux/realtime_thread.hpp"
+#include "hal/linux/shared_device.hpp"
 #include "hal/linux/usb_transfers.hpp"
 
 namespace thimble::linux {
@@ -23,10 +24,16 @@ class UsbDevice final : public bus::UsbMailboxes {
  public:
   // `node` is the opened node of the device that `info` describes, and is closed in every case.
   // The clock stamps what arrives.
-  [[nodiscard]] static Result<std::unique_ptr<bus::UsbDevice>> open(
+  [[nodiscard]] static Result<std::unique_ptr<UsbDevice>> open(
       int node, const bus::BusDeviceInfo& info, const bus::UsbClaim& claim, const Clock& clock,
       const RealtimeThreadSettings& thread, const RealtimeReport& process);
   ~UsbDevice() override;
+
+  UsbDevice(const UsbDevice&) = delete;
+  UsbDevice& operator=(const UsbDevice&) = delete;
+
+  // With the same claim, which belongs to what is open and not to its number; expires with this.
+  [[nodiscard]] std::weak_ptr<const SharedDevice> shared() const noexcept { return shared_; }
 
   THIMBLE_RT_IO IoStatus submit(std::uint8_t endpoint,
                                 std::span<const std::uint8_t> packet) noexcept override;
@@ -36,6 +43,7 @@ class UsbDevice final : public bus::UsbMailboxes {
   UsbDevice(std::span<const bus::UsbOpenPipe> pipes, std::unique_ptr<EventFd> wake);
   void run() noexcept;
 
+  std::shared_ptr<const SharedDevice> shared_;
   std::unique_ptr<EventFd> wake_;
   std::unique_ptr<UsbTransfers> transfers_;
   std::atomic<bool> is_over_{false};

@@ -173,6 +173,7 @@ class KernelBusRig final : public BusRig {
   void settle() override {
     EXPECT_EQ(std::system("udevadm settle"), 0);
     cable_.run_for(kFrame);
+    cable_.buses().catch_up(std::chrono::seconds(20));
   }
   bool comes_true(const std::function<bool()>& claim) override { return cable_.comes_true(claim); }
 

@@ -44,6 +44,7 @@ struct LinuxEnumerator : testing::Test {
   // "+" arrived, "-" left.
   Texts events() {
     Texts texts;
+    sut->catch_up(std::chrono::seconds(20));
     while (const auto event = sut->poll_event()) {
       const bool is_arrival = event->kind == bus::BusEvent::Kind::Arrived;
       texts.push_back((is_arrival ? "+" : "-") + event->device.address.text);

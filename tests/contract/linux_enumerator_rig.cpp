@@ -16,7 +16,7 @@ namespace {
 class LinuxBusRig final : public BusRig {
  public:
   LinuxBusRig() { replug(); }
-  bus::BusEnumerator& buses() override {
+  linux::BusEnumerator& buses() override {
     if (buses_ == nullptr) {
       buses_ = std::make_unique<linux::BusEnumerator>(linux::BusSettings{clock_, {}, {}});
     }
@@ -37,7 +37,7 @@ class LinuxBusRig final : public BusRig {
                                    .serial_number = "ABC1",
                                    .report_descriptor = plain_report_descriptor(14, 14)});
   }
-  void settle() override {}
+  void settle() override { buses().catch_up(std::chrono::seconds(20)); }
   bool comes_true(const std::function<bool()>& claim) override {
     for (int i = 0; i < 20'000 && !claim(); ++i) ::poll(nullptr, 0, 1);
     return claim();

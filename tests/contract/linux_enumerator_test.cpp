@@ -189,6 +189,15 @@ TEST_F(LinuxEnumerator, ADeviceThatHangsHidesNoOtherOne) {
   machine.answer(sick, "descriptors");
 }
 
+// Who asks computes worlds, too.
+TEST_F(LinuxEnumerator, ToAskForEventsWaitsForNoDeviceThatHangs) {
+  const std::string sick = plug_arm("1-4", "X", 0);
+  machine.hang(sick, "descriptors");
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(sut->poll_event(), std::nullopt) << "it is looked at";
+  EXPECT_EQ(events(), Texts{"+hid:X"}) << "and told of when that has ended";
+  machine.answer(sick, "descriptors");
+}
+
 TEST_F(LinuxEnumerator, ADeviceThatHangsFromTheStartIsToldOfWhenItAnswers) {
   const std::string sick = plug_arm("1-4", "X", 0);
   machine.hang(sick, "descriptors");
@@ -217,6 +226,7 @@ TEST_F(LinuxEnumerator, WhatIsToldAddsUpToWhatIsListed) {
       plugged[port] = plug_arm(port, random() % 2 == 0 ? "X" : "", step);
     }
     if (step % 2 != 0 && random() % 2 == 0) continue;
+    sut->catch_up(std::chrono::seconds(20));
     while (const auto event = sut->poll_event()) {
       int& count = told[event->device.address.text];
       count += event->kind == bus::BusEvent::Kind::Arrived ? 1 : -1;

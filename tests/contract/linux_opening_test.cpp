@@ -35,8 +35,13 @@ TEST_F(LinuxEnumerator, ANodeThatBecameAnotherDevicesWhileItWasOpenedIsRefused) 
   EXPECT_TRUE(sut->open_hid({"hid:Y"}).has_value()) << "and it is not held";
 }
 
-TEST_F(LinuxEnumerator, SharesTheNodeOfAHidDeviceWithWhoMayHaveToLetItGo) {
+TEST_F(LinuxEnumerator, SharesTheNodeOfAnOpenHidDeviceWithWhoMayHaveToLetItGo) {
+  FakeHidWire wire;
+  wire.attach("/dev/hidraw0");
   plug_arm("1-4", "X", 0);
+  EXPECT_EQ(sut->share({"hid:X"}).error().code, Errc::NotFound) << "it is not open";
+  auto device = sut->open_hid({"hid:X"});
+  ASSERT_TRUE(device.has_value()) << device.error().message;
   const auto shared = sut->share({"hid:X"});
   ASSERT_TRUE(shared.has_value()) << shared.error().message;
   EXPECT_TRUE(shared->takes_leading_zero);
@@ -46,10 +51,29 @@ TEST_F(LinuxEnumerator, SharesTheNodeOfAHidDeviceWithWhoMayHaveToLetItGo) {
   EXPECT_EQ(::read(node, written.data(), written.size()), 4);
   EXPECT_EQ(written, "zero");
   EXPECT_EQ(::close(node), 0);
+  device->reset();
+  EXPECT_EQ(sut->share({"hid:X"}).error().code, Errc::NotFound) << "closed again";
+  EXPECT_EQ(::write(shared->node.get(), "zero", 4), 4) << "what was shared lasts";
+}
+
+// While one takes no report, the kernel opens no HID device (hidraw's lock), and who looks after
+// the arms must not wait for it.
+TEST_F(LinuxEnumerator, ToShareNeitherLooksNorOpens) {
+  FakeHidWire wire;
+  wire.attach("/dev/hidraw0");
+  const std::string arm = plug_arm("1-4", "X", 0);
+  const auto device = sut->open_hid({"hid:X"});
+  ASSERT_TRUE(device.has_value()) << device.error().message;
+  machine.unplug(arm);
+  EXPECT_TRUE(sut->share({"hid:X"}).has_value());
 }
 
 TEST_F(LinuxEnumerator, AReportWithANumberIsSharedWithoutAZeroBeforeIt) {
+  FakeHidWire wire;
+  wire.attach("/dev/hidraw0");
   machine.plug_virtual(Hid{.serial_number = "P1", .report_descriptor = numbered_reports()});
+  const auto device = sut->open_hid({"hid:P1"});
+  ASSERT_TRUE(device.has_value()) << device.error().message;
   const auto shared = sut->share({"hid:P1"});
   ASSERT_TRUE(shared.has_value()) << shared.error().message;
   EXPECT_FALSE(shared->takes_leading_zero);
@@ -100,8 +124,12 @@ TEST_F(LinuxEnumerator, TheHiddevOfAnArmIsOpenBeforeItsHidrawNodeAndUntilItIsClo
 }
 
 TEST_F(LinuxEnumerator, WithoutASecondWayThatAnswersTheFirstIsSharedAlone) {
+  FakeHidWire wire;
+  wire.attach("/dev/hidraw0");
   plug_arm("1-4", "X", 0);
   machine.plug_hiddev("1-4", 0, "hiddev0");  // a plain file: no report, says the kernel
+  const auto device = sut->open_hid({"hid:X"});
+  ASSERT_TRUE(device.has_value()) << device.error().message;
   const auto shared = sut->share({"hid:X"});
   ASSERT_TRUE(shared.has_value()) << shared.error().message;
   EXPECT_GE(shared->node.get(), 0);

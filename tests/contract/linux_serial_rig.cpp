@@ -163,7 +163,7 @@ TEST_F(SerialTransfersTest, TheRateIsThatOfTheLineAndOthersAreRefused) {
     const auto sut = open(rate);
     ASSERT_TRUE(sut.has_value()) << rate;
     termios settings{};
-    EXPECT_EQ(::tcgetattr((*sut)->node()->get(), &settings), 0);
+    EXPECT_EQ(::tcgetattr((*sut)->node(), &settings), 0);
     EXPECT_EQ(::cfgetospeed(&settings), code);
   }
   for (const std::uint32_t rate : {0U, 134U, 115'201U}) {
@@ -195,9 +195,9 @@ TEST_F(SerialTransfersTest, TheNodeIsLockedUntilItIsClosed) {
   EXPECT_EQ(second.error().code, Errc::Busy);
   EXPECT_NE(second.error().message.find(line.node()), std::string::npos);
   int is_exclusive = 0;
-  EXPECT_EQ(::ioctl((*sut)->node()->get(), TIOCGEXCL, &is_exclusive), 0);
+  EXPECT_EQ(::ioctl((*sut)->node(), TIOCGEXCL, &is_exclusive), 0);
   EXPECT_EQ(is_exclusive, 1);
-  const Descriptor shared(::dup((*sut)->node()->get()));  // a guard's, which may outlive it
+  const Descriptor shared(::dup((*sut)->node()));  // a guard's, which may outlive it
   sut->reset();
   EXPECT_TRUE(open().has_value());
 }
@@ -346,8 +346,8 @@ TEST_F(SerialPortTest, ALineThatIsPulledEndsItAndItsThreadCanBeJoined) {
 }
 
 TEST_F(SerialPortTest, ClosingEndsItsThreadAndLeavesTheNodeToOthers) {
-  const std::weak_ptr<const Descriptor> node = sut->node();
-  EXPECT_FALSE(node.expired());
+  const std::weak_ptr<const linux::SharedDevice> shared = sut->shared();
+  EXPECT_FALSE(shared.expired());
   const auto open = [&] {
     return linux::SerialPort::open(line.node(), {"serial:X"}, {}, {clock, {}, {}});
   };
@@ -355,7 +355,7 @@ TEST_F(SerialPortTest, ClosingEndsItsThreadAndLeavesTheNodeToOthers) {
   ASSERT_FALSE(second.has_value());
   EXPECT_EQ(second.error().code, Errc::Busy);
   sut.reset();
-  EXPECT_TRUE(node.expired());
+  EXPECT_TRUE(shared.expired());
   EXPECT_TRUE(open().has_value());
 }
 

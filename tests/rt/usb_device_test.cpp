@@ -28,7 +28,7 @@ struct UsbDeviceTest : testing::Test {
   std::shared_ptr<UsbModelScript> script = std::make_shared<UsbModelScript>();
   FakeUsbWire wire{std::make_unique<ScriptedUsbModel>(script)};
 
-  Result<std::unique_ptr<bus::UsbDevice>> open(std::uint8_t in_endpoint = kIn) {
+  Result<std::unique_ptr<UsbDevice>> open(std::uint8_t in_endpoint = kIn) {
     bus::UsbClaim claim;
     claim.pipes.push_back({in_endpoint, bus::UsbDelivery::Every});
     claim.pipes.push_back({kOut, bus::UsbDelivery::Newest});
@@ -64,6 +64,18 @@ TEST_F(UsbDeviceTest, ASubmitWakesTheThreadAndTheAnswerArrives) {
   sut->start_control({});
   bus::UsbControlReply reply;
   EXPECT_TRUE(run_until([&] { return sut->read_control(reply) == IoStatus::Ok; }));
+}
+
+TEST_F(UsbDeviceTest, IsSharedAsLongAsItIsOpen) {
+  auto sut = open().value();
+  const std::weak_ptr<const SharedDevice> shared = sut->shared();
+  ASSERT_FALSE(shared.expired());
+  const auto copy = share_again(*shared.lock());
+  ASSERT_TRUE(copy.has_value()) << copy.error().message;
+  EXPECT_NE(copy->node.get(), shared.lock()->node.get()) << "another number";
+  EXPECT_FALSE(copy->takes_leading_zero);
+  sut.reset();
+  EXPECT_TRUE(shared.expired());
 }
 
 TEST_F(UsbDeviceTest, AnExchangeAllocatesNothingInTheThreadOfTheServo) {
