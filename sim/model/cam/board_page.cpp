@@ -26,7 +26,7 @@ bus::SharedWords window_of(bus::SharedWords memory, std::size_t bytes) {
 
 BoardPage::BoardPage(const BoardOptions& options, bus::SharedWords memory, MonotonicTime now)
     : memory_(memory),
-      machine_(options.shape),
+      machine_(options.shape, options.scanning),
       interface_(machine_, window_of(memory, options.window_bytes)),
       start_(now),
       clock_hz_(options.clock_hz),

@@ -18,6 +18,7 @@ struct BoardOptions {
   std::uint32_t incarnation{1};
   // The machine's clock keeps to the time it is served at; else every list is over at once.
   bool is_paced{true};
+  Scanning scanning{Scanning::Fast};
 };
 
 struct BoardCounters {

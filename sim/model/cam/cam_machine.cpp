@@ -93,7 +93,7 @@ std::optional<std::vector<std::uint16_t>> CamMachine::read(std::uint32_t number,
   const std::vector<std::uint16_t> silence(length);
   for (const std::size_t i : talkers) {
     const auto said =
-        of == Register::ScanIo ? scan_io(torus_, i, silence) : torus_.modules[i].read(of, length);
+        of == Register::ScanIo ? transfer(i, silence) : torus_.modules[i].read(of, length);
     std::transform(words.begin(), words.end(), said.begin(), words.begin(),
                    [](std::uint16_t a, std::uint16_t b) { return std::uint16_t(a | b); });
   }
@@ -101,7 +101,22 @@ std::optional<std::vector<std::uint16_t>> CamMachine::read(std::uint32_t number,
 }
 
 void CamMachine::write_sites(std::span<const std::uint16_t> words) {
-  for (const std::size_t i : selected()) static_cast<void>(scan_io(torus_, i, words));
+  for (const std::size_t i : selected()) static_cast<void>(transfer(i, words));
+}
+
+std::uint64_t CamMachine::move_bits(std::span<const std::size_t> which) {
+  if (!planes_ || !moves_bits_) return scan(torus_, which, moves_bits_);
+  if (const auto clocks = planes_->scan(torus_, which)) return *clocks;
+  ++counters_.site_by_site;
+  return scan(torus_, which);
+}
+
+std::vector<std::uint16_t> CamMachine::transfer(std::size_t module,
+                                                std::span<const std::uint16_t> told) {
+  if (!planes_) return scan_io(torus_, module, told);
+  if (auto shown = planes_->scan_io(torus_, module, told)) return *std::move(shown);
+  ++counters_.site_by_site;
+  return scan_io(torus_, module, told);
 }
 
 void CamMachine::start_scan() {
@@ -113,7 +128,7 @@ void CamMachine::start_scan() {
   }
   if (hangs_ || which.empty()) return;
   ++counters_.scans;
-  scan_end_ = now_ + scan(torus_, which, moves_bits_);
+  scan_end_ = now_ + move_bits(which);
   for (const std::size_t i : which) torus_.modules[i].registers.planes(Register::Run) = {};
 }
 

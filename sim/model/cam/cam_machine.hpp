@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sim/model/cam/cam_torus.hpp"
+#include "sim/model/cam/plane_scan.hpp"
 
 namespace thimble::sim::cam {
 
@@ -15,15 +16,23 @@ struct CamCounters {
   std::uint64_t scans{0};
   std::uint64_t disturbed_scans{0};  // registers that wait were touched while one ran
   std::uint64_t unmodelled{0};       // registers were set whose effect is not modelled (README)
+  std::uint64_t site_by_site{
+      0};  // scans and transfers of a fast machine that only the reference can
   bool operator==(const CamCounters&) const = default;
 };
+
+// How bits move: as in cam_scan.hpp, site by site; or as in plane_scan.hpp wherever that can.
+enum class Scanning : std::uint8_t { SiteBySite, Fast };
 
 // The modules behind their bus, with a clock that counts what moves (docs/cambus.md, section 5).
 // A scan's bits move at once when it is started, and the machine is busy until its clocks are over.
 // Thread: one at a time.
 class CamMachine {
  public:
-  explicit CamMachine(const TorusShape& shape) : torus_(shape) {}
+  explicit CamMachine(const TorusShape& shape, Scanning scanning = Scanning::SiteBySite)
+      : torus_(shape) {
+    if (scanning == Scanning::Fast) planes_.emplace();
+  }
 
   // A frame that writes to whoever is selected, and to all where the register is `select`.
   void write(std::uint32_t number, std::span<const std::uint16_t> words);
@@ -44,7 +53,11 @@ class CamMachine {
   [[nodiscard]] const CamCounters& counters() const noexcept { return counters_; }
 
   // The inside, for tests and for what puts patterns into a world.
-  [[nodiscard]] CamTorus& torus() noexcept { return torus_; }
+  // DRAM and tables as they are now; not valid after the next write() or read() of a fast machine.
+  [[nodiscard]] CamTorus& torus() {
+    if (planes_) planes_->bring_back(torus_);
+    return torus_;
+  }
 
  private:
   void spend_frame(std::uint32_t number, std::size_t words);
@@ -52,9 +65,13 @@ class CamMachine {
   [[nodiscard]] std::vector<std::size_t> selected() const;
   void latch_selection();
   void start_scan();
+  [[nodiscard]] std::uint64_t move_bits(std::span<const std::size_t> which);
+  [[nodiscard]] std::vector<std::uint16_t> transfer(std::size_t module,
+                                                    std::span<const std::uint16_t> told);
   void write_sites(std::span<const std::uint16_t> words);
 
   CamTorus torus_;
+  std::optional<PlaneScan> planes_{};
   std::vector<bool> is_selected_ = std::vector<bool>(torus_.size(), false);
   std::uint64_t now_{0};
   std::uint64_t scan_end_{0};

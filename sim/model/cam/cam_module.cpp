@@ -17,12 +17,15 @@ bool has_layer(std::uint16_t layers, std::size_t layer) { return ((layers >> lay
 class TablePointer {
  public:
   explicit TablePointer(const CamRegisters& registers) {
-    for (std::size_t layer = 0; layer < cambus::kLayers; ++layer) {
-      index_[layer] = registers.get(field::kLutIndex[0], layer);
-      source_[layer] = registers.get(field::kLutPerm[0], layer);
+    index_ = registers.by_layer(field::kLutIndex[0]);
+    source_ = registers.by_layer(field::kLutPerm[0]);
+    is_plain_ = true;
+    for (std::uint32_t layer = 0; layer < cambus::kLayers; ++layer) {
+      is_plain_ = is_plain_ && source_[layer] == layer && index_[layer] == index_[0];
     }
   }
   [[nodiscard]] std::size_t entry() const noexcept {
+    if (is_plain_) return index_[0];
     std::size_t entry = 0;
     for (std::size_t layer = 0; layer < cambus::kLayers; ++layer) {
       const std::uint32_t source = source_[layer];
@@ -44,8 +47,9 @@ class TablePointer {
   }
 
  private:
-  std::array<std::uint32_t, cambus::kLayers> index_{};
-  std::array<std::uint32_t, cambus::kLayers> source_{};
+  CamRegisters::ByLayer index_{};
+  CamRegisters::ByLayer source_{};
+  bool is_plain_{false};  // each layer contributes its own bit of the same index
 };
 
 }  // namespace
@@ -180,6 +184,7 @@ std::vector<std::uint16_t> CamModule::read(Register number, std::uint32_t length
 
 void CamModule::write_table(std::span<const std::uint16_t> words) {
   std::vector<std::uint16_t>& table = tables[1 - active_table_];
+  ++table_writes_[1 - active_table_];
   TablePointer index(registers);
   bool has_ended = false;
   for (const std::uint16_t word : words) {
@@ -219,6 +224,7 @@ void CamModule::begin_run(std::uint16_t layers) {
 }
 
 void CamModule::copy_counts(std::uint16_t layers) {
+  if (layers == 0) return;
   for (std::size_t layer = 0; layer < cambus::kLayers; ++layer) {
     if (!has_layer(layers, layer)) continue;
     registers.set(field::kEvent[0], layer, event_counters[layer] & kCounterMask);
@@ -227,12 +233,14 @@ void CamModule::copy_counts(std::uint16_t layers) {
 }
 
 void CamModule::kick(std::uint16_t layers) {
+  if (layers == 0) return;
+  const auto offsets = registers.by_layer(field::kOffset[0]);
+  const auto amounts = registers.by_layer(field::kKickAmount);
+  const auto cuts = registers.by_layer(field::kCuts);
   for (std::size_t layer = 0; layer < cambus::kLayers; ++layer) {
-    if (!has_layer(layers, layer)) continue;
-    const std::uint32_t offset = registers.get(field::kOffset[0], layer);
-    const std::uint32_t amount = registers.get(field::kKickAmount, layer);
-    const std::uint32_t cuts = registers.get(field::kCuts, layer);
-    registers.set(field::kOffset[0], layer, subtract(offset, amount, cuts).value);
+    if (!has_layer(layers, layer) || amounts[layer] == 0) continue;
+    const std::uint32_t offset = subtract(offsets[layer], amounts[layer], cuts[layer]).value;
+    registers.set(field::kOffset[0], layer, offset);
   }
 }
 

@@ -47,6 +47,11 @@ class CamModule {
   [[nodiscard]] const std::vector<std::uint16_t>& active_table() const noexcept {
     return tables[active_table_];
   }
+  [[nodiscard]] std::size_t active_bank() const noexcept { return active_table_; }
+  // How often a table was written, so that who keeps something made of it knows.
+  [[nodiscard]] std::uint64_t table_writes(std::size_t bank) const noexcept {
+    return table_writes_[bank];
+  }
   void store(std::size_t layer, std::uint32_t address, bool bit);
 
  private:
@@ -62,6 +67,7 @@ class CamModule {
 
   bool is_marked_;
   std::size_t active_table_{0};
+  std::array<std::uint64_t, 2> table_writes_{};
 };
 
 // Arithmetic on 24 bits that the cuts divide into numbers of their own.

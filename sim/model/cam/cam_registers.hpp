@@ -19,6 +19,22 @@ class CamRegisters {
     }
     return value;
   }
+  // Of all layers at once, quickly where they say the same.
+  using ByLayer = std::array<std::uint32_t, cambus::kLayers>;
+  [[nodiscard]] ByLayer by_layer(const cambus::Field& of) const noexcept {
+    ByLayer values{};
+    std::uint32_t common = 0;
+    for (std::size_t bit = 0; bit < of.bits; ++bit) {
+      const std::uint32_t plane = planes(of.of)[of.first_bit + bit];
+      if (plane == 0xffff) common |= 1U << bit;
+      if (plane == 0 || plane == 0xffff) continue;
+      for (std::size_t layer = 0; layer < values.size(); ++layer) {
+        values[layer] |= (plane >> layer & 1U) << bit;
+      }
+    }
+    for (std::uint32_t& value : values) value |= common;
+    return values;
+  }
   void set(const cambus::Field& of, std::size_t layer, std::uint32_t value) noexcept {
     for (std::size_t bit = 0; bit < of.bits; ++bit) {
       std::uint16_t& plane = planes(of.of)[of.first_bit + bit];

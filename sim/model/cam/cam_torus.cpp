@@ -4,6 +4,21 @@ namespace thimble::sim::cam {
 
 namespace field = cambus::field;
 
+namespace {
+
+// The layers in which a pin is connected by such a code.
+std::uint32_t layers_with(const CamModule& module, std::size_t pin, std::uint32_t code) {
+  const cambus::Field& of = field::kConnect[pin];
+  std::uint32_t layers = 0xffff;
+  for (std::size_t bit = 0; bit < of.bits; ++bit) {
+    const std::uint32_t plane = module.registers.planes(of.of)[of.first_bit + bit];
+    layers &= (code >> bit & 1U) != 0 ? plane : ~plane;
+  }
+  return layers;
+}
+
+}  // namespace
+
 CamTorus::CamTorus(const TorusShape& shape) {
   const auto& along = shape.modules;
   for (std::size_t i = 0; i < shape.size(); ++i) {
@@ -31,13 +46,10 @@ std::uint16_t CamTorus::glue_and(std::size_t module) const noexcept {
   std::uint32_t all = 0xffff;
   for (std::size_t pin = 0; pin < kPins; ++pin) {
     const CamModule& other = modules[neighbor(module, pin)];
-    for (std::size_t layer = 0; layer < cambus::kLayers; ++layer) {
-      const std::uint32_t here = connection(modules[module], pin, layer);
-      const std::uint32_t there = connection(other, opposite(pin), layer);
-      const bool is_0 =
-          here == cambus::kPinIs0 || (here != cambus::kPinIs1 && there == cambus::kPinIs0);
-      if (is_0) all &= ~(1U << layer);
-    }
+    const std::uint32_t is_0 = layers_with(modules[module], pin, cambus::kPinIs0) |
+                               (layers_with(other, opposite(pin), cambus::kPinIs0) &
+                                ~layers_with(modules[module], pin, cambus::kPinIs1));
+    all &= ~is_0;
   }
   return static_cast<std::uint16_t>(all);
 }
