@@ -11,7 +11,7 @@ import sys
 
 ROOT = pathlib.Path(os.path.realpath(__file__)).parents[1]
 ALL = ("servo_tick", "ghost_step", "wakeup", "link_round_trip", "daemon", "voxel_memory",
-       "volume_load", "cam_engine")
+       "volume_load", "cam_engine", "cam_pieces")
 FORMAT = 1  # of the file that --json writes
 DEFAULT_FILE = "build/bench.json"
 MAX_FILE_BYTES = 1 << 20

@@ -1,0 +1,94 @@
+// A haptic update of pieces on a simulated CAM board of eight modules that runs as fast as this
+// computer can: the grasp point goes 35 cells, through list checks, window, registers and scans.
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "bench/comparison.hpp"
+#include "daemon/world/cam/piece_board.hpp"
+#include "drivers/cambus/board.hpp"
+#include "drivers/cambus/pci_port.hpp"
+#include "hal/linux/monotonic_clock.hpp"
+#include "sim/model/cam/sim_cam_board.hpp"
+
+namespace {
+
+using namespace thimble;
+namespace pieces = world::cam;
+
+// SOURCE: about the stroke of an update that the thesis's latencies fit (lab/cam_latency.hpp).
+constexpr int kCells = 35;
+constexpr std::size_t kUpdates = 10;
+
+class Table {
+ public:
+  explicit Table(const CamAxes& log2_cells)
+      : space_{log2_cells, CamDivision::StripY},
+        slot_(clock_, options_for(space_)),
+        board_([this](MonotonicTime now) { return open(now); },
+               {.space = space_, .search = pieces::SearchKind::Leap},
+               pieces::PieceLayout(space_.cells()), {1 << (log2_cells[0] - 2), 1, 0}) {}
+
+  // Microseconds of the least of so many; none when the board fails.
+  [[nodiscard]] double update_us() {
+    double least_us = 1e12;
+    if (!wait()) return 0;
+    for (std::size_t i = 0; i < kUpdates; ++i) {
+      const MonotonicTime start = clock_.now();
+      board_.move({i % 2 == 0 ? kCells : -kCells, 0, 0});
+      if (!wait()) return 0;
+      least_us = std::min(least_us, seconds(clock_.now() - start) * 1e6);
+    }
+    return least_us;
+  }
+  [[nodiscard]] bool is_all_fast() { return slot_.board().machine().counters().site_by_site == 0; }
+
+ private:
+  static sim::cam::BoardOptions options_for(const CamGeometry& space) {
+    sim::cam::BoardOptions options{.shape = {{2, 2, 2}, 0}, .window_bytes = std::size_t{1} << 22};
+    const CamAxes& log2 = space.log2_cells;
+    options.shape.log2_sites = log2[0] + log2[1] + log2[2] - 3;
+    options.is_paced = false;
+    return options;
+  }
+  [[nodiscard]] Result<std::unique_ptr<CamBoard>> open(MonotonicTime now) {
+    auto port = cambus::PciPort::open(slot_.open_window(), now);
+    if (!port) return tl::unexpected(port.error());
+    return std::make_unique<cambus::Board>(*std::move(port));
+  }
+  [[nodiscard]] bool wait() {
+    do {
+      board_.pump(clock_);
+      if (board_.trouble()) return false;
+    } while (!board_.is_ready());
+    return true;
+  }
+
+  linux::MonotonicClock clock_;
+  CamGeometry space_;
+  sim::cam::SimCamBoard slot_;
+  pieces::PieceBoard board_;
+};
+
+[[nodiscard]] bool measure(const std::string& name, const CamAxes& log2_cells) {
+  Table table(log2_cells);
+  bench::Slices ours;
+  for (std::size_t slice = 0; slice < bench::kSlices; ++slice) {
+    ours.push_back(table.update_us());
+    if (ours.back() <= 0) return false;
+  }
+  bench::print(bench::compare(name, "us", {bench::Goal::Of::Value, 1000}, ours, {}));
+  return table.is_all_fast();
+}
+
+}  // namespace
+
+int main() {
+  if (measure("haptic update of pieces, 512^2", {9, 9, 0}) &&
+      measure("haptic update of pieces, 64^3", {6, 6, 6})) {
+    return 0;
+  }
+  std::fputs("bench_cam_pieces: the board failed, or scanned site by site\n", stderr);
+  return 1;
+}
