@@ -14,6 +14,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "daemon/app/daemon.hpp"
 #include "daemon/app/exit_code.hpp"
@@ -78,8 +79,12 @@ bool write_last_summary(const std::optional<std::string>& path, const std::strin
 int run_checked(const Options& options) {
   session::Plugins plugins;
   const config::ConfigResult config =
-      config::load(options.config, options.overrides, [&plugins](const config::Config& said) {
-        return session::inspect_with_plugins(said, plugins);
+      config::load(options.config, options.overrides, [&](const config::Config& said) {
+        std::vector<config::Objection> all = session::inspect_with_plugins(said, plugins);
+        if (!options.is_check) return all;
+        const auto of_files = session::inspect_files(said, plugins.drivers);
+        all.insert(all.end(), of_files.begin(), of_files.end());
+        return all;
       });
   if (!config) {
     for (const config::ConfigError& error : config.error()) {

@@ -325,6 +325,19 @@ ServoConfig read_servo(TableReader reader) {
   return out;
 }
 
+void read_sha256(TableReader& reader, std::optional<std::string>& out) {
+  constexpr std::size_t kDigits = 64;
+  std::string said;
+  if (!reader.read("firmware_sha256", said)) return;
+  if (said.size() != kDigits ||
+      said.find_first_not_of("0123456789abcdefABCDEF") != std::string::npos) {
+    return reader.reject(
+        "firmware_sha256",
+        "expected 64 hexadecimal digits, as sha256sum says them; found " + in_quotes(said));
+  }
+  out = std::move(said);
+}
+
 Entry<ArmConfig> read_arm(TableReader reader, const std::filesystem::path& folder) {
   ArmConfig out;
   read_name(reader, out.name);
@@ -332,7 +345,7 @@ Entry<ArmConfig> read_arm(TableReader reader, const std::filesystem::path& folde
   reader.read("model", out.model);
   reader.read("amplifier_max_a", kAboveZero, out.amplifier_max_a);
   read_path(reader, "firmware", folder, out.firmware);
-  reader.read("firmware_sha256", out.firmware_sha256);
+  read_sha256(reader, out.firmware_sha256);
   reader.read("newton_per_count", kAboveZero, out.newton_per_count);
   read_fallback(reader, out);
   read_other_side(reader, out);

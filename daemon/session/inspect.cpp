@@ -24,6 +24,23 @@ using config::Objection;
 // Any that every driver takes; to learn whether it is the current that a driver dislikes.
 constexpr double kHarmlessCurrent_a = 1;
 
+// Of all drivers; nothing where one cannot tell.
+std::optional<std::vector<std::string>> known_models(const plugin::DriverRegistry& drivers) {
+  std::vector<std::string> all;
+  for (const auto& driver : drivers.drivers()) {
+    const std::vector<std::string> models = driver->models();
+    if (models.empty()) return std::nullopt;
+    all.insert(all.end(), models.begin(), models.end());
+  }
+  return all;
+}
+
+bool may_drive(const plugin::Driver& driver, const config::ArmConfig& arm) {
+  if (!arm.model) return true;
+  const std::vector<std::string> models = driver.models();
+  return std::find(models.begin(), models.end(), *arm.model) != models.end();
+}
+
 class ArmInspection {
  public:
   ArmInspection(const config::Config& config, std::size_t index, const RigParts& parts)
@@ -76,7 +93,7 @@ class ArmInspection {
       arm_ = *std::move(simulated);
       return inspect_device();
     }
-    const std::optional<std::vector<std::string>> known = known_models();
+    const std::optional<std::vector<std::string>> known = known_models(parts_.drivers);
     if (!known || std::find(known->begin(), known->end(), *arm_.model) != known->end()) return;
     std::string names;
     for (const std::string& name : *known) names += " " + name;
@@ -85,20 +102,9 @@ class ArmInspection {
 
   // A puck or a Falcon tells what it is; what has amplifiers of unknown size does not.
   void inspect_unnamed() {
-    if (!arm_.amplifier_max_a || !known_models()) return;
+    if (!arm_.amplifier_max_a || !known_models(parts_.drivers)) return;
     object("model",
            "expected beside amplifier_max_a: the controller does not tell which arm it drives");
-  }
-
-  // Of all drivers; nothing where one cannot tell.
-  [[nodiscard]] std::optional<std::vector<std::string>> known_models() const {
-    std::vector<std::string> all;
-    for (const auto& driver : parts_.drivers.drivers()) {
-      const std::vector<std::string> models = driver->models();
-      if (models.empty()) return std::nullopt;
-      all.insert(all.end(), models.begin(), models.end());
-    }
-    return all;
   }
 
   [[nodiscard]] Result<void> match(const plugin::SimModelEntry& entry,
@@ -207,6 +213,23 @@ std::vector<Objection> inspect(const config::Config& config, const RigParts& par
     }
     const Result<void> checked = world::check_world(said.source, volume_options(said));
     if (!checked) out.push_back({Objection::Table::World, i, "source", checked.error().message});
+  }
+  return out;
+}
+
+std::vector<Objection> inspect_files(const config::Config& config,
+                                     const plugin::DriverRegistry& drivers) {
+  if (!known_models(drivers)) return {};  // the device may be that of a plugin, and so the file
+  std::vector<Objection> out;
+  for (std::size_t i = 0; i < config.arms.size(); ++i) {
+    const config::ArmConfig& arm = config.arms[i];
+    if (arm.device.empty() || bus::is_simulated(arm.device)) continue;
+    for (const auto& driver : drivers.drivers()) {
+      if (!may_drive(*driver, arm)) continue;
+      const Result<void> checked = driver->check_files(driver_settings(arm));
+      if (checked) continue;
+      out.push_back({Objection::Table::Arm, i, "firmware", checked.error().message});
+    }
   }
   return out;
 }

@@ -16,7 +16,13 @@ namespace thimble::session {
 [[nodiscard]] std::vector<config::Objection> inspect(const config::Config& config,
                                                      const RigParts& parts);
 
-// The same with the plugins that the configuration names, which are loaded into `plugins` first.
+// What is wrong with the files that real arms need. They can be mended while the daemon runs, and
+// the other arms need them not, so a start looks at none: decision 0330.
+[[nodiscard]] std::vector<config::Objection> inspect_files(const config::Config& config,
+                                                           const plugin::DriverRegistry& drivers);
+
+// The same as inspect() with the plugins that the configuration names, which are loaded into
+// `plugins` first.
 [[nodiscard]] std::vector<config::Objection> inspect_with_plugins(const config::Config& config,
                                                                   Plugins& plugins);
 

@@ -8,7 +8,8 @@
 namespace thimble::session {
 namespace {
 
-// What plugging, waiting or a right can mend while the daemon runs. The rest is a matter of the
+// What plugging, waiting, a right or another file can mend while the daemon runs, and what a device
+// says of itself, which shall end no other arm. The rest is a matter of the
 // configuration or of the build, and of a start anew.
 bool can_pass(Errc code) noexcept {
   switch (code) {
@@ -17,12 +18,12 @@ bool can_pass(Errc code) noexcept {
     case Errc::Busy:
     case Errc::Disconnected:
     case Errc::Timeout:
+    case Errc::Malformed:
+    case Errc::TooLarge:
     case Errc::System:
       return true;
     case Errc::InvalidArgument:
     case Errc::NotMine:
-    case Errc::Malformed:
-    case Errc::TooLarge:
     case Errc::Unsupported:
       return false;
   }

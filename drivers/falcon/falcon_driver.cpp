@@ -25,6 +25,11 @@ class FalconDriver final : public plugin::Driver {
     for (const FalconModel& model : kFalconModels) names.emplace_back(model.name);
     return names;
   }
+  [[nodiscard]] Result<void> check_files(const plugin::DriverSettings& settings) const override {
+    const auto image = image_for(settings);
+    if (!image) return tl::unexpected<Error>(image.error());
+    return {};
+  }
 
   [[nodiscard]] Result<void> probe(const bus::BusDeviceInfo& info,
                                    const plugin::DriverSettings& settings) const override {

@@ -59,7 +59,7 @@ tl::unexpected<Error> fail_to_open(const std::string& path, int code) {
     return fail(Errc::NotFound,
                 "there is no firmware at '" + path + "'" + std::string(kHowToGetIt));
   }
-  if (code == ENXIO) return fail(Errc::InvalidArgument, "'" + path + "' is not a regular file");
+  if (code == ENXIO) return fail(Errc::NotFound, "'" + path + "' is not a regular file");
   return fail(Errc::Permission, "'" + path + "' cannot be read by this process");
 }
 

@@ -23,7 +23,7 @@ inline constexpr std::size_t kMaxImageBytes = 64UL * 1024;
 // hexadecimal digits), or where that is empty, one of wire::kKnownImages.
 // NotFound, Permission: there is no such file, or none that may be read, and the message says how
 // to get one; TooLarge; Malformed for what is no image or another one; InvalidArgument for a
-// `sha256` that cannot be, and for what is no file.
+// `sha256` that cannot be.
 [[nodiscard]] Result<std::vector<std::uint8_t>> load_image(const std::string& path,
                                                            const std::string& sha256);
 

@@ -36,6 +36,10 @@ class PhantomDriver final : public plugin::Driver {
     for (const PhantomModel& model : kPhantomModels) names.emplace_back(model.name);
     return names;
   }
+  [[nodiscard]] Result<void> check_files(
+      const plugin::DriverSettings& /*it reads none*/) const override {
+    return {};
+  }
 
   [[nodiscard]] Result<void> probe(const bus::BusDeviceInfo& info,
                                    const plugin::DriverSettings& settings) const override {

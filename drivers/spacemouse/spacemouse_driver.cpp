@@ -40,6 +40,10 @@ class SpaceMouseDriver final : public plugin::Driver {
     for (const SpaceMouseModel& model : kSpaceMouseModels) names.emplace_back(model.name);
     return names;
   }
+  [[nodiscard]] Result<void> check_files(
+      const plugin::DriverSettings& /*it reads none*/) const override {
+    return {};
+  }
 
   [[nodiscard]] Result<void> probe(const bus::BusDeviceInfo& info,
                                    const plugin::DriverSettings& settings) const override {

@@ -39,6 +39,8 @@ class Driver {
   [[nodiscard]] virtual std::string_view name() const noexcept = 0;
   // What DriverSettings::model may say of its devices; nothing: it cannot tell.
   [[nodiscard]] virtual std::vector<std::string> models() const = 0;
+  // What open() would find wrong with the files that `settings` name; touches no device.
+  [[nodiscard]] virtual Result<void> check_files(const DriverSettings& settings) const = 0;
   [[nodiscard]] virtual Result<void> probe(const bus::BusDeviceInfo& info,
                                            const DriverSettings& settings) const = 0;
   // Opens through `buses` and returns a device that has sent nothing yet.

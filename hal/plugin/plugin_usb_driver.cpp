@@ -77,6 +77,10 @@ class PluginUsbDriver final : public Driver {
 
   [[nodiscard]] std::string_view name() const noexcept override { return name_; }
   [[nodiscard]] std::vector<std::string> models() const override { return {}; }
+  [[nodiscard]] Result<void> check_files(
+      const DriverSettings& /*a plugin cannot tell*/) const override {
+    return {};
+  }
 
   [[nodiscard]] Result<void> probe(const bus::BusDeviceInfo& info,
                                    const DriverSettings& settings) const override {

@@ -96,6 +96,27 @@ class Check(ProcessTest):
                 for part in parts:
                     self.assertIn(part, line)
 
+    def test_a_firmware_is_looked_at_but_ends_no_start(self):
+        self.write("falcon.bin", "no firmware")
+        text = ('[[arm]]\nname = "{0}"\ndevice = "usb:250-{0}"\nfirmware = "{1}"\nworld = "x"\n')
+        file = self.write("falcons.toml", text.format(1, "none.bin") + text.format(2, "falcon.bin")
+                          + f'firmware_sha256 = "{"0" * 64}"\n[[world]]\nname = "x"\nsource = "box:3"\n')
+        result = self.thimbled("--config", file, "--check")
+        self.assertEqual(result.returncode, 2)
+        told = result.stderr.splitlines()
+        self.assertEqual(len(told), 2, result.stderr)
+        self.assertRegex(told[0], rf"^{file}:4:.*arm.0.firmware: there is no firmware at .*none.bin")
+        self.assertRegex(told[1], rf"^{file}:9:.*arm.1.firmware: .*falcon.bin' does not begin as")
+        result = self.thimbled("--config", file, "--for", "0.2",
+                               "--set", f"daemon.socket={self.folder}/s")
+        self.assertEqual(result.returncode, 0, result.stderr)
+
+    def test_a_sum_that_cannot_be_ends_every_start(self):
+        result = self.thimbled("--config", EXAMPLES / "hello-voxel.toml",
+                               "--set", "arm.firmware_sha256=00ff")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("expected 64 hexadecimal digits", result.stderr)
+
     def test_a_missing_file_is_named(self):
         result = self.thimbled("--config", self.folder / "none.toml", "--check")
         self.assertEqual(result.returncode, 2)

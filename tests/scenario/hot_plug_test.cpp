@@ -88,6 +88,9 @@ class ChangingDriver final : public plugin::Driver {
   explicit ChangingDriver(const bool& is_weaker) : is_weaker_(is_weaker) {}
   [[nodiscard]] std::string_view name() const noexcept override { return below_->name(); }
   [[nodiscard]] std::vector<std::string> models() const override { return below_->models(); }
+  [[nodiscard]] Result<void> check_files(const plugin::DriverSettings& settings) const override {
+    return below_->check_files(settings);
+  }
   [[nodiscard]] Result<void> probe(const bus::BusDeviceInfo& info,
                                    const plugin::DriverSettings& settings) const override {
     return below_->probe(info, settings);

@@ -17,6 +17,17 @@ std::string mistake(const std::string& lines) {
   return sut ? "" : to_string(sut.error().front());
 }
 
+TEST(ConfigFirmware, OfASumThatCanBeNoFilesIsRefused) {
+  for (const std::string sum : {"", "00ff", "xyz"}) {
+    EXPECT_NE(mistake("device = \"usb:1-4\"\nfirmware_sha256 = \"" + sum + "\"\n")
+                  .find("arm.0.firmware_sha256"),
+              std::string::npos)
+        << sum;
+  }
+  EXPECT_EQ(mistake("device = \"usb:1-4\"\nfirmware_sha256 = \"" + std::string(64, 'a') + "\"\n"),
+            "");
+}
+
 TEST(ConfigFallback, IsOfARealDeviceAndBringsAPerson) {
   const ConfigResult sut =
       parse(arm("device = \"hid:A\"\nmodel = \"woody-2015\"\nfallback = \"simulated\"\n"

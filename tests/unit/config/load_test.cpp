@@ -56,7 +56,7 @@ device = "sim:phantom-vintage"
 model = "phantom-vintage"
 amplifier_max_a = 3.0
 firmware = "falcon.bin"
-firmware_sha256 = "00ff"
+firmware_sha256 = "00ff00ff00ff00ff00ff00ff00ff00ff00ff00ff00ff00ff00ff00ff00ff00FF"
 newton_per_count = 0.0025
 link = "udp://[::1]:5001"
 protocol = "thesis"
@@ -118,7 +118,7 @@ TEST(ConfigLoad, ReadsEveryKey) {
                       "phantom-vintage",
                       3.0,
                       "/etc/thimble/falcon.bin",
-                      "00ff",
+                      "00ff00ff00ff00ff00ff00ff00ff00ff00ff00ff00ff00ff00ff00ff00ff00FF",
                       0.0025,
                       Fallback::None,
                       std::nullopt,

@@ -26,6 +26,10 @@ class PickyDriver final : public plugin::Driver {
       : name_(std::move(name)), address_(std::move(address)), refusal_{refusal, std::move(why)} {}
   [[nodiscard]] std::string_view name() const noexcept override { return name_; }
   [[nodiscard]] std::vector<std::string> models() const override { return {}; }
+  [[nodiscard]] Result<void> check_files(
+      const plugin::DriverSettings& /*it reads none*/) const override {
+    return {};
+  }
   [[nodiscard]] Result<void> probe(const bus::BusDeviceInfo& info,
                                    const plugin::DriverSettings&) const override {
     if (info.address.text == address_) return {};

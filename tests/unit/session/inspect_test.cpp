@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "daemon/session/plugins.hpp"
+#include "drivers/falcon/firmware_image.hpp"
+#include "tests/support/falcon_image.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace thimble::session {
 namespace {
@@ -165,6 +168,54 @@ TEST_F(InspectRealArm, ObjectsToWhatItsDriverWouldRefuseWhenItComes) {
   arm().model = "falcon";
   arm().newton_per_count = 1e-4;
   EXPECT_THAT(objections(), ElementsAre(StartsWith("newton_per_count: ")));
+}
+
+class InspectFiles : public InspectRealArm {
+ protected:
+  InspectFiles() { arm().device = "usb:1-4"; }
+  [[nodiscard]] std::vector<std::string> objections() const {
+    std::vector<std::string> all;
+    for (const config::Objection& one : inspect_files(config, plugins.drivers)) {
+      EXPECT_EQ(one.table, Table::Arm);
+      EXPECT_EQ(one.index, 0U);
+      all.push_back(one.key + ": " + one.message);
+    }
+    return all;
+  }
+  void expect_whatever_the_model_is_called(const testing::Matcher<std::string>& objection) {
+    for (const std::optional<std::string>& model :
+         {std::optional<std::string>("falcon"), std::optional<std::string>()}) {
+      arm().model = model;
+      EXPECT_THAT(objections(), ElementsAre(objection));
+      EXPECT_THAT(InspectRealArm::objections(), IsEmpty()) << "a start does not wait for a file";
+    }
+  }
+  const testing_support::TemporaryFolder folder;
+};
+
+TEST_F(InspectFiles, HasNothingAgainstNoneAndAgainstTheOneThatWasMeant) {
+  EXPECT_THAT(objections(), IsEmpty());
+  const std::vector<std::uint8_t> image = test::falcon_image();
+  arm().firmware =
+      folder.write("image", {reinterpret_cast<const char*>(image.data()), image.size()}).string();
+  arm().firmware_sha256 = falcon::sha256_of(image);
+  EXPECT_THAT(objections(), IsEmpty());
+  arm().firmware_sha256 = std::string(64, '0');
+  expect_whatever_the_model_is_called(
+      AllOf(StartsWith("firmware: "), HasSubstr("is not the firmware that was meant")));
+  arm().firmware_sha256.reset();
+  expect_whatever_the_model_is_called(
+      AllOf(StartsWith("firmware: "), HasSubstr("is none of the known firmwares")));
+}
+
+TEST_F(InspectFiles, ObjectsToOneThatIsNotThereOrIsNoFile) {
+  arm().firmware = "/nowhere/falcon.bin";
+  expect_whatever_the_model_is_called(
+      AllOf(StartsWith("firmware: there is no firmware at"), HasSubstr("nvent_firmware.bin")));
+  arm().firmware = "/";
+  expect_whatever_the_model_is_called(HasSubstr("is not a regular file"));
+  arm().model = "polhem-1";
+  EXPECT_THAT(objections(), IsEmpty()) << "its driver reads none";
 }
 
 class InspectFalcon : public ::testing::Test {

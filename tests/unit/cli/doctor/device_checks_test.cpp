@@ -284,6 +284,10 @@ class PlantedDriver : public plugin::Driver {
  public:
   [[nodiscard]] std::string_view name() const noexcept override { return "planted"; }
   [[nodiscard]] std::vector<std::string> models() const override { return {}; }
+  [[nodiscard]] Result<void> check_files(
+      const plugin::DriverSettings& /*it reads none*/) const override {
+    return {};
+  }
   [[nodiscard]] Result<void> probe(const bus::BusDeviceInfo& info,
                                    const plugin::DriverSettings& settings) const override {
     if (info.kind != bus::BusKind::Hid || info.vendor_id != 0xfff0 || info.product_id != 0x6a17 ||
