@@ -76,7 +76,7 @@ Duration UsbipPlug::round_period() const noexcept { return kUsbFrame / rounds_pe
 
 Result<void> UsbipPlug::plug() {
   if (is_plugged_) return fail(Errc::Busy, "it is plugged in already");
-  model_->power_cycle();
+  if (was_unplugged_) model_->power_cycle();  // before, it is as it was made
   is_plugged_ = true;
   return {};
 }
@@ -86,6 +86,7 @@ Result<void> UsbipPlug::unplug() {
   while (!connections_.empty()) drop(connections_.begin());
   model_->power_cycle();
   is_plugged_ = false;
+  was_unplugged_ = true;
   return {};
 }
 

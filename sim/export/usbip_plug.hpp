@@ -69,6 +69,7 @@ class UsbipPlug final : public Plug, private Event {
   unsigned rounds_per_frame_;
   std::uint64_t round_{0};
   bool is_plugged_{false};
+  bool was_unplugged_{false};
   boost::asio::io_context* io_;
   Tcp::acceptor acceptor_;
   std::list<Connection> connections_;

@@ -58,6 +58,16 @@ class UsbipPlugTest : public ::testing::Test {
   bool is_hung_up_{false};
 };
 
+// A Falcon that is offered loaded, say, has its firmware until somebody pulls the plug.
+TEST_F(UsbipPlugTest, PlugsADeviceInAsItWasMade) {
+  EXPECT_EQ(script_->power_cycles, 0);
+  ASSERT_TRUE(sut_->unplug());
+  EXPECT_EQ(script_->power_cycles, 1);
+  bench_.run_frames(1000);
+  ASSERT_TRUE(sut_->plug());
+  EXPECT_EQ(script_->power_cycles, 2) << "its power came this very moment";
+}
+
 TEST_F(UsbipPlugTest, ServesAHostThatAttaches) {
   Tcp::socket host = connect(*sut_);
   EXPECT_EQ(ask(host, UsbipHost::import(), 320).size(), 320U);
