@@ -98,7 +98,7 @@ std::optional<Triple> DeltaLinkage::inverse(const Triple& x) const noexcept {
 
 std::optional<DeltaLinkage::Pose> DeltaLinkage::forward(const Cranks& cranks,
                                                         const Triple& near) const noexcept {
-  Pose pose{near, {}, {}};
+  Pose pose{cranks, near, {}, {}};
   for (int i = 0; i < kMostIterations; ++i) {
     pose.constraint = constrain(cranks, pose.x);
     const double determinant = determinant_of(pose.constraint.a);

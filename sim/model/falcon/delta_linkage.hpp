@@ -39,8 +39,9 @@ class DeltaLinkage {
     Triple b;      // dG/dq of each leg's own crank
     std::array<Reach, 3> reach;
   };
-  // A grip that cranks hold, and the constraint there.
+  // Cranks, the grip that they hold, and the constraint there.
   struct Pose {
+    Cranks cranks;
     Triple x;
     Constraint constraint;
     Matrix3 a_inverse;

@@ -49,12 +49,10 @@ bool DeltaPlant::rest_at(const Triple& x) noexcept {
   for (std::size_t i = 0; i < 3; ++i) {
     if (!((*q)[i] >= p_.crank_min_rad && (*q)[i] <= p_.crank_max_rad)) return false;
   }
-  const DeltaLinkage::Cranks cranks = DeltaLinkage::cranks(*q);
-  const auto pose = linkage_.forward(cranks, x);
+  const auto pose = linkage_.forward(DeltaLinkage::cranks(*q), x);
   if (!pose.has_value()) return false;
   q_ = *q;
   rate_ = {};
-  cranks_ = cranks;
   pose_ = *pose;
   return true;
 }
@@ -97,16 +95,15 @@ Matrix3 DeltaPlant::mass_matrix(const Matrix3& jacobian) const noexcept {
 }
 
 DeltaPlant::Stage DeltaPlant::evaluate(const Triple& q, const Triple& rate,
-                                       const DeltaLinkage::Cranks& cranks,
                                        const DeltaLinkage::Pose& pose,
                                        const Inputs& in) const noexcept {
   const Matrix3 jacobian = jacobian_of(pose);
   Stage stage{pose.x, times(jacobian, rate), {}};
-  const Triple bias = linkage_.bias(cranks, pose.constraint, rate, stage.velocity);
+  const Triple bias = linkage_.bias(pose.cranks, pose.constraint, rate, stage.velocity);
   const Triple drift = -times(pose.a_inverse, bias);
   const Triple force = in.grip_force + grip_forces(pose.x, stage.velocity) - grip_kg_ * drift;
-  const Triple torque =
-      in.motor_torque + crank_torques(q, cranks.sine, rate) + transposed_times(jacobian, force);
+  const Triple torque = in.motor_torque + crank_torques(q, pose.cranks.sine, rate) +
+                        transposed_times(jacobian, force);
   stage.acceleration = solved(mass_matrix(jacobian), torque);
   return stage;
 }
@@ -114,15 +111,14 @@ DeltaPlant::Stage DeltaPlant::evaluate(const Triple& q, const Triple& rate,
 std::optional<DeltaPlant::Stage> DeltaPlant::evaluate(const Triple& q, const Triple& rate,
                                                       const Triple& near,
                                                       const Inputs& in) const noexcept {
-  const DeltaLinkage::Cranks cranks = DeltaLinkage::cranks(q);
-  const auto pose = linkage_.forward(cranks, near);
+  const auto pose = linkage_.forward(DeltaLinkage::cranks(q), near);
   if (!pose.has_value()) return std::nullopt;
-  return evaluate(q, rate, cranks, *pose, in);
+  return evaluate(q, rate, *pose, in);
 }
 
 std::optional<DeltaPlant::Stage> DeltaPlant::advance(double dt_s, const Inputs& in, Triple& q,
                                                      Triple& rate) const noexcept {
-  const Stage k1 = evaluate(q_, rate_, cranks_, *pose_, in);
+  const Stage k1 = evaluate(q_, rate_, *pose_, in);
   const Triple rate2 = rate_ + dt_s / 2 * k1.acceleration;
   const auto k2 = evaluate(q_ + dt_s / 2 * rate_, rate2, k1.x + dt_s / 2 * k1.velocity, in);
   if (!k2) return std::nullopt;
@@ -147,8 +143,7 @@ void DeltaPlant::step(double dt_s, const Triple& motor_torque, const Triple& gri
   Triple q;
   Triple rate;
   const auto end = advance(dt_s, {motor_torque, grip_force}, q, rate);
-  const DeltaLinkage::Cranks cranks = DeltaLinkage::cranks(q);
-  const auto pose = end ? linkage_.forward(cranks, end->x) : std::nullopt;
+  const auto pose = end ? linkage_.forward(DeltaLinkage::cranks(q), end->x) : std::nullopt;
   if (!pose.has_value() || !(norm(rate) <= kFastest_rad_per_s)) {
     rate_ = {};
     ++standstills_;
@@ -156,7 +151,6 @@ void DeltaPlant::step(double dt_s, const Triple& motor_torque, const Triple& gri
   }
   q_ = q;
   rate_ = rate;
-  cranks_ = cranks;
   pose_ = *pose;
 }
 

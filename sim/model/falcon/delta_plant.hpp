@@ -51,8 +51,8 @@ class DeltaPlant {
   struct Stage {
     Triple x, velocity, acceleration;  // of the grip, of the grip, of the cranks
   };
-  [[nodiscard]] Stage evaluate(const Triple& q, const Triple& rate,
-                               const DeltaLinkage::Cranks& cranks, const DeltaLinkage::Pose& pose,
+  // `pose`: that of `q`.
+  [[nodiscard]] Stage evaluate(const Triple& q, const Triple& rate, const DeltaLinkage::Pose& pose,
                                const Inputs& in) const noexcept;
   [[nodiscard]] std::optional<Stage> evaluate(const Triple& q, const Triple& rate,
                                               const Triple& near, const Inputs& in) const noexcept;
@@ -71,7 +71,6 @@ class DeltaPlant {
   Triple lean_{};               // how far each crank's outward direction points up
   Triple q_{};
   Triple rate_{};
-  DeltaLinkage::Cranks cranks_{};           // of q_
   std::optional<DeltaLinkage::Pose> pose_;  // for q_; nothing before it was put anywhere
   std::uint64_t standstills_{0};
 };
