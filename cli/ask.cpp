@@ -3,10 +3,18 @@
 #include <iostream>
 
 #include "cli/commands.hpp"
+#include "cli/service_state.hpp"
 #include "cli/status_document.hpp"
 #include "cli/text.hpp"
 
 namespace thimble::cli {
+
+Result<std::unique_ptr<Client>> connect_to_daemon(const std::string& socket_path) {
+  auto client = Client::connect(socket_path);
+  if (client || client.error().code != Errc::NotFound) return client;
+  return fail(Errc::NotFound,
+              client.error().message + "; " + advice_without_daemon(read_service_state()));
+}
 
 int complain(const Error& error) {
   std::cerr << "thimble: " << error.message << '\n';

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <memory>
 #include <string>
 
 #include "cli/client.hpp"
@@ -11,6 +12,8 @@ namespace thimble::cli {
 
 // What every subcommand asks the daemon. Thread: one. Not RT.
 
+// As Client::connect(), and where no daemon is, says what to do.
+[[nodiscard]] Result<std::unique_ptr<Client>> connect_to_daemon(const std::string& socket_path);
 // Says it on standard error; the exit code that goes with it.
 int complain(const Error& error);
 // The body of a good answer; of a bad one its sentence.

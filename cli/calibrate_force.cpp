@@ -145,7 +145,7 @@ int print(const ForceScale& scale, double assumed_newton_per_count) {
 
 int run_calibrate_force(const std::string& socket_path, const std::string& arm,
                         const CalibrateOptions& options, std::istream& typed) {
-  auto client = Client::connect(socket_path);
+  auto client = connect_to_daemon(socket_path);
   if (!client) return complain(client.error());
   const Result<std::string> name = arm.empty() ? only_arm(**client) : Result<std::string>(arm);
   if (!name) return complain(name.error());

@@ -59,13 +59,13 @@ Result<void> show(Client& client, Screen& screen) {
 }  // namespace
 
 Result<api::Status> daemon_status(const std::string& socket_path) {
-  auto client = Client::connect(socket_path);
+  auto client = connect_to_daemon(socket_path);
   if (!client) return tl::unexpected<Error>(client.error());
   return ask_status(**client);
 }
 
 int run_status(const std::string& socket_path, bool is_json) {
-  auto client = Client::connect(socket_path);
+  auto client = connect_to_daemon(socket_path);
   if (!client) return complain(client.error());
   auto body = ask(**client, "GET", "/v1/status");
   if (!body) return complain(body.error());
@@ -80,7 +80,7 @@ int run_status(const std::string& socket_path, bool is_json) {
 }
 
 int run_watch(const std::string& socket_path, const WatchOptions& options) {
-  auto client = Client::connect(socket_path);
+  auto client = connect_to_daemon(socket_path);
   if (!client) return complain(client.error());
   Interrupts interrupts;  // only now: a signal shall end the waiting for a connection
   Result<void> shown;
@@ -98,7 +98,7 @@ int run_watch(const std::string& socket_path, const WatchOptions& options) {
 
 int run_command(const std::string& socket_path, const std::string& verb, const std::string& arm,
                 const std::string& body) {
-  auto client = Client::connect(socket_path);
+  auto client = connect_to_daemon(socket_path);
   if (!client) return complain(client.error());
   const Result<std::string> name = arm.empty() ? only_arm(**client) : Result<std::string>(arm);
   if (!name) return complain(name.error());
@@ -113,7 +113,7 @@ int run_command(const std::string& socket_path, const std::string& verb, const s
 
 int run_world_edit(const std::string& socket_path, const std::string& world,
                    const WorldEdit& edit) {
-  auto client = Client::connect(socket_path);
+  auto client = connect_to_daemon(socket_path);
   if (!client) return complain(client.error());
   const auto meant = find_world(**client, world);
   if (!meant) return complain(meant.error());

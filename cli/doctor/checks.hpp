@@ -14,6 +14,10 @@ namespace thimble::doctor {
 [[nodiscard]] Verdict check_clock_source(const Facts& facts);
 [[nodiscard]] Verdict check_governor(const Facts& facts);
 
+// Of what starts the daemon; nothing where it is not known.
+[[nodiscard]] std::vector<Verdict> check_service(const Facts& facts);
+[[nodiscard]] std::vector<Verdict> check_configuration(const Facts& facts);
+
 // Of the daemon that runs, or of who asks.
 [[nodiscard]] Verdict check_daemon(const Facts& facts);
 [[nodiscard]] Verdict check_group(const Facts& facts);

@@ -265,6 +265,9 @@ std::vector<Verdict> examine(const Facts& facts) {
       check_kernel(facts),   check_realtime_share(facts), check_clock_source(facts),
       check_governor(facts), check_daemon(facts),         check_group(facts),
       check_rtprio(facts),   check_memlock(facts),        check_dma_latency(facts)};
+  for (const auto& check : {check_service, check_configuration}) {
+    for (Verdict& verdict : check(facts)) verdicts.push_back(std::move(verdict));
+  }
   if (facts.controllers.empty()) verdicts.push_back(check_arms(facts));
   for (const ConfiguredArm& arm : facts.configured_arms) {
     verdicts.push_back(check_configured_arm(facts, arm));

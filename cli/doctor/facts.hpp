@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/service_state.hpp"
 #include "daemon/config/config.hpp"
 #include "hal/linux/gpio_inventory.hpp"
 
@@ -122,6 +123,15 @@ struct GpioChip {
   bool operator==(const GpioChip&) const = default;
 };
 
+// The file that the daemon is, or would be, started with.
+struct ConfigurationFile {
+  std::string file;                   // empty: none was looked at
+  std::vector<std::string> mistakes;  // as `thimbled --check` says them
+  bool is_hidden{false};              // who asks may not read it
+  bool may_service_read{true};
+  bool operator==(const ConfigurationFile&) const = default;
+};
+
 struct Cpu {
   unsigned number{0};
   std::string governor;  // empty: its frequency is not the kernel's to choose
@@ -134,6 +144,8 @@ struct Facts {
   bool is_realtime_kernel{false};
   std::optional<std::int64_t> rt_runtime_us;  // for real-time threads of each period; -1: all
   std::optional<std::int64_t> rt_period_us;
+  std::optional<cli::ServiceState> service{};  // none: not known, or not installed
+  ConfigurationFile configuration{};
   Process process;
   std::string daemon_trouble;           // why a daemon that seems to be there is not looked at
   std::vector<NamedProcess> namesakes;  // called "thimbled", and not known to be it

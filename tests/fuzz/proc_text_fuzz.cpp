@@ -5,6 +5,7 @@
 
 #include "cli/doctor/access_list.hpp"
 #include "cli/doctor/proc_text.hpp"
+#include "cli/service_state.hpp"
 #include "hal/base/check.hpp"
 
 // Any bytes that a file below /proc, /sys or /etc may hold give values or nothing.
@@ -22,6 +23,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   THIMBLE_CHECK(parse_service(bytes).find('/') == std::string::npos);
   const auto ids = parse_hid_ids(bytes);
   if (ids) THIMBLE_CHECK(ids->serial_number.size() <= size);
+  const auto service = thimble::cli::parse_service_state(bytes);
+  if (service) THIMBLE_CHECK(!service->active.empty() && service->result.size() <= size);
   Process process;
   parse_status(bytes, process);
   THIMBLE_CHECK(process.groups.size() <= size);

@@ -53,6 +53,17 @@ class Words(ProcessTest):
             self.assertEqual((result.returncode, result.stdout), (3, ""), words)
             self.assert_one_sentence(result.stderr, "no daemon is running", "none")
 
+    def test_where_the_service_failed_that_is_what_is_told(self):
+        manager = self.write("systemctl", "#!/bin/sh\nprintf 'LoadState=loaded\\nActiveState=failed\\nResult=watchdog\\n'\n")
+        manager.chmod(0o700)
+        where = {"PATH": f"{self.folder}:{os.environ['PATH']}"}
+        result = self.run_program("thimble", "status", "--socket", self.folder / "none", environment=where)
+        self.assertEqual(result.returncode, 3)
+        self.assert_one_sentence(result.stderr, "no daemon is running", "thimbled has failed (watchdog)", "journalctl -u thimbled")
+        result = self.run_program("thimble", "doctor", environment=where)
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("WRONG  service: thimbled.service has failed (watchdog)", result.stdout)
+
     def test_the_report_of_a_summary(self):
         daemon = self.start("--for", 1, config=HELLO)
         self.assertEqual(daemon.wait(), 0)
