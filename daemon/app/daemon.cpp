@@ -197,9 +197,7 @@ void Daemon::supervise() {
   for (session::Runtime::Arrival& arrival : runtime_->take_arrivals()) {
     take_over(std::move(arrival));
   }
-  for (std::size_t i = 0; i < runtime_->arms().size(); ++i) {
-    lateness_.note(i, clock_.now(), runtime_->arms()[i]->session().snapshot().overruns);
-  }
+  look_after_arms();
   look_after_safety();
   pump();  // edits of worlds come without a servo's wake
   commands_->poll();
@@ -230,6 +228,7 @@ void Daemon::take_over(session::Runtime::Arrival arrival) {
   } else {
     exchange();
   }
+  returns_.forget(arm);
   const session::ArmSession& real = runtime_->arms()[arm]->session();
   if (has_stand_in) {
     spdlog::info("arm '{}': {} is there and takes over from {}; calibrate it, then activate it",
@@ -243,6 +242,16 @@ void Daemon::take_over(session::Runtime::Arrival arrival) {
   spdlog::error("arm '{}': its servo could not be started: {}", real.config().name,
                 started.error().message);
   io_.stop();
+}
+
+void Daemon::look_after_arms() {
+  for (std::size_t i = 0; i < runtime_->arms().size(); ++i) {
+    session::ArmSession& arm = runtime_->arms()[i]->session();
+    const servo::ServoSnapshot& seen = arm.snapshot();
+    lateness_.note(i, clock_.now(), seen.overruns);
+    if (!returns_.note(i, seen.frame.state)) continue;
+    spdlog::info("arm '{}': {} is there again", arm.config().name, arm.config().device);
+  }
 }
 
 void Daemon::look_after_safety() {

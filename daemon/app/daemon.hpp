@@ -17,6 +17,7 @@
 #include "daemon/app/options.hpp"
 #include "daemon/app/recording_writer.hpp"
 #include "daemon/app/repeated_warnings.hpp"
+#include "daemon/app/return_watch.hpp"
 #include "daemon/app/safety_thread.hpp"
 #include "daemon/app/service_notifier.hpp"
 #include "daemon/app/servo_threads.hpp"
@@ -58,6 +59,7 @@ class Daemon final : private api::StatusView {
   void supervise();
   void warn(const std::string& trouble);
   void take_over(session::Runtime::Arrival arrival);
+  void look_after_arms();
   void look_after_safety();
   void take_recordings();
   void tell_service_manager();
@@ -72,6 +74,7 @@ class Daemon final : private api::StatusView {
   LatenessWatch lateness_;
   RecordingBook recordings_;
   RepeatedWarnings warnings_;
+  ReturnWatch returns_;
 
   boost::asio::io_context io_{1};
   boost::asio::signal_set signals_{io_};

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "daemon/session/arm_instruction.hpp"
 #include "drivers/falcon/find_model.hpp"
 
 namespace thimble::app {
@@ -67,9 +68,7 @@ api::ArmStatus arm_status(session::ArmRig& rig, std::size_t index, const StatusC
   arm.model = session.device().capabilities().model;
   arm.state = to_string(frame.state);
   arm.calibration = to_string(frame.calibration);
-  const std::string trouble = rig.trouble();
-  arm.instruction = trouble.empty() ? std::string(session.device().calibration_instruction())
-                                    : trouble + "; trying again";
+  arm.instruction = session::instruction_for(rig);
   arm.position_m = as_array(frame.tip);
   arm.gimbal_rad = gimbal_of(session.device().capabilities(), snapshot);
   arm.force_newton = as_array(frame.force);

@@ -8,6 +8,7 @@
 #include <iterator>
 #include <random>
 
+#include "daemon/session/arm_instruction.hpp"
 #include "tests/scenario/two_real_arms.hpp"
 
 namespace thimble {
@@ -19,6 +20,7 @@ using test::kRight;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 
 // A try by itself, and the controller's start.
 const double kPatience_s = seconds(session::RetryPace::kLongest) + 1.5;
@@ -67,6 +69,26 @@ TEST_F(AbsentArm, ThatNobodyWantsActiveAnyMoreStaysInactiveWhenItComes) {
   EXPECT_EQ(state(kRight), OperatingState::Inactive);
   EXPECT_EQ(rig(kRight).session().snapshot().peak_force_newton, 0);
   EXPECT_EQ(forces_unasked_, 0);
+}
+
+// The driver's last words were of the arm that was pulled.
+TEST_F(AbsentArm, ThatWasPulledAsksForNothingButToBeThere) {
+  plug(kRight);
+  start();
+  for (int ms = 0; ms < 5000 && frame(kRight).calibration != CalibrationState::NeedsUser; ++ms) {
+    tick();
+  }
+  ASSERT_EQ(frame(kRight).calibration, CalibrationState::NeedsUser);
+  const std::string before = session::instruction_for(rig(kRight));
+  ASSERT_THAT(before, AllOf(Not(IsEmpty()), Not(HasSubstr("plug"))));
+  unplug(kRight);
+  run(1);
+  EXPECT_EQ(session::instruction_for(rig(kRight)),
+            "hid:right is gone: plug it in again, then calibrate it");
+  EXPECT_THAT(session::instruction_for(rig(kLeft)), HasSubstr("no device at hid:left"));
+  plug(kRight);
+  run(5);
+  EXPECT_EQ(session::instruction_for(rig(kRight)), "");
 }
 
 TEST_F(AbsentArm, ThatCameAndLeavesIsLostAndReturnsAsAnyOther) {
@@ -159,6 +181,23 @@ TEST_F(AbsentArm, ThatMayNotBeOpenedIsToldAtOnceAndTakenOnceItMay) {
   EXPECT_EQ(forces_unasked_, 0);
 }
 
+// The firmware of a Falcon, say, or descriptors that lie.
+TEST_F(AbsentArm, WhoseFilesOrDescriptorsAreBadEndsNoOtherArmsStart) {
+  plug(kLeft);
+  plug(kRight);
+  for (const Errc code : {Errc::Malformed, Errc::TooLarge}) {
+    bus_.refusals["hid:right"] = code;
+    start();
+    run(3);
+    EXPECT_EQ(state(kLeft), OperatingState::Active);
+    EXPECT_EQ(state(kRight), OperatingState::Lost);
+    EXPECT_THAT(rig(kRight).trouble(), HasSubstr("refused today"));
+    bus_.refusals.clear();
+    run(kPatience_s + 3);
+    EXPECT_EQ(state(kRight), OperatingState::Active) << "once they are mended";
+  }
+}
+
 TEST_F(AbsentArm, InWhosePlaceAnotherDeviceStandsIsWaitedFor) {
   plug(kLeft);
   plug(kRight);
@@ -214,8 +253,8 @@ class AbsentArmsAtRandom : public AbsentArm, public testing::WithParamInterface<
 TEST_P(AbsentArmsAtRandom, AreLostAsLongAsTheyCannotBeHadAndNoLonger) {
   std::mt19937 random(GetParam());
   const auto any = [&](unsigned below) { return static_cast<unsigned>(random() % below); };
-  constexpr Errc kRefusals[] = {Errc::Busy,     Errc::Permission, Errc::System,
-                                Errc::NotFound, Errc::Timeout,    Errc::Disconnected};
+  constexpr Errc kRefusals[] = {Errc::Busy,    Errc::Permission,   Errc::System,    Errc::NotFound,
+                                Errc::Timeout, Errc::Disconnected, Errc::Malformed, Errc::TooLarge};
   bool is_plugged[2]{};
   const auto happen = [&] {
     const std::size_t arm = any(2);

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+#include "daemon/session/arm_rig.hpp"
+
+namespace thimble::session {
+
+// What is in the way of the arm, or what its person is to do, in a sentence; empty: nothing. One
+// that is gone asks for nothing else than to be there.
+// Thread: control plane. Not RT.
+[[nodiscard]] std::string instruction_for(ArmRig& rig);
+
+}  // namespace thimble::session
