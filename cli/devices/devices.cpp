@@ -14,15 +14,16 @@ namespace thimble::devices_list {
 int run_devices(const DevicesOptions& options) {
   session::Plugins plugins;
   if (!doctor::load_plugins(plugins, options.plugins)) return cli::kExitRefused;
-  std::vector<Entry> entries = simulated(plugins.models, plugins.drivers);
   const doctor::Facts facts = doctor::read_facts(
       options.root, plugins.drivers, doctor::who_listens(options.root, options.socket_path));
   const bool is_this_machine = options.root == "/";
   const auto is_arm = [&](const bus::BusDeviceInfo& info) { return plugins.drivers.knows(info); };
-  const std::vector<Entry> real =
+  // First what is plugged in: that is what one looks for.
+  std::vector<Entry> entries =
       is_this_machine ? plugged_in(linux::UdevScan(is_arm).devices(), facts, plugins.drivers)
                       : plugged_in(facts);
-  entries.insert(entries.end(), real.begin(), real.end());
+  const std::vector<Entry> models = simulated(plugins.models, plugins.drivers);
+  entries.insert(entries.end(), models.begin(), models.end());
   const Result<api::Status> status = cli::daemon_status(options.socket_path);
   if (status) mark_users(entries, *status);
   const std::string daemon =

@@ -73,6 +73,22 @@ std::string needs_of(const bus::BusDeviceInfo& info, const plugin::DriverRegistr
   return needs;
 }
 
+// Each that the device's driver takes for it: the controller itself may not tell which arm it has.
+std::vector<std::string> models_of(const bus::BusDeviceInfo& info,
+                                   const plugin::DriverRegistry& drivers) {
+  std::vector<std::string> taken;
+  plugin::DriverSettings settings;
+  settings.is_named_by_person = true;
+  settings.amplifier_max_a = kSomeCurrent_a;
+  for (const auto& driver : drivers.drivers()) {
+    for (const std::string& model : driver->models()) {
+      settings.model = model;
+      if (driver->probe(info, settings)) taken.push_back(model);
+    }
+  }
+  return taken;
+}
+
 Entry real_entry(const linux::FoundDevice& device, const doctor::Facts& facts,
                  const plugin::DriverRegistry& drivers) {
   Entry entry{device.info.address.text, description_of(device), "", "", {}};
@@ -82,6 +98,7 @@ Entry real_entry(const linux::FoundDevice& device, const doctor::Facts& facts,
     return entry;
   }
   entry.needs = needs_of(device.info, drivers);
+  entry.models = models_of(device.info, drivers);
   for (const doctor::Controller& controller : facts.controllers) {
     if (controller.node.path == device.node) entry.obstacle = obstacles(facts, controller);
   }
@@ -123,7 +140,9 @@ void mark_users(std::vector<Entry>& entries, const api::Status& status) {
     auto entry = std::find_if(entries.begin(), entries.end(),
                               [&](const Entry& known) { return known.address == arm.device; });
     if (entry == entries.end()) {
-      entry = entries.insert(entries.end(), {arm.device, arm.model, "", "", {}});
+      const bool is_gone = arm.state == "lost";
+      entry = entries.insert(entries.end(),
+                             {arm.device, arm.model, is_gone ? "it is not there" : "", "", {}});
     }
     entry->users.push_back(arm.name + " (" + arm.state + ")");
   }

@@ -16,9 +16,10 @@ namespace thimble::devices_list {
 struct Entry {
   std::string address;
   std::string description;
-  std::string obstacle;            // why it cannot be used; empty: it can
-  std::string needs;               // what a configuration must say of it besides; may be empty
-  std::vector<std::string> users;  // arms of the running daemon, "right (active)"
+  std::string obstacle;               // why it cannot be used; empty: it can
+  std::string needs;                  // what a configuration must say of it besides; may be empty
+  std::vector<std::string> users;     // arms of the running daemon, "right (active)"
+  std::vector<std::string> models{};  // that arm.model may name for it, of what is plugged in
   bool operator==(const Entry&) const = default;
 };
 

@@ -21,9 +21,15 @@ std::string heading_of(const Entry& entry) {
   return entry.address + (entry.description.empty() ? "" : "  " + entry.description);
 }
 
-std::string users_of(const Entry& entry) {
+std::string list_of(const std::vector<std::string>& words) {
   std::string all;
-  for (const std::string& user : entry.users) all += (all.empty() ? "" : ", ") + user;
+  for (const std::string& word : words) all += (all.empty() ? "" : ", ") + word;
+  return all;
+}
+
+boost::json::array array_of(const std::vector<std::string>& words) {
+  boost::json::array all;
+  for (const std::string& word : words) all.emplace_back(plain(word));
   return all;
 }
 
@@ -37,7 +43,8 @@ std::string render(const std::vector<Entry>& entries, const std::string& daemon)
     if (!entry.needs.empty())
       out += below("can be used; a configuration must say more: " + entry.needs);
     if (entry.obstacle.empty() && entry.needs.empty()) out += below("can be used");
-    if (!entry.users.empty()) out += below("in use by " + users_of(entry));
+    if (!entry.models.empty()) out += below("its arm.model: " + list_of(entry.models));
+    if (!entry.users.empty()) out += below("in use by " + list_of(entry.users));
   }
   return out + cli::wrap(plain(daemon), kColumns, 0);
 }
@@ -45,14 +52,13 @@ std::string render(const std::vector<Entry>& entries, const std::string& daemon)
 std::string to_json(const std::vector<Entry>& entries, const std::string& daemon) {
   boost::json::array devices;
   for (const Entry& entry : entries) {
-    boost::json::array users;
-    for (const std::string& user : entry.users) users.emplace_back(plain(user));
     devices.push_back(boost::json::object{{"address", plain(entry.address)},
                                           {"description", plain(entry.description)},
                                           {"usable", entry.obstacle.empty()},
                                           {"obstacle", plain(entry.obstacle)},
                                           {"needs", plain(entry.needs)},
-                                          {"users", std::move(users)}});
+                                          {"models", array_of(entry.models)},
+                                          {"users", array_of(entry.users)}});
   }
   return api::to_text(
       boost::json::object{{"daemon", plain(daemon)}, {"devices", std::move(devices)}});

@@ -84,10 +84,13 @@ class RealDevices(ProcessTest):
         self.assertEqual(result.returncode, 0, result.stderr)
         entries = {e["address"]: e for e in json.loads(result.stdout)["devices"]}
         self.assertIn("sim:phantom-vintage", entries)
+        self.assertLess(list(entries).index("hid:ABC1"), list(entries).index("sim:phantom-vintage"))
         arm = entries["hid:ABC1"]
         self.assertIn("Maker Arm, 1234:0006 at /dev/hidraw0", arm["description"])
         self.assertIn("before a person says that it is an arm", arm["needs"])
         self.assertIn("amplifier_max_a is missing", arm["needs"])
+        self.assertIn("woody-2015", arm["models"])
+        self.assertRegex(self.devices().stdout, r"(?s)^hid:ABC1.*its arm.model: .*woody-2015.*sim:")
         for stranger in ("usb:1-4", "usb:1-5"):
             self.assertEqual(entries[stranger]["obstacle"], "no driver knows it")
 

@@ -124,8 +124,17 @@ TEST(Inventory, SaysOfAnArmWhatAConfigurationMustSayAndWhatIsInTheWay) {
                                                HasSubstr("amplifier_max_a is missing")));
   EXPECT_THAT(entries[0].obstacle,
               testing::AllOf(HasSubstr("every user may open"), HasSubstr("'steam' (process 300")));
+  EXPECT_THAT(entries[0].models, testing::IsSupersetOf({"phantom-vintage", "woody-2015"}));
   const doctor::Facts elsewhere;
   EXPECT_EQ(plugged_in(devices, elsewhere, plugins.drivers).at(0).obstacle, "");
+}
+
+TEST(Inventory, NamesTheOneModelOfADeviceThatTellsWhatItIs) {
+  const session::Plugins plugins;
+  std::vector<linux::FoundDevice> devices{found_arm()};
+  devices[0].info = plugin::describe(*plugins.models.find("falcon")->create({}));
+  EXPECT_THAT(plugged_in(devices, {}, plugins.drivers).at(0).models,
+              testing::ElementsAre("falcon"));
 }
 
 TEST(Inventory, ListsWhatNoDriverKnows) {
@@ -153,6 +162,7 @@ TEST(Inventory, MarksWhatTheDaemonUses) {
   status.arms[1].name = "right";
   status.arms[1].state = "fault";
   status.arms[2].device = "hid:gone";
+  status.arms[2].state = "lost";
 
   mark_users(entries, status);
 
@@ -160,6 +170,7 @@ TEST(Inventory, MarksWhatTheDaemonUses) {
   EXPECT_THAT(entries[0].users, SizeIs(0));
   EXPECT_THAT(entries[1].users, testing::ElementsAre("left (active)", "right (fault)"));
   EXPECT_EQ(entries[2].address, "hid:gone");
+  EXPECT_EQ(entries[2].obstacle, "it is not there");
 }
 
 TEST(InventoryReport, SaysOfEachWhetherItCanBeUsed) {
