@@ -88,9 +88,16 @@ void add_servo(Lines& lines, const api::ServoStatus& servo, Glyphs glyphs) {
           time_text(servo.exchange_s.p99, glyphs));
 }
 
+// Within one program there is nothing that could be down: nothing was exchanged lately, as while
+// no arm is active.
+std::string word_of(const api::LinkStatus& link) {
+  if (link.is_up) return " up";
+  return link.kind == "in-process" ? " idle" : " DOWN";
+}
+
 void add_link(Lines& lines, const api::LinkStatus& link, Glyphs glyphs) {
   add(lines, "link",
-      plain(link.kind) + (link.is_up ? " up" : " DOWN") + "  round trip " +
+      plain(link.kind) + word_of(link) + "  round trip " +
           (link.is_up ? time_text(link.round_trip_s, glyphs) : "-") +
           (link.peer.empty() ? "" : "  peer " + plain(link.peer)));
   add(lines, "",

@@ -1,5 +1,6 @@
 #include <csignal>
 #include <cstdio>
+#include <string>
 #include <string_view>
 
 #include "guard/guard_session.hpp"
@@ -52,8 +53,12 @@ int run() {
     }
   }
   if (session->interventions() > 0) {
-    std::fprintf(stderr, "thimble-guard: the servo stopped %u times, and the arm was let go\n",
-                 session->interventions());
+    const guard::ZeroWriter& zeros = session->zeros();
+    std::fprintf(stderr,
+                 "thimble-guard: the servo stopped %u times, and the arm was let go: zero was "
+                 "written %s times and refused %s times\n",
+                 session->interventions(), std::to_string(zeros.written()).c_str(),
+                 std::to_string(zeros.refused()).c_str());
   }
   return 0;
 }

@@ -224,9 +224,13 @@ TEST(RenderStatus, TellsWhyALinkIsDownAndNoRoundTripOfIt) {
   status.links[0].last_error = "the world has no free cell";
   EXPECT_THAT(render_status(status, Glyphs::Ascii), Not(HasSubstr("no free cell")));
   status.links[0].is_up = false;
+  status.links[0].kind = "udp";
   const std::string sut = render_status(status, Glyphs::Ascii);
   EXPECT_THAT(sut, AllOf(HasSubstr("DOWN  round trip -"),
                          HasSubstr("last trouble: the world has no free cell")));
+  status.links[0].kind = "in-process";
+  EXPECT_THAT(render_status(status, Glyphs::Ascii),
+              AllOf(HasSubstr("in-process idle  round trip -"), Not(HasSubstr("DOWN"))));
 }
 
 TEST(RenderLine, IsOneLineForEachArm) {
