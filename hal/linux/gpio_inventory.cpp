@@ -3,12 +3,14 @@
 #include <cerrno>
 
 #include "hal/linux/gpiod_chip.hpp"
+#include "hal/linux/printable_text.hpp"
 #include "hal/linux/system_error.hpp"
 
 namespace thimble::linux {
 namespace {
 
-std::string text_of(const char* text) { return text == nullptr ? "" : text; }
+// Of a chip on a cable, which says its label itself, or of another process, which named its use.
+std::string text_of(const char* text) { return text == nullptr ? "" : printable_text(text); }
 
 }  // namespace
 

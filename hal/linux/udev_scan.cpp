@@ -17,6 +17,7 @@
 #include "hal/bus/usb_descriptor.hpp"
 #include "hal/linux/hid_address.hpp"
 #include "hal/linux/hiddev.hpp"
+#include "hal/linux/printable_text.hpp"
 
 // Names of files and properties: the kernel's Documentation/ABI/{stable,testing}/sysfs-bus-usb and
 // sysfs-driver-hid, and hid_uevent() in its hid-core.c.
@@ -33,12 +34,13 @@ std::string text_of(const char* text) {
   return std::string(udev_text(text).substr(0, kMaxTextBytes));
 }
 
+// What the device says of itself is among these; of paths and names the kernel makes sure.
 std::string attribute(udev_device* device, const char* name) {
-  return text_of(::udev_device_get_sysattr_value(device, name));
+  return printable_text(text_of(::udev_device_get_sysattr_value(device, name)));
 }
 
 std::string property(udev_device* device, const char* name) {
-  return text_of(::udev_device_get_property_value(device, name));
+  return printable_text(text_of(::udev_device_get_property_value(device, name)));
 }
 
 template <class Number>

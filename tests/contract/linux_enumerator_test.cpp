@@ -35,6 +35,28 @@ TEST_F(LinuxEnumerator, DescribesAHidDeviceWithoutOpeningIt) {
   EXPECT_TRUE(wire.received_by_device().empty());
 }
 
+// They go to the log, to documents and to terminals.
+TEST_F(LinuxEnumerator, WordsOfADeviceBreakNoLineAndSteerNoTerminal) {
+  machine.plug(Usb{.port = "1-4",
+                   .serial_number = "A\nerror: B\x1b[2J",
+                   .product = "Arm\r\n\x1b]0;mine\x07\xc2\x9b\x80 of \"me\""});
+  machine.plug(Hid{.port = "1-4", .report_descriptor = plain_report_descriptor(14, 14)});
+  machine.plug_virtual(Hid{.node_number = 1,
+                           .instance = "0009",
+                           .serial_number = "\x1b[2J\x7f",
+                           .report_descriptor = plain_report_descriptor(14, 14)});
+  for (const bus::BusDeviceInfo& info : sut->list()) {
+    for (const std::string& text :
+         {info.address.text, info.manufacturer, info.product, info.serial_number}) {
+      EXPECT_TRUE(std::all_of(text.begin(), text.end(), [](char letter) {
+        return letter >= ' ' && letter <= '~';
+      })) << testing::PrintToString(text);
+    }
+  }
+  EXPECT_EQ(info_of("hid:1-4").serial_number, "A?error: B?[2J");
+  EXPECT_EQ(info_of("hid:1-4").product, "Arm???]0;mine???? of \"me\"");
+}
+
 TEST_F(LinuxEnumerator, DescribesAUsbDeviceAndLeavesHubsOut) {
   machine.plug(Usb{
       .port = "1-4", .vendor_id = "0403", .product_id = "cb48", .descriptors = kBulkDescriptors});

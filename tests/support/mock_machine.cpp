@@ -63,7 +63,7 @@ std::string MockMachine::plug(const UsbDevice& device) {
       add(bed_, "usb", device.port, kController,
           Pairs({"bDeviceClass", device.device_class, "idVendor", device.vendor_id, "idProduct",
                  device.product_id, "devnum", number, "bConfigurationValue", "1", "manufacturer",
-                 "Maker", "product", "Arm", "serial", device.serial_number}),
+                 "Maker", "product", device.product, "serial", device.serial_number}),
           Pairs({"DEVTYPE", "usb_device", "DEVNAME", node}));
   set_bytes(bed_, path, "descriptors", device.descriptors);
   paths_.push_back(path);

@@ -28,6 +28,7 @@ class MockMachine {
     std::string vendor_id{"1234"};
     std::string product_id{"0006"};
     std::string serial_number{};
+    std::string product{"Arm"};
     std::string device_class{"00"};
     int number{4};  // on the bus
     Bytes descriptors{};

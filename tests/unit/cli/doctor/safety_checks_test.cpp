@@ -80,6 +80,16 @@ TEST_F(DoctorSafety, NamesTwoChipsOfOneLabel) {
   expect("safety-chip", "/dev/gpiochip1 and /dev/gpiochip2 both have the label", "", "gpiodetect");
 }
 
+// A chip at a cable says its label itself.
+TEST_F(DoctorSafety, TakesWordsOfAChipThatSteerATerminalForNone) {
+  const test::FakeGpioChip rogue(node(2), "soc\n\x1b[2J", {"a\x07"});
+  safety_.chip = "none";
+  const Facts all = facts();
+  ASSERT_THAT(all.gpio_chips, SizeIs(3));
+  EXPECT_EQ(all.gpio_chips[2].label, "soc??[2J");
+  EXPECT_EQ(all.gpio_chips[2].lines.at(0).name, "a?");
+}
+
 TEST_F(DoctorSafety, NamesAChipThatTheDaemonMayNotOpen) {
   const std::string apply =
       "GROUP=\"thimble\", MODE=\"0660\"' | sudo tee /etc/udev/rules.d/99-thimble-gpio.rules && "
