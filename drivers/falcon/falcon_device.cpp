@@ -37,8 +37,8 @@ std::string_view advice_for(BootTrouble trouble) noexcept {
     case BootTrouble::None:
       return "Wait while the Falcon's firmware is looked for and uploaded";
     case BootTrouble::NoImage:
-      return "The Falcon has no firmware, and arm.firmware names none: see "
-             "drivers/falcon/README.md";
+      return "The Falcon has no firmware, and arm.firmware names none: docs/first-arm.md says "
+             "where to get it";
     case BootTrouble::NoLoader:
       return "The Falcon's boot-loader does not answer: plug in its power supply, then its USB "
              "cable once more";
