@@ -31,6 +31,8 @@ class SimSerialModel {
   THIMBLE_RT virtual std::size_t take(std::span<const std::uint8_t> bytes) noexcept = 0;
   // Fills `out` with what it has to say and returns how much that is.
   THIMBLE_RT virtual std::size_t give(std::span<std::uint8_t> out) noexcept = 0;
+  // As SimUsbModel: until then it says nothing more unless it is sent something.
+  [[nodiscard]] virtual MonotonicTime unchanged_until() const noexcept { return {}; }
   // Power cut and restored, as on unplug and replug: what is in volatile memory is lost.
   THIMBLE_RT virtual void power_cycle() noexcept = 0;
   [[nodiscard]] virtual ArmBackend* arm_backend() noexcept = 0;  // nullptr: not an arm

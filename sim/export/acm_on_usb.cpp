@@ -137,6 +137,10 @@ UsbAnswer AcmOnUsb::in_packet(std::uint8_t endpoint, std::span<std::uint8_t> out
   return {UsbHandshake::Ack, size};
 }
 
+MonotonicTime AcmOnUsb::unchanged_until() const noexcept {
+  return packet_begin_ == packet_end_ ? model_->unchanged_until() : MonotonicTime{};
+}
+
 void AcmOnUsb::power_cycle() noexcept {
   line_ = kLineAtPowerUp;
   control_lines_ = 0;

@@ -43,6 +43,7 @@ class AcmOnUsb final : public plugin::SimUsbModel {
   plugin::UsbHandshake out_packet(std::uint8_t endpoint,
                                   std::span<const std::uint8_t> bytes) noexcept override;
   plugin::UsbAnswer in_packet(std::uint8_t endpoint, std::span<std::uint8_t> out) noexcept override;
+  [[nodiscard]] MonotonicTime unchanged_until() const noexcept override;
   void power_cycle() noexcept override;
   [[nodiscard]] plugin::ArmBackend* arm_backend() noexcept override {
     return model_->arm_backend();

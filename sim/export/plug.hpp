@@ -37,6 +37,17 @@ class Plug {
   // The connection to the kernel is gone for good.
   [[nodiscard]] virtual bool is_broken() const noexcept = 0;
   [[nodiscard]] virtual PlugCounters counters() const noexcept = 0;
+
+  // How often it looks at the kernel, and at its model; on the model's clock.
+  [[nodiscard]] virtual Duration round_period() const noexcept = 0;
+  // The next round in which something happens even if the kernel says nothing; never more than a
+  // frame away.
+  [[nodiscard]] virtual MonotonicTime next_needed() const noexcept = 0;
+  // Waits on the machine's clock: true as soon as the kernel has said something for which a round
+  // is needed before next_needed().
+  [[nodiscard]] virtual bool wait_for_kernel(MonotonicTime until) noexcept = 0;
+  // Rounds before that are passed without a look, and what they would have done is left undone.
+  virtual void leave_out_until(MonotonicTime t) noexcept = 0;
 };
 
 // What a plug has around it; all must outlive it.

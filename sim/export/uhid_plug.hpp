@@ -38,6 +38,13 @@ class UhidPlug final : public Plug, private Event {
   [[nodiscard]] bool is_open() const noexcept override { return is_plugged_ && is_open_; }
   [[nodiscard]] bool is_broken() const noexcept override { return is_broken_; }
   [[nodiscard]] PlugCounters counters() const noexcept override { return counters_; }
+  // A frame: each is needed, and what the kernel says waits for the next one.
+  [[nodiscard]] Duration round_period() const noexcept override { return model_->frame_period(); }
+  [[nodiscard]] MonotonicTime next_needed() const noexcept override {
+    return around_.clock->now() + round_period();
+  }
+  [[nodiscard]] bool wait_for_kernel(MonotonicTime) noexcept override { return false; }
+  void leave_out_until(MonotonicTime) noexcept override {}
 
  private:
   void fire(MonotonicTime now) noexcept override;

@@ -1,5 +1,7 @@
 #include "sim/export/usbip_plug.hpp"
 
+#include <poll.h>
+
 #include <algorithm>
 #include <array>
 #include <boost/asio/buffer.hpp>
@@ -109,21 +111,50 @@ PlugCounters UsbipPlug::counters() const noexcept {
 
 void UsbipPlug::fire(MonotonicTime now) noexcept {
   ++round_;
+  around_.clock->events().schedule_at(*this, now + round_period());
+  if (now < left_out_until_) {
+    for (Connection& connection : connections_) connection.session.leave_round_out();
+    return;
+  }
   model_->advance(now);
-  if (round_ % rounds_per_frame_ == 0) accept();
   for (auto connection = connections_.begin(); connection != connections_.end();) {
     const auto next = std::next(connection);
     connection->session.set_available(is_plugged_ && !is_attached());
     const bool is_up = receive(*connection);
-    if (connection->session.is_attached()) connection->session.serve(now);
+    if (connection->session.is_attached()) {
+      connection->session.serve(now);
+    } else {
+      connection->session.leave_round_out();
+    }
     if (!send(*connection) || !is_up) drop(connection);
     connection = next;
   }
+  if (round_ % rounds_per_frame_ != 0) return;
+  accept();  // so that its frames begin with ours
   plugin::ArmBackend* arm = model_->arm_backend();
-  if (arm != nullptr && round_ % rounds_per_frame_ == 0) {
-    around_.log->note_sample(around_.time(now), arm->truth());
+  if (arm != nullptr) around_.log->note_sample(around_.time(now), arm->truth());
+}
+
+MonotonicTime UsbipPlug::next_needed() const noexcept {
+  const MonotonicTime now = around_.clock->now();
+  const auto rounds_left = rounds_per_frame_ - round_ % rounds_per_frame_;
+  MonotonicTime needed = now + rounds_left * round_period();
+  for (const Connection& connection : connections_) {
+    needed = std::min(needed, connection.session.next_needed(now));
   }
-  around_.clock->events().schedule_at(*this, now + round_period());
+  return needed;
+}
+
+bool UsbipPlug::wait_for_kernel(MonotonicTime until) noexcept {
+  std::array<pollfd, kMostConnections> sockets{};
+  nfds_t count = 0;
+  for (Connection& connection : connections_) {
+    sockets[count++] = {connection.socket.native_handle(), POLLIN, 0};
+  }
+  const Duration left = std::max(until - around_.machine->now(), Duration(0));
+  const auto whole = std::chrono::duration_cast<std::chrono::seconds>(left);
+  const timespec most{whole.count(), (left - whole).count()};
+  return ::ppoll(sockets.data(), count, &most, nullptr) > 0;
 }
 
 void UsbipPlug::accept() {

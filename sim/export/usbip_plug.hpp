@@ -35,7 +35,10 @@ class UsbipPlug final : public Plug, private Event {
       boost::asio::io_context& io, std::uint16_t port, plugin::SimUsbModel& model,
       UsbPersona persona, const PlugSurroundings& surroundings);
   [[nodiscard]] std::uint16_t port() const;
-  [[nodiscard]] Duration round_period() const noexcept;
+  [[nodiscard]] Duration round_period() const noexcept override;
+  [[nodiscard]] MonotonicTime next_needed() const noexcept override;
+  [[nodiscard]] bool wait_for_kernel(MonotonicTime until) noexcept override;
+  void leave_out_until(MonotonicTime t) noexcept override { left_out_until_ = t; }
 
   // A host has it; whether somebody there uses it, is_open() says.
   [[nodiscard]] bool is_attached() const noexcept;
@@ -68,6 +71,7 @@ class UsbipPlug final : public Plug, private Event {
   PlugSurroundings around_;
   unsigned rounds_per_frame_;
   std::uint64_t round_{0};
+  MonotonicTime left_out_until_{};
   bool is_plugged_{false};
   bool was_unplugged_{false};
   boost::asio::io_context* io_;

@@ -129,11 +129,23 @@ void UsbipSession::serve(MonotonicTime now) {
     return transfer.submit.endpoint != 0;
   });
   if (is_used) used_at_ = now;
-  if (around_.misbehaviour->is_silent(now)) return;
+  is_under_way_ = around_.misbehaviour->is_silent(now);
+  if (is_under_way_) return;
   bytes_left_ = kBytesPerFrame / rounds_per_frame_;
   serve_kind(UsbTransferKind::Interrupt, now);
   serve_kind(UsbTransferKind::Control, now);
   serve_kind(UsbTransferKind::Bulk, now);
+}
+
+MonotonicTime UsbipSession::next_needed(MonotonicTime now) const noexcept {
+  const Duration round = kUsbFrame / rounds_per_frame_;
+  const MonotonicTime frame = now + (rounds_per_frame_ - round_ % rounds_per_frame_) * round;
+  if (transfers_.empty() && outbox_.empty()) return frame;
+  const bool is_next = is_under_way_ || !outbox_.empty();
+  const MonotonicTime changes = is_next ? now : model_->unchanged_until();
+  if (changes >= frame) return frame;
+  const auto rounds = (std::max(changes - now, Duration(1)) + round - Duration(1)) / round;
+  return now + rounds * round;
 }
 
 const bus::UsbEndpointInfo* UsbipSession::endpoint_of(const Transfer& transfer) const noexcept {
@@ -192,6 +204,11 @@ UsbipSession::Progress UsbipSession::end(const Transfer& transfer, std::int32_t 
   return Progress::Ended;
 }
 
+UsbipSession::Progress UsbipSession::put_off() noexcept {
+  is_under_way_ = true;
+  return Progress::Waits;
+}
+
 UsbipSession::Progress UsbipSession::halt(const Transfer& transfer,
                                           const bus::UsbEndpointInfo& endpoint) {
   halted_.push_back(endpoint);
@@ -205,6 +222,7 @@ bool UsbipSession::is_halted(const bus::UsbEndpointInfo& endpoint) const noexcep
 UsbipSession::Progress UsbipSession::control(Transfer& transfer, MonotonicTime now) {
   const bus::UsbControlRequest request = control_request(transfer.submit.setup, transfer.data);
   ++counters_.requests;
+  is_under_way_ = true;  // it may be one of many, or change what the device says elsewhere
   if (around_.misbehaviour->is_stalled(now)) return end(transfer, -EPIPE);
   if (!is_standard(request)) return class_request(transfer, request, now);
   const auto answer = answer_standard(*persona_, request, configuration_);
@@ -229,7 +247,7 @@ UsbipSession::Progress UsbipSession::class_request(Transfer& transfer,
   const UsbAnswer answer = model_->control(request, {room.data(), is_in ? wanted : 0U});
   if (answer.handshake == UsbHandshake::Nak) {
     --counters_.requests;  // it is the same one that comes again
-    return Progress::Waits;
+    return put_off();
   }
   if (!is_in) {
     around_.log->note_bytes(around_.time(now), ModelLog::Direction::Requested,
@@ -249,13 +267,14 @@ UsbipSession::Progress UsbipSession::send(Transfer& transfer, const bus::UsbEndp
     const auto packet = std::span(transfer.data).subspan(transfer.done);
     const auto bytes =
         packet.first(std::min<std::size_t>(packet.size(), endpoint.max_packet_bytes));
-    if (!take_budget(kUsbPacketOverheadBytes + bytes.size())) return Progress::Waits;
+    if (!take_budget(kUsbPacketOverheadBytes + bytes.size())) return put_off();
     const UsbHandshake handshake = model_->out_packet(endpoint.address, bytes);
-    if (handshake == UsbHandshake::Nak) return Progress::Waits;
+    if (handshake == UsbHandshake::Nak) return put_off();
     if (handshake == UsbHandshake::Stall) return halt(transfer, endpoint);
     around_.log->note_bytes(around_.time(now), ModelLog::Direction::ToModel, bytes);
     ++counters_.from_host;
     transfer.done += bytes.size();
+    is_under_way_ = true;  // what asked before it may have an answer now
   }
   return end(transfer, 0);
 }
@@ -267,7 +286,7 @@ UsbipSession::Progress UsbipSession::fetch(Transfer& transfer, const bus::UsbEnd
   const std::span<std::uint8_t> room(buffer.data(), most);
   while (transfer.in.size() < transfer.submit.length) {
     // The bus cannot know how much will come, so there must be time for a whole packet.
-    if (bytes_left_ < kUsbPacketOverheadBytes + most) return Progress::Waits;
+    if (bytes_left_ < kUsbPacketOverheadBytes + most) return put_off();
     const UsbAnswer answer = model_->in_packet(endpoint.address, room);
     if (answer.handshake == UsbHandshake::Nak) return Progress::Waits;
     if (answer.handshake == UsbHandshake::Stall) return halt(transfer, endpoint);

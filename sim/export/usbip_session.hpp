@@ -50,6 +50,11 @@ class UsbipSession {
   // False: the connection has to end.
   [[nodiscard]] bool take(std::span<const std::uint8_t> bytes);
   void serve(MonotonicTime now);
+  // In place of serve(), for a round in which nothing is to happen.
+  void leave_round_out() noexcept { ++round_; }
+  // The next round in which something happens even if the host says nothing: at most a frame after
+  // `now`, that of the last one.
+  [[nodiscard]] MonotonicTime next_needed(MonotonicTime now) const noexcept;
   [[nodiscard]] std::vector<std::uint8_t>& outbox() noexcept { return outbox_; }
 
   [[nodiscard]] bool is_attached() const noexcept { return is_attached_; }
@@ -91,6 +96,7 @@ class UsbipSession {
   Progress end(const Transfer& transfer, std::int32_t status);
   Progress halt(const Transfer& transfer, const bus::UsbEndpointInfo& endpoint);
   [[nodiscard]] bool is_halted(const bus::UsbEndpointInfo& endpoint) const noexcept;
+  Progress put_off() noexcept;
   bool take_budget(std::size_t bytes) noexcept;
 
   plugin::SimUsbModel* model_;
@@ -99,6 +105,8 @@ class UsbipSession {
   unsigned rounds_per_frame_;
   std::uint64_t round_{0};
   std::size_t bytes_left_{0};
+  // The next round matters by what happened in this one, or did not for want of time.
+  bool is_under_way_{false};
   bool is_available_{false};
   bool is_attached_{false};
   std::uint8_t configuration_{0};

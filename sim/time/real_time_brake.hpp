@@ -33,6 +33,10 @@ class RealTimeBrake final : public Clock {
   // The two time lines are tied together at the first call. Returns the real lateness.
   THIMBLE_RT_IO Duration sleep_until(MonotonicTime deadline) noexcept override;
 
+  // When a virtual time is due on the real clock, if nothing is late until then. After a sleep.
+  [[nodiscard]] MonotonicTime real_time_of(MonotonicTime t) const noexcept {
+    return anchor_real_ + (t - anchor_virtual_);
+  }
   // How far virtual time has fallen behind the machine's since the first sleep.
   [[nodiscard]] Duration total_delay() const noexcept {
     return Duration(total_delay_ns_.load(std::memory_order_relaxed));

@@ -17,6 +17,7 @@
 #include "sim/export/acm_on_usb.hpp"
 #include "sim/export/device_verbs.hpp"
 #include "sim/export/hid_on_usb.hpp"
+#include "sim/export/plug_pace.hpp"
 #include "sim/export/uhid_plug.hpp"
 #include "sim/export/usbip_plug.hpp"
 #include "sim/export/verb_server.hpp"
@@ -25,7 +26,6 @@
 #include "sim/model/cp2112/cp2112_model.hpp"
 #include "sim/model/falcon/register_falcon_model.hpp"
 #include "sim/model/spacemouse/register_spacemouse_models.hpp"
-#include "sim/time/real_time_brake.hpp"
 
 namespace thimble::sim {
 namespace {
@@ -86,9 +86,9 @@ class Simdev {
   }
   // Until a signal, or until the kernel let go of it.
   void run() {
-    RealTimeBrake brake(clock_, machine_);
+    PlugPace pace(clock_, machine_, *plug_);
     while (!is_over_ && !plug_->is_broken()) {
-      brake.sleep_until(clock_.now() + step_);
+      pace.run_next();
       io_.poll_one();  // one piece of a reply, and the next frame is due
     }
     server_.reset();
@@ -105,7 +105,6 @@ class Simdev {
     if (!node) return tl::unexpected(node.error());
     way_ = "through uhid";
     plug_ = std::make_unique<UhidPlug>(*std::move(node), *hid, info_, surroundings());
-    step_ = hid->frame_period();
     return plug_->plug();
   }
   Result<void> offer_by_usbip(std::uint16_t port) {
@@ -121,7 +120,6 @@ class Simdev {
     auto plug = UsbipPlug::listen(io_, port, *usb, std::move(persona), surroundings());
     if (!plug) return tl::unexpected(plug.error());
     way_ = "over USB/IP at port " + std::to_string((*plug)->port());
-    step_ = (*plug)->round_period();
     plug_ = *std::move(plug);
     return plug_->plug();
   }
@@ -146,7 +144,6 @@ class Simdev {
   plugin::SimModel model_;
   bus::BusDeviceInfo info_;
   plugin::ModelPanel* panel_{nullptr};
-  Duration step_{};
   std::string way_;                               // to the kernel
   std::unique_ptr<plugin::SimUsbModel> wrapped_;  // on USB/IP, what is no bare USB device
   std::unique_ptr<Plug> plug_;

@@ -68,6 +68,11 @@ std::size_t TextArmModel::take(std::span<const std::uint8_t> bytes) noexcept {
 
 std::size_t TextArmModel::give(std::span<std::uint8_t> out) noexcept { return firmware_.give(out); }
 
+// It answers, and says nothing unasked.
+MonotonicTime TextArmModel::unchanged_until() const noexcept {
+  return firmware_.has_unread() ? now() : MonotonicTime{Duration::max()};
+}
+
 void TextArmModel::power_cycle() noexcept { firmware_.power_up(now(), kBoot, encoder_totals()); }
 
 void register_text_arm_models(plugin::SimModelRegistry& registry) {

@@ -28,6 +28,7 @@ class TextArmModel final : public plugin::SimSerialModel,
   THIMBLE_RT void advance(MonotonicTime t) noexcept override { advance_arm(t); }
   THIMBLE_RT std::size_t take(std::span<const std::uint8_t> bytes) noexcept override;
   THIMBLE_RT std::size_t give(std::span<std::uint8_t> out) noexcept override;
+  [[nodiscard]] MonotonicTime unchanged_until() const noexcept override;
   THIMBLE_RT void power_cycle() noexcept override;
   [[nodiscard]] plugin::ArmBackend* arm_backend() noexcept override { return this; }
   [[nodiscard]] const TextFirmware& firmware() const noexcept { return firmware_; }

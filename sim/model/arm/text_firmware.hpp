@@ -51,6 +51,8 @@ class TextFirmware final : public ControllerBoard {
   // The line's side. How many of `bytes` there was room for; they are read by the next run_until().
   THIMBLE_RT std::size_t take(std::span<const std::uint8_t> bytes) noexcept;
   THIMBLE_RT std::size_t give(std::span<std::uint8_t> out) noexcept;
+  // Something was taken that it has not read, which may be answered.
+  [[nodiscard]] bool has_unread() const noexcept { return in_read_ < in_size_; }
   [[nodiscard]] const TextFirmwareCounters& counters() const noexcept { return counters_; }
 
  private:

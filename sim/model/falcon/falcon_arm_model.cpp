@@ -148,6 +148,12 @@ UsbAnswer FalconArmModel::in_packet(std::uint8_t endpoint, std::span<std::uint8_
   return bridge_.in_packet(now_, out);
 }
 
+MonotonicTime FalconArmModel::unchanged_until() const noexcept {
+  const bool is_line_busy =
+      std::min(bridge_.next_arrival(), processor_.next_arrival()) != kNeverInTime;
+  return is_line_busy ? now_ : bridge_.next_packet_at();
+}
+
 void FalconArmModel::power_cycle() noexcept {
   bridge_.power_up(now_);
   processor_.power_up();

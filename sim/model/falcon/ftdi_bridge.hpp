@@ -58,6 +58,11 @@ class FtdiBridge {
                                              std::span<const std::uint8_t> bytes) noexcept;
   THIMBLE_RT plugin::UsbAnswer in_packet(MonotonicTime t, std::span<std::uint8_t> out) noexcept;
 
+  // From when on it has a packet for the host, if nothing comes in; in the past: it has one.
+  [[nodiscard]] MonotonicTime next_packet_at() const noexcept {
+    return count_ < kPacketBytes - kStatusBytes ? packet_due_at_ : MonotonicTime{};
+  }
+
   // Serial side. What the host wrote arrives at its far end then and there.
   [[nodiscard]] MonotonicTime next_arrival() const noexcept { return sender_.next_arrival(); }
   THIMBLE_RT SerialByte take_arrived() noexcept;

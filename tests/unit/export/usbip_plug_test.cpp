@@ -15,6 +15,7 @@ namespace thimble::sim {
 namespace {
 
 using Bytes = UsbipHost::Bytes;
+using std::chrono::milliseconds;
 using Tcp = boost::asio::ip::tcp;
 
 // Over a real socket of the loopback, between whose two ends virtual time runs by hand.
@@ -80,6 +81,35 @@ TEST_F(UsbipPlugTest, ServesAHostThatAttaches) {
   EXPECT_TRUE(sut_->is_open());
   bench_.run_frames(100);
   EXPECT_FALSE(sut_->is_open());
+}
+
+TEST_F(UsbipPlugTest, NeedsAFrameAndARoundInWhichTheDeviceMaySaySomething) {
+  EXPECT_EQ(sut_->next_needed(), MonotonicTime{milliseconds(1)}) << "nobody has it";
+  Tcp::socket host = connect(*sut_);
+  ask(host, UsbipHost::import(), 320);
+  const MonotonicTime frame = bench_.clock.now();
+  EXPECT_EQ(sut_->next_needed(), frame + milliseconds(1)) << "nobody asks it anything";
+  ask(host, host_.read(test::ScriptedUsbModel::kBulkIn, 64), 51);
+  EXPECT_EQ(sut_->next_needed(), bench_.clock.now() + sut_->round_period()) << "it says no when";
+}
+
+TEST_F(UsbipPlugTest, HearsTheHostWhileItWaits) {
+  Tcp::socket host = connect(*sut_);
+  ask(host, UsbipHost::import(), 320);
+  EXPECT_FALSE(sut_->wait_for_kernel(bench_.machine.now()));
+  boost::asio::write(host, boost::asio::buffer(host_.read(test::ScriptedUsbModel::kBulkIn, 64)));
+  EXPECT_TRUE(sut_->wait_for_kernel(bench_.machine.now() + std::chrono::seconds(5)));
+}
+
+TEST_F(UsbipPlugTest, ARoundThatIsLeftOutDoesNothing) {
+  Tcp::socket host = connect(*sut_);
+  ask(host, UsbipHost::import(), 320);
+  script_->to_send[test::ScriptedUsbModel::kBulkIn] = {{1, 2, 3}};
+  boost::asio::write(host, boost::asio::buffer(host_.read(test::ScriptedUsbModel::kBulkIn, 64)));
+  sut_->leave_out_until(bench_.clock.now() + milliseconds(5));
+  bench_.run_frames(4);
+  EXPECT_EQ(sut_->counters().to_host, 0U);
+  EXPECT_EQ(ask(host, {}, 51).size(), 51U);
 }
 
 TEST_F(UsbipPlugTest, IsAttachedToOneHostAtATime) {

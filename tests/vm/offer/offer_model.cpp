@@ -13,9 +13,9 @@
 #include "hal/linux/monotonic_clock.hpp"
 #include "hal/linux/system_error.hpp"
 #include "sim/export/hid_on_usb.hpp"
+#include "sim/export/plug_pace.hpp"
 #include "sim/export/uhid_plug.hpp"
 #include "sim/export/usbip_plug.hpp"
-#include "sim/time/real_time_brake.hpp"
 
 namespace thimble::test {
 namespace {
@@ -31,16 +31,16 @@ struct Around {
   }
 };
 
-Result<void> run(sim::Plug& plug, Duration step, Around& around) {
+Result<void> run(sim::Plug& plug, Around& around) {
   bool is_over = false;
   boost::asio::signal_set signals(around.io, SIGTERM, SIGINT);
   signals.async_wait([&is_over](auto, int) { is_over = true; });
   if (Result<void> plugged = plug.plug(); !plugged) return plugged;
   std::puts("plugged in");
   std::fflush(stdout);
-  sim::RealTimeBrake brake(around.clock, around.machine);
+  sim::PlugPace pace(around.clock, around.machine, plug);
   while (!is_over && !plug.is_broken()) {
-    static_cast<void>(brake.sleep_until(around.clock.now() + step));
+    pace.run_next();
     around.io.poll();
   }
   return {};
@@ -52,7 +52,7 @@ Result<void> offer_by_usbip(plugin::SimUsbModel& model, sim::UsbPersona persona,
   auto plug =
       sim::UsbipPlug::listen(around.io, port, model, std::move(persona), around.surroundings());
   if (!plug) return tl::unexpected(plug.error());
-  return run(**plug, (*plug)->round_period(), around);
+  return run(**plug, around);
 }
 
 Result<void> offer_through_uhid(plugin::SimHidModel& model, const bus::BusDeviceInfo& info) {
@@ -60,7 +60,7 @@ Result<void> offer_through_uhid(plugin::SimHidModel& model, const bus::BusDevice
   if (node.get() < 0) return tl::unexpected(linux::system_error("/dev/uhid", errno));
   Around around;
   sim::UhidPlug plug(std::move(node), model, info, around.surroundings());
-  return run(plug, model.frame_period(), around);
+  return run(plug, around);
 }
 
 }  // namespace

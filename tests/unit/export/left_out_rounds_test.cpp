@@ -1,0 +1,159 @@
+#include <gtest/gtest.h>
+
+#include <random>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "sim/export/acm_on_usb.hpp"
+#include "sim/export/usbip_session.hpp"
+#include "sim/model/arm/register_arm_models.hpp"
+#include "sim/model/arm/text_arm_model.hpp"
+#include "sim/model/falcon/falcon_arm_model.hpp"
+#include "sim/model/falcon/falcon_parameters.hpp"
+#include "tests/unit/export/export_bench.hpp"
+#include "tests/unit/export/usbip_host.hpp"
+
+namespace thimble::sim {
+namespace {
+
+using Bytes = UsbipHost::Bytes;
+
+constexpr int kRounds = 16'000;  // two seconds
+constexpr Duration kRound{125'000};
+constexpr std::uint32_t kReadBytes = 128;
+
+// What a host says to a device, before which round; by chance, the same for the same seed.
+struct Words {
+  std::uint8_t in{0};
+  std::uint8_t out{0};
+  std::vector<Bytes> requests;  // of a driver: written whole
+  std::vector<std::array<std::uint8_t, 8>> setups;
+};
+
+// A device on the far end of USB/IP, and a host that always has two reads pending.
+class Bus {
+ public:
+  Bus(plugin::SimUsbModel& model, UsbPersona persona, Words words)
+      : model_(&model), persona_(std::move(persona)), words_(std::move(words)) {
+    session_.set_available(true);
+    EXPECT_TRUE(session_.take(UsbipHost::import()));
+    session_.outbox().clear();
+    for (const auto& setup : words_.setups) say(host_.control(setup));
+    for (int i = 0; i < 2; ++i) read();
+  }
+
+  // A line for each answer: in which round, and what. `leaves_out`: rounds that next_needed() does
+  // not want.
+  std::vector<std::string> run(bool leaves_out) {
+    std::mt19937 dice(5);
+    MonotonicTime needed{};
+    for (round_ = 1; round_ <= kRounds; ++round_) {
+      bench_.clock.run_for(kRound);
+      if (dice() % 16 == 0)
+        say(host_.write(words_.out, words_.requests[dice() % words_.requests.size()]));
+      if (leaves_out && !std::exchange(has_said_, false) && bench_.clock.now() < needed) {
+        session_.leave_round_out();
+        continue;
+      }
+      ++looked_at_;
+      model_->advance(bench_.clock.now());
+      session_.serve(bench_.clock.now());
+      take_answers();
+      needed = session_.next_needed(bench_.clock.now());
+    }
+    return std::move(trace_);
+  }
+  [[nodiscard]] int looked_at() const { return looked_at_; }
+  [[nodiscard]] std::size_t data_bytes() const { return data_bytes_; }
+
+ private:
+  void say(const Bytes& bytes) {
+    has_said_ = true;
+    EXPECT_TRUE(session_.take(bytes));
+  }
+  void read() {
+    say(host_.read(words_.in, kReadBytes));
+    reads_.insert(host_.seqnum);
+  }
+  void take_answers() {
+    int to_read = 0;
+    while (!session_.outbox().empty()) {
+      const bool is_read = reads_.contains(UsbipHost::get(session_.outbox(), 4));
+      const auto reply = UsbipHost::take_reply(session_.outbox(), is_read);
+      ASSERT_TRUE(reply);
+      std::string line = std::to_string(round_) + " " + std::to_string(reply->seqnum) + " " +
+                         std::to_string(reply->status) + " ";
+      line.append(reply->data.begin(), reply->data.end());
+      trace_.push_back(line);
+      data_bytes_ += reply->data.size();
+      to_read += is_read ? 1 : 0;
+    }
+    for (; to_read > 0; --to_read) read();
+  }
+
+  ExportBench bench_;
+  plugin::SimUsbModel* model_;
+  UsbPersona persona_;
+  UsbipSession session_{*model_, persona_, 8, bench_.surroundings()};
+  UsbipHost host_;
+  Words words_;
+  std::set<std::uint32_t> reads_;
+  bool has_said_{false};
+  int round_{0};
+  int looked_at_{0};
+  std::size_t data_bytes_{0};
+  std::vector<std::string> trace_;
+};
+
+Bytes bytes(const std::string& text) { return {text.begin(), text.end()}; }
+
+Bus falcon_bus(FalconArmModel& model) {
+  model.load_firmware();
+  // Latency of 1 ms, 1.5 Mbaud, eight data bits: requests 9, 3 and 4 of the bridge.
+  return {
+      model,
+      {model.describe(), {}},
+      {0x81,
+       0x02,
+       {bytes("<AAAAAAAAAAAAAA>"), bytes("<DCBAPPPPAAABAA>"), bytes("<A>"),
+        bytes(std::string(100, '<'))},
+       {{0x40, 9, 1, 0, 0, 0, 0, 0}, {0x40, 3, 2, 0, 0, 0, 0, 0}, {0x40, 4, 8, 0, 0, 0, 0, 0}}}};
+}
+
+Bus text_bus(AcmOnUsb& device) {
+  return {device,
+          device.persona(device.describe()),
+          {AcmOnUsb::kIn,
+           AcmOnUsb::kOut,
+           {bytes("[10,20,30]"), bytes("[1,2"), bytes(",3]\n"), bytes(std::string(60, 'x'))},
+           {}}};
+}
+
+TEST(LeftOutRounds, ChangeNothingOfAFalcon) {
+  FalconArmModel one(falcon_parameters());
+  FalconArmModel other(falcon_parameters());
+  Bus every = falcon_bus(one);
+  Bus needed = falcon_bus(other);
+  const auto expected = every.run(false);
+  EXPECT_EQ(needed.run(true), expected);
+  EXPECT_GT(every.data_bytes(), 1000U);
+  EXPECT_EQ(every.looked_at(), kRounds);
+  EXPECT_LT(needed.looked_at(), kRounds * 3 / 4);
+}
+
+TEST(LeftOutRounds, ChangeNothingOfAnArmWithTheTextProtocol) {
+  TextArmModel one(phantom_vintage_parameters(), {.full_scale_a = 3});
+  TextArmModel other(phantom_vintage_parameters(), {.full_scale_a = 3});
+  AcmOnUsb one_device(one);
+  AcmOnUsb other_device(other);
+  Bus every = text_bus(one_device);
+  Bus needed = text_bus(other_device);
+  const auto expected = every.run(false);
+  EXPECT_EQ(needed.run(true), expected);
+  EXPECT_GT(every.data_bytes(), 1000U);
+  EXPECT_LT(needed.looked_at(), kRounds / 2);
+}
+
+}  // namespace
+}  // namespace thimble::sim

@@ -1,0 +1,116 @@
+#include "sim/export/plug_pace.hpp"
+
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <vector>
+
+namespace thimble::sim {
+namespace {
+
+using std::chrono::microseconds;
+
+constexpr Duration kRound{microseconds(125)};
+
+// The machine's clock: a sleep jumps.
+class JumpingClock final : public Clock {
+ public:
+  MonotonicTime now() const noexcept override { return now_; }
+  Duration sleep_until(MonotonicTime deadline) noexcept override {
+    if (now_ < deadline) now_ = deadline;
+    ++sleeps;
+    return now_ - deadline;
+  }
+  int sleeps{0};
+
+ private:
+  MonotonicTime now_{std::chrono::seconds(9)};
+};
+
+// Rounds by the clock; what it needs and when the kernel speaks is said by the test.
+class ScriptedPlug final : public Plug, private Event {
+ public:
+  ScriptedPlug(VirtualClock& clock, Clock& machine) : clock_(&clock), machine_(&machine) {
+    clock.events().schedule_at(*this, clock.now() + kRound);
+  }
+  Result<void> plug() override { return {}; }
+  Result<void> unplug() override { return {}; }
+  bool is_plugged() const noexcept override { return true; }
+  bool is_open() const noexcept override { return true; }
+  bool is_broken() const noexcept override { return false; }
+  PlugCounters counters() const noexcept override { return {}; }
+  Duration round_period() const noexcept override { return kRound; }
+  MonotonicTime next_needed() const noexcept override { return clock_->now() + needed * kRound; }
+  bool wait_for_kernel(MonotonicTime until) noexcept override {
+    const bool is_in_time = heard_at && *heard_at < until;
+    machine_->sleep_until(is_in_time ? *heard_at : until);
+    return is_in_time;
+  }
+  void leave_out_until(MonotonicTime t) noexcept override { left_out_until_ = t; }
+
+  int needed{8};
+  std::optional<MonotonicTime> heard_at;  // on the machine's clock
+  std::vector<Duration> looked_at;        // since the start
+
+ private:
+  void fire(MonotonicTime now) noexcept override {
+    clock_->events().schedule_at(*this, now + kRound);
+    if (now >= left_out_until_) looked_at.push_back(now.since_epoch);
+  }
+  VirtualClock* clock_;
+  Clock* machine_;
+  MonotonicTime left_out_until_{};
+};
+
+struct PlugPaceTest : testing::Test {
+  PlugPaceTest() {
+    plug.needed = 1;
+    sut.run_next();  // ties the two clocks
+    start = machine.now() - kRound;
+    plug.looked_at.clear();
+    plug.needed = 8;
+  }
+  VirtualClock clock;
+  JumpingClock machine;
+  ScriptedPlug plug{clock, machine};
+  PlugPace sut{clock, machine, plug};
+  MonotonicTime start;
+};
+
+TEST_F(PlugPaceTest, RoundsThatNobodyNeedsPassWithoutALook) {
+  sut.run_next();
+  EXPECT_EQ(plug.looked_at, (std::vector<Duration>{9 * kRound}));
+  EXPECT_EQ(machine.now(), start + 9 * kRound);
+  EXPECT_EQ(clock.now(), MonotonicTime{9 * kRound});
+}
+
+TEST_F(PlugPaceTest, WhereEachIsNeededTheKernelIsNotWaitedFor) {
+  plug.needed = 1;
+  plug.heard_at = start;
+  for (int i = 0; i < 3; ++i) sut.run_next();
+  EXPECT_EQ(plug.looked_at, (std::vector<Duration>{2 * kRound, 3 * kRound, 4 * kRound}));
+  EXPECT_EQ(machine.now(), start + 4 * kRound);
+}
+
+TEST_F(PlugPaceTest, WhatTheKernelSaysIsLookedAtInTheNextRound) {
+  plug.heard_at = start + 3 * kRound + microseconds(1);
+  sut.run_next();
+  EXPECT_EQ(plug.looked_at, (std::vector<Duration>{4 * kRound}));
+  EXPECT_EQ(machine.now(), start + 4 * kRound) << "not before its time";
+}
+
+TEST_F(PlugPaceTest, AtOnceIfItHadSpokenBefore) {
+  plug.heard_at = start;
+  sut.run_next();
+  EXPECT_EQ(plug.looked_at, (std::vector<Duration>{2 * kRound}));
+}
+
+TEST_F(PlugPaceTest, HeardLateItIsNotLookedAtLaterThanNeeded) {
+  plug.needed = 3;
+  plug.heard_at = start + 4 * kRound - microseconds(1);
+  sut.run_next();
+  EXPECT_EQ(plug.looked_at, (std::vector<Duration>{4 * kRound}));
+}
+
+}  // namespace
+}  // namespace thimble::sim
