@@ -64,16 +64,14 @@ Result<void> Daemon::start(const linux::RealtimeProcess& process) {
       config::default_flight_directory(config::process_environment())));
 
   if (has_real_arm(config_)) {
-    buses_ = std::make_unique<linux::BusEnumerator>(
-        linux::BusSettings{clock_, bus_thread_settings(config_.servo), process.report()},
-        [this](const bus::BusDeviceInfo& info) { return plugins_.drivers.knows(info); });
-    GuardSettings guards = default_guard_settings();
-    guards.share = [this](const bus::DeviceAddress& address) { return buses_->share(address); };
-    guards_ = std::make_unique<GuardKeeper>(std::move(guards));
+    if (Result<void> found = start_buses(process); !found) return found;
   }
   session::RigParts parts{plugins_.models, plugins_.drivers};
   parts.real_buses = buses_.get();
   parts.guards = guards_.get();
+  parts.work_of = [this](const std::string& arm) -> devices::DeviceWork& {
+    return device_threads_->of(arm);
+  };
   parts.real_clock = &clock_;
   parts.stopwatch = &clock_;
   parts.wake = wake_.get();
@@ -109,6 +107,19 @@ Result<void> Daemon::start(const linux::RealtimeProcess& process) {
   if (!threads) return tl::unexpected(threads.error());
   threads_ = *std::move(threads);
   tell_what_is_missing();
+  return {};
+}
+
+Result<void> Daemon::start_buses(const linux::RealtimeProcess& process) {
+  buses_ = std::make_unique<linux::BusEnumerator>(
+      linux::BusSettings{clock_, bus_thread_settings(config_.servo), process.report()},
+      [this](const bus::BusDeviceInfo& info) { return plugins_.drivers.knows(info); });
+  GuardSettings guards = default_guard_settings();
+  guards.share = [this](const bus::DeviceAddress& address) { return buses_->share(address); };
+  guards_ = std::make_unique<GuardKeeper>(std::move(guards));
+  auto threads = DeviceThreads::start(config_);
+  if (!threads) return tl::unexpected(threads.error());
+  device_threads_ = *std::move(threads);
   return {};
 }
 

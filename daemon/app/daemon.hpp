@@ -11,6 +11,7 @@
 #include "daemon/api/server.hpp"
 #include "daemon/api/status_view.hpp"
 #include "daemon/app/arm_commands.hpp"
+#include "daemon/app/device_threads.hpp"
 #include "daemon/app/guard_keeper.hpp"
 #include "daemon/app/lateness_watch.hpp"
 #include "daemon/app/leases.hpp"
@@ -51,6 +52,7 @@ class Daemon final : private api::StatusView {
  private:
   [[nodiscard]] api::Status status() const override;
 
+  [[nodiscard]] Result<void> start_buses(const linux::RealtimeProcess& process);
   void hold_back_after_crash();
   void tell_what_is_missing();
   void wait_for_signals();
@@ -89,8 +91,9 @@ class Daemon final : private api::StatusView {
   std::string told_safety_;  // to the log
 
   std::unique_ptr<RecordingWriter> recorder_;
-  std::unique_ptr<linux::BusEnumerator> buses_;  // nullptr: every arm is simulated
-  std::unique_ptr<GuardKeeper> guards_;          // of its devices
+  std::unique_ptr<linux::BusEnumerator> buses_;    // nullptr: every arm is simulated
+  std::unique_ptr<GuardKeeper> guards_;            // of its devices
+  std::unique_ptr<DeviceThreads> device_threads_;  // of its devices, which they close at the end
   std::unique_ptr<session::Runtime> runtime_;
   std::unique_ptr<SafetyThread> safety_;  // nullptr: no such lines
   std::optional<ArmCommands> commands_;

@@ -17,17 +17,24 @@ Result<bus::BusDeviceInfo> find_device(bus::BusEnumerator& buses,
                   (there.empty() ? "; none is plugged in" : "; there are:" + there));
 }
 
+Result<std::unique_ptr<HapticDevice>> open_found(bus::BusEnumerator& buses,
+                                                 const plugin::DriverRegistry& drivers,
+                                                 const bus::BusDeviceInfo& found,
+                                                 const plugin::DriverSettings& settings) {
+  const Result<const plugin::Driver*> driver = drivers.match(found, settings);
+  if (!driver) return tl::unexpected(driver.error());
+  Result<std::unique_ptr<HapticDevice>> device = (*driver)->open(buses, found, settings);
+  if (!device) return tl::unexpected(device.error().in((*driver)->name()).in(found.address.text));
+  return device;
+}
+
 Result<std::unique_ptr<HapticDevice>> open_arm(bus::BusEnumerator& buses,
                                                const plugin::DriverRegistry& drivers,
                                                const bus::DeviceAddress& address,
                                                const plugin::DriverSettings& settings) {
   const Result<bus::BusDeviceInfo> found = find_device(buses, address);
   if (!found) return tl::unexpected(found.error());
-  const Result<const plugin::Driver*> driver = drivers.match(*found, settings);
-  if (!driver) return tl::unexpected(driver.error());
-  Result<std::unique_ptr<HapticDevice>> device = (*driver)->open(buses, *found, settings);
-  if (!device) return tl::unexpected(device.error().in((*driver)->name()).in(address.text));
-  return device;
+  return open_found(buses, drivers, *found, settings);
 }
 
 }  // namespace thimble::devices

@@ -9,13 +9,19 @@
 
 namespace thimble::devices {
 
-// What `buses` lists at `address`. Thread: control plane. Errors: NotFound, naming what is there.
+// What `buses` lists at `address`. Thread: as BusEnumerator. Errors: NotFound, naming what is
+// there.
 [[nodiscard]] Result<bus::BusDeviceInfo> find_device(bus::BusEnumerator& buses,
                                                      const bus::DeviceAddress& address);
 
+// Lets the drivers claim the device that `found` describes, and opens it.
+// Thread: as BusEnumerator. Errors: the driver's refusal with its name and the address in front.
+[[nodiscard]] Result<std::unique_ptr<HapticDevice>> open_found(
+    bus::BusEnumerator& buses, const plugin::DriverRegistry& drivers,
+    const bus::BusDeviceInfo& found, const plugin::DriverSettings& settings);
+
 // Finds the device at `address` on `buses`, lets the drivers claim it, opens it.
-// Thread: control plane. Errors: as find_device(), or the driver's refusal with its name and the
-// address in front.
+// Thread: as BusEnumerator. Errors: as find_device() and open_found().
 [[nodiscard]] Result<std::unique_ptr<HapticDevice>> open_arm(
     bus::BusEnumerator& buses, const plugin::DriverRegistry& drivers,
     const bus::DeviceAddress& address, const plugin::DriverSettings& settings);

@@ -7,12 +7,15 @@
 
 namespace thimble::devices {
 
-ReplaceableDevice::ReplaceableDevice(std::unique_ptr<HapticDevice> first)
-    : current_(first.get()), known_(std::move(first)) {
+ReplaceableDevice::ReplaceableDevice(std::unique_ptr<HapticDevice> first, DeviceCloser& closer)
+    : closer_(closer), current_(first.get()), known_(std::move(first)) {
   THIMBLE_CHECK(current_ != nullptr);
 }
 
-ReplaceableDevice::~ReplaceableDevice() = default;
+ReplaceableDevice::~ReplaceableDevice() {
+  closer_.close(std::move(previous_));
+  closer_.close(std::move(known_));
+}
 
 bool ReplaceableDevice::offer(std::unique_ptr<HapticDevice>& device) {
   THIMBLE_CHECK(device != nullptr);
@@ -33,7 +36,7 @@ bool ReplaceableDevice::retire() {
 
 void ReplaceableDevice::collect() {
   // The servo empties the mailbox when it takes the new device: it uses the old one no more.
-  if (incoming_.load(std::memory_order_acquire) == nullptr) previous_.reset();
+  if (incoming_.load(std::memory_order_acquire) == nullptr) closer_.close(std::move(previous_));
 }
 
 const HapticCapabilities& ReplaceableDevice::capabilities() const noexcept {

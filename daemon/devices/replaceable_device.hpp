@@ -3,6 +3,7 @@
 #include <atomic>
 #include <memory>
 
+#include "daemon/devices/device_closer.hpp"
 #include "hal/device/haptic_device.hpp"
 
 namespace thimble::devices {
@@ -15,10 +16,10 @@ namespace thimble::devices {
 //         control thread; capabilities(), counters() and the instruction from that control
 //         thread too: it alone ends the life of a device.
 // RT: read() and write() are THIMBLE_RT_IO; the hand-over is one atomic exchange.
-// Ownership: owns every device given to it.
+// Ownership: owns every device given to it, and closes them by `closer`, which must outlive it.
 class ReplaceableDevice final : public HapticDevice {
  public:
-  explicit ReplaceableDevice(std::unique_ptr<HapticDevice> first);
+  ReplaceableDevice(std::unique_ptr<HapticDevice> first, DeviceCloser& closer);
   ~ReplaceableDevice() override;
   ReplaceableDevice(const ReplaceableDevice&) = delete;
   ReplaceableDevice& operator=(const ReplaceableDevice&) = delete;
@@ -30,7 +31,7 @@ class ReplaceableDevice final : public HapticDevice {
   // a bus may refuse a second one while the first, dead as it is, is open. What was known of
   // the device stays. True when this call did it.
   bool retire();
-  // Destroys the device that the servo has let go of, if any.
+  // Closes the device that the servo has let go of, if any.
   void collect();
 
   [[nodiscard]] const HapticCapabilities& capabilities() const noexcept override;
@@ -44,6 +45,7 @@ class ReplaceableDevice final : public HapticDevice {
   }
 
  private:
+  DeviceCloser& closer_;
   HapticDevice* current_;                         // servo
   std::unique_ptr<HapticDevice> known_;           // control: the newest offered
   std::unique_ptr<HapticDevice> previous_;        // control: until the servo lets go of it

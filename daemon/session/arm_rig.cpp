@@ -23,8 +23,18 @@ Result<std::unique_ptr<ArmRig>> ArmRig::create_stand_in(const config::ArmConfig&
   const Result<config::ArmConfig> simulated = stand_in_for(arm, parts.models);
   if (!simulated) return tl::unexpected(simulated.error().in("arm '" + arm.name + "'"));
   Result<std::unique_ptr<ArmRig>> rig = create(*simulated, servo, world, parts);
-  if (rig) (*rig)->awaited_.emplace(arm, simulated->device, *parts.real_buses);
+  if (rig) (*rig)->await(arm, simulated->device, parts);
   return rig;
+}
+
+devices::DeviceWork& ArmRig::work_for(const config::ArmConfig& arm, const RigParts& parts) {
+  return parts.work_of ? parts.work_of(arm.name) : at_once_;
+}
+
+template <class Instead>
+void ArmRig::await(const config::ArmConfig& arm, const Instead& instead, const RigParts& parts) {
+  awaited_.emplace(Search{arm, parts.real_buses, &parts.drivers, parts.real_clock}, instead,
+                   work_for(arm, parts));
 }
 
 Result<void> ArmRig::choose_bus(const config::ArmConfig& arm, const RigParts& parts) {
@@ -50,6 +60,7 @@ Result<void> ArmRig::choose_bus(const config::ArmConfig& arm, const RigParts& pa
   }
   buses_ = parts.real_buses;
   clock_ = parts.real_clock;
+  work_ = &work_for(arm, parts);
   return {};
 }
 
@@ -86,6 +97,7 @@ ArmSessionParts ArmRig::session_parts(WorldHost* world, const RigParts& parts) {
   return {*buses_,
           parts.drivers,
           wrapped_link_ ? *wrapped_link_ : link_->arm_end(),
+          *work_,
           *clock_,
           parts.stopwatch != nullptr ? *parts.stopwatch : *clock_,
           world != nullptr ? world->world().info().cell_m : 0,
@@ -100,8 +112,24 @@ Result<std::unique_ptr<ArmRig>> ArmRig::create(const config::ArmConfig& arm,
   std::unique_ptr<ArmRig> rig(new ArmRig());
   const Result<void> connected = rig->connect(arm, world, parts);
   if (!connected) return tl::unexpected(connected.error().in("arm '" + arm.name + "'"));
-  Result<std::unique_ptr<ArmSession>> session =
-      ArmSession::create(arm, servo, rig->session_parts(world, parts));
+  auto session = ArmSession::create(arm, servo, rig->session_parts(world, parts));
+  if (!session) return tl::unexpected(session.error());
+  rig->session_ = *std::move(session);
+  return rig;
+}
+
+Result<std::unique_ptr<ArmRig>> ArmRig::create_found(const config::ArmConfig& arm,
+                                                     const config::ServoConfig& servo,
+                                                     WorldHost* world, const RigParts& parts,
+                                                     Sought sought) {
+  std::unique_ptr<ArmRig> rig(new ArmRig());
+  const Result<void> connected = rig->connect(arm, world, parts);
+  if (!connected) {
+    if (sought.device) rig->work_for(arm, parts).close(*std::move(sought.device));
+    return tl::unexpected(connected.error().in("arm '" + arm.name + "'"));
+  }
+  auto session =
+      ArmSession::create(arm, servo, rig->session_parts(world, parts), std::move(sought));
   if (!session) return tl::unexpected(session.error());
   rig->session_ = *std::move(session);
   return rig;
@@ -118,7 +146,7 @@ Result<std::unique_ptr<ArmRig>> ArmRig::create_lost(const config::ArmConfig& arm
       ArmSession::create_lost(arm, servo, rig->session_parts(world, parts));
   if (!session) return tl::unexpected(session.error());
   rig->session_ = *std::move(session);
-  rig->awaited_.emplace(arm, why, *rig->buses_);
+  rig->await(arm, why, parts);
   return rig;
 }
 

@@ -19,7 +19,9 @@ struct RigParts {
   const plugin::SimModelRegistry& models;
   const plugin::DriverRegistry& drivers;
   bus::BusEnumerator* real_buses{nullptr};  // nullptr: only "sim:" devices can be opened
-  devices::ArmGuards* guards{nullptr};   // of real arms; nullptr: those that need one are refused
+  devices::ArmGuards* guards{nullptr};  // of real arms; nullptr: those that need one are refused
+  // Opens and closes the real arm of that name while arms run; nothing: done at once.
+  std::function<devices::DeviceWork&(const std::string& arm)> work_of{};
   Clock* real_clock{nullptr};            // nullptr: virtual time, nothing sleeps
   const Clock* stopwatch{nullptr};       // nullptr: the arm's own clock
   rt::WakeSignal* wake{nullptr};         // of the net plane
@@ -47,6 +49,10 @@ class ArmRig {
                                                               const config::ServoConfig& servo,
                                                               WorldHost* world,
                                                               const RigParts& parts);
+  // The same for an arm that AwaitedArm found.
+  [[nodiscard]] static Result<std::unique_ptr<ArmRig>> create_found(
+      const config::ArmConfig& arm, const config::ServoConfig& servo, WorldHost* world,
+      const RigParts& parts, Sought sought);
   // A rig in the place of a real arm that cannot be had now, and `why` not: its session is Lost
   // until Runtime finds the arm. Errors: what is wrong with more than the device.
   [[nodiscard]] static Result<std::unique_ptr<ArmRig>> create_lost(const config::ArmConfig& arm,
@@ -73,6 +79,10 @@ class ArmRig {
 
  private:
   ArmRig() = default;
+  [[nodiscard]] devices::DeviceWork& work_for(const config::ArmConfig& arm, const RigParts& parts);
+  // `instead`: the name of its stand-in, or why there is nothing.
+  template <class Instead>
+  void await(const config::ArmConfig& arm, const Instead& instead, const RigParts& parts);
   [[nodiscard]] static Result<std::unique_ptr<ArmRig>> create_stand_in(
       const config::ArmConfig& arm, const config::ServoConfig& servo, WorldHost* world,
       const RigParts& parts);
@@ -84,6 +94,8 @@ class ArmRig {
                                      const RigParts& parts);
   [[nodiscard]] ArmSessionParts session_parts(WorldHost* world, const RigParts& parts);
 
+  devices::WorkAtOnce at_once_;
+  devices::DeviceWork* work_{&at_once_};
   std::optional<AwaitedArm> awaited_;
   std::unique_ptr<SimArm> sim_arm_;
   std::optional<sim::RealTimeBrake> brake_;

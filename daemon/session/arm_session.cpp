@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "daemon/devices/arm_opener.hpp"
 #include "daemon/devices/gone_device.hpp"
 #include "daemon/devices/returned_arm.hpp"
 #include "daemon/session/arm_settings.hpp"
@@ -10,11 +9,8 @@
 namespace thimble::session {
 namespace {
 
-Result<std::unique_ptr<HapticDevice>> open_device(const config::ArmConfig& arm,
-                                                  const ArmSessionParts& parts) {
-  plugin::DriverSettings settings = driver_settings(arm);
-  settings.clock = &parts.clock;
-  return devices::open_arm(parts.buses, parts.drivers, {arm.device}, settings);
+Search search_for(const config::ArmConfig& arm, const ArmSessionParts& parts) {
+  return {arm, &parts.buses, &parts.drivers, &parts.clock};
 }
 
 }  // namespace
@@ -24,9 +20,11 @@ ArmSession::ArmSession(const config::ArmConfig& arm, const ArmSessionParts& part
                        std::unique_ptr<coupling::ArmCoupling> coupling)
     : arm_(arm),
       parts_(parts),
-      device_(std::move(device)),
+      device_(std::move(device), parts.work),
       coupling_(std::make_unique<coupling::SteadyForce>(std::move(coupling))),
-      guard_("arm '" + arm.name + "'", {arm.device}, parts.guards, controls_) {
+      guard_("arm '" + arm.name + "'", {arm.device}, parts.guards, controls_),
+      search_(search_for(arm, parts)),
+      seeker_(parts.work) {
   controls_.want_active = arm.activate;
 }
 
@@ -35,10 +33,12 @@ Result<std::unique_ptr<ArmSession>> ArmSession::make(const config::ArmConfig& ar
                                                      const ArmSessionParts& parts,
                                                      std::unique_ptr<HapticDevice> device) {
   const Result<servo::ServoSettings> settings = servo_settings(arm, servo, device->capabilities());
-  if (!settings) return tl::unexpected(settings.error());
   Result<std::unique_ptr<coupling::ArmCoupling>> coupling =
       make_coupling(arm, parts.cell_m, device->capabilities());
-  if (!coupling) return tl::unexpected(coupling.error());
+  if (!settings || !coupling) {
+    parts.work.close(std::move(device));
+    return tl::unexpected(settings ? coupling.error() : settings.error());
+  }
   // The constructor is private, so make_unique cannot reach it.
   std::unique_ptr<ArmSession> session(
       new ArmSession(arm, parts, std::move(device), *std::move(coupling)));
@@ -56,13 +56,18 @@ void ArmSession::make_loop(bool is_lost) {
 Result<std::unique_ptr<ArmSession>> ArmSession::create(const config::ArmConfig& arm,
                                                        const config::ServoConfig& servo,
                                                        const ArmSessionParts& parts) {
+  return create(arm, servo, parts, seek(search_for(arm, parts)));
+}
+
+Result<std::unique_ptr<ArmSession>> ArmSession::create(const config::ArmConfig& arm,
+                                                       const config::ServoConfig& servo,
+                                                       const ArmSessionParts& parts,
+                                                       Sought sought) {
   const std::string name = "arm '" + arm.name + "'";
-  const Result<bus::BusDeviceInfo> info = devices::find_device(parts.buses, {arm.device});
-  Result<std::unique_ptr<HapticDevice>> device = open_device(arm, parts);
-  if (!device) return tl::unexpected(device.error().in(name));
-  Result<std::unique_ptr<ArmSession>> session = make(arm, servo, parts, *std::move(device));
+  if (!sought.device) return tl::unexpected(sought.device.error().in(name));
+  Result<std::unique_ptr<ArmSession>> session = make(arm, servo, parts, *std::move(sought.device));
   if (!session) return tl::unexpected(session.error().in(name));
-  (*session)->identity_ = info.value_or(bus::BusDeviceInfo{});
+  (*session)->search_.left = std::move(sought.there);
   const Result<void> guarded = (*session)->guard_.begin((*session)->device_);
   if (!guarded) return tl::unexpected(guarded.error());
   (*session)->make_loop(false);
@@ -118,11 +123,16 @@ Result<void> ArmSession::follow(MonotonicTime now) {
     offered_at_tick_ = snapshot().frame.tick;
     return {};
   }
-  if (!pace_.is_due(now)) return {};
-  pace_.tried(now);
-  Result<void> opened = reopen();
-  trouble_ = opened ? "" : opened.error().message;
-  return opened;
+  if (!seeker_.is_under_way()) {
+    if (!pace_.is_due(now)) return {};
+    pace_.tried(now);
+    seeker_.begin(search_);
+  }
+  std::optional<Sought> sought = seeker_.take();
+  if (!sought) return {};
+  Result<void> back = take_back(*std::move(sought));
+  trouble_ = back ? "" : back.error().message;
+  return back;
 }
 
 // The state of a tick that began after the newest offer: an older one tells of the old device.
@@ -132,21 +142,23 @@ bool ArmSession::is_lost_for_servo() {
   return is_seen_since && frame.state == OperatingState::Lost;
 }
 
-Result<void> ArmSession::reopen() {
-  const auto found = devices::find_device(parts_.buses, {arm_.device});
-  if (!found) return {};  // unplugged, which the state says already
+Result<void> ArmSession::take_back(Sought sought) {
+  if (!sought.there) return {};  // unplugged, which the state says already
   const std::string refusal = "arm '" + arm_.name + "' is back but cannot be opened";
-  const Result<void> is_same = devices::check_same_device(identity_, *found);
-  if (!is_same) return tl::unexpected(is_same.error().in(refusal));
-  Result<std::unique_ptr<HapticDevice>> device = open_device(arm_, parts_);
-  if (!device) return tl::unexpected(device.error().in(refusal));
+  if (!sought.device) return tl::unexpected(sought.device.error().in(refusal));
+  Result<void> offered = offer(*sought.device, refusal);
+  if (!offered) seeker_.give_back(std::move(sought));
+  return offered;
+}
+
+Result<void> ArmSession::offer(std::unique_ptr<HapticDevice>& device, const std::string& refusal) {
   const Result<void> is_alike =
-      devices::check_same_limits(device_.capabilities(), (*device)->capabilities());
+      devices::check_same_limits(device_.capabilities(), device->capabilities());
   if (!is_alike) return tl::unexpected(is_alike.error().in(refusal));
-  Result<void> guarded = guard_.begin(**device);
+  Result<void> guarded = guard_.begin(*device);
   if (!guarded) return guarded;
-  (*device)->forget_calibration();
-  if (!device_.offer(*device)) return fail(Errc::Busy, "arm '" + arm_.name + "' is being replaced");
+  device->forget_calibration();
+  if (!device_.offer(device)) return fail(Errc::Busy, "arm '" + arm_.name + "' is being replaced");
   offered_at_tick_ = snapshot().frame.tick;
   return {};
 }

@@ -9,9 +9,11 @@
 #include "daemon/coupling/arm_coupling.hpp"
 #include "daemon/coupling/arm_link.hpp"
 #include "daemon/coupling/steady_force.hpp"
+#include "daemon/devices/device_work.hpp"
 #include "daemon/devices/replaceable_device.hpp"
 #include "daemon/servo/flight_file.hpp"
 #include "daemon/servo/servo_loop.hpp"
+#include "daemon/session/arm_seeker.hpp"
 #include "daemon/session/guarded_arm.hpp"
 #include "daemon/session/retry_pace.hpp"
 #include "hal/base/result.hpp"
@@ -25,6 +27,7 @@ struct ArmSessionParts {
   bus::BusEnumerator& buses;
   const plugin::DriverRegistry& drivers;
   coupling::ArmLink& link;
+  devices::DeviceWork& work;            // opens and closes the arm while the session lives
   Clock& clock;                         // of the servo and of the arm's bus
   const Clock& stopwatch;               // measures only
   double cell_m{0};                     // of the world at the other end, where it is known
@@ -43,11 +46,16 @@ struct Recording {
 // Thread: loop() is ticked by the servo thread; all else belongs to one control thread.
 class ArmSession {
  public:
-  // Errors: as devices::open_arm(), make_limiter_settings() and GuardedArm::begin(), with the
-  // arm's name in front.
+  // Opens it here and now. Errors: as seek(), make_limiter_settings() and GuardedArm::begin(), with
+  // the arm's name in front.
   [[nodiscard]] static Result<std::unique_ptr<ArmSession>> create(const config::ArmConfig& arm,
                                                                   const config::ServoConfig& servo,
                                                                   const ArmSessionParts& parts);
+  // The same for an arm that was found, or not, before.
+  [[nodiscard]] static Result<std::unique_ptr<ArmSession>> create(const config::ArmConfig& arm,
+                                                                  const config::ServoConfig& servo,
+                                                                  const ArmSessionParts& parts,
+                                                                  Sought sought);
   // The same for an arm that cannot be had now: Lost, for as long as the session lives, without
   // motors and so without limits to be guessed. Whoever finds the arm makes a session of it.
   [[nodiscard]] static Result<std::unique_ptr<ArmSession>> create_lost(
@@ -83,11 +91,12 @@ class ArmSession {
   void make_loop(bool is_lost);
 
   [[nodiscard]] bool is_lost_for_servo();
-  Result<void> reopen();
+  Result<void> take_back(Sought sought);
+  // Takes it, unless there is an error.
+  Result<void> offer(std::unique_ptr<HapticDevice>& device, const std::string& refusal);
 
   config::ArmConfig arm_;
   ArmSessionParts parts_;
-  bus::BusDeviceInfo identity_;  // of the arm that the session was made for
   devices::ReplaceableDevice device_;
   std::unique_ptr<coupling::SteadyForce> coupling_;
   servo::ServoControls controls_;
@@ -97,6 +106,8 @@ class ArmSession {
   servo::ServoSnapshot snapshot_{};
   std::string trouble_;
   RetryPace pace_;  // of a lost arm
+  Search search_;   // for the arm that the session was made for, should it be lost
+  ArmSeeker seeker_;
   std::uint64_t offered_at_tick_{0};
 };
 

@@ -2,8 +2,6 @@
 
 #include <utility>
 
-#include "daemon/devices/arm_opener.hpp"
-
 namespace thimble::session {
 
 Result<config::ArmConfig> stand_in_for(const config::ArmConfig& arm,
@@ -26,29 +24,40 @@ Result<config::ArmConfig> stand_in_for(const config::ArmConfig& arm,
 }
 
 void AwaitedArm::on_bus_event(const bus::BusEvent& event) {
-  if (event.device.address.text == arm_.device) pace_.restart();
+  if (event.device.address.text == arm().device) pace_.restart();
 }
 
-bool AwaitedArm::follow(MonotonicTime now, bool is_resting) {
+std::optional<Sought> AwaitedArm::follow(MonotonicTime now, bool is_resting) {
   if (is_resting && !was_resting_) pace_.restart();
   was_resting_ = is_resting;
-  if (!pace_.is_due(now)) return false;
-  pace_.tried(now);
-  const Result<bus::BusDeviceInfo> found = devices::find_device(*buses_, {arm_.device});
-  is_there_ = found.has_value();
-  if (!found) trouble_ = has_stand_in() ? "" : found.error().in("arm '" + arm_.name + "'").message;
-  return is_there_ && is_resting;
+  if (!seeker_.is_under_way()) {
+    if (!pace_.is_due(now)) return std::nullopt;
+    pace_.tried(now);
+    search_.is_look = !is_resting;
+    seeker_.begin(search_);
+  }
+  std::optional<Sought> sought = seeker_.take();
+  if (!sought) return std::nullopt;
+  is_there_ = sought->there.has_value();
+  if (!is_there_) {
+    trouble_ = has_stand_in() ? "" : sought->device.error().in("arm '" + arm().name + "'").message;
+    return std::nullopt;
+  }
+  const bool is_look = sought->device && *sought->device == nullptr;
+  if (is_resting && !is_look) return sought;
+  seeker_.give_back(*std::move(sought));
+  return std::nullopt;
 }
 
 std::string AwaitedArm::sentence() const {
   if (!has_stand_in()) return trouble_;
-  const std::string name = "arm '" + arm_.name + "': " + arm_.device;
+  const std::string name = "arm '" + arm().name + "': " + arm().device;
   if (!is_there_) {
     return name + " is not there; a simulated arm stands in for it (" + stand_in_ + ")";
   }
   if (!trouble_.empty()) return name + " is there but cannot take over: " + trouble_;
   return name + " is there; it takes over as soon as the simulated arm is inactive: thimble " +
-         "deactivate " + arm_.name;
+         "deactivate " + arm().name;
 }
 
 }  // namespace thimble::session

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "daemon/config/config.hpp"
+#include "daemon/session/arm_seeker.hpp"
 #include "daemon/session/retry_pace.hpp"
 #include "hal/base/result.hpp"
 #include "hal/bus/bus_enumerator.hpp"
@@ -21,35 +22,36 @@ namespace thimble::session {
 // A real arm that could not be had at the start; a simulated one stands in for it, or nothing does.
 // It is looked for when the bus tells of it, and now and then by itself.
 //
-// Thread: control plane. Ownership: `buses` must outlive it.
+// Thread: control plane. Ownership: `work` must outlive it.
 class AwaitedArm {
  public:
-  AwaitedArm(const config::ArmConfig& arm, std::string stand_in, bus::BusEnumerator& buses)
-      : arm_(arm), stand_in_(std::move(stand_in)), buses_(&buses) {}
+  AwaitedArm(Search search, std::string stand_in, devices::DeviceWork& work)
+      : search_(std::move(search)), stand_in_(std::move(stand_in)), seeker_(work) {}
   // Nothing stands in. `why` it could not be had, with its name in front.
-  AwaitedArm(const config::ArmConfig& arm, const Error& why, bus::BusEnumerator& buses)
-      : arm_(arm), buses_(&buses), trouble_(why.message) {}
+  AwaitedArm(Search search, const Error& why, devices::DeviceWork& work)
+      : search_(std::move(search)), trouble_(why.message), seeker_(work) {}
 
   // As the configuration has it.
-  [[nodiscard]] const config::ArmConfig& arm() const noexcept { return arm_; }
+  [[nodiscard]] const config::ArmConfig& arm() const noexcept { return search_.arm; }
   [[nodiscard]] bool has_stand_in() const noexcept { return !stand_in_.empty(); }
   void on_bus_event(const bus::BusEvent& event);
-  // True: it is there and may take over, so open it now. `is_resting`: the stand-in is Inactive,
-  // and nobody wants it otherwise; true where there is none. `now` is the caller's own time.
-  [[nodiscard]] bool follow(MonotonicTime now, bool is_resting);
-  // This try to open it came to nothing.
+  // Looks for it when that is due, and opens it where it may take over. Something: it is there, and
+  // opened or refused. `is_resting`: the stand-in is Inactive, and nobody wants it otherwise; true
+  // where there is none. `now` is the caller's own time.
+  [[nodiscard]] std::optional<Sought> follow(MonotonicTime now, bool is_resting);
+  // What follow() found came to nothing.
   void fail_with(const Error& error) { trouble_ = error.message; }
   // How it stands, for a person.
   [[nodiscard]] std::string sentence() const;
 
  private:
-  config::ArmConfig arm_;
+  Search search_;
   std::string stand_in_;
-  bus::BusEnumerator* buses_;
   bool is_there_{false};
   bool was_resting_{false};
   std::string trouble_;
   RetryPace pace_;  // as a lost arm's
+  ArmSeeker seeker_;
 };
 
 }  // namespace thimble::session

@@ -12,6 +12,7 @@
 #include "daemon/session/plugins.hpp"
 #include "daemon/session/runtime.hpp"
 #include "sim/model/hand/person.hpp"
+#include "tests/support/postponed_work.hpp"
 
 namespace thimble::test {
 
@@ -98,6 +99,11 @@ class TwoRealArms {
     parts.real_buses = &bus_;
     parts.guards = &guards_;
     parts.real_clock = &clock_;
+    if (is_work_postponed_) {
+      parts.work_of = [this](const std::string& arm) -> devices::DeviceWork& {
+        return work_[arm == "right" ? kRight : kLeft];
+      };
+    }
     return session::Runtime::create(*config, parts);
   }
   void start(const std::vector<std::string>& overrides = {}) {
@@ -150,6 +156,9 @@ class TwoRealArms {
   sim::SimEnumerator plugs_{clock_};
   RefusingBus bus_{plugs_};
   KnownGuards guards_;
+  // What the kernel is asked for lasts until the test says so; else it is done at once.
+  bool is_work_postponed_{false};
+  test::PostponedWork work_[2];
   std::unique_ptr<sim::Person> people_[2];
   std::unique_ptr<session::Runtime> sut_;
   std::vector<Error> troubles_;

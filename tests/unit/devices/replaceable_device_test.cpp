@@ -5,6 +5,8 @@
 #include <atomic>
 #include <thread>
 
+#include "daemon/devices/device_work.hpp"
+
 namespace thimble::devices {
 namespace {
 
@@ -50,7 +52,8 @@ class CountingDevice final : public HapticDevice {
 
 TEST(ReplaceableDevice, ReadsTheNewDeviceAfterAnOffer) {
   std::atomic<int> alive{0};
-  ReplaceableDevice sut(std::make_unique<CountingDevice>(1, alive));
+  WorkAtOnce work;
+  ReplaceableDevice sut(std::make_unique<CountingDevice>(1, alive), work);
   HapticState state;
   sut.read(state);
   EXPECT_EQ(state.sample_sequence, 1U);
@@ -64,7 +67,8 @@ TEST(ReplaceableDevice, ReadsTheNewDeviceAfterAnOffer) {
 
 TEST(ReplaceableDevice, KeepsTheOldDeviceUntilTheServoLetsGoOfIt) {
   std::atomic<int> alive{0};
-  ReplaceableDevice sut(std::make_unique<CountingDevice>(1, alive));
+  WorkAtOnce work;
+  ReplaceableDevice sut(std::make_unique<CountingDevice>(1, alive), work);
   std::unique_ptr<HapticDevice> second = std::make_unique<CountingDevice>(2, alive);
   std::unique_ptr<HapticDevice> third = std::make_unique<CountingDevice>(3, alive);
   ASSERT_TRUE(sut.offer(second));
@@ -82,7 +86,8 @@ TEST(ReplaceableDevice, KeepsTheOldDeviceUntilTheServoLetsGoOfIt) {
 
 TEST(ReplaceableDevice, ARetiredDeviceIsClosedAndWhatItWasIsRemembered) {
   std::atomic<int> alive{0};
-  ReplaceableDevice sut(std::make_unique<CountingDevice>(7, alive));
+  WorkAtOnce work;
+  ReplaceableDevice sut(std::make_unique<CountingDevice>(7, alive), work);
   EXPECT_TRUE(sut.retire());
   EXPECT_FALSE(sut.retire()) << "once is enough";
   sut.collect();
@@ -101,7 +106,8 @@ TEST(ReplaceableDevice, ARetiredDeviceIsClosedAndWhatItWasIsRemembered) {
 
 TEST(ReplaceableDevice, ARetiredDeviceIsReplacedByTheNext) {
   std::atomic<int> alive{0};
-  ReplaceableDevice sut(std::make_unique<CountingDevice>(1, alive));
+  WorkAtOnce work;
+  ReplaceableDevice sut(std::make_unique<CountingDevice>(1, alive), work);
   HapticState state;
   ASSERT_TRUE(sut.retire());
   sut.read(state);
@@ -116,7 +122,8 @@ TEST(ReplaceableDevice, HandsOverWhileTheServoRuns) {
   std::atomic<int> alive{0};
   std::atomic<bool> is_done{false};
   {
-    ReplaceableDevice sut(std::make_unique<CountingDevice>(0, alive));
+    WorkAtOnce work;
+    ReplaceableDevice sut(std::make_unique<CountingDevice>(0, alive), work);
     std::thread servo([&] {
       HapticState state;
       while (!is_done) {

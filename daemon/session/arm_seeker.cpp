@@ -1,0 +1,48 @@
+#include "daemon/session/arm_seeker.hpp"
+
+#include <utility>
+
+#include "daemon/devices/arm_opener.hpp"
+#include "daemon/devices/returned_arm.hpp"
+#include "daemon/session/arm_settings.hpp"
+#include "hal/base/check.hpp"
+
+namespace thimble::session {
+
+Sought seek(const Search& search) {
+  Result<bus::BusDeviceInfo> found = devices::find_device(*search.buses, {search.arm.device});
+  if (!found) return {std::nullopt, tl::unexpected(found.error())};
+  if (search.is_look) return {*std::move(found), nullptr};
+  if (search.left) {
+    const Result<void> is_same = devices::check_same_device(*search.left, *found);
+    if (!is_same) return {*std::move(found), tl::unexpected(is_same.error())};
+  }
+  plugin::DriverSettings settings = driver_settings(search.arm);
+  settings.clock = search.clock;
+  auto device = devices::open_found(*search.buses, *search.drivers, *found, settings);
+  return {*std::move(found), std::move(device)};
+}
+
+ArmSeeker::~ArmSeeker() {
+  if (std::optional<Sought> sought = take()) give_back(*std::move(sought));
+}
+
+void ArmSeeker::begin(Search search) {
+  THIMBLE_CHECK(!is_under_way());
+  slot_ = std::make_shared<Slot>();
+  work_.post([slot = slot_, search = std::move(search)] {
+    slot->sought = seek(search);
+    slot->is_done.store(true);
+  });
+}
+
+std::optional<Sought> ArmSeeker::take() {
+  if (slot_ == nullptr || !slot_->is_done.load()) return std::nullopt;
+  return std::move(std::exchange(slot_, nullptr)->sought);
+}
+
+void ArmSeeker::give_back(Sought sought) {
+  if (sought.device) work_.close(*std::move(sought.device));
+}
+
+}  // namespace thimble::session

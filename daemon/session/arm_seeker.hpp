@@ -1,0 +1,63 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <optional>
+
+#include "daemon/config/config.hpp"
+#include "daemon/devices/device_work.hpp"
+#include "hal/base/result.hpp"
+#include "hal/bus/bus_enumerator.hpp"
+#include "hal/plugin/driver_registry.hpp"
+
+namespace thimble::session {
+
+// A real arm of the configuration, and where to look for it; what is pointed at outlives a search.
+struct Search {
+  config::ArmConfig arm;
+  bus::BusEnumerator* buses{nullptr};
+  const plugin::DriverRegistry* drivers{nullptr};
+  const Clock* clock{nullptr};               // of the servo and of the arm's bus
+  std::optional<bus::BusDeviceInfo> left{};  // the arm that left: no other one is opened
+  bool is_look{false};                       // only look: open nothing
+};
+
+// What came of a search.
+struct Sought {
+  std::optional<bus::BusDeviceInfo> there;       // nothing: `device` says what there is instead
+  Result<std::unique_ptr<HapticDevice>> device;  // nullptr after a mere look
+};
+
+// Thread: any, but one at a time for each arm; waits for the kernel. Errors, in `device`: as
+// devices::find_device(), check_same_device() and open_arm().
+[[nodiscard]] Sought seek(const Search& search);
+
+// One search after the other, none of which its owner waits for
+// (docs/decisions/0389-the-control-plane-waits-for-no-kernel.md).
+//
+// Thread: control plane. Ownership: `work` must outlive it; what nobody took is closed by that.
+class ArmSeeker {
+ public:
+  explicit ArmSeeker(devices::DeviceWork& work) : work_(work) {}
+  ~ArmSeeker();
+  ArmSeeker(const ArmSeeker&) = delete;
+  ArmSeeker& operator=(const ArmSeeker&) = delete;
+
+  [[nodiscard]] bool is_under_way() const noexcept { return slot_ != nullptr; }
+  // Not while one is under way.
+  void begin(Search search);
+  // What came of it, once.
+  [[nodiscard]] std::optional<Sought> take();
+  // Of no use after all: close it.
+  void give_back(Sought sought);
+
+ private:
+  struct Slot {
+    std::atomic<bool> is_done{false};
+    std::optional<Sought> sought;
+  };
+  devices::DeviceWork& work_;
+  std::shared_ptr<Slot> slot_;
+};
+
+}  // namespace thimble::session

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <deque>
+#include <utility>
+
+#include "daemon/devices/device_work.hpp"
+
+namespace thimble::test {
+
+// Work that lasts until the test says that it is done.
+class PostponedWork final : public devices::DeviceWork {
+ public:
+  void post(Task task) override { tasks_.push_back(std::move(task)); }
+  [[nodiscard]] std::size_t waiting() const noexcept { return tasks_.size(); }
+  // The next one, if any.
+  void do_one() {
+    if (tasks_.empty()) return;
+    const Task task = std::exchange(tasks_.front(), nullptr);
+    tasks_.pop_front();
+    task();
+  }
+  void do_all() {
+    while (waiting() > 0) do_one();
+  }
+
+ private:
+  std::deque<Task> tasks_;
+};
+
+}  // namespace thimble::test

@@ -1,0 +1,56 @@
+#include "daemon/app/device_threads.hpp"
+
+#include <gtest/gtest.h>
+
+#include <future>
+#include <thread>
+#include <vector>
+
+namespace thimble::app {
+namespace {
+
+config::Config two_real_arms_and_a_simulated_one() {
+  config::Config config;
+  for (const auto& [name, device] :
+       {std::pair{"left", "hid:left"}, {"right", "usb:1-4"}, {"toy", "sim:falcon"}}) {
+    config.arms.emplace_back().name = name;
+    config.arms.back().device = device;
+  }
+  return config;
+}
+
+struct DeviceThreadsTest : testing::Test {
+  std::unique_ptr<DeviceThreads> sut =
+      DeviceThreads::start(two_real_arms_and_a_simulated_one()).value();
+};
+
+TEST_F(DeviceThreadsTest, WhatIsPostedIsDoneInOrderInAThreadOfItsOwn) {
+  std::vector<int> done;
+  std::thread::id thread;
+  for (int i = 0; i < 50; ++i) {
+    sut->of("left").post([&, i] {
+      done.push_back(i);
+      thread = std::this_thread::get_id();
+    });
+  }
+  sut.reset();
+  ASSERT_EQ(done.size(), 50U) << "its end waits for all of it";
+  for (int i = 0; i < 50; ++i) EXPECT_EQ(done[static_cast<std::size_t>(i)], i);
+  EXPECT_NE(thread, std::this_thread::get_id());
+}
+
+TEST_F(DeviceThreadsTest, AnArmThatHangsHoldsUpNeitherTheCallerNorAnotherArm) {
+  std::promise<void> answer;
+  std::promise<void> other;
+  sut->of("left").post([&] { answer.get_future().wait(); });
+  sut->of("right").post([&] { other.set_value(); });
+  other.get_future().wait();
+  answer.set_value();
+}
+
+TEST_F(DeviceThreadsTest, ASimulatedArmHasNone) {
+  EXPECT_THROW(static_cast<void>(sut->of("toy")), std::out_of_range);
+}
+
+}  // namespace
+}  // namespace thimble::app
