@@ -1,7 +1,7 @@
 """The plug of an arm is pulled while a hand presses on a wall: it stops, says why and has recorded it; plugged in again and calibrated it
 goes on. The arm beside it notices nothing of all this.
 
-HID arms through uhid.
+HID arms through uhid, and over USB/IP, where an arm that comes has a USB device to be configured and opened, too.
 """
 
 import json
@@ -12,6 +12,10 @@ import two_arms
 
 class Unplugged(two_arms.TwoArms):
     """Numbered: each test goes on where the one before it ended."""
+
+    def plug(self):
+        """A script of the guest."""
+        return self.right.command("plug")
 
     def test_1_both_arms_press_on_a_wall(self):
         self.press_both()
@@ -34,7 +38,7 @@ class Unplugged(two_arms.TwoArms):
 
     def test_4_plugged_in_again_it_is_not_driven_before_it_is_calibrated(self):
         before = self.of_the_arm_beside()
-        _, left, _ = self.log_around(self.right.command("plug"))
+        _, left, _ = self.log_around(self.plug())
         self.assert_pressed_without_a_gap(left)
         arm = json.loads(simdev.wait_for_state(self.guest, "calibrating"))
         self.assertEqual([fault["code"] for fault in arm["faults"]], [])
@@ -47,3 +51,10 @@ class Unplugged(two_arms.TwoArms):
         self.press(self.right)
         self.assert_nothing_happened_beside(before)
         self.assertLess(self.left.felt(0.2)[0], -two_arms.WALL_NEWTON)
+
+
+class UnpluggedFromUsb(Unplugged):
+    way = "usbip"
+
+    def plug(self):
+        return f"{super().plug()} && {simdev.attach_command()}"

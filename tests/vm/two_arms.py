@@ -26,7 +26,9 @@ def forces(log):
 
 
 class TwoArms(guest.GuestTest):
-    """Both through uhid. Each test goes on where the one before it ended."""
+    """Both by `way`, one of arms.WAYS. Each test goes on where the one before it ended."""
+
+    way = "uhid"
 
     # Two devices take a third of the processor here; at twice the time an instruction the world's thread would wait for them.
     pace = guest.counted(0)
@@ -34,8 +36,11 @@ class TwoArms(guest.GuestTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.right = arms.HidArm(cls.guest)
-        cls.left = simdev.Simdev(cls.guest, "left", "--uhid", "--serial", BESIDE, "phantom-vintage")
+        cls.right = arms.HidArm(cls.guest, cls.way)
+        beside = {"uhid": ("--uhid",), "usbip": ("--usbip", simdev.SECOND_PORT)}
+        cls.left = simdev.Simdev(cls.guest, "left", *beside[cls.way], "--serial", BESIDE, "phantom-vintage")
+        if cls.way == "usbip":
+            cls.left.attach(simdev.SECOND_PORT)
         cls.guest.wait_for(f"thimble devices | grep -q {BESIDE}")
         cls.right.words = f"{cls.right.words}\nworld = \"box\"\n{LEFT}"
         cls.right.configure()
