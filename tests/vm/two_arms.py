@@ -14,8 +14,9 @@ device = "hid:{BESIDE}"
 model = "phantom-vintage"
 amplifier_max_a = 3.0
 """
-# Older than that a sample is stale, and its arm begins to let go (DESIGN): the arm beside never comes near.
-GAP_S = 0.003
+# A sample older than that is stale, and its arm begins to let go (DESIGN): the arm beside never comes near. A command waits longer where
+# another device comes and goes, behind the kernel's one lock of hidraw (decision 0358); at 20 ms the servo would stop the arm.
+GAP_S = {"in": 0.003, "out": 0.005}
 IN_THE_WALL = "move 0.018 0 0 0.3"
 WALL_NEWTON = 0.3
 
@@ -87,7 +88,7 @@ class TwoArms(guest.GuestTest):
         felt = [force for _, force in forces(log)]
         self.assertGreater(len(felt), 500)
         self.assertGreater(min(felt), WALL_NEWTON)
-        for way in ("in", "out"):
+        for way, gap_s in GAP_S.items():
             at_s = [entry["machine_s"] for entry in log if way in entry]
             self.assertGreater(len(at_s), 500, way)
-            self.assertLess(max(later - sooner for sooner, later in zip(at_s, at_s[1:])), GAP_S, way)
+            self.assertLess(max(later - sooner for sooner, later in zip(at_s, at_s[1:])), gap_s, way)
