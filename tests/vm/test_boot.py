@@ -57,7 +57,7 @@ class Boot(guest.GuestTest):
     def test_others_are_refused_and_told_what_to_do(self):
         status, words = self.guest.ask("runuser -u other -- thimble status")
         self.assertNotEqual(status, 0)
-        self.assertIn("become a member of the group that owns this socket", words)
+        self.assertIn("become a member of its group: sudo adduser \"$USER\" thimble-users", words)
 
     def test_nothing_listens_on_the_network(self):
         self.assertNotIn("thimbled", self.guest.run("ss -Hltunp"))
