@@ -5,12 +5,15 @@
 #include <cstdint>
 #include <cstdio>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 
 #include "cli/doctor/proc_text.hpp"
 #include "cli/doctor/rights.hpp"
 #include "hal/bus/hid_report_descriptor.hpp"
+#include "hal/linux/hid_address.hpp"
+#include "hal/linux/printable_text.hpp"
 
 // Paths: Documentation/ABI/{stable,testing}/sysfs-bus-usb of the kernel; the numbers of descriptors
 // are hexadecimal there (drivers/usb/core/sysfs.c and endpoint.c).
@@ -22,6 +25,18 @@ namespace fs = std::filesystem;
 constexpr const char* kHidraw = "/sys/class/hidraw";
 constexpr const char* kTty = "/sys/class/tty";
 constexpr const char* kUsb = "/sys/bus/usb/devices";
+
+// An arm or not: one takes its name beside all others.
+struct Candidate {
+  Controller controller;
+  bus::BusDeviceInfo info;
+  linux::DevicePlace place;  // of HID and serial ports
+};
+
+// What the device says of itself.
+std::string words_in(const FileTree& tree, const fs::path& file) {
+  return linux::printable_text(trimmed(tree.text(file)));
+}
 
 // Of the USB device in a folder; nothing when it is none.
 std::optional<Node> raw_usb_node(const FileTree& tree, const fs::path& folder) {
@@ -42,8 +57,8 @@ void read_device(const FileTree& tree, const fs::path& folder, Controller& contr
   controller.usb_port = folder.filename().string();
   controller.speed_mbit_per_s = trimmed(tree.text(folder / "speed"));
   controller.power_control = trimmed(tree.text(folder / "power/control"));
-  info.manufacturer = trimmed(tree.text(folder / "manufacturer"));
-  info.product = trimmed(tree.text(folder / "product"));
+  info.manufacturer = words_in(tree, folder / "manufacturer");
+  info.product = words_in(tree, folder / "product");
 }
 
 // Whether the USB device is the HID device itself, whose ids usbhid_probe() of the kernel takes
@@ -73,23 +88,48 @@ void read_usb_above(const FileTree& tree, fs::path folder, const HidIds& ids,
   }
 }
 
-std::string_view scheme_of(bus::BusKind kind) {
-  if (kind == bus::BusKind::Hid) return "hid:";
-  return kind == bus::BusKind::Serial ? "serial:" : "usb:";
+// Where a node is plugged in, as the real buses see it (UdevScan): below the nearest USB device,
+// whose number goes before that of its own; `name`: what is below none is called so.
+linux::DevicePlace place_of(const FileTree& tree, fs::path folder, const std::string& name,
+                            const std::string& own_number) {
+  linux::DevicePlace place{name, 0, linux::printable_text(own_number)};
+  bool has_interface = false;
+  for (; folder.has_relative_path(); folder = folder.parent_path()) {
+    const auto number = parse_hexadecimal(tree.text(folder / "bInterfaceNumber"));
+    if (number && !has_interface) place.interface_number = *number;
+    has_interface = has_interface || number;
+    if (!raw_usb_node(tree, folder)) continue;
+    place.port = folder.filename().string();
+    const std::string said = words_in(tree, folder / "serial");
+    if (!said.empty()) place.serial_number = said;
+    return place;
+  }
+  place.interface_number = 0;
+  return place;
 }
 
-// Ids and place, as the real buses give them.
-void describe(bus::BusKind kind, const HidIds& ids, Controller& controller,
-              bus::BusDeviceInfo& info) {
-  controller.vendor_id = info.vendor_id = ids.vendor;
-  controller.product_id = info.product_id = ids.product;
-  controller.serial_number = info.serial_number = ids.serial_number;
-  info.kind = kind;
-  // On bare USB by the port alone, whatever number the device says.
-  const bool is_by_number = kind != bus::BusKind::Usb && !ids.serial_number.empty();
-  const std::string& place = is_by_number ? ids.serial_number : controller.usb_port;
-  controller.address = std::string(scheme_of(kind)) + place;
-  info.address = {controller.address};
+void describe(bus::BusKind kind, std::uint16_t vendor, std::uint16_t product,
+              const std::string& serial_number, Candidate& candidate) {
+  candidate.controller.vendor_id = candidate.info.vendor_id = vendor;
+  candidate.controller.product_id = candidate.info.product_id = product;
+  candidate.controller.serial_number = candidate.info.serial_number = serial_number;
+  candidate.info.kind = kind;
+}
+
+// Those of one kind among each other, by the function that names them for the daemon.
+void address(std::vector<Candidate>& candidates, bus::BusKind kind,
+             std::vector<bus::DeviceAddress> (*addresses_of)(std::span<const linux::DevicePlace>)) {
+  std::vector<linux::DevicePlace> places;
+  for (const Candidate& candidate : candidates) {
+    if (candidate.info.kind == kind) places.push_back(candidate.place);
+  }
+  const std::vector<bus::DeviceAddress> addresses = addresses_of(places);
+  std::size_t next = 0;
+  for (Candidate& candidate : candidates) {
+    if (candidate.info.kind != kind) continue;
+    candidate.controller.address = addresses[next++].text;
+    candidate.info.address = {candidate.controller.address};
+  }
 }
 
 std::optional<bus::UsbEndpointInfo> read_endpoint(const FileTree& tree, const fs::path& folder,
@@ -120,28 +160,29 @@ std::vector<bus::UsbEndpointInfo> read_endpoints(const FileTree& tree, const fs:
   return endpoints;
 }
 
-std::optional<Controller> read_hid(const FileTree& tree, const plugin::DriverRegistry& drivers,
-                                   const std::string& name) {
+std::optional<Candidate> read_hid(const FileTree& tree, const std::string& name) {
   const fs::path device = fs::path(kHidraw) / name / "device";
   const auto ids = parse_hid_ids(tree.text(device / "uevent"));
+  if (!ids) return std::nullopt;
+  const fs::path node = tree.resolved(fs::path(kHidraw) / name);
+  Candidate found;
+  found.controller.node = tree.node("/dev/" + name);
+  read_usb_above(tree, node, *ids, found.controller, found.info);
+  found.place = place_of(tree, node, tree.resolved(device).filename().string(), ids->serial_number);
+  describe(bus::BusKind::Hid, ids->vendor, ids->product, found.place.serial_number, found);
   const auto reports = bus::parse_report_descriptor(tree.text(device / "report_descriptor"));
-  if (!ids || !reports) return std::nullopt;
-  Controller controller;
-  controller.node = tree.node("/dev/" + name);
-  bus::BusDeviceInfo info;
-  read_usb_above(tree, tree.resolved(fs::path(kHidraw) / name), *ids, controller, info);
-  describe(bus::BusKind::Hid, *ids, controller, info);
-  info.input_report_bytes = reports->input_bytes;
-  info.output_report_bytes = reports->output_bytes;
-  info.has_report_ids = reports->has_report_ids;
-  if (!drivers.knows(info)) return std::nullopt;
-  return controller;
+  if (reports) {
+    found.info.input_report_bytes = reports->input_bytes;
+    found.info.output_report_bytes = reports->output_bytes;
+    found.info.has_report_ids = reports->has_report_ids;
+  }
+  return found;
 }
 
 // Of a terminal on USB; of the machine's own there is nothing above it.
-std::optional<Controller> read_serial(const FileTree& tree, const plugin::DriverRegistry& drivers,
-                                      const std::string& name) {
-  fs::path folder = tree.resolved(fs::path(kTty) / name);
+std::optional<Candidate> read_serial(const FileTree& tree, const std::string& name) {
+  const fs::path node = tree.resolved(fs::path(kTty) / name);
+  fs::path folder = node;
   std::optional<Node> raw;
   while (folder.has_relative_path() && !(raw = raw_usb_node(tree, folder))) {
     folder = folder.parent_path();
@@ -149,52 +190,60 @@ std::optional<Controller> read_serial(const FileTree& tree, const plugin::Driver
   const auto vendor = parse_hexadecimal(tree.text(folder / "idVendor"));
   const auto product = parse_hexadecimal(tree.text(folder / "idProduct"));
   if (!raw || !vendor || !product) return std::nullopt;
-  Controller controller;
-  controller.node = tree.node("/dev/" + name);
-  controller.raw_nodes = {*raw};
-  bus::BusDeviceInfo info;
-  read_device(tree, folder, controller, info);
-  describe(bus::BusKind::Serial, {*vendor, *product, trimmed(tree.text(folder / "serial")), 0},
-           controller, info);
-  if (!drivers.knows(info)) return std::nullopt;
-  return controller;
+  Candidate found;
+  found.controller.node = tree.node("/dev/" + name);
+  found.controller.raw_nodes = {*raw};
+  read_device(tree, folder, found.controller, found.info);
+  found.place = place_of(tree, node, {}, {});
+  describe(bus::BusKind::Serial, *vendor, *product, found.place.serial_number, found);
+  return found;
 }
 
-std::optional<Controller> read_usb(const FileTree& tree, const plugin::DriverRegistry& drivers,
-                                   const std::string& name) {
+// By its port alone, whatever number the device says.
+std::optional<Candidate> read_usb(const FileTree& tree, const std::string& name) {
   const fs::path folder = fs::path(kUsb) / name;
   const auto vendor = parse_hexadecimal(tree.text(folder / "idVendor"));
   const auto product = parse_hexadecimal(tree.text(folder / "idProduct"));
   const auto node = raw_usb_node(tree, folder);
   if (!vendor || !product || !node) return std::nullopt;
-  Controller controller;
-  controller.node = *node;
-  bus::BusDeviceInfo info;
-  read_device(tree, folder, controller, info);
-  describe(bus::BusKind::Usb, {*vendor, *product, trimmed(tree.text(folder / "serial")), 0},
-           controller, info);
-  info.endpoints = read_endpoints(tree, folder);
-  if (!drivers.knows(info)) return std::nullopt;
-  return controller;
+  Candidate found;
+  found.controller.node = *node;
+  read_device(tree, folder, found.controller, found.info);
+  describe(bus::BusKind::Usb, *vendor, *product, words_in(tree, folder / "serial"), found);
+  found.controller.address = "usb:" + found.controller.usb_port;
+  found.info.address = {found.controller.address};
+  found.info.endpoints = read_endpoints(tree, folder);
+  return found;
+}
+
+void add_found(const FileTree& tree, const char* folder,
+               std::optional<Candidate> (*read)(const FileTree&, const std::string&),
+               std::vector<Candidate>& candidates) {
+  for (const std::string& name : tree.names_in(folder)) {
+    if (auto candidate = read(tree, name)) candidates.push_back(*std::move(candidate));
+  }
 }
 
 }  // namespace
 
 std::vector<Controller> read_controllers(const FileTree& tree,
                                          const plugin::DriverRegistry& drivers) {
+  std::vector<Candidate> candidates;
+  add_found(tree, kHidraw, &read_hid, candidates);
+  add_found(tree, kTty, &read_serial, candidates);
+  add_found(tree, kUsb, &read_usb, candidates);
+  for (Candidate& candidate : candidates) candidate.place.is_arm = drivers.knows(candidate.info);
+  address(candidates, bus::BusKind::Hid, &linux::hid_addresses);
+  address(candidates, bus::BusKind::Serial, &linux::serial_addresses);
   std::vector<Controller> found;
-  for (const std::string& name : tree.names_in(kHidraw)) {
-    if (auto controller = read_hid(tree, drivers, name)) found.push_back(*std::move(controller));
-  }
-  for (const std::string& name : tree.names_in(kTty)) {
-    if (auto controller = read_serial(tree, drivers, name)) found.push_back(*std::move(controller));
-  }
-  for (const std::string& name : tree.names_in(kUsb)) {
-    const bool is_known =
+  for (Candidate& candidate : candidates) {
+    if (!candidate.place.is_arm) continue;
+    const std::string& port = candidate.controller.usb_port;
+    const bool is_listed =
+        candidate.info.kind == bus::BusKind::Usb &&
         std::any_of(found.begin(), found.end(),
-                    [&](const Controller& controller) { return controller.usb_port == name; });
-    if (is_known) continue;
-    if (auto controller = read_usb(tree, drivers, name)) found.push_back(*std::move(controller));
+                    [&](const Controller& controller) { return controller.usb_port == port; });
+    if (!is_listed) found.push_back(std::move(candidate.controller));
   }
   return found;
 }
