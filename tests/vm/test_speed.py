@@ -28,7 +28,7 @@ class RoundTrips(guest.GuestTest):
     @contextlib.contextmanager
     def offered(self, kind, way):
         """A device that sends back what it is sent, above all others, as hardware is."""
-        self.guest.run("modprobe -a uhid vhci-hcd; systemd-run --quiet --collect --unit echo "
+        self.guest.run("modprobe -a uhid vhci-hcd cdc-acm; systemd-run --quiet --collect --unit echo "
                        f"-p CPUSchedulingPolicy=fifo -p CPUSchedulingPriority=85 {PROGRAM} offer {kind} {way}")
         if way != "uhid":
             self.guest.wait_for(simdev.attach_command())
@@ -62,6 +62,11 @@ class RoundTrips(guest.GuestTest):
             port = self.guest.wait_for("basename $(dirname $(grep -lx cb48 /sys/bus/usb/devices/*/idProduct))").strip()
             node = self.guest.run(f"udevadm info -q name /sys/bus/usb/devices/{port}").strip()
             self.measure("usbfs, USB/IP", "usb", f"usb:{port}", f"/dev/{node}")
+
+    def test_serial(self):
+        with self.offered("serial", simdev.PORT):
+            node = self.guest.wait_for("ls /dev/ttyACM*").strip()
+            self.measure("cdc_acm, USB/IP", "serial", f"serial:{ECHO}", node)
 
 
 # Processor time of each thread of the daemon, by its name, and ticks of the servos, around ten seconds in one script: between two

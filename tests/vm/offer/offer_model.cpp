@@ -12,6 +12,7 @@
 
 #include "hal/linux/monotonic_clock.hpp"
 #include "hal/linux/system_error.hpp"
+#include "sim/export/acm_on_usb.hpp"
 #include "sim/export/hid_on_usb.hpp"
 #include "sim/export/plug_pace.hpp"
 #include "sim/export/uhid_plug.hpp"
@@ -75,6 +76,12 @@ Result<void> offer_model(plugin::SimHidModel& model, const bus::BusDeviceInfo& i
   if (!usbip_port) return offer_through_uhid(model, info);
   sim::HidOnUsb wrapped(model);
   return offer_by_usbip(wrapped, wrapped.persona(info), *usbip_port);
+}
+
+Result<void> offer_model(plugin::SimSerialModel& model, const bus::BusDeviceInfo& info,
+                         std::uint16_t usbip_port) {
+  sim::AcmOnUsb wrapped(model);
+  return offer_by_usbip(wrapped, wrapped.persona(info), usbip_port);
 }
 
 }  // namespace thimble::test

@@ -6,6 +6,7 @@
 #include "hal/base/result.hpp"
 #include "hal/bus/bus_enumerator.hpp"
 #include "hal/plugin/sim_model.hpp"
+#include "hal/plugin/sim_serial_model.hpp"
 #include "hal/plugin/sim_usb_model.hpp"
 
 namespace thimble::test {
@@ -16,6 +17,9 @@ namespace thimble::test {
 Result<void> offer_model(plugin::SimHidModel& model, const bus::BusDeviceInfo& info,
                          std::optional<std::uint16_t> usbip_port);
 Result<void> offer_model(plugin::SimUsbModel& model, const bus::BusDeviceInfo& info,
+                         std::uint16_t usbip_port);
+// As a CDC-ACM device.
+Result<void> offer_model(plugin::SimSerialModel& model, const bus::BusDeviceInfo& info,
                          std::uint16_t usbip_port);
 
 }  // namespace thimble::test

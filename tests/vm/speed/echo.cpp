@@ -4,6 +4,7 @@
 
 #include "drivers/falcon/falcon_wire.hpp"
 #include "drivers/phantom/phantom_wire.hpp"
+#include "drivers/phantom/text_wire.hpp"
 
 namespace thimble::speed {
 namespace {
@@ -48,6 +49,10 @@ bus::BusDeviceInfo EchoUsb::describe() const {
         {.address = address, .max_packet_bytes = falcon::wire::kUsbPacketBytes});
   }
   return info;
+}
+
+bus::BusDeviceInfo EchoSerial::describe() const {
+  return echo_of(bus::BusKind::Serial, phantom::text::kVendorId, phantom::text::kProductId);
 }
 
 plugin::UsbHandshake EchoUsb::out_packet(std::uint8_t,

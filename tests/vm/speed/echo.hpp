@@ -7,6 +7,7 @@
 #include <span>
 
 #include "hal/plugin/sim_model.hpp"
+#include "hal/plugin/sim_serial_model.hpp"
 #include "hal/plugin/sim_usb_model.hpp"
 
 namespace thimble::speed {
@@ -30,7 +31,8 @@ class Echo {
   std::size_t size_{0};
 };
 
-// Devices that send back what they are sent. Thread, RT, Errors: as SimHidModel and SimUsbModel.
+// Devices that send back what they are sent. Thread, RT, Errors: as SimHidModel, SimUsbModel and
+// SimSerialModel.
 class EchoHid final : public plugin::SimHidModel {
  public:
   [[nodiscard]] bus::BusDeviceInfo describe() const override;
@@ -57,6 +59,23 @@ class EchoUsb final : public plugin::SimUsbModel {
   }
   plugin::UsbHandshake out_packet(std::uint8_t, std::span<const std::uint8_t>) noexcept override;
   plugin::UsbAnswer in_packet(std::uint8_t, std::span<std::uint8_t> out) noexcept override;
+  void power_cycle() noexcept override { echo_ = {}; }
+  [[nodiscard]] plugin::ArmBackend* arm_backend() noexcept override { return nullptr; }
+
+ private:
+  Echo echo_;
+};
+
+class EchoSerial final : public plugin::SimSerialModel {
+ public:
+  [[nodiscard]] bus::BusDeviceInfo describe() const override;
+  [[nodiscard]] std::uint32_t bit_per_s() const noexcept override { return 0; }
+  void advance(MonotonicTime) noexcept override {}
+  std::size_t take(std::span<const std::uint8_t> bytes) noexcept override {
+    echo_.take(bytes);
+    return bytes.size();
+  }
+  std::size_t give(std::span<std::uint8_t> out) noexcept override { return echo_.give(out); }
   void power_cycle() noexcept override { echo_ = {}; }
   [[nodiscard]] plugin::ArmBackend* arm_backend() noexcept override { return nullptr; }
 

@@ -2,8 +2,9 @@
 // library; and the device, which sends back what it is sent.
 //
 // usage: vm_round_trip offer hid uhid|PORT     until a signal
-//        vm_round_trip offer usb PORT
-//        vm_round_trip measure NAME hid|usb ADDRESS NODE    prints a line of JSON
+//        vm_round_trip offer usb|serial PORT
+//        vm_round_trip measure NAME hid|usb|serial ADDRESS NODE    prints a line of JSON
+#include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
@@ -25,44 +26,61 @@ using namespace thimble;
 constexpr std::size_t kTrips = 200;
 constexpr double kGoal = 1.15;
 
-int offer(const std::string& kind, const std::string& way) {
+Result<void> offer_of(const std::string& kind, const std::string& way) {
   const bool is_uhid = way == "uhid";
   const auto port = static_cast<std::uint16_t>(std::atoi(way.c_str()));
-  speed::EchoHid hid;
+  if (kind == "hid") {
+    speed::EchoHid hid;
+    return test::offer_model(hid, hid.describe(), is_uhid ? std::nullopt : std::optional(port));
+  }
+  if (kind == "serial") {
+    speed::EchoSerial serial;
+    return test::offer_model(serial, serial.describe(), port);
+  }
   speed::EchoUsb usb;
-  const Result<void> done =
-      kind == "hid"
-          ? test::offer_model(hid, hid.describe(), is_uhid ? std::nullopt : std::optional(port))
-          : test::offer_model(usb, usb.describe(), port);
+  return test::offer_model(usb, usb.describe(), port);
+}
+
+int offer(const std::string& kind, const std::string& way) {
+  const Result<void> done = offer_of(kind, way);
   if (done) return 0;
   std::fprintf(stderr, "vm_round_trip: %s\n", done.error().message.c_str());
   return 1;
 }
 
+// Both sides of one kind of bus.
+struct Kind {
+  const char* name;
+  std::optional<std::vector<double>> (*ours)(bus::BusEnumerator&, const bus::DeviceAddress&,
+                                             const Clock&, std::size_t);
+  std::vector<double> (*reference)(const char*, std::size_t);
+};
+constexpr std::array<Kind, 3> kKinds{
+    {{"hid", &speed::hid_round_trips, &reference_hid_round_trips},
+     {"usb", &speed::usb_round_trips, &reference_usb_round_trips},
+     {"serial", &speed::serial_round_trips, &reference_serial_round_trips}}};
+
 using Trips = std::optional<std::vector<double>>;
 
-Trips ours(bool is_hid, const bus::DeviceAddress& address) {
+Trips ours(const Kind& kind, const bus::DeviceAddress& address) {
   const linux::MonotonicClock clock;
   linux::RealtimeThreadSettings threads;
   threads.name = "bus";
   linux::BusEnumerator buses({clock, threads, {}});
-  return is_hid ? speed::hid_round_trips(buses, address, clock, kTrips)
-                : speed::usb_round_trips(buses, address, clock, kTrips);
+  return kind.ours(buses, address, clock, kTrips);
 }
 
-int measure(const std::string& name, bool is_hid, const bus::DeviceAddress& address,
+int measure(const std::string& name, const Kind& kind, const bus::DeviceAddress& address,
             const std::string& node) {
   bench::Slices ours_us;
   bench::Slices reference_us;
   bench::alternate(
       2 * bench::kSlices + 1,
       [&] {
-        if (const Trips trips = ours(is_hid, address))
-          ours_us.push_back(1e6 * bench::median(*trips));
+        if (const Trips trips = ours(kind, address)) ours_us.push_back(1e6 * bench::median(*trips));
       },
       [&] {
-        const auto reference = is_hid ? reference_hid_round_trips : reference_usb_round_trips;
-        const std::vector<double> trips = reference(node.c_str(), kTrips);
+        const std::vector<double> trips = kind.reference(node.c_str(), kTrips);
         if (!trips.empty()) reference_us.push_back(1e6 * bench::median(trips));
       });
   if (ours_us.size() != 2 * bench::kSlices + 1 || reference_us.size() != ours_us.size()) {
@@ -81,11 +99,13 @@ int main(int argc, char** argv) {
   if (words.size() == 3 && words[0] == "offer") return offer(words[1], words[2]);
   if (words.size() == 5 && words[0] == "measure") {
     const bus::DeviceAddress address{words[3]};
-    return measure(words[1], words[2] == "hid", address, words[4]);
+    for (const Kind& kind : kKinds) {
+      if (words[2] == kind.name) return measure(words[1], kind, address, words[4]);
+    }
   }
   std::fputs(
-      "usage: vm_round_trip offer hid|usb uhid|PORT, vm_round_trip measure NAME hid|usb ADDRESS "
-      "NODE\n",
+      "usage: vm_round_trip offer hid|usb|serial uhid|PORT, vm_round_trip measure NAME "
+      "hid|usb|serial ADDRESS NODE\n",
       stderr);
   return 2;
 }

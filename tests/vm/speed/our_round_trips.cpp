@@ -60,4 +60,14 @@ std::optional<std::vector<double>> usb_round_trips(bus::BusEnumerator& buses,
       [&](bus::UsbPacket& answer) { return (*device)->read(kBulkIn, answer); });
 }
 
+std::optional<std::vector<double>> serial_round_trips(bus::BusEnumerator& buses,
+                                                      const bus::DeviceAddress& address,
+                                                      const Clock& clock, std::size_t count) {
+  const Result<std::unique_ptr<bus::SerialPort>> port = buses.open_serial(address, {});
+  if (!port) return std::nullopt;
+  return exchange<bus::SerialChunk>(
+      clock, count, [&](const Message& bytes) { return (*port)->submit(bytes); },
+      [&](bus::SerialChunk& answer) { return (*port)->read(answer); });
+}
+
 }  // namespace thimble::speed

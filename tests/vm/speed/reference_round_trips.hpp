@@ -10,3 +10,5 @@
 std::vector<double> reference_hid_round_trips(const char* path, std::size_t round_trips);
 // libusb: a transfer waits on 0x81 before one is submitted to 0x02.
 std::vector<double> reference_usb_round_trips(const char* path, std::size_t round_trips);
+// The C library and the kernel: write, then read, of a raw terminal.
+std::vector<double> reference_serial_round_trips(const char* path, std::size_t round_trips);

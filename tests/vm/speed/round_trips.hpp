@@ -20,5 +20,8 @@ namespace thimble::speed {
                                                                  const bus::DeviceAddress& address,
                                                                  const Clock& clock,
                                                                  std::size_t count);
+[[nodiscard]] std::optional<std::vector<double>> serial_round_trips(
+    bus::BusEnumerator& buses, const bus::DeviceAddress& address, const Clock& clock,
+    std::size_t count);
 
 }  // namespace thimble::speed
