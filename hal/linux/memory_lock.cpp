@@ -4,6 +4,7 @@
 #include <malloc.h>
 #include <pthread.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -59,6 +60,12 @@ Result<void> set_default_thread_stack(std::size_t bytes) {
   if (error == 0) return {};
   return fail(Errc::InvalidArgument,
               "thread stack of " + std::to_string(bytes) + " bytes: " + std::strerror(error));
+}
+
+Result<void> refuse_huge_pages() {
+  if (::prctl(PR_SET_THP_DISABLE, 1UL, 0UL, 0UL, 0UL) == 0) return {};
+  return fail(Errc::System, std::string("huge pages cannot be refused: ") + std::strerror(errno) +
+                                "; turn transparent_hugepage off on the kernel's command line");
 }
 
 Result<void> lock_memory() {

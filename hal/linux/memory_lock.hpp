@@ -14,6 +14,11 @@ inline constexpr std::size_t kThreadStackBytes = 256 * 1024;
 // Thread: before the first thread is made.
 [[nodiscard]] Result<void> set_default_thread_stack(std::size_t bytes);
 
+// From now on the kernel makes no huge pages of this process's memory. Its khugepaged would, every
+// ten seconds, of locked memory, too, and whoever touches that meanwhile waits: decision 0383.
+// Thread: start-up; it holds for all threads, and for programs that they start. Not undone.
+[[nodiscard]] Result<void> refuse_huge_pages();
+
 // Keeps every page of the process in memory, now and in future, and makes the allocator keep
 // what it got. Call set_default_thread_stack() first.
 //

@@ -12,6 +12,8 @@ RealtimeProcess::RealtimeProcess() {
   if (locked.has_value()) locked = lock_memory();
   report_.has_memory_lock = locked.has_value();
   if (!locked.has_value()) report_.missing.push_back(locked.error().message);
+  const Result<void> refused = refuse_huge_pages();
+  if (!refused.has_value()) report_.missing.push_back(refused.error().message);
 
   Result<CpuDmaLatency> latency = CpuDmaLatency::hold();
   report_.has_dma_latency = latency.has_value();

@@ -2,6 +2,7 @@
 #include <pthread.h>
 #include <sched.h>
 #include <signal.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -203,6 +204,15 @@ TEST(LockMemory, LocksEverythingAndStaysSmallWithFiveThreads) {
   if (answer.find("LimitMEMLOCK") != std::string::npos) GTEST_SKIP() << answer;
   EXPECT_EQ(answer.substr(0, 5), "small") << answer;
   RecordProperty("resident_kb", answer.substr(5));
+}
+
+TEST(RealtimeProcess, HasNoHugePagesMadeOfItsMemoryWithoutRightsEither) {
+  const std::string answer = in_child_process(Rights::None, [] {
+    const int before = ::prctl(PR_GET_THP_DISABLE, 0, 0, 0, 0);
+    const RealtimeProcess process;
+    return std::to_string(before) + " " + std::to_string(::prctl(PR_GET_THP_DISABLE, 0, 0, 0, 0));
+  });
+  EXPECT_EQ(answer, "0 1");
 }
 
 TEST(DefaultThreadStack, AppliesToThreadsMadeLater) {
