@@ -3,9 +3,9 @@
 import unittest
 
 import guest_states
-from machine import AS_IT_COMES, COUNTED, DEBS, Guest, counted
+from machine import AS_IT_COMES, COUNTED, COUNTED_SLOWLY, DEBS, Guest
 
-__all__ = ["AS_IT_COMES", "COUNTED", "DEBS", "Guest", "GuestTest", "counted"]
+__all__ = ["AS_IT_COMES", "COUNTED", "COUNTED_SLOWLY", "DEBS", "Guest", "GuestTest"]
 
 
 class GuestTest(unittest.TestCase):

@@ -23,7 +23,7 @@ def key():
     """Of all that decides what is saved but kernel and pace, which name the parts."""
     version = subprocess.run(["qemu-system-x86_64", "--version"], stdout=subprocess.PIPE, check=True).stdout
     debs = [path for name in INSTALLED for path in machine.DEBS.glob(f"{name}_*.deb")]
-    return state_cache.key((RECIPE, guest_image.key(), version, machine.words("", machine.AS_IT_COMES), machine.words("", machine.COUNTED)), debs)
+    return state_cache.key((RECIPE, guest_image.key(), version, *(machine.words("", pace) for pace in machine.PACES)), debs)
 
 
 def settle(one):

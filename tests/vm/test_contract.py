@@ -9,7 +9,7 @@ import guest
 
 
 class Contract(guest.GuestTest):
-    pace = guest.COUNTED
+    pace = guest.COUNTED_SLOWLY
     runs_daemon = False
 
     def test_every_sentence_of_the_suites_is_true(self):

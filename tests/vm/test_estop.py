@@ -28,7 +28,7 @@ class Arm(arms.HidArm):
 class Estop(guest.GuestTest):
     """Numbered: each test goes on where the one before it ended."""
 
-    pace = guest.COUNTED
+    pace = guest.COUNTED_SLOWLY
 
     @classmethod
     def setUpClass(cls):

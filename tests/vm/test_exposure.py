@@ -8,6 +8,8 @@ MAX_EXPOSURE = 1.5
 
 
 class Exposure(guest.GuestTest):
+    pace = guest.COUNTED
+
     def exposure(self):
         text = self.guest.run("systemd-analyze security --no-pager thimbled.service")
         return float(re.search(r"Overall exposure level for thimbled\.service: ([0-9.]+)", text).group(1))

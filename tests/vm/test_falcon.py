@@ -12,7 +12,7 @@ import simdev
 class Falcon(guest.GuestTest):
     """Numbered: each test goes on where the one before it ended."""
 
-    pace = guest.counted(1)  # its bus has 8,000 rounds a second
+    pace = guest.COUNTED
 
     @classmethod
     def setUpClass(cls):

@@ -38,7 +38,7 @@ class Uhid(guest.GuestTest):
 
     def test_3_in_the_middle_of_the_box_nothing_is_felt(self):
         self.arm.say("move 0 0 0 0.3")
-        self.guest.run("sleep 1.5")
+        self.guest.run("sleep 0.8")
         self.assertLess(simdev.norm(self.arm.felt()), 0.1)
 
     def test_4_each_wall_of_the_box_pushes_back(self):
@@ -48,15 +48,15 @@ class Uhid(guest.GuestTest):
                     point = [0.0, 0.0, 0.0]
                     point[axis] = sign * 0.018
                     self.arm.say("move {} {} {} 0.3".format(*point))
-                    self.guest.run("sleep 1.5")
+                    self.guest.run("sleep 0.8")
                     force = self.arm.felt()
                     self.assertLess(sign * force[axis], -0.3, force)
                     self.arm.say("move 0 0 0 0.3")
-                    self.guest.run("sleep 0.5")
+                    self.guest.run("sleep 0.35")
 
     def test_5_stopped_while_the_hand_pushes_the_daemon_leaves_no_force(self):
         self.arm.say("move 0.018 0 0 0.3")
-        self.guest.run("sleep 1.5")
+        self.guest.run("sleep 0.8")
         self.assertGreater(simdev.norm(self.arm.felt()), 0.3)
         self.guest.run("systemctl stop thimbled; sleep 0.2")
         self.assertLess(max(simdev.norm(entry["force_newton"]) for entry in self.arm.samples(0.1)), 1e-6)

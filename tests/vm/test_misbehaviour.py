@@ -28,7 +28,7 @@ LIES = "longer shorter no-endpoints more-endpoints long-length large-packets bot
 class Misbehaviour(guest.GuestTest):
     """Numbered: each test goes on where the one before it ended."""
 
-    pace = guest.counted(0)
+    pace = guest.COUNTED
 
     @classmethod
     def setUpClass(cls):

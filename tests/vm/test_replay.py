@@ -13,7 +13,7 @@ NO_FORCE = 48 * "0"
 
 
 class Replay(guest.GuestTest):
-    pace = guest.counted(1)
+    pace = guest.COUNTED
     runs_daemon = False
 
     def play(self, arm, where, name):

@@ -23,7 +23,7 @@ CALLS = 500  # of each kind, at least; strace slows the servo down
 class Hidraw(guest.GuestTest):
     """The arm hangs on USB/IP, so that a write to its node takes a frame of the bus."""
 
-    pace = guest.counted(1)  # probes and strace slow the servo down
+    pace = guest.COUNTED
     blocking_call = "write(", "</dev/hidraw"
 
     @classmethod
@@ -80,7 +80,7 @@ class Hidraw(guest.GuestTest):
 
 
 class Usbfs(Hidraw):
-    pace = guest.counted(1)  # its bus has 8,000 rounds a second
+    pace = guest.COUNTED
     blocking_call = "ioctl(", "USBDEVFS_SUBMITURB"
 
     @classmethod

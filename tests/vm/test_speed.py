@@ -22,7 +22,7 @@ def tell(text):
 
 
 class RoundTrips(guest.GuestTest):
-    pace = guest.counted(0)
+    pace = guest.COUNTED
     runs_daemon = False
 
     @contextlib.contextmanager
@@ -96,7 +96,7 @@ def parse(text):
 class FourArms(guest.GuestTest):
     """At 1 kHz, each pressed against a wall of the box."""
 
-    pace = guest.counted(0)
+    pace = guest.COUNTED
     names = ("right", "left", "third", "fourth")
 
     @classmethod

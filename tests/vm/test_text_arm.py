@@ -11,7 +11,7 @@ import simdev
 class TextArm(guest.GuestTest):
     """Numbered: each test goes on where the one before it ended."""
 
-    pace = guest.counted(0)  # its bus has 8,000 rounds a second
+    pace = guest.COUNTED
 
     @classmethod
     def setUpClass(cls):

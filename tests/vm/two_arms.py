@@ -32,7 +32,7 @@ class TwoArms(guest.GuestTest):
     way = "uhid"
 
     # Two devices take a third of the processor here; at twice the time an instruction the world's thread would wait for them.
-    pace = guest.counted(0)
+    pace = guest.COUNTED
 
     @classmethod
     def setUpClass(cls):

@@ -63,8 +63,9 @@ def cycle_lies(count, serial):
     taken = 0
     for _ in range(count):
         uhid_device.create(device, 0x1234, 0x0006, serial, spoilt(uhid_device.DESCRIPTOR, chance))
-        taken += await_event(device, uhid_device.UHID_START, LIE_S)
-        await_event(device, UHID_OPEN, LIE_S)
+        if await_event(device, uhid_device.UHID_START, LIE_S):
+            taken += 1
+            await_event(device, UHID_OPEN, LIE_S)
         with contextlib.suppress(OSError):  # there is none
             uhid_device.tell(device, UHID_DESTROY)
     return taken
