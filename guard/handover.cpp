@@ -118,8 +118,9 @@ Result<Received> receive_handover(int socket, int timeout_ms) {
   Packet packet;
   const ssize_t size = ::recvmsg(socket, &packet.message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
   if (size < 0) return tl::unexpected(linux::system_error("cannot be handed an arm", errno));
-  if (size == 0) return fail(Errc::Disconnected, "no arm was handed over");
+  // Of an empty packet, too: what came with it would stay open.
   std::vector<linux::Descriptor> descriptors = take_descriptors(packet.message);
+  if (size == 0) return fail(Errc::Disconnected, "no arm was handed over");
   auto handover = parse_handover({packet.bytes.data(), static_cast<std::size_t>(size)});
   if (!handover) return tl::unexpected(handover.error());
   const std::size_t expected = descriptors_of(handover->route);

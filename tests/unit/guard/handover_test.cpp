@@ -171,6 +171,31 @@ TEST(Handover, OfAPacketThatIsRefusedTheDescriptorsAreClosed) {
   EXPECT_EQ(::read(out.get(), &byte, 1), 0) << "nobody holds the other end any more";
 }
 
+// A packet of no bytes reads like the end of the connection, and may still bring descriptors.
+TEST(Handover, OfAnEmptyPacketTheDescriptorsAreClosed) {
+  const Sockets sockets;
+  std::array<int, 2> pipe{};
+  ASSERT_EQ(::pipe2(pipe.data(), O_CLOEXEC | O_NONBLOCK), 0);
+  const Descriptor out(pipe[0]);
+  {
+    const Descriptor in(pipe[1]);
+    alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> control{};
+    msghdr message{};
+    message.msg_control = control.data();
+    message.msg_controllen = control.size();
+    cmsghdr* const rights = CMSG_FIRSTHDR(&message);
+    rights->cmsg_level = SOL_SOCKET;
+    rights->cmsg_type = SCM_RIGHTS;
+    rights->cmsg_len = CMSG_LEN(sizeof(int));
+    const int sent = in.get();
+    std::memcpy(CMSG_DATA(rights), &sent, sizeof sent);
+    ASSERT_EQ(::sendmsg(sockets.daemon.get(), &message, 0), 0);
+  }
+  EXPECT_NE(refusal(receive_handover(sockets.guard.get(), 1000)), "");
+  char byte = 0;
+  EXPECT_EQ(::read(out.get(), &byte, 1), 0) << "nobody holds the other end any more";
+}
+
 TEST(Handover, ADaemonThatSaysNothingOrGoesIsNamed) {
   Sockets sockets;
   EXPECT_EQ(refusal(receive_handover(sockets.guard.get(), 1)), "no arm was handed over");
