@@ -18,6 +18,8 @@ using boost::system::error_code;
 
 // Ours: what a connection may bring in one round.
 constexpr int kMostReadsOfARound = 4;
+// Ours: far beyond what a host leaves unread.
+constexpr std::size_t kMostUnsentBytes = std::size_t{1} << 20;
 
 bool is_for_later(const error_code& error) {
   return error == asio::error::would_block || error == asio::error::try_again;
@@ -120,17 +122,19 @@ void UsbipPlug::fire(MonotonicTime now) noexcept {
   for (auto connection = connections_.begin(); connection != connections_.end();) {
     const auto next = std::next(connection);
     connection->session.set_available(is_plugged_ && !is_attached());
+    const std::size_t unsent = connection->session.outbox().size();
     const bool is_up = receive(*connection);
+    if (connection->session.outbox().size() > unsent) connection->answered_at = now;
     if (connection->session.is_attached()) {
       connection->session.serve(now);
     } else {
       connection->session.leave_round_out();
     }
-    if (!send(*connection) || !is_up) drop(connection);
+    if (!send(*connection) || !is_up || is_idle(*connection, now)) drop(connection);
     connection = next;
   }
   if (round_ % rounds_per_frame_ != 0) return;
-  accept();  // so that its frames begin with ours
+  accept(now);  // so that its frames begin with ours
   plugin::ArmBackend* arm = model_->arm_backend();
   if (arm != nullptr) around_.log->note_sample(around_.time(now), arm->truth());
 }
@@ -157,7 +161,13 @@ bool UsbipPlug::wait_for_kernel(MonotonicTime until) noexcept {
   return ::ppoll(sockets.data(), count, &most, nullptr) > 0;
 }
 
-void UsbipPlug::accept() {
+bool UsbipPlug::is_idle(const Connection& connection, MonotonicTime now) noexcept {
+  const UsbipSession& session = connection.session;
+  const bool is_host = session.is_attached() && session.counters().requests > 0;
+  return !is_host && now - connection.answered_at > kPatience;
+}
+
+void UsbipPlug::accept(MonotonicTime now) {
   error_code error;
   Tcp::socket socket = acceptor_.accept(*io_, error);
   if (error || connections_.size() >= kMostConnections) return;
@@ -165,10 +175,12 @@ void UsbipPlug::accept() {
   if (!error) socket.set_option(Tcp::no_delay(true), error);
   if (error) return;
   connections_.push_back(
-      {std::move(socket), UsbipSession(*model_, persona_, rounds_per_frame_, around_)});
+      {std::move(socket), UsbipSession(*model_, persona_, rounds_per_frame_, around_), now});
 }
 
+// Who does not read the answers is not asked for more.
 bool UsbipPlug::receive(Connection& connection) {
+  if (connection.session.outbox().size() > kMostUnsentBytes) return true;
   std::array<std::uint8_t, 16384> buffer;
   for (int i = 0; i < kMostReadsOfARound; ++i) {
     error_code error;

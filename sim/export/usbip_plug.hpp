@@ -29,6 +29,10 @@ namespace thimble::sim {
 class UsbipPlug final : public Plug, private Event {
  public:
   static constexpr std::size_t kMostConnections = 4;  // ours: one host, and `usbip list` beside it
+  // Who asks nothing for so long, or takes the device and makes no request of it, holds a place
+  // that others want, and is hung up on. Ours: a kernel asks for descriptors within 1 s. A host
+  // that has it may be idle for ever.
+  static constexpr Duration kPatience = std::chrono::seconds(10);
 
   // `port` 0: one that is free. Errors: Busy when it is taken, else System.
   [[nodiscard]] static Result<std::unique_ptr<UsbipPlug>> listen(
@@ -55,13 +59,15 @@ class UsbipPlug final : public Plug, private Event {
   struct Connection {
     Tcp::socket socket;
     UsbipSession session;
-    std::size_t sent{0};  // of the session's outbox
+    MonotonicTime answered_at{};  // or accepted; a byte now and then is no question
+    std::size_t sent{0};          // of the session's outbox
   };
   UsbipPlug(boost::asio::io_context& io, plugin::SimUsbModel& model, UsbPersona persona,
             const PlugSurroundings& surroundings);
 
   void fire(MonotonicTime now) noexcept override;
-  void accept();
+  void accept(MonotonicTime now);
+  [[nodiscard]] static bool is_idle(const Connection& connection, MonotonicTime now) noexcept;
   [[nodiscard]] bool receive(Connection& connection);
   [[nodiscard]] bool send(Connection& connection);
   void drop(std::list<Connection>::iterator connection);

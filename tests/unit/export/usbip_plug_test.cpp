@@ -146,6 +146,38 @@ TEST_F(UsbipPlugTest, HangsUpOnWhoSaysNonsense) {
   EXPECT_EQ(sut_->counters().malformed, 1U);
 }
 
+// Four of them would keep everybody else out for ever.
+TEST_F(UsbipPlugTest, HangsUpOnWhoAsksNothingOrTakesTheDeviceAndLeavesItAlone) {
+  Tcp::socket host = connect(*sut_);
+  ASSERT_EQ(ask(host, UsbipHost::import(), 320).size(), 320U);
+  std::vector<Tcp::socket> idle;
+  for (std::size_t i = 1; i < UsbipPlug::kMostConnections; ++i) idle.push_back(connect(*sut_));
+  ASSERT_TRUE(ask(host, {}, 1).empty());  // 200 frames, in which all are accepted
+  Tcp::socket late = connect(*sut_);
+  EXPECT_TRUE(ask(late, UsbipHost::devlist(), 12).empty());
+  EXPECT_TRUE(is_hung_up_);
+  for (int second = 0; second <= 10; ++second) {  // a byte now and then is no question
+    boost::system::error_code ignored;
+    boost::asio::write(idle[0], boost::asio::buffer("\x01", 1), ignored);
+    bench_.run_frames(1000);
+  }
+  for (Tcp::socket& socket : idle) {
+    ask(socket, {}, 1);
+    EXPECT_TRUE(is_hung_up_);
+  }
+  EXPECT_FALSE(sut_->is_attached()) << "its host never made a request";
+  Tcp::socket next = connect(*sut_);
+  EXPECT_EQ(ask(next, UsbipHost::import(), 320).size(), 320U);
+}
+
+TEST_F(UsbipPlugTest, LetsAHostBeIdleForEver) {
+  Tcp::socket host = connect(*sut_);
+  ask(host, UsbipHost::import(), 320);
+  ask(host, host_.control({0x80, 6, 0, 1, 0, 0, 18, 0}), 48);
+  bench_.run_frames(30'000);
+  EXPECT_TRUE(sut_->is_attached());
+}
+
 TEST_F(UsbipPlugTest, RefusesAPortThatIsTaken) {
   const auto other = UsbipPlug::listen(io_, sut_->port(), model_, {}, bench_.surroundings());
   ASSERT_FALSE(other);
