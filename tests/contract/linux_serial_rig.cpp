@@ -21,6 +21,7 @@
 #include "hal/linux/serial_transfers.hpp"
 #include "sim/time/virtual_clock.hpp"
 #include "tests/contract/serial_port_contract.hpp"
+#include "tests/support/allocation_count.hpp"
 
 namespace thimble::test {
 namespace {
@@ -335,6 +336,23 @@ TEST_F(SerialPortTest, ItsThreadCarriesBytesBothWays) {
     ASSERT_EQ(line.received(sent.size()), sent);
   }
   EXPECT_EQ(sut->counters().bytes_in, 150U);
+}
+
+TEST_F(SerialPortTest, AnExchangeAllocatesNothingInTheThreadOfTheServo) {
+  const Bytes command{1, 2, 3};
+  bus::SerialChunk chunk;
+  std::uint64_t allocated = 0;
+  for (int tick = 0; tick < 200; ++tick) {
+    line.send({4, 5, 6});
+    const MonotonicTime deadline = clock.now() + std::chrono::milliseconds(kPatience_ms);
+    const std::uint64_t before = allocation_count();
+    static_cast<void>(sut->submit(command));
+    while (sut->read(chunk) != IoStatus::Ok && clock.now() < deadline) std::this_thread::yield();
+    allocated += allocation_count() - before;
+    ASSERT_GT(chunk.sequence, 0U);
+  }
+  EXPECT_EQ(allocated, 0U);
+  EXPECT_EQ(sut->counters().bytes_in, 600U);
 }
 
 TEST_F(SerialPortTest, ALineThatIsPulledEndsItAndItsThreadCanBeJoined) {

@@ -129,9 +129,13 @@ TEST_P(UsbDeviceContract, EveryPacketOfAStreamArrivesInOrder) {
   std::vector<Packet> sent;
   for (std::uint8_t i = 1; i <= 20; ++i) sent.push_back(pattern(16, i));
   for (const Packet& packet : sent) rig->device_sends(kBulkIn, packet);
-  run_frames(25);
+  std::vector<Packet> read;
+  for (int i = 0; i < 1000 && read.size() < sent.size(); ++i) {
+    run_frames(1);
+    for (Packet& packet : read_all(kBulkIn)) read.push_back(std::move(packet));
+  }
 
-  EXPECT_EQ(read_all(kBulkIn), sent);
+  EXPECT_EQ(read, sent);
   EXPECT_EQ(sut->counters(kBulkIn).packets_in, 20U);
   EXPECT_EQ(sut->counters(kBulkIn).packets_skipped, 0U);
 }
@@ -357,6 +361,8 @@ TEST_P(UsbDeviceContract, TheCountersBalanceUnderRandomTraffic) {
   for (int step = 0; step < 600; ++step) {
     switch (random() % 6) {
       case 0:
+        // Beyond what is kept for who does not read, packets are lost, and the last of them unseen.
+        if (sent.size() - read.size() >= bus::kUsbQueuedPackets / 2) break;
         sent.push_back(pattern(random() % 65, static_cast<std::uint8_t>(random())));
         rig->device_sends(kBulkIn, sent.back());
         break;
