@@ -1,6 +1,7 @@
 #include "tests/contract/usb_device_contract.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <random>
 
 namespace thimble::test {
@@ -71,7 +72,6 @@ TEST_P(UsbDeviceContract, OnlyOneMayHoldADevice) {
   const auto second = rig->buses().open_usb(rig->address(), claim_of(kBulkIn));
   ASSERT_FALSE(second.has_value());
   EXPECT_EQ(second.error().code, Errc::Busy);
-
   sut.reset();
   EXPECT_TRUE(rig->buses().open_usb(rig->address(), claim_of(kBulkIn)).has_value());
 }
@@ -132,9 +132,8 @@ TEST_P(UsbDeviceContract, EveryPacketOfAStreamArrivesInOrder) {
   std::vector<Packet> read;
   for (int i = 0; i < 1000 && read.size() < sent.size(); ++i) {
     run_frames(1);
-    for (Packet& packet : read_all(kBulkIn)) read.push_back(std::move(packet));
+    std::ranges::move(read_all(kBulkIn), std::back_inserter(read));
   }
-
   EXPECT_EQ(read, sent);
   EXPECT_EQ(sut->counters(kBulkIn).packets_in, 20U);
   EXPECT_EQ(sut->counters(kBulkIn).packets_skipped, 0U);
@@ -144,9 +143,7 @@ TEST_P(UsbDeviceContract, OfANewestPipeTheNewestWinsAndTheOthersAreCounted) {
   for (std::uint8_t i = 1; i <= 5; ++i) rig->device_sends(kInterruptIn, pattern(16, i));
   run_frames(10);
   bus::UsbPacket packet;
-
   ASSERT_EQ(sut->read(kInterruptIn, packet), IoStatus::Ok);
-
   EXPECT_EQ(bytes_of(packet), pattern(16, 5));
   EXPECT_EQ(packet.sequence, 5U);
   EXPECT_EQ(sut->read(kInterruptIn, packet), IoStatus::NoData);
@@ -160,11 +157,9 @@ TEST_P(UsbDeviceContract, AFullQueueLosesTheNewerOnesAndTheGapShows) {
     rig->device_sends(kBulkIn, pattern(4, static_cast<std::uint8_t>(i)));
   }
   run_frames(kTooMany);
-
   const std::vector<Packet> read = read_all(kBulkIn);
   ASSERT_EQ(read.size(), bus::kUsbQueuedPackets);
   EXPECT_EQ(read.back(), pattern(4, bus::kUsbQueuedPackets - 1));
-
   rig->device_sends(kBulkIn, pattern(4, 200));
   run_frames(3);
   bus::UsbPacket packet;
@@ -361,7 +356,7 @@ TEST_P(UsbDeviceContract, TheCountersBalanceUnderRandomTraffic) {
   for (int step = 0; step < 600; ++step) {
     switch (random() % 6) {
       case 0:
-        // Beyond what is kept for who does not read, packets are lost, and the last of them unseen.
+        // Beyond what is kept for who does not read, the last are lost unseen.
         if (sent.size() - read.size() >= bus::kUsbQueuedPackets / 2) break;
         sent.push_back(pattern(random() % 65, static_cast<std::uint8_t>(random())));
         rig->device_sends(kBulkIn, sent.back());
@@ -392,7 +387,6 @@ TEST_P(UsbDeviceContract, TheCountersBalanceUnderRandomTraffic) {
     drain();
   }
   run_frames(5);
-
   EXPECT_EQ(read, sent);
   const bus::UsbCounters in = sut->counters(kBulkIn);
   EXPECT_EQ(in.packets_in, sent.size());
