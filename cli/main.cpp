@@ -24,6 +24,7 @@
 #include "hal/linux/monotonic_clock.hpp"
 #include "hal/linux/standard_streams.hpp"
 #include "lab/cam_latency.hpp"
+#include "lab/piece_separator.hpp"
 
 namespace {
 
@@ -55,6 +56,7 @@ struct Arguments {
   thimble::cambus::ListLimits board;
   int log2_sites{thimble::cambus::kLog2ModuleSites.front()};
   thimble::cam::RunOptions cam;
+  std::uint64_t lab_seed{1};
 };
 
 // As a check: what a person gave for a number is one (cli/numbers.hpp).
@@ -201,7 +203,7 @@ void add_cam_commands(CLI::App& app, Arguments& arguments, int& code) {
   });
 }
 
-void add_lab_commands(CLI::App& app, int& code) {
+void add_lab_commands(CLI::App& app, Arguments& arguments, int& code) {
   CLI::App* lab = app.add_subcommand("lab", "Measure the thesis's figures in virtual time");
   lab->require_subcommand(1);
   CLI::App* latency = lab->add_subcommand(
@@ -215,6 +217,16 @@ void add_lab_commands(CLI::App& app, int& code) {
     }
     std::cout << report->text;
     code = report->is_within ? 0 : 1;
+  });
+  CLI::App* separate = lab->add_subcommand(
+      "separate", "Move interlocking pieces at random until all are apart (thesis 4.2.1)");
+  separate->add_option("--seed", arguments.lab_seed, "Of the pieces and the moves")
+      ->capture_default_str();
+  separate->callback([&] {
+    const auto report = thimble::lab::report_separator(arguments.lab_seed);
+    (report ? std::cout : std::cerr)
+        << (report ? *report : "thimble: " + report.error().message + '\n');
+    code = report ? 0 : 1;
   });
 }
 
@@ -322,7 +334,7 @@ int run(int argc, char** argv) {
   add_machine_commands(app, arguments, code);
   add_flight_commands(app, arguments, code);
   add_cam_commands(app, arguments, code);
-  add_lab_commands(app, code);
+  add_lab_commands(app, arguments, code);
   add_arm_command(app, "activate", "Keep an arm active while this runs", arguments, code);
   add_arm_command(app, "deactivate", "Take the force off an arm", arguments, code);
   add_arm_command(app, "clear-fault", "Clear a latched fault whose cause is gone", arguments, code)

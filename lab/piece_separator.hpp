@@ -42,6 +42,9 @@ class PieceSeparator {
     bool is_apart{false};
   };
 
+  [[nodiscard]] std::vector<Piece*> stuck_pieces();
+  // Moves it once where it is not free.
+  [[nodiscard]] Result<void> free_up(Piece& piece);
   [[nodiscard]] Result<void> take(const Piece& piece);
   [[nodiscard]] Result<void> drop(Piece& piece);
   // Cells that it went.

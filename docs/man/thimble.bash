@@ -60,7 +60,12 @@ _thimble() {
       else
         options=
       fi ;;
-    lab) [[ $word == -* ]] || options=cam-latency ;;
+    lab)
+      if [[ $word != -* ]]; then
+        options="cam-latency separate"
+      elif [[ " ${COMP_WORDS[*]:0:COMP_CWORD} " == *" separate "* ]]; then
+        options+=" --seed"
+      fi ;;
     select | drop | delete | free | reset) [[ $word == -* ]] || options= ;;
     report) [[ $word == -* ]] || { mapfile -t COMPREPLY < <(compgen -f -- "$word"); return; } ;;
     clear-fault) [[ $word == -* ]] && options+=" --fault" || options=$(_thimble_arms "${socket[@]}") ;;

@@ -57,6 +57,20 @@ class StepLists(ProcessTest):
         self.assertEqual((missing.returncode, missing.stdout), (1, ""))
 
 
+class Separating(ProcessTest):
+    def test_pieces_are_moved_apart_and_the_same_seed_moves_them_alike(self):
+        once, again = (self.run_program("thimble", "lab", "separate", "--seed", "13")
+                       for _ in range(2))
+        self.assertEqual((once.returncode, once.stderr), (0, ""))
+        self.assertIn(" 16 apart after ", once.stdout)
+        self.assertEqual(once.stdout, again.stdout)
+
+    def test_a_seed_is_a_number(self):
+        for wrong in ("one", "1.5"):
+            shown = self.run_program("thimble", "lab", "separate", "--seed", wrong)
+            self.assertEqual((shown.returncode, shown.stdout), (2, ""), wrong)
+
+
 class Worlds(ProcessTest):
     def run_world(self, world, *options):
         return self.run_program("thimble", "cam", "run", world, *options)

@@ -10,7 +10,7 @@ MAN = ROOT / "docs/man"
 sys.path.insert(0, str(MAN))
 import make_configuration_page  # noqa: E402  its folder is known only now
 
-NESTED = {"flight": ("show",), "cam": ("disassemble",)}  # a subcommand of each that has some
+NESTED = {"flight": ("show",), "cam": ("disassemble",), "lab": ("separate",)}  # a subcommand of each that has some
 EVERYWHERE = {"--help", "--socket"}  # options of the program that may follow a subcommand
 
 

@@ -1,5 +1,6 @@
 #include "lab/piece_separator.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <map>
@@ -101,6 +102,38 @@ TEST_F(Separator, TheSameSeedMakesTheSameMoves) {
   const auto again = separate(layout, 7, 60);
   ASSERT_TRUE(once && again);
   EXPECT_EQ(*once, *again);
+}
+
+TEST_F(Separator, MovesNoMoreThanItMay) {
+  const PieceLayout layout = interlocking_layout(kSpace, 2, 1).value();
+  const auto report = separate(layout, 1, 2);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->moves, 2U);
+  EXPECT_LT(report->apart, 4);
+}
+
+TEST_F(Separator, LeavesPiecesAloneThatAreApart) {
+  PieceLayout layout(kSpace.cells());
+  for (const int number : {1, 2, 3}) {
+    for (int cell = 0; cell < 16; ++cell) {
+      const int x = 12 * number + cell % 4;
+      layout[world::cam::index_of(kSpace, {x, 20 + cell / 4, 0})] =
+          static_cast<std::uint8_t>(number);
+    }
+  }
+  const auto report = separate(layout, 1, 100);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(*report, (SeparatorReport{3, 3, 0, 0}));
+}
+
+// The bound that lets a person wait for it.
+TEST(SeparatorForPeople, SixteenPiecesAreApartInTime) {
+  for (const std::uint64_t seed : {std::uint64_t{5}, std::uint64_t{13}}) {
+    const auto report = report_separator(seed);
+    ASSERT_TRUE(report) << report.error().message;
+    EXPECT_THAT(*report,
+                testing::StartsWith("16 interlocking pieces in 128 x 128 cells: 16 apart "));
+  }
 }
 
 TEST_F(Separator, SaysWhenThePiecesAreNotWhereTheyMustBe) {
