@@ -164,11 +164,14 @@ enum class PieceSearch : std::uint8_t { Leap, OneCell };
 
 // The thesis's static pieces on a simulated CAM board (4.2.1, 4.2.2).
 struct PiecesConfig {
-  int cells{512};  // along x and y; a power of two
+  int cells{512};  // along each axis; a power of two
   int count{20};   // of pieces
   std::uint64_t seed{1};
   PieceSearch search{PieceSearch::Leap};
   int boards{8};  // modules, in one machine; a power of two
+  int axes{2};    // x and y, or all three
+  std::optional<std::string>
+      layout{};  // path of a volume file, instead of cells, axes, count, seed
   bool operator==(const PiecesConfig&) const = default;
 };
 

@@ -1,4 +1,6 @@
 #include <array>
+#include <filesystem>
+#include <optional>
 #include <string>
 
 #include "daemon/config/schema.hpp"
@@ -19,7 +21,23 @@ void read_power(TableReader& reader, std::string_view key, Range range, int& out
   out = static_cast<int>(number);
 }
 
-PiecesConfig read_pieces_table(TableReader reader) {
+// Ours: as many cells in three axes as the thesis's worlds have.
+constexpr int kMostCellsInSpace = 64;
+
+// A file says itself what the others say.
+void read_layout(TableReader& reader, const std::filesystem::path& folder, PiecesConfig& out) {
+  read_path(reader, "layout", folder, out.layout);
+  if (!out.layout) return;
+  if (!is_volume_file(*out.layout)) {
+    reader.reject("layout", "expected the path of an .npy, .nrrd or .nhdr file, found " +
+                                in_quotes(*out.layout));
+  }
+  for (const char* key : {"cells", "axes", "count", "seed"}) {
+    if (reader.has(key)) reader.reject(key, "expected only without layout, whose file says it");
+  }
+}
+
+PiecesConfig read_pieces_table(TableReader reader, const std::filesystem::path& folder) {
   PiecesConfig out;
   read_power(reader, "cells", {32, 512}, out.cells);
   std::int64_t number = 0;
@@ -29,14 +47,29 @@ PiecesConfig read_pieces_table(TableReader reader) {
   }
   reader.read("search", std::span<const Choice<PieceSearch>>(kSearches), out.search);
   read_power(reader, "boards", {1, 8}, out.boards);
+  if (reader.read_integer("axes", {2, 3}, number)) out.axes = static_cast<int>(number);
+  if (out.axes == 3 && !reader.has("cells")) out.cells = kMostCellsInSpace;
+  if (out.axes == 3 && out.cells > kMostCellsInSpace) {
+    reader.reject("cells", "expected at most " + std::to_string(kMostCellsInSpace) +
+                               " with axes = 3, found " + std::to_string(out.cells));
+  }
+  read_layout(reader, folder, out);
   reader.finish();
   return out;
 }
 
 }  // namespace
 
-void read_pieces(TableReader& reader, WorldConfig& world) {
-  const PiecesConfig pieces = read_pieces_table(reader.table("pieces"));
+void read_path(TableReader& reader, std::string_view key, const std::filesystem::path& folder,
+               std::optional<std::string>& out) {
+  std::string path;
+  if (!reader.read(key, path)) return;
+  // Typed on a command line, a path means the place where it is typed.
+  out = reader.is_override(key) ? path : (folder / path).lexically_normal().string();
+}
+
+void read_pieces(TableReader& reader, const std::filesystem::path& folder, WorldConfig& world) {
+  const PiecesConfig pieces = read_pieces_table(reader.table("pieces"), folder);
   if (world.source != kPiecesSource) {
     if (reader.has("pieces") && !world.source.empty()) {
       reader.reject("pieces", "expected only with source \"pieces\", found beside " +

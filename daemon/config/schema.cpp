@@ -62,14 +62,6 @@ void read_seed(TableReader& reader, std::uint64_t& out) {
   if (reader.read_integer("seed", kSeed, seed)) out = static_cast<std::uint64_t>(seed);
 }
 
-void read_path(TableReader& reader, std::string_view key, const std::filesystem::path& folder,
-               std::optional<std::string>& out) {
-  std::string path;
-  if (!reader.read(key, path)) return;
-  // Typed on a command line, a path means the place where it is typed.
-  out = reader.is_override(key) ? path : (folder / path).lexically_normal().string();
-}
-
 void read_name(TableReader& reader, std::string& out) {
   reader.require("name", "a name");
   std::string name;
@@ -364,7 +356,7 @@ Entry<WorldConfig> read_world(TableReader reader, const std::filesystem::path& f
   read_source(reader, folder, out);
   read_volume(reader, out);
   read_sphere(reader, out);
-  read_pieces(reader, out);
+  read_pieces(reader, folder, out);
   read_choice(reader, "constraint_model", kConstraintModels, out.constraint_model);
   read_listener(reader, out);
   out.impairment = read_impairment(reader.table("impairment"));

@@ -36,7 +36,11 @@ void read_sphere(TableReader& reader, WorldConfig& world);
 
 // The source of pieces on a CAM board, and its keys.
 inline constexpr std::string_view kPiecesSource = "pieces";
-void read_pieces(TableReader& reader, WorldConfig& world);
+void read_pieces(TableReader& reader, const std::filesystem::path& folder, WorldConfig& world);
+
+// A path; relative ones are to `folder`.
+void read_path(TableReader& reader, std::string_view key, const std::filesystem::path& folder,
+               std::optional<std::string>& out);
 
 // What no table can tell alone: names are unique, references resolve, addresses do not clash.
 void check_relations(std::vector<Entry<ArmConfig>>& arms, std::vector<Entry<WorldConfig>>& worlds);

@@ -1,8 +1,10 @@
 #include "daemon/session/piece_settings.hpp"
 
 #include <bit>
+#include <string>
 #include <utility>
 
+#include "daemon/session/piece_file.hpp"
 #include "daemon/world/cam/piece_world.hpp"
 #include "drivers/cambus/board.hpp"
 #include "drivers/cambus/pci_port.hpp"
@@ -18,14 +20,25 @@ namespace pieces = world::cam;
 }
 
 // Modules of just the sites that the space needs.
-[[nodiscard]] sim::cam::BoardOptions board_options(const config::PiecesConfig& said) {
+[[nodiscard]] sim::cam::BoardOptions board_options(const CamAxes& log2_cells, int boards) {
   sim::cam::BoardOptions options;
-  int left = log2_of(said.boards);
-  options.shape.log2_sites = 2 * log2_of(said.cells) - left;
+  int left = log2_of(boards);
+  options.shape.log2_sites = log2_cells[0] + log2_cells[1] + log2_cells[2] - left;
   for (auto& along : options.shape.modules) along = left-- > 0 ? 2 : 1;
   options.window_bytes = std::size_t{1} << 21;  // all cells there, or back, and a table
   options.is_paced = false;
   return options;
+}
+
+[[nodiscard]] Result<PieceFile> layout_of(const config::PiecesConfig& said) {
+  if (said.layout) return read_piece_file(*said.layout);
+  const int log2 = log2_of(said.cells);
+  PieceFile file{{log2, log2, said.axes == 3 ? log2 : 0}, {}};
+  auto layout =
+      pieces::random_layout({file.log2_cells, CamDivision::StripY}, said.count, said.seed);
+  if (!layout) return tl::unexpected(layout.error());
+  file.layout = *std::move(layout);
+  return file;
 }
 
 }  // namespace
@@ -37,20 +50,27 @@ Result<std::unique_ptr<world::World>> make_piece_world(const config::WorldConfig
     return fail(Errc::Unsupported, said.source + ": a world on a board needs a clock");
   }
   pieces::PieceWorldSettings settings;
-  settings.pieces.space = {{log2_of(of.cells), log2_of(of.cells), 0}, CamDivision::StripY};
+  auto file = layout_of(of);
+  if (!file) return tl::unexpected(file.error());
+  if (file->log2_cells[1] <= log2_of(of.boards)) {
+    return fail(Errc::InvalidArgument, said.source +
+                                           ": boards: each takes two rows of cells at least, " +
+                                           std::to_string(of.boards) + " of them " +
+                                           std::to_string(2 * of.boards) + " along y");
+  }
+  settings.pieces.space = {file->log2_cells, CamDivision::StripY};
   settings.pieces.search = of.search == config::PieceSearch::Leap ? pieces::SearchKind::Leap
                                                                   : pieces::SearchKind::OneCell;
   settings.workspace_m = said.workspace_m;
   settings.source = said.source;
-  auto layout = pieces::random_layout(settings.pieces.space, of.count, of.seed);
-  if (!layout) return tl::unexpected(layout.error());
-  const auto slot = std::make_shared<sim::cam::SimCamBoard>(*clock, board_options(of));
+  const auto slot =
+      std::make_shared<sim::cam::SimCamBoard>(*clock, board_options(file->log2_cells, of.boards));
   const auto open = [slot](MonotonicTime now) -> Result<std::unique_ptr<CamBoard>> {
     auto port = cambus::PciPort::open(slot->open_window(), now);
     if (!port) return tl::unexpected(port.error());
     return std::make_unique<cambus::Board>(*std::move(port));
   };
-  auto world = pieces::PieceWorld::create(settings, open, *std::move(layout), *clock);
+  auto world = pieces::PieceWorld::create(settings, open, std::move(file->layout), *clock);
   if (!world) return tl::unexpected(world.error());
   return *std::move(world);
 }

@@ -12,7 +12,7 @@ namespace thimble::session {
 // The world of pieces that a configuration describes, on a simulated CAM board of its own, which
 // scans in the thread that touches the world and takes no longer than that. Not RT. `clock` must
 // outlive it. Errors: Unsupported without a clock; InvalidArgument for more pieces than there is
-// room for.
+// room for, or a layout that is none; and what reading its file says.
 [[nodiscard]] Result<std::unique_ptr<world::World>> make_piece_world(
     const config::WorldConfig& said, const Clock* clock);
 

@@ -34,6 +34,22 @@ TEST(ConfigPieces, ReadsEveryKey) {
   EXPECT_EQ(sut->worlds.at(0).workspace_m, 0.1);
 }
 
+TEST(ConfigPieces, InSpaceThereAreFewerCellsAlongAnAxis) {
+  const auto sut = parse_text(pieces_with("pieces.axes = 3\n"));
+  ASSERT_TRUE(sut);
+  EXPECT_EQ(sut->worlds.at(0).pieces->axes, 3);
+  EXPECT_EQ(sut->worlds.at(0).pieces->cells, 64);
+  EXPECT_EQ(
+      parse_text(pieces_with("pieces.axes = 3\npieces.cells = 32\n"))->worlds.at(0).pieces->cells,
+      32);
+}
+
+TEST(ConfigPieces, ALayoutLiesBesideTheConfiguration) {
+  const auto sut = parse_text(pieces_with("pieces.layout = \"parts/puzzle.npy\"\n"));
+  ASSERT_TRUE(sut);
+  EXPECT_THAT(*sut->worlds.at(0).pieces->layout, testing::EndsWith("parts/puzzle.npy"));
+}
+
 TEST(ConfigPieces, TheirTableBesideAnotherSourceIsAMistake) {
   EXPECT_THAT(mistakes("[[world]]\nname = \"w\"\nsource = \"box:3\"\n[world.pieces]\n"),
               ElementsAre(AllOf(HasSubstr("world.0.pieces"), HasSubstr("\"box:3\""))));
@@ -59,6 +75,10 @@ INSTANTIATE_TEST_SUITE_P(
                     BadPieces{"pieces.count = 0\n", "1 to 63"},
                     BadPieces{"pieces.seed = -1\n", "pieces.seed"},
                     BadPieces{"pieces.search = \"fast\"\n", "\"leap\""},
+                    BadPieces{"pieces.axes = 1\n", "2 to 3"},
+                    BadPieces{"pieces.axes = 3\npieces.cells = 128\n", "at most 64"},
+                    BadPieces{"pieces.layout = \"puzzle.png\"\n", "puzzle.png"},
+                    BadPieces{"pieces.layout = \"a.npy\"\npieces.seed = 2\n", "pieces.seed"},
                     BadPieces{"pieces = 3\n", "world.0.pieces: expected a table, found 3"},
                     BadPieces{"threshold = 1\n", "only with a volume file"}));
 
