@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <string>
 #include <vector>
 
+#include "drivers/falcon/falcon_wire.hpp"
 #include "drivers/falcon/firmware_image.hpp"
 #include "tests/support/arm_watch.hpp"
 #include "tests/support/closed_loop.hpp"
@@ -84,6 +86,90 @@ TEST(FalconSession, WithoutFirmwareItStaysConfiguredAndSaysWhatItNeeds) {
   EXPECT_NE(sut.frame().state, OperatingState::Active);
   EXPECT_NE(sut.instruction(), "");
   EXPECT_EQ(norm(sut.truth().motor_force), 0);
+}
+
+// A cable that lets a device have the beginning of a packet only: TruncateOut of FaultyUsb.
+sim::FaultPlan packets_out_cut(Duration from, Duration lasts, std::uint64_t reports) {
+  sim::FaultPlan plan;
+  plan.seed = 7;
+  sim::ScriptedFault cut;
+  cut.kind = sim::FaultKind::TruncateOut;
+  cut.from = MonotonicTime{from};
+  cut.lasts = lasts;
+  cut.reports = reports;
+  cut.endpoint = falcon::wire::kBulkOut;
+  plan.script.push_back(cut);
+  return plan;
+}
+
+// A command of which the arm takes the beginning is none to it, and the next one is whole.
+TEST(FalconSession, APacketThatIsCutWhileItPushesCostsNoMoreThanItself) {
+  test::ClosedLoop::Setup setup;
+  setup.cables = packets_out_cut(std::chrono::seconds(8), std::chrono::milliseconds(6),
+                                 std::numeric_limits<std::uint64_t>::max());
+  test::ClosedLoop sut(kFalcon, setup);
+  test::ArmWatch watch(sut);
+  const auto see = [&] { watch.see(); };
+  ASSERT_TRUE(sut.run_until(7.5, [&] {
+    watch.see();
+    return sut.frame().gain >= 1;
+  }));
+  sut.sim_arm().backend().push_tip({4.5, 0, 0});
+  while (sut.now() < MonotonicTime{std::chrono::seconds(8)}) sut.run(0.01, see);
+  ASSERT_TRUE(sut.frame().is_in_contact);
+  sut.run(1, see);
+  EXPECT_GT(sut.injected().of(sim::FaultKind::TruncateOut), 0U);
+  EXPECT_EQ(sut.snapshot().fault.code, FaultCode::None);
+  EXPECT_EQ(sut.frame().state, OperatingState::Active);
+  EXPECT_LT(sut.truth().motor_force.x, -0.1) << "it pushes on";
+  EXPECT_EQ(watch.breach(), "");
+}
+
+// Cut for longer it is an arm that does not answer: latched, told, and without force as soon as its
+// cable lets a zero pass.
+TEST(FalconSession, PacketsThatAreCutForLongStopItVisibly) {
+  test::ClosedLoop::Setup setup;
+  setup.cables = packets_out_cut(std::chrono::seconds(8), std::chrono::milliseconds(500),
+                                 std::numeric_limits<std::uint64_t>::max());
+  test::ClosedLoop sut(kFalcon, setup);
+  test::ArmWatch watch(sut);
+  const auto see = [&] { watch.see(); };
+  ASSERT_TRUE(sut.run_until(7.5, [&] {
+    watch.see();
+    return sut.frame().gain >= 1;
+  }));
+  sut.sim_arm().backend().push_tip({4.5, 0, 0});
+  while (sut.now() < MonotonicTime{std::chrono::seconds(8)}) sut.run(0.01, see);
+  ASSERT_TRUE(sut.frame().is_in_contact);
+  sut.run(1, see);
+  EXPECT_EQ(sut.frame().state, OperatingState::Fault);
+  EXPECT_EQ(norm(sut.frame().force), 0);
+  EXPECT_EQ(sut.snapshot().fault.code, FaultCode::StaleSample);
+  EXPECT_EQ(watch.breach(), "");
+  EXPECT_EQ(norm(sut.truth().motor_force), 0) << "the cable let a zero pass";
+}
+
+// The echo of a chunk that came cut does not fit: the upload is begun anew, and in the end the arm
+// runs.
+TEST(FalconSession, APacketThatIsCutInTheUploadCostsTheUploadAndNotTheArm) {
+  const testing_support::TemporaryFolder folder;
+  const std::vector<std::uint8_t> image = test::falcon_image();
+  const auto file =
+      folder.write("image", {reinterpret_cast<const char*>(image.data()), image.size()});
+  test::ClosedLoop::Setup setup;
+  setup.cables = packets_out_cut({}, Duration::max(), 3);
+  setup.cables.script[0].first_report = 60;
+  test::ClosedLoop sut(
+      {"arm.0.device=sim:falcon", "arm.hand.motion=still", "arm.0.firmware=" + file.string(),
+       "arm.0.firmware_sha256=" + falcon::sha256_of(image)},
+      setup);
+  bool is_told = false;
+  ASSERT_TRUE(sut.run_until(40, [&] {
+    is_told = is_told || sut.instruction().find("is tried again") != std::string::npos;
+    return sut.frame().gain >= 1;
+  })) << sut.instruction();
+  EXPECT_EQ(sut.injected().of(sim::FaultKind::TruncateOut), 3U);
+  EXPECT_TRUE(is_told);
 }
 
 }  // namespace
