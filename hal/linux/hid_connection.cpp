@@ -128,7 +128,7 @@ Result<void> HidConnection::open() {
     if (!transfers.has_value()) return tl::unexpected(transfers.error());
     transfers_ = std::move(transfers.value());
   }
-  if (const Result<void> shared = open_for_guard(); !shared.has_value()) return shared;
+  if (Result<void> shared = open_for_guard(); !shared.has_value()) return shared;
   auto reader = RealtimeThread::start(settings_->thread, settings_->process, [this] { read(); });
   if (!reader.has_value()) return tl::unexpected(reader.error());
   reader_ = std::move(reader.value());
