@@ -41,7 +41,6 @@ _DAEMON_NEEDS = dict(NODES.values()) | {
     "Wants=modprobe@hid.service modprobe@usbcore.service modprobe@cdc_acm.service": "DeviceAllow= knows only classes that are there at the start",
     "After=modprobe@hid.service modprobe@usbcore.service modprobe@cdc_acm.service": "DeviceAllow= knows only classes that are there at the start",
     "LimitMEMLOCK=infinity": "paged memory stops the servo",
-    "Nice=-10": "worlds that wait for a processor let their walls give way",
     "IPAddressDeny=any": "as shipped it talks to this host only",
     "Wants=thimble-guard.socket": "an arm that needs a guard is refused without one",
     "After=thimble-guard.socket": "it is asked for when the first arm is opened",
