@@ -1,6 +1,5 @@
 #include "daemon/app/device_threads.hpp"
 
-#include <chrono>
 #include <system_error>
 #include <utility>
 
@@ -14,10 +13,7 @@ class DeviceThread final : public devices::DeviceWork {
  public:
   DeviceThread() = default;
   // A device that is being closed uses what the daemon owns.
-  ~DeviceThread() override {
-    while (!worker_.wait(std::chrono::seconds(1))) {
-    }
-  }
+  ~DeviceThread() override { worker_.finish(); }
   DeviceThread(const DeviceThread&) = delete;
   DeviceThread& operator=(const DeviceThread&) = delete;
   void post(Task task) override { worker_.post(std::move(task)); }

@@ -51,6 +51,11 @@ void BackgroundWorker::post(Task task) {
   shared_->changed.notify_all();
 }
 
+void BackgroundWorker::finish() {
+  std::unique_lock lock(shared_->mutex);
+  shared_->changed.wait(lock, [this] { return shared_->tasks.empty(); });
+}
+
 bool BackgroundWorker::wait(Duration patience) {
   std::unique_lock lock(shared_->mutex);
   return shared_->changed.wait_for(lock, patience, [this] { return shared_->tasks.empty(); });

@@ -26,6 +26,8 @@ class BackgroundWorker {
   void post(Task task);
   // Whether all that was posted is done within `patience`; more may be posted afterwards.
   [[nodiscard]] bool wait(Duration patience);
+  // The same, however long it takes: before what a task uses goes away.
+  void finish();
 
  private:
   struct Shared;

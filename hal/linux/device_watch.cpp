@@ -18,8 +18,7 @@ DeviceWatch::DeviceWatch(std::shared_ptr<UdevScan> scan)
     : scan_(std::move(scan)), known_(scan_->devices()) {}
 
 DeviceWatch::~DeviceWatch() {
-  while (look_ != nullptr && !worker_->wait(UdevScan::kPatience)) {
-  }
+  if (look_ != nullptr) worker_->finish();
 }
 
 std::optional<BusEvent> DeviceWatch::poll() {
