@@ -104,34 +104,40 @@ ArmSessionParts ArmRig::session_parts(WorldHost* world, const RigParts& parts) {
           parts.guards};
 }
 
-Result<std::unique_ptr<ArmRig>> ArmRig::create(const config::ArmConfig& arm,
-                                               const config::ServoConfig& servo, WorldHost* world,
-                                               const RigParts& parts) {
-  if (must_fall_back(arm, parts)) return create_stand_in(arm, servo, world, parts);
+template <class MakeSession>
+Result<std::unique_ptr<ArmRig>> ArmRig::make(const config::ArmConfig& arm, WorldHost* world,
+                                             const RigParts& parts,
+                                             const MakeSession& make_session) {
   // The constructor is private, so make_unique cannot reach it.
   std::unique_ptr<ArmRig> rig(new ArmRig());
   const Result<void> connected = rig->connect(arm, world, parts);
   if (!connected) return tl::unexpected(connected.error().in("arm '" + arm.name + "'"));
-  auto session = ArmSession::create(arm, servo, rig->session_parts(world, parts));
+  Result<std::unique_ptr<ArmSession>> session = make_session(rig->session_parts(world, parts));
   if (!session) return tl::unexpected(session.error());
   rig->session_ = *std::move(session);
   return rig;
+}
+
+Result<std::unique_ptr<ArmRig>> ArmRig::create(const config::ArmConfig& arm,
+                                               const config::ServoConfig& servo, WorldHost* world,
+                                               const RigParts& parts) {
+  if (must_fall_back(arm, parts)) return create_stand_in(arm, servo, world, parts);
+  return make(arm, world, parts, [&](const ArmSessionParts& of_session) {
+    return ArmSession::create(arm, servo, of_session);
+  });
 }
 
 Result<std::unique_ptr<ArmRig>> ArmRig::create_found(const config::ArmConfig& arm,
                                                      const config::ServoConfig& servo,
                                                      WorldHost* world, const RigParts& parts,
                                                      Sought sought) {
-  std::unique_ptr<ArmRig> rig(new ArmRig());
-  const Result<void> connected = rig->connect(arm, world, parts);
-  if (!connected) {
-    if (sought.device) rig->work_for(arm, parts).close(*std::move(sought.device));
-    return tl::unexpected(connected.error().in("arm '" + arm.name + "'"));
+  auto rig = make(arm, world, parts, [&](const ArmSessionParts& of_session) {
+    return ArmSession::create(arm, servo, of_session, std::move(sought));
+  });
+  // Where it did not come to a session, the device is still here.
+  if (!rig && sought.device && parts.work_of) {
+    parts.work_of(arm.name).close(*std::move(sought.device));
   }
-  auto session =
-      ArmSession::create(arm, servo, rig->session_parts(world, parts), std::move(sought));
-  if (!session) return tl::unexpected(session.error());
-  rig->session_ = *std::move(session);
   return rig;
 }
 
@@ -139,14 +145,10 @@ Result<std::unique_ptr<ArmRig>> ArmRig::create_lost(const config::ArmConfig& arm
                                                     const config::ServoConfig& servo,
                                                     WorldHost* world, const RigParts& parts,
                                                     const Error& why) {
-  std::unique_ptr<ArmRig> rig(new ArmRig());
-  const Result<void> connected = rig->connect(arm, world, parts);
-  if (!connected) return tl::unexpected(connected.error().in("arm '" + arm.name + "'"));
-  Result<std::unique_ptr<ArmSession>> session =
-      ArmSession::create_lost(arm, servo, rig->session_parts(world, parts));
-  if (!session) return tl::unexpected(session.error());
-  rig->session_ = *std::move(session);
-  rig->await(arm, why, parts);
+  auto rig = make(arm, world, parts, [&](const ArmSessionParts& of_session) {
+    return ArmSession::create_lost(arm, servo, of_session);
+  });
+  if (rig) (*rig)->await(arm, why, parts);
   return rig;
 }
 

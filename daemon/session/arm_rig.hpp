@@ -86,6 +86,10 @@ class ArmRig {
   [[nodiscard]] static Result<std::unique_ptr<ArmRig>> create_stand_in(
       const config::ArmConfig& arm, const config::ServoConfig& servo, WorldHost* world,
       const RigParts& parts);
+  template <class MakeSession>
+  [[nodiscard]] static Result<std::unique_ptr<ArmRig>> make(const config::ArmConfig& arm,
+                                                            WorldHost* world, const RigParts& parts,
+                                                            const MakeSession& make_session);
   // All but the session. Errors: without the arm's name.
   [[nodiscard]] Result<void> connect(const config::ArmConfig& arm, WorldHost* world,
                                      const RigParts& parts);
