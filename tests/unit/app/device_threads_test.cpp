@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <future>
 #include <thread>
 #include <vector>
@@ -42,10 +43,17 @@ TEST_F(DeviceThreadsTest, WhatIsPostedIsDoneInOrderInAThreadOfItsOwn) {
 TEST_F(DeviceThreadsTest, AnArmThatHangsHoldsUpNeitherTheCallerNorAnotherArm) {
   std::promise<void> answer;
   std::promise<void> other;
-  sut->of("left").post([&] { answer.get_future().wait(); });
+  std::atomic<bool> is_left_done{false};
+  sut->of("left").post([&] {
+    answer.get_future().wait();
+    is_left_done = true;
+  });
   sut->of("right").post([&] { other.set_value(); });
   other.get_future().wait();
+  EXPECT_FALSE(is_left_done);
   answer.set_value();
+  sut.reset();
+  EXPECT_TRUE(is_left_done);
 }
 
 TEST_F(DeviceThreadsTest, ASimulatedArmHasNone) {
