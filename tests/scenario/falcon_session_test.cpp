@@ -102,6 +102,18 @@ sim::FaultPlan packets_out_cut(Duration from, Duration lasts, std::uint64_t repo
   return plan;
 }
 
+// Until 8 s have passed, when the cable begins to cut: active, and pushed against a wall.
+void push_until_the_cut(test::ClosedLoop& sut, test::ArmWatch& watch) {
+  ASSERT_TRUE(sut.run_until(7.5, [&] {
+    watch.see();
+    return sut.frame().gain >= 1;
+  }));
+  sut.sim_arm().backend().push_tip({4.5, 0, 0});
+  const MonotonicTime cut{std::chrono::seconds(8)};
+  while (sut.now() < cut) sut.run(0.01, [&] { watch.see(); });
+  ASSERT_TRUE(sut.frame().is_in_contact);
+}
+
 // A command of which the arm takes the beginning is none to it, and the next one is whole.
 TEST(FalconSession, APacketThatIsCutWhileItPushesCostsNoMoreThanItself) {
   test::ClosedLoop::Setup setup;
@@ -109,15 +121,8 @@ TEST(FalconSession, APacketThatIsCutWhileItPushesCostsNoMoreThanItself) {
                                  std::numeric_limits<std::uint64_t>::max());
   test::ClosedLoop sut(kFalcon, setup);
   test::ArmWatch watch(sut);
-  const auto see = [&] { watch.see(); };
-  ASSERT_TRUE(sut.run_until(7.5, [&] {
-    watch.see();
-    return sut.frame().gain >= 1;
-  }));
-  sut.sim_arm().backend().push_tip({4.5, 0, 0});
-  while (sut.now() < MonotonicTime{std::chrono::seconds(8)}) sut.run(0.01, see);
-  ASSERT_TRUE(sut.frame().is_in_contact);
-  sut.run(1, see);
+  ASSERT_NO_FATAL_FAILURE(push_until_the_cut(sut, watch));
+  sut.run(1, [&] { watch.see(); });
   EXPECT_GT(sut.injected().of(sim::FaultKind::TruncateOut), 0U);
   EXPECT_EQ(sut.snapshot().fault.code, FaultCode::None);
   EXPECT_EQ(sut.frame().state, OperatingState::Active);
@@ -133,15 +138,8 @@ TEST(FalconSession, PacketsThatAreCutForLongStopItVisibly) {
                                  std::numeric_limits<std::uint64_t>::max());
   test::ClosedLoop sut(kFalcon, setup);
   test::ArmWatch watch(sut);
-  const auto see = [&] { watch.see(); };
-  ASSERT_TRUE(sut.run_until(7.5, [&] {
-    watch.see();
-    return sut.frame().gain >= 1;
-  }));
-  sut.sim_arm().backend().push_tip({4.5, 0, 0});
-  while (sut.now() < MonotonicTime{std::chrono::seconds(8)}) sut.run(0.01, see);
-  ASSERT_TRUE(sut.frame().is_in_contact);
-  sut.run(1, see);
+  ASSERT_NO_FATAL_FAILURE(push_until_the_cut(sut, watch));
+  sut.run(1, [&] { watch.see(); });
   EXPECT_EQ(sut.frame().state, OperatingState::Fault);
   EXPECT_EQ(norm(sut.frame().force), 0);
   EXPECT_EQ(sut.snapshot().fault.code, FaultCode::StaleSample);
