@@ -8,14 +8,7 @@
 #include "hal/base/check.hpp"
 #include "hal/base/time.hpp"
 #include "hal/device/haptic_device.hpp"
-
-// A fuzz program links no limiter: here the friend of LimitedWrench only makes wrenches.
-namespace thimble::servo {
-class WrenchLimiter {
- public:
-  static LimitedWrench make(Force3 force) { return LimitedWrench(force); }
-};
-}  // namespace thimble::servo
+#include "tests/support/made_wrench.hpp"
 
 namespace thimble::fuzz {
 
@@ -41,6 +34,10 @@ class WireScript {
  public:
   explicit WireScript(std::span<const std::uint8_t> rest) : rest_(rest) {}
   [[nodiscard]] bool is_at_end() const noexcept { return rest_.size() < 2; }
+  // Some ticks more than the input has something for, and not for ever.
+  [[nodiscard]] bool goes_on(int tick) const noexcept {
+    return tick < 20 || (!is_at_end() && tick < 4000);
+  }
   // `room`: where a packet goes; what does not fit is cut.
   WireEvent next(WireClock& clock, std::span<std::uint8_t> room, std::size_t& size) noexcept {
     if (is_at_end()) return WireEvent::End;
@@ -74,6 +71,20 @@ inline void require_sane(const HapticState& state) {
   for (const auto& row : state.motor_current_per_force.row) {
     for (const double share : row) THIMBLE_CHECK(std::isfinite(share));
   }
+}
+
+// One tick of an arm that is asked for far too much: reads, judges what came and notes whether the
+// motors may be told anything.
+inline IoStatus push_for_a_tick(HapticDevice& arm, bool& may_push) {
+  HapticState state;
+  const IoStatus status = arm.read(state);
+  if (status == IoStatus::Disconnected) may_push = false;
+  if (status == IoStatus::Ok) {
+    may_push = state.calibration == CalibrationState::Ok;
+    require_sane(state);
+  }
+  static_cast<void>(arm.write(servo::WrenchLimiter::make({1e6, -1e6, 1e6})));
+  return status;
 }
 
 }  // namespace thimble::fuzz

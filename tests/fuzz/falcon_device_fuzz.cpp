@@ -89,19 +89,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   auto bridge = std::make_unique<HostileBridge>(script, clock);
   HostileBridge& wire = *bridge;
   falcon::FalconDevice arm(std::move(bridge), model, {model.newton_per_count, {}, &clock});
-  const LimitedWrench push = servo::WrenchLimiter::make({1e6, -1e6, 1e6});
   bool is_given_up = false;
-  for (int tick = 0; tick < 20 || (!script.is_at_end() && tick < 4000); ++tick) {
-    HapticState state;
-    const IoStatus status = arm.read(state);
-    THIMBLE_CHECK(!is_given_up || status == IoStatus::Disconnected);
-    is_given_up = status == IoStatus::Disconnected;
-    if (is_given_up) wire.may_push = false;
-    if (status == IoStatus::Ok) {
-      wire.may_push = state.calibration == CalibrationState::Ok;
-      fuzz::require_sane(state);
-    }
-    static_cast<void>(arm.write(push));
+  for (int tick = 0; script.goes_on(tick); ++tick) {
+    const bool is_gone = fuzz::push_for_a_tick(arm, wire.may_push) == IoStatus::Disconnected;
+    THIMBLE_CHECK(!is_given_up || is_gone);
+    is_given_up = is_gone;
   }
   wire.may_push = false;  // what is sent last lets go
   return 0;

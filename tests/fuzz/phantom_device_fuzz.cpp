@@ -136,17 +136,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   phantom::PhantomDevice arm(std::move(link), model, kAmplifier_a);
   for (std::size_t i = 0; i < 3; ++i) motors.peak_a[i] = arm.capabilities().peak_current_a[i];
-  const LimitedWrench push = servo::WrenchLimiter::make({1e6, -1e6, 1e6});
-  for (int tick = 0; tick < 20 || (!script.is_at_end() && tick < 4000); ++tick) {
+  for (int tick = 0; script.goes_on(tick); ++tick) {
     clock.sleep_until(clock.now() + std::chrono::microseconds(250));
-    HapticState state;
-    const IoStatus status = arm.read(state);
-    if (status == IoStatus::Disconnected) motors.may_push = false;
-    if (status == IoStatus::Ok) {
-      motors.may_push = state.calibration == CalibrationState::Ok;
-      fuzz::require_sane(state);
-    }
-    static_cast<void>(arm.write(push));
+    static_cast<void>(fuzz::push_for_a_tick(arm, motors.may_push));
   }
   motors.may_push = false;  // what is sent last lets go
   return 0;

@@ -9,15 +9,8 @@
 
 #include "drivers/falcon/falcon_device.hpp"
 #include "drivers/falcon/find_model.hpp"
+#include "tests/support/made_wrench.hpp"
 #include "tests/unit/falcon/scripted_usb.hpp"
-
-// This program links no limiter: here the friend of LimitedWrench only makes wrenches.
-namespace thimble::servo {
-class WrenchLimiter {
- public:
-  static LimitedWrench make(Force3 force) { return LimitedWrench(force); }
-};
-}  // namespace thimble::servo
 
 namespace thimble::falcon {
 

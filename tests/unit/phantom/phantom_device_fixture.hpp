@@ -8,15 +8,8 @@
 #include "drivers/phantom/find_model.hpp"
 #include "drivers/phantom/hid_link.hpp"
 #include "drivers/phantom/phantom_device.hpp"
+#include "tests/support/made_wrench.hpp"
 #include "tests/unit/phantom/scripted_hid.hpp"
-
-// This program links no limiter: here the friend of LimitedWrench only makes wrenches.
-namespace thimble::servo {
-class WrenchLimiter {
- public:
-  static LimitedWrench make(Force3 force) { return LimitedWrench(force); }
-};
-}  // namespace thimble::servo
 
 namespace thimble::phantom {
 
