@@ -42,7 +42,7 @@ struct BusEvent {
 
 // Lists and opens devices of one or several buses, and tells of arrivals and departures.
 //
-// Thread: control plane only, one thread. Not RT.
+// Thread: control plane only, one thread, where a bus does not say more. Not RT.
 // Ownership: must outlive the devices it opened. Errors: each call says its own.
 class BusEnumerator {
  public:

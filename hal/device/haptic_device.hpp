@@ -75,7 +75,7 @@ struct DeviceCounters {
 //
 // Thread: read(), write() and forget_calibration() from the servo thread (the last also from
 //         the control plane before the servo has the device); the rest from the one control
-//         thread that owns it.
+//         thread that owns it; made and ended by any thread, while no other one uses it.
 // RT: read() and write() are THIMBLE_RT_IO and make no call but their bus's exchange.
 // Ownership: owns its bus device. The destructor submits a zero command, but nobody waits for
 //            it to leave: who wants zero to arrive writes it for a few sample periods before.

@@ -29,10 +29,11 @@ struct DriverSettings {
 
 // Finds and opens devices of one family.
 //
-// Thread: control plane. Not RT.
-// Contract of probe(): passive: it sees descriptors, never a byte of traffic. NotMine lets the
-// next driver try, and says nothing of a device whose ids are not this family's: what it says of
-// one whose ids are is told if no driver takes it. Any other error stops matching and is reported.
+// Thread: any but a real-time one; for several devices at once, so a driver has no state but
+// theirs. Contract of probe(): passive: it sees descriptors, never a byte of traffic. NotMine lets
+// the next driver try, and says nothing of a device whose ids are not this family's: what it says
+// of one whose ids are is told if no driver takes it. Any other error stops matching and is
+// reported.
 class Driver {
  public:
   virtual ~Driver() = default;

@@ -18,17 +18,17 @@
  *
  * Thread: the functions of one device, and those of one simulated device, are called by one thread
  *   at a time; those of different devices may run at once, so a plugin has no state but theirs.
- * Real time: where it says RT, the servo thread waits: no allocation, lock, system call, log or
- *   unbounded loop, and microseconds rather than milliseconds. Nothing here reads a clock.
- * Errors: enum thimble_status; a reason is a sentence for a person. No exception may leave a
- *   function: it would end the process, as a crash does. The host does not contain a plugin; it
- *   refuses what it can see, and checks every number that comes back.
- * Ownership: all that is passed belongs to the caller and is valid during the call, unless said.
- *   The plugin's own structures are constant, lie in its object, and last as long as the process:
- *   it is never unloaded.
- * Text: UTF-8, ended by a zero byte within its array.
- * Units: SI, as the names say. Base frame of an arm: x to the right, y up, z towards the user, its
- *   origin in the middle of the workspace. Times are nanoseconds on the clock of the bus.
+ *   "Control plane" is any thread that is not real-time; an arm is opened and closed in one of its
+ * own. Real time: where it says RT, the servo thread waits: no allocation, lock, system call, log
+ * or unbounded loop, and microseconds rather than milliseconds. Nothing here reads a clock. Errors:
+ * enum thimble_status; a reason is a sentence for a person. No exception may leave a function: it
+ * would end the process, as a crash does. The host does not contain a plugin; it refuses what it
+ * can see, and checks every number that comes back. Ownership: all that is passed belongs to the
+ * caller and is valid during the call, unless said. The plugin's own structures are constant, lie
+ * in its object, and last as long as the process: it is never unloaded. Text: UTF-8, ended by a
+ * zero byte within its array. Units: SI, as the names say. Base frame of an arm: x to the right, y
+ * up, z towards the user, its origin in the middle of the workspace. Times are nanoseconds on the
+ * clock of the bus.
  */
 #ifndef THIMBLE_PLUGIN_ABI_H
 #define THIMBLE_PLUGIN_ABI_H
