@@ -5,7 +5,6 @@
 #include <memory>
 
 #include "cli/cam/board_engine.hpp"
-#include "cli/cam/rules/rule.hpp"
 #include "sim/model/cam/engine/plane_engine.hpp"
 
 namespace thimble::cam {
@@ -84,7 +83,7 @@ Result<RunReport> run_world(const Rule& rule, const SiteSpace& space, const RunO
   if (!sites) return tl::unexpected(sites.error());
   const auto engine = make_engine(space, options);
   if (!engine) return tl::unexpected(engine.error());
-  if (const auto loaded = (*engine)->load(0, table_of(rule)); !loaded) {
+  if (const auto loaded = (*engine)->load(0, sim::cam::table_of(rule)); !loaded) {
     return tl::unexpected(loaded.error());
   }
   if (const auto put = (*engine)->put(*sites); !put) return tl::unexpected(put.error());

@@ -9,10 +9,11 @@
 #include "hal/base/result.hpp"
 #include "hal/base/time.hpp"
 #include "sim/model/cam/engine/engine.hpp"
+#include "sim/model/cam/rules/rule.hpp"
 
 namespace thimble::cam {
 
-struct Rule;
+using sim::cam::Rule;
 
 inline constexpr double kBoardHz = 25e6;  // docs/cambus.md, section 1
 

@@ -3,7 +3,6 @@
 #include <fstream>
 #include <iostream>
 
-#include "cli/cam/rules/rule.hpp"
 #include "cli/cam/run.hpp"
 #include "cli/commands.hpp"
 #include "cli/text.hpp"
@@ -70,7 +69,7 @@ Result<void> write_file(const std::string& name, const std::string& content) {
 }
 
 Result<RunReport> run(const RunOptions& options, const Clock& clock) {
-  const Rule* const rule = find_rule(options.world);
+  const Rule* const rule = sim::cam::find_rule(options.world);
   if (rule == nullptr) {
     return fail(Errc::NotFound, "there is no world of this name: see thimble cam list");
   }
@@ -110,7 +109,7 @@ int run_run(const RunOptions& options, const Clock& clock) {
 
 int run_list(bool is_json) {
   json::array names;
-  for (const Rule& rule : rules()) {
+  for (const Rule& rule : sim::cam::rules()) {
     names.push_back({{"name", rule.name}, {"about", rule.about}});
     if (!is_json) std::cout << cli::fit(rule.name, 18) << rule.about << '\n';
   }

@@ -2,7 +2,6 @@
 #include <string>
 
 #include "cli/cam/pattern.hpp"
-#include "cli/cam/rules/rule.hpp"
 #include "cli/cam/run.hpp"
 
 namespace thimble::cam {

@@ -19,6 +19,7 @@ FOLDERS = ("hal", "drivers", "sim", "daemon", "guard")
 # Where the sentences are no messages.
 EXEMPT = (
     "daemon/config/load.cpp:arm = [",  # a configuration in itself, parsed to list its keys
+    "sim/model/cam/rules/",  # what each rule is, for `thimble cam list`; nothing there can fail
 )
 # Names of C types in file headers.
 _TYPE = re.compile(r"(?:(?:un)?signed|long|short|int|char)(?: (?:long|short|int|char))*")

@@ -1,4 +1,4 @@
-#include "cli/cam/rules/rule.hpp"
+#include "sim/model/cam/rules/rule.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,9 +14,13 @@
 namespace thimble::cam {
 namespace {
 
+using sim::cam::find_rule;
+using sim::cam::LayerBits;
 using sim::cam::PlaneCounts;
 using sim::cam::PlaneEngine;
+using sim::cam::rules;
 using sim::cam::SiteSpace;
+using sim::cam::table_of;
 using sim::cam::TablePath;
 using Sites = std::vector<std::uint16_t>;
 

@@ -9,12 +9,12 @@
 
 #include "cli/cam/board_engine.hpp"
 #include "cli/cam/pattern.hpp"
-#include "cli/cam/rules/rule.hpp"
 #include "sim/time/virtual_clock.hpp"
 
 namespace thimble::cam {
 namespace {
 
+using sim::cam::find_rule;
 using sim::cam::SiteSpace;
 using testing::HasSubstr;
 
@@ -90,7 +90,7 @@ TEST(BoardEngineTest, KeepsTheSameTimeWithoutMovingAnything) {
   const auto whole = BoardEngine::make(space, 4).value();
   const auto time = BoardEngine::make(space, 4, BoardEngine::Keeps::OnlyTime).value();
   for (auto* engine : {whole.get(), time.get()}) {
-    ASSERT_TRUE(engine->load(0, table_of(life())));
+    ASSERT_TRUE(engine->load(0, sim::cam::table_of(life())));
     for (int i = 0; i < 5; ++i) ASSERT_TRUE(engine->step(life().cycle[0], {}));
   }
   EXPECT_EQ(time->clocks(), whole->clocks());

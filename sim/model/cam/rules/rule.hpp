@@ -8,10 +8,7 @@
 
 #include "sim/model/cam/engine/engine.hpp"
 
-namespace thimble::cam {
-
-using sim::cam::LayerBits;
-using sim::cam::PlaneKick;
+namespace thimble::sim::cam {
 
 // What one step does to a site, after the kicks: 16 bits to 16 bits, the same for every site.
 using SiteFunction = std::uint32_t (*)(std::uint32_t site);
@@ -50,4 +47,4 @@ void add_gas_rules(std::vector<Rule>& to);
 void add_block_rules(std::vector<Rule>& to);
 void add_spin_rules(std::vector<Rule>& to);
 
-}  // namespace thimble::cam
+}  // namespace thimble::sim::cam

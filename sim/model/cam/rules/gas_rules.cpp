@@ -1,9 +1,9 @@
 #include <bit>
 
-#include "cli/cam/rules/rule.hpp"
+#include "sim/model/cam/rules/rule.hpp"
 
 // Lattice gases: a layer is a direction, and its kick flies on.
-namespace thimble::cam {
+namespace thimble::sim::cam {
 namespace {
 
 std::uint32_t keep(std::uint32_t site, std::uint32_t but) { return site & ~but; }
@@ -108,4 +108,4 @@ void add_gas_rules(std::vector<Rule>& to) {
                 .crystal = kCrystal});
 }
 
-}  // namespace thimble::cam
+}  // namespace thimble::sim::cam

@@ -1,8 +1,8 @@
-#include "cli/cam/rules/rule.hpp"
+#include "sim/model/cam/rules/rule.hpp"
 
 #include <algorithm>
 
-namespace thimble::cam {
+namespace thimble::sim::cam {
 namespace {
 
 std::vector<Rule> make_rules() {
@@ -37,4 +37,4 @@ std::vector<std::uint16_t> table_of(const Rule& rule) {
   return table;
 }
 
-}  // namespace thimble::cam
+}  // namespace thimble::sim::cam

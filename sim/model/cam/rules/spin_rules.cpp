@@ -1,10 +1,10 @@
 #include <bit>
 
-#include "cli/cam/rules/rule.hpp"
+#include "sim/model/cam/rules/rule.hpp"
 
 // Ising's spins, which flip by turns like the fields of a checkerboard: spin 0 and its copies 2 to
 // 5 for the sides, layer 1 says whose turn it is.
-namespace thimble::cam {
+namespace thimble::sim::cam {
 namespace {
 
 constexpr std::uint32_t kSpin = 0x3d;
@@ -59,4 +59,4 @@ void add_spin_rules(std::vector<Rule>& to) {
                 .checker = kTurn});
 }
 
-}  // namespace thimble::cam
+}  // namespace thimble::sim::cam

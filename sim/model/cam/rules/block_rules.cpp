@@ -1,11 +1,11 @@
 #include <bit>
 
-#include "cli/cam/rules/rule.hpp"
+#include "sim/model/cam/rules/rule.hpp"
 
 // Blocks of 2 x 2 cells (Margolus neighbourhood): a site is a block, and kicks regroup the cells to
 // the blocks that lie across, and back. Across, a layer's cell is the one opposite; each of these
 // rules is the same turned by 180 degrees, so that one table does for both.
-namespace thimble::cam {
+namespace thimble::sim::cam {
 namespace {
 
 constexpr std::uint32_t kBlock = 0xf;
@@ -80,4 +80,4 @@ void add_block_rules(std::vector<Rule>& to) {
   to.push_back(block_rule("diffusion", "blocks of 2 x 2 cells turn at random", diffusion));
 }
 
-}  // namespace thimble::cam
+}  // namespace thimble::sim::cam

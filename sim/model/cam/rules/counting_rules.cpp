@@ -1,10 +1,10 @@
 #include <bit>
 
-#include "cli/cam/rules/rule.hpp"
+#include "sim/model/cam/rules/rule.hpp"
 
 // Rules that count a cell's neighbours. The cell and its copies are layers of their own, and each
 // copy is kicked to where it is a neighbour.
-namespace thimble::cam {
+namespace thimble::sim::cam {
 namespace {
 
 std::uint32_t bit(std::uint32_t site, int layer) { return site >> layer & 1; }
@@ -104,4 +104,4 @@ void add_counting_rules(std::vector<Rule>& to) {
                 .noise = 0x780});
 }
 
-}  // namespace thimble::cam
+}  // namespace thimble::sim::cam
