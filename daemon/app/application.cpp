@@ -110,9 +110,10 @@ int run_checked(const Options& options) {
     say_without_waiting(started.error().message);
     return kExitFailure;
   }
-  daemon.run();
+  const Result<void> ended = daemon.run();
   const std::string summary = api::to_json(daemon.final_status());
-  return write_last_summary(options.summary, summary) ? kExitOk : kExitFailure;
+  const bool is_written = write_last_summary(options.summary, summary);
+  return ended && is_written ? kExitOk : kExitFailure;
 }
 
 }  // namespace

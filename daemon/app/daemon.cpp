@@ -133,7 +133,7 @@ void Daemon::tell_what_is_missing() {
   }
 }
 
-void Daemon::run() {
+Result<void> Daemon::run() {
   if (options_.for_s) {
     end_timer_.expires_after(from_seconds(*options_.for_s));
     end_timer_.async_wait([this](const boost::system::error_code& error) {
@@ -153,6 +153,7 @@ void Daemon::run() {
                   kDiskPatience.count());
   }
   take_recordings();
+  return ending_;
 }
 
 // An arm that needs nobody to be calibrated, as a Falcon whose firmware runs on, would push again a
@@ -250,8 +251,9 @@ void Daemon::take_over(session::Runtime::Arrival arrival) {
   const Result<void> started = threads_->start(arm);
   if (started) return;
   // An arm that nobody serves is no service: let the service manager start anew.
-  spdlog::error("arm '{}': its servo could not be started: {}", real.config().name,
-                started.error().message);
+  ending_ = tl::unexpected(
+      started.error().in("arm '" + real.config().name + "': its servo could not be started"));
+  spdlog::error("{}", ending_.error().message);
   io_.stop();
 }
 

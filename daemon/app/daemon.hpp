@@ -35,8 +35,8 @@ namespace thimble::app {
 // The running daemon: the net and control planes on one thread, one servo thread per arm.
 //
 // Thread: made, run and destroyed on the main thread. Not RT.
-// Errors: start() gives the first thing that is missing; afterwards nothing ends it but a
-//         signal, --for or the service manager.
+// Errors: start() gives the first thing that is missing; afterwards nothing ends it but a signal,
+//         --for, the service manager, or an arm that came and cannot be served: run() gives that.
 class Daemon final : private api::StatusView {
  public:
   // `plugins`, which must outlive it, has what the configuration names.
@@ -44,8 +44,9 @@ class Daemon final : private api::StatusView {
   ~Daemon() override;
 
   [[nodiscard]] Result<void> start(const linux::RealtimeProcess& process);
-  // Serves until told to stop; then every force has ramped to zero and all is written.
-  void run();
+  // Serves until told to stop; then every force has ramped to zero and all is written. Errors: what
+  // ended it unasked, which the log has: whoever started it should start it anew.
+  [[nodiscard]] Result<void> run();
   // The status at the end, for --summary.
   [[nodiscard]] api::Status final_status() const { return status(); }
 
@@ -89,6 +90,7 @@ class Daemon final : private api::StatusView {
   MonotonicTime watchdog_due_{};
   std::string told_;         // to the service manager
   std::string told_safety_;  // to the log
+  Result<void> ending_;      // an error: not as told
 
   std::unique_ptr<RecordingWriter> recorder_;
   std::unique_ptr<linux::BusEnumerator> buses_;    // nullptr: every arm is simulated

@@ -14,12 +14,6 @@
 
 namespace thimble::test {
 
-inline MockMachine::Bytes numbered_reports() {
-  MockMachine::Bytes descriptor = plain_report_descriptor(6, 2);
-  descriptor.insert(descriptor.begin() + 7, {0x85, 0x01});
-  return descriptor;
-}
-
 // The enumerator of a machine that is made up (umockdev), and what stands on it.
 struct LinuxEnumerator : testing::Test {
   using Texts = std::vector<std::string>;

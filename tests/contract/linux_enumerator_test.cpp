@@ -168,7 +168,7 @@ TEST_F(LinuxEnumerator, TakesWhateverADeviceSaysOfItself) {
 }
 
 TEST_F(LinuxEnumerator, ANumberedDeviceShowsAsOne) {
-  machine.plug_virtual(Hid{.serial_number = "P1", .report_descriptor = numbered_reports()});
+  machine.plug_virtual(Hid{.serial_number = "P1", .report_descriptor = numbered_reports(6, 2)});
   const bus::BusDeviceInfo info = info_of("hid:P1");
   EXPECT_TRUE(info.has_report_ids);
   EXPECT_EQ(info.input_report_bytes, 7U);

@@ -71,7 +71,7 @@ TEST_F(LinuxEnumerator, ToShareNeitherLooksNorOpens) {
 TEST_F(LinuxEnumerator, AReportWithANumberIsSharedWithoutAZeroBeforeIt) {
   FakeHidWire wire;
   wire.attach("/dev/hidraw0");
-  machine.plug_virtual(Hid{.serial_number = "P1", .report_descriptor = numbered_reports()});
+  machine.plug_virtual(Hid{.serial_number = "P1", .report_descriptor = numbered_reports(6, 2)});
   const auto device = sut->open_hid({"hid:P1"});
   ASSERT_TRUE(device.has_value()) << device.error().message;
   const auto shared = sut->share({"hid:P1"});

@@ -190,4 +190,10 @@ MockMachine::Bytes plain_report_descriptor(std::uint8_t input_bytes, std::uint8_
           0x81, 0x02, 0x95, output_bytes, 0x09, 0x01, 0x91,        0x02, 0xC0};
 }
 
+MockMachine::Bytes numbered_reports(std::uint8_t input_bytes, std::uint8_t output_bytes) {
+  MockMachine::Bytes descriptor = plain_report_descriptor(input_bytes, output_bytes);
+  descriptor.insert(descriptor.begin() + 7, {0x85, 0x01});
+  return descriptor;
+}
+
 }  // namespace thimble::test

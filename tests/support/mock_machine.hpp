@@ -88,5 +88,8 @@ class MockMachine {
 // A HID report descriptor of unnumbered reports of so many bytes each way.
 [[nodiscard]] MockMachine::Bytes plain_report_descriptor(std::uint8_t input_bytes,
                                                          std::uint8_t output_bytes);
+// The same of reports with the number 1.
+[[nodiscard]] MockMachine::Bytes numbered_reports(std::uint8_t input_bytes,
+                                                  std::uint8_t output_bytes);
 
 }  // namespace thimble::test

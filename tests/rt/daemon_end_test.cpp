@@ -1,0 +1,67 @@
+// What the daemon says of its own end to whoever started it.
+#include <gtest/gtest.h>
+
+#include "daemon/app/daemon.hpp"
+#include "tests/rt/refused_threads.hpp"
+#include "tests/support/fake_hidapi.hpp"
+#include "tests/support/mock_machine.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace thimble::test {
+namespace {
+
+// A puck, which needs no guard, on a machine that is made up.
+struct DaemonEnd : testing::Test {
+  MockMachine machine;
+  FakeHidWire wire;
+  testing_support::TemporaryFolder folder;
+  session::Plugins plugins;
+  linux::RealtimeProcess process;
+  app::Options options;
+  std::unique_ptr<app::Daemon> sut;
+
+  DaemonEnd() { wire.attach("/dev/hidraw0"); }
+  void start() {
+    config::Config config;
+    config.daemon.socket = (folder.path() / "socket").string();
+    config.daemon.flight_directory = folder.path().string();
+    config::ArmConfig& arm = config.arms.emplace_back();
+    arm.name = "left";
+    arm.device = "hid:P1";
+    arm.world = "box";
+    config::WorldConfig& world = config.worlds.emplace_back();
+    world.name = "box";
+    world.source = "box:3";
+    sut = std::make_unique<app::Daemon>(config, options, plugins);
+    const Result<void> started = sut->start(process);
+    ASSERT_TRUE(started) << started.error().message;
+  }
+  void plug() {
+    machine.plug_virtual(MockMachine::HidDevice{.ids = "0003:0000046D:0000C626",
+                                                .serial_number = "P1",
+                                                .report_descriptor = numbered_reports(6, 2)});
+  }
+};
+
+TEST_F(DaemonEnd, AsToldIsNoError) {
+  options.for_s = 0.05;
+  start();
+  EXPECT_TRUE(sut->run());
+}
+
+// Else a service manager that restarts what failed would leave the arm without a servo.
+TEST_F(DaemonEnd, ForAnArmThatCameAndCannotBeServedIsAnErrorThatNamesIt) {
+  options.for_s = 60;
+  start();
+  plug();
+  const RefusedThreads refused;
+  const Result<void> ended = sut->run();
+  ASSERT_FALSE(ended) << "an arm that nobody serves is no service";
+  EXPECT_EQ(ended.error().code, Errc::System);
+  EXPECT_NE(ended.error().message.find("arm 'left': its servo could not be started"),
+            std::string::npos)
+      << ended.error().message;
+}
+
+}  // namespace
+}  // namespace thimble::test
