@@ -1,20 +1,19 @@
 #include "daemon/app/recording_writer.hpp"
 
-#include <exception>
 #include <mutex>
 #include <utility>
+
+#include "hal/base/contain.hpp"
 
 namespace thimble::app {
 namespace {
 
-// An exception that left the worker would end the process, and with it every other arm's servo.
 Result<StoredRecording> store_safely(const RecordingWriter::Store& store,
                                      const session::Recording& recording) {
-  try {
-    return store(recording);
-  } catch (const std::exception& error) {
-    return fail(Errc::System, error.what());
-  }
+  Result<StoredRecording> stored;
+  const Result<void> done = contain([&] { stored = store(recording); });
+  if (!done) return tl::unexpected(done.error());
+  return stored;
 }
 
 }  // namespace

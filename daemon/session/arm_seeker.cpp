@@ -6,10 +6,13 @@
 #include "daemon/devices/returned_arm.hpp"
 #include "daemon/session/arm_settings.hpp"
 #include "hal/base/check.hpp"
+#include "hal/base/contain.hpp"
 
 namespace thimble::session {
 
-Sought seek(const Search& search) {
+namespace {
+
+Sought find_and_open(const Search& search) {
   Result<bus::BusDeviceInfo> found = devices::find_device(*search.buses, {search.arm.device});
   if (!found) return {std::nullopt, tl::unexpected(found.error())};
   if (search.is_look) return {*std::move(found), nullptr};
@@ -21,6 +24,18 @@ Sought seek(const Search& search) {
   settings.clock = search.clock;
   auto device = devices::open_found(*search.buses, *search.drivers, *found, settings);
   return {*std::move(found), std::move(device)};
+}
+
+}  // namespace
+
+Sought seek(const Search& search) {
+  Sought sought{std::nullopt, nullptr};
+  const Result<void> done = contain([&] { sought = find_and_open(search); });
+  if (done) return sought;
+  // Whether it is there is not known; to say that it is gone would send a person to its plug.
+  bus::BusDeviceInfo there;
+  there.address = {search.arm.device};
+  return {std::move(there), tl::unexpected(done.error().in(search.arm.device))};
 }
 
 ArmSeeker::~ArmSeeker() {

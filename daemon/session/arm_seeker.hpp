@@ -29,7 +29,8 @@ struct Sought {
 };
 
 // Thread: any, but one at a time for each arm; waits for the kernel. Errors, in `device`: as
-// devices::find_device(), check_same_device() and open_arm().
+// devices::find_device(), check_same_device() and open_arm(); System where a bus, a driver or a
+// plugin threw something.
 [[nodiscard]] Sought seek(const Search& search);
 
 // One search after the other, none of which its owner waits for

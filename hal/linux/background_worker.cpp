@@ -5,24 +5,33 @@
 #include <mutex>
 #include <utility>
 
+#include "hal/base/contain.hpp"
+
 namespace thimble::linux {
 
 struct BackgroundWorker::Shared {
   std::mutex mutex;
   std::condition_variable changed;
-  std::deque<Task> tasks;  // the first one is under way
+  std::deque<Task> tasks;  // that have not begun
+  bool is_under_way{false};
   bool is_ending{false};
+
+  [[nodiscard]] bool is_idle() const { return tasks.empty() && !is_under_way; }
 
   void run() {
     std::unique_lock lock(mutex);
     while (true) {
       changed.wait(lock, [this] { return is_ending || !tasks.empty(); });
       if (tasks.empty()) return;
-      const Task task = tasks.front();
-      lock.unlock();
-      task();
+      is_under_way = true;
+      {
+        const Task task = std::move(tasks.front());
+        tasks.pop_front();
+        lock.unlock();
+        static_cast<void>(contain(task));
+      }  // what it owned may take long to end, too: not with the lock
       lock.lock();
-      tasks.pop_front();
+      is_under_way = false;
       changed.notify_all();
     }
   }
@@ -33,9 +42,14 @@ BackgroundWorker::BackgroundWorker()
 
 BackgroundWorker::~BackgroundWorker() {
   std::unique_lock lock(shared_->mutex);
-  const bool is_idle = shared_->tasks.empty();
+  const bool is_idle = shared_->is_idle();
   shared_->is_ending = true;
-  shared_->tasks.resize(is_idle ? 0 : 1);  // what has not begun is not begun any more
+  // The first is done even where the thread has not come to it yet; none of the rest.
+  std::deque<Task> left = std::exchange(shared_->tasks, {});
+  if (!shared_->is_under_way && !left.empty()) {
+    shared_->tasks.push_back(std::move(left.front()));
+    left.pop_front();
+  }
   shared_->changed.notify_all();
   lock.unlock();
   if (is_idle) {
@@ -53,12 +67,12 @@ void BackgroundWorker::post(Task task) {
 
 void BackgroundWorker::finish() {
   std::unique_lock lock(shared_->mutex);
-  shared_->changed.wait(lock, [this] { return shared_->tasks.empty(); });
+  shared_->changed.wait(lock, [this] { return shared_->is_idle(); });
 }
 
 bool BackgroundWorker::wait(Duration patience) {
   std::unique_lock lock(shared_->mutex);
-  return shared_->changed.wait_for(lock, patience, [this] { return shared_->tasks.empty(); });
+  return shared_->changed.wait_for(lock, patience, [this] { return shared_->is_idle(); });
 }
 
 }  // namespace thimble::linux

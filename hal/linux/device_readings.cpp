@@ -4,6 +4,8 @@
 #include <system_error>
 #include <utility>
 
+#include "hal/base/contain.hpp"
+
 namespace thimble::linux {
 
 std::optional<ReadDevice> DeviceReadings::get(const std::string& identity, Read read,
@@ -18,7 +20,7 @@ std::optional<ReadDevice> DeviceReadings::get(const std::string& identity, Read 
   if (!has_worker()) return last(identity);
   const auto slot = std::make_shared<Slot>();
   worker_->post([slot, read = std::move(read)] {
-    slot->value = read();
+    static_cast<void>(contain([&] { slot->value = read(); }));
     slot->is_done.store(true);
   });
   if (worker_->wait(patience)) return remember(identity, *slot);

@@ -35,8 +35,8 @@ struct ReadDevice {
 // as it was read last, or as not there, until it ends. It holds up no other device's reading.
 //
 // Thread: one; a reading runs in another and owns all that it uses. Not RT.
-// Ownership: its end waits for nobody. Errors: a reading gives nothing for what is no device; where
-// no thread can be had, it counts as late.
+// Ownership: its end waits for nobody. Errors: a reading gives nothing for what is no device, and
+// so does one that throws; where no thread can be had, it counts as late.
 class DeviceReadings {
  public:
   using Read = std::function<std::optional<ReadDevice>()>;

@@ -4,6 +4,8 @@
 #include <system_error>
 #include <utility>
 
+#include "hal/base/contain.hpp"
+
 namespace thimble::linux {
 
 using bus::BusEvent;
@@ -38,7 +40,8 @@ void DeviceWatch::catch_up(Duration patience) {
 void DeviceWatch::follow(Duration patience) {
   if (look_ == nullptr && (!scan_->has_news() || !begin_look())) return;
   if (!worker_->wait(patience)) return;
-  note_changes(std::move(*std::exchange(look_, nullptr)));
+  Result<Found> found = std::move(*std::exchange(look_, nullptr));
+  if (found) note_changes(*std::move(found));
 }
 
 bool DeviceWatch::begin_look() {
@@ -47,8 +50,11 @@ bool DeviceWatch::begin_look() {
   } catch (const std::system_error&) {
     return false;  // too many threads
   }
-  look_ = std::make_shared<Found>();
-  worker_->post([look = look_, scan = scan_] { *look = scan->devices(); });
+  look_ = std::make_shared<Result<Found>>();
+  worker_->post([look = look_, scan = scan_] {
+    const Result<void> done = contain([&] { *look = scan->devices(); });
+    if (!done) *look = tl::unexpected(done.error());
+  });
   return true;
 }
 

@@ -17,7 +17,7 @@ namespace thimble::linux {
 // so has a thread of its own.
 //
 // Thread: one. Not RT. Ownership: its end waits for a look under way. Errors: none; where no thread
-// can be had, nothing is told until one can.
+// can be had, or a look throws, nothing is told until one can or does not.
 class DeviceWatch {
  public:
   // What is there now is not told of.
@@ -41,7 +41,8 @@ class DeviceWatch {
   std::shared_ptr<UdevScan> scan_;
   Found known_;  // what poll() has told of
   std::deque<bus::BusEvent> events_;
-  std::shared_ptr<Found> look_;  // under way; nullptr: none
+  // Under way; nullptr: none. What is found; an error: it threw.
+  std::shared_ptr<Result<Found>> look_;
   std::unique_ptr<BackgroundWorker> worker_;
 };
 

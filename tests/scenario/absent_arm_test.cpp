@@ -198,6 +198,26 @@ TEST_F(AbsentArm, WhoseFilesOrDescriptorsAreBadEndsNoOtherArmsStart) {
   }
 }
 
+TEST_F(AbsentArm, WhoseDriverThrowsIsLostAndToldAndHarmsNobody) {
+  plug(kLeft);
+  bus_.throwing = {"hid:right"};
+  for (const bool is_there_at_the_start : {false, true}) {
+    if (is_there_at_the_start) plug(kRight);
+    start();
+    if (!is_there_at_the_start) plug(kRight);
+    run(3);
+    EXPECT_EQ(state(kLeft), OperatingState::Active);
+    EXPECT_EQ(state(kRight), OperatingState::Lost);
+    EXPECT_THAT(rig(kRight).trouble(), HasSubstr("arm 'right': hid:right: hid:right broke"));
+    unplug(kRight);
+  }
+  bus_.throwing.clear();
+  plug(kRight);
+  run(kPatience_s + 3);
+  EXPECT_EQ(state(kRight), OperatingState::Active);
+  EXPECT_EQ(forces_unasked_, 0);
+}
+
 TEST_F(AbsentArm, InWhosePlaceAnotherDeviceStandsIsWaitedFor) {
   plug(kLeft);
   plug(kRight);

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <memory>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -51,11 +52,13 @@ class RefusingBus final : public bus::BusEnumerator {
   [[nodiscard]] Result<std::unique_ptr<bus::HidDevice>> open_hid(
       const bus::DeviceAddress& address) override {
     ++tries[address.text];
+    if (throwing.count(address.text) > 0) throw std::runtime_error(address.text + " broke");
     if (refusals.count(address.text) == 0) return below_.open_hid(address);
     return fail(refusals[address.text], address.text + " is refused today");
   }
 
   std::map<std::string, Errc> refusals;
+  std::set<std::string> throwing;                // instead of being opened
   std::map<std::string, std::uint16_t> vendors;  // instead of the models' own
   std::map<std::string, int> tries;
 

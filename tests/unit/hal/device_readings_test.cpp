@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <stdexcept>
 #include <thread>
 
 namespace thimble::linux {
@@ -112,6 +113,13 @@ TEST_F(DeviceReadingsTest, ItsEndWaitsForNoReading) {
     EXPECT_FALSE(brief.get("sick", slow, kNotAtAll).has_value());
   }
   gate->open();
+}
+
+TEST_F(DeviceReadingsTest, OneThatThrowsGivesNothingAndIsNotLate) {
+  const auto throwing = []() -> std::optional<ReadDevice> { throw std::runtime_error("broken"); };
+  EXPECT_FALSE(sut.get("a", throwing, kAsLongAsItTakes));
+  EXPECT_EQ(sut.late(), 0U);
+  EXPECT_EQ(read("a", "arm"), "arm") << "the next time";
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <stdexcept>
+
 #include "daemon/session/plugins.hpp"
 #include "sim/bus/sim_enumerator.hpp"
 #include "sim/time/virtual_clock.hpp"
@@ -84,6 +86,31 @@ TEST_F(ArmSeekerTest, ToAStrangerInTheArmsPlaceNothingIsSent) {
   EXPECT_TRUE(sought->there);
   EXPECT_THAT(sought->device.error().message, HasSubstr("another device stands in the place"));
   EXPECT_FALSE(is_open());
+}
+
+// As a library or a plugin may; it would end the process.
+class ThrowingBus final : public bus::BusEnumerator {
+ public:
+  [[nodiscard]] std::vector<bus::BusDeviceInfo> list() override {
+    throw std::runtime_error("out of luck");
+  }
+  [[nodiscard]] std::optional<bus::BusEvent> poll_event() override { return std::nullopt; }
+  [[nodiscard]] Result<std::unique_ptr<bus::HidDevice>> open_hid(
+      const bus::DeviceAddress&) override {
+    throw std::runtime_error("out of luck");
+  }
+};
+
+TEST_F(ArmSeekerTest, WhatIsThrownIsAnErrorOfAnArmThatMayBeThere) {
+  ThrowingBus broken;
+  Search here = search();
+  here.buses = &broken;
+  sut.begin(here);
+  work.do_all();
+  const auto sought = sut.take();
+  ASSERT_TRUE(sought);
+  EXPECT_EQ(sought->there->address.text, "hid:left") << "nobody is told to plug it in";
+  EXPECT_EQ(sought->device.error(), (Error{Errc::System, "hid:left: out of luck"}));
 }
 
 TEST_F(ArmSeekerTest, WhatIsOfNoUseIsClosedByTheWork) {
