@@ -6,31 +6,6 @@
 #include "daemon/session/retry_pace.hpp"
 
 namespace thimble::session {
-namespace {
-
-// What plugging, waiting, a right or another file can mend while the daemon runs, and what a device
-// says of itself, which shall end no other arm. The rest is a matter of the
-// configuration or of the build, and of a start anew.
-bool can_pass(Errc code) noexcept {
-  switch (code) {
-    case Errc::NotFound:
-    case Errc::Permission:
-    case Errc::Busy:
-    case Errc::Disconnected:
-    case Errc::Timeout:
-    case Errc::Malformed:
-    case Errc::TooLarge:
-    case Errc::System:
-      return true;
-    case Errc::InvalidArgument:
-    case Errc::NotMine:
-    case Errc::Unsupported:
-      return false;
-  }
-  return false;
-}
-
-}  // namespace
 
 Result<std::unique_ptr<Runtime>> Runtime::create(const config::Config& config,
                                                  const RigParts& parts) {
@@ -55,7 +30,9 @@ Result<std::unique_ptr<ArmRig>> Runtime::make_rig(const config::ArmConfig& said)
 
 Result<std::unique_ptr<ArmRig>> Runtime::make_first_rig(const config::ArmConfig& said) {
   Result<std::unique_ptr<ArmRig>> rig = make_rig_when_free(said);
-  if (rig || bus::is_simulated(said.device) || !can_pass(rig.error().code)) return rig;
+  if (rig || bus::is_simulated(said.device)) return rig;
+  // Whatever it is: a device says of itself what it likes, and shall end no other arm by it. The
+  // configuration was inspected before; what no device can mend is met once more without one.
   WorldHost* const world = said.world ? find_world(*said.world) : nullptr;
   return ArmRig::create_lost(said, servo_, world, parts_, rig.error());
 }

@@ -22,7 +22,8 @@ class Runtime {
  public:
   // Errors: the first thing that cannot be had, named by arm or world. What somebody else holds is
   // waited for, kBusyPatience at most for each arm; RigParts::on_wait hears why. A real arm that is
-  // not there, or cannot be opened now, is no error: it is Lost, and looked for as long as it is.
+  // not there, or cannot be opened, whatever the reason, is no error: it is Lost, and looked for as
+  // long as it is. The configuration is inspected (session::inspect()) before.
   [[nodiscard]] static Result<std::unique_ptr<Runtime>> create(const config::Config& config,
                                                                const RigParts& parts);
 

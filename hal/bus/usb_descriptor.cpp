@@ -1,5 +1,7 @@
 #include "hal/bus/usb_descriptor.hpp"
 
+#include <algorithm>
+
 namespace thimble::bus {
 namespace {
 
@@ -36,6 +38,16 @@ UsbEndpointInfo endpoint_of(std::span<const std::uint8_t> bytes, std::uint8_t in
           .interval = bytes[6]};
 }
 
+// An address is one endpoint's of a configuration: the kernel passes over who repeats it
+// (drivers/usb/core/config.c, config_endpoint_is_duplicate()), and claims what came first.
+void take(Reader& reader, const UsbEndpointInfo& endpoint) {
+  const bool is_repeated =
+      std::any_of(reader.endpoints.begin(), reader.endpoints.end(),
+                  [&](const UsbEndpointInfo& known) { return known.address == endpoint.address; });
+  if (is_repeated || reader.endpoints.size() == kMaxEndpoints) return;
+  reader.endpoints.push_back(endpoint);
+}
+
 // False when it is too short for what it says it is.
 bool take(Reader& reader, std::span<const std::uint8_t> descriptor) {
   switch (descriptor[1]) {
@@ -53,8 +65,7 @@ bool take(Reader& reader, std::span<const std::uint8_t> descriptor) {
     case kEndpoint:
       if (descriptor.size() < kEndpointBytes) return false;
       if (!reader.is_wanted || !reader.is_first_form) return true;
-      if (reader.endpoints.size() == kMaxEndpoints) return true;
-      reader.endpoints.push_back(endpoint_of(descriptor, reader.interface_number));
+      take(reader, endpoint_of(descriptor, reader.interface_number));
       return true;
     default:
       return true;  // a class's or a vendor's, and the device's own

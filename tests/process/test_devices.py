@@ -125,6 +125,79 @@ world = "box"
         self.assertFalse(list(daemon.folder.glob("flight-*")), "that it is not there is no stop")
 
 
+def usb_device(port, number, ids, *attributes):
+    vendor, product = ids.split(":")
+    return f"""P: /devices/usb1/{port}
+N: bus/usb/001/{number:03}
+E: SUBSYSTEM=usb
+E: DEVTYPE=usb_device
+E: DEVNAME=/dev/bus/usb/001/{number:03}
+A: idVendor={vendor}
+A: idProduct={product}
+A: bDeviceClass=00
+A: bConfigurationValue=1
+A: devnum={number}
+{"".join(line + chr(10) for line in attributes)}
+"""
+
+
+def puck(port, number, serial, input_bytes):
+    """SpaceMouse Pro whose report has an identifier and so many bytes."""
+    folder = f"/devices/usb1/{port}/{port}:1.0"
+    return usb_device(port, number, "046d:c62b", f"A: serial={serial}") + f"""P: {folder}
+E: SUBSYSTEM=usb
+E: DEVTYPE=usb_interface
+A: bInterfaceNumber=00
+
+P: {folder}/0003:046D:C62B.{number:04}
+E: SUBSYSTEM=hid
+E: HID_ID=0003:0000046D:0000C62B
+E: HID_UNIQ={serial}
+H: report_descriptor=05010908A1018501150026FF00750895{input_bytes:02X}09018102C0
+
+P: {folder}/0003:046D:C62B.{number:04}/hidraw{number}
+N: hidraw{number}
+E: SUBSYSTEM=hidraw
+E: DEVNAME=/dev/hidraw{number}
+
+"""
+
+
+class LyingArms(ProcessTest):
+    """What devices say of themselves ends no start, and so no other arm."""
+
+    # One interface whose endpoint 0x81 is told twice, first as isochronous.
+    FALCON = usb_device("1-6", 6, "0403:cb48", "A: serial=FALCON",
+                        "H: descriptors=1201000200000040030448CB00040102030109022700010100A02D"
+                        "0904000003FFFFFF02070581014000010705810240000007050202400000")
+    MACHINE = puck("1-4", 4, "LONG", 100) + puck("1-5", 5, "OTHER", 12) + FALCON
+
+    def arm(self, name, device, *more):
+        return "\n".join(["[[arm]]", f'name = "{name}"', f'device = "{device}"',
+                          'world = "box"', *more, ""])
+
+    def test_are_lost_and_told_while_another_is_driven(self):
+        if shutil.which("umockdev-run") is None:
+            self.skipTest("umockdev-run is not installed (package umockdev)")
+        file = self.write("lying.toml", HELLO + self.arm("long", "hid:LONG")
+                          + self.arm("other", "hid:OTHER", 'model = "spacenavigator"')
+                          + self.arm("twice", "usb:1-6"))
+        summary = self.folder / "summary.json"
+        ended = subprocess.run(
+            ["umockdev-run", "--device", self.write("machine.umockdev", self.MACHINE), "--",
+             BIN / "thimbled", "--config", file, "--for", "0.5", "--summary", summary,
+             "--set", f"daemon.socket={self.folder / 'socket'}",
+             "--set", f"daemon.flight_directory={self.folder}"],
+            capture_output=True, text=True, timeout=TIMEOUT_S)
+        self.assertEqual(ended.returncode, 0, ended.stderr)
+        arms = {arm["name"]: arm["state"] for arm in json.loads(summary.read_text())["arms"]}
+        self.assertEqual((arms.pop("long"), arms.pop("other"), arms.pop("twice")), ("lost",) * 3)
+        self.assertNotIn("lost", arms.values())
+        self.assertRegex(ended.stderr, "arm 'long'.*reports of more than 64 bytes")
+        self.assertRegex(ended.stderr, "arm 'other'.*'spacenavigator'")
+        self.assertRegex(ended.stderr, "arm 'twice'.*two bulk pipes of 64 bytes")
+
+
 class EveryArm(ProcessTest):
     def test_is_driven_and_shows_its_gimbal_where_it_has_one(self):
         for model in ("premium-1.5", "aluhaptics-2", "polhem-1"):

@@ -181,11 +181,13 @@ TEST_F(AbsentArm, ThatMayNotBeOpenedIsToldAtOnceAndTakenOnceItMay) {
   EXPECT_EQ(forces_unasked_, 0);
 }
 
-// The firmware of a Falcon, say, or descriptors that lie.
-TEST_F(AbsentArm, WhoseFilesOrDescriptorsAreBadEndsNoOtherArmsStart) {
+// The firmware of a Falcon, say, or what a device tells of itself: a report too long (Unsupported),
+// pipes that its driver cannot claim (InvalidArgument), the ids of another one (NotMine).
+TEST_F(AbsentArm, WhateverIsWrongWithItOrItsFilesEndsNoOtherArmsStart) {
   plug(kLeft);
   plug(kRight);
-  for (const Errc code : {Errc::Malformed, Errc::TooLarge}) {
+  for (const Errc code : {Errc::Malformed, Errc::TooLarge, Errc::Unsupported, Errc::InvalidArgument,
+                          Errc::NotMine, Errc::Disconnected, Errc::Timeout, Errc::System}) {
     bus_.refusals["hid:right"] = code;
     start();
     run(3);
@@ -258,12 +260,23 @@ TEST_F(AbsentArm, WhoseGuardCannotBeHadStaysLostUntilItCan) {
   EXPECT_THAT(guards_.watched, ElementsAre("hid:right"));
 }
 
-TEST_F(AbsentArm, EndsTheStartWhereItsConfigurationIsWrong) {
+TEST_F(AbsentArm, ThatIsAnotherModelThanTheConfigurationSaysEndsNoOtherArmsStart) {
+  plug(kLeft);
   plug(kRight);
-  const auto unknown = make({"arm.1.model=gantry"});
-  ASSERT_FALSE(unknown);
-  EXPECT_EQ(unknown.error().code, Errc::InvalidArgument);
-  EXPECT_THAT(unknown.error().message, AllOf(HasSubstr("'right'"), HasSubstr("gantry")));
+  start({"arm.1.model=spacemouse"});
+  run(3);
+  EXPECT_EQ(state(kLeft), OperatingState::Active);
+  EXPECT_EQ(state(kRight), OperatingState::Lost);
+  EXPECT_THAT(rig(kRight).trouble(), AllOf(HasSubstr("'right'"), HasSubstr("spacemouse")));
+}
+
+// What no other device can mend.
+TEST_F(AbsentArm, EndsTheStartWhereItsWorldIsWrong) {
+  plug(kRight);
+  const auto made = make({"arm.1.coupling.scheme=thesis-literal", "world.0.source=sphere",
+                          "world.0.sphere.radius_m=0.02"});
+  ASSERT_FALSE(made);
+  EXPECT_THAT(made.error().message, AllOf(HasSubstr("'right'"), HasSubstr("coupling.scheme")));
 }
 
 TEST_F(AbsentArm, WhoseOpeningLastsHoldsUpNobodyAndIsFeltInTheEnd) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <set>
 
 namespace thimble::bus {
 namespace {
@@ -53,6 +54,17 @@ TEST(UsbDescriptors, LeaveOutOtherConfigurationsAndAlternateSettings) {
   EXPECT_FALSE(parse_usb_descriptors(bytes, 3).has_value());
 }
 
+// As the kernel: else a device could show a pipe that nobody can open before one that is good.
+TEST(UsbDescriptors, TellARepeatedAddressOnceAsItWasFirst) {
+  const auto endpoints = parse_usb_descriptors(
+      joined({configuration(1), interface(0, 0), endpoint(0x81, 2, 64, 0), endpoint(0x81, 3, 1, 1),
+              endpoint(0x01, 2, 64, 0), interface(1, 0), endpoint(0x81, 1, 8, 1)}),
+      1);
+  ASSERT_TRUE(endpoints.has_value());
+  EXPECT_EQ(*endpoints, (std::vector<UsbEndpointInfo>{{0, 0x81, UsbTransferKind::Bulk, 64, 0},
+                                                      {0, 0x01, UsbTransferKind::Bulk, 64, 0}}));
+}
+
 TEST(UsbDescriptors, TakeThePacketLengthWithoutThePacketsPerMicroframe) {
   const auto endpoints = parse_usb_descriptors(
       joined({configuration(1), interface(0, 0), endpoint(0x81, 3, 0x1400, 1)}), 1);
@@ -100,7 +112,11 @@ TEST(UsbDescriptors, AreTakenWhateverTheirBytesAre) {
     Bytes bytes = joined(parts);
     if (random() % 2 == 0) bytes[random() % bytes.size()] = static_cast<std::uint8_t>(random());
     const auto endpoints = parse_usb_descriptors(bytes, 1);
-    EXPECT_LE(endpoints.value_or(std::vector<UsbEndpointInfo>{}).size(), 30U);
+    std::set<std::uint8_t> addresses;
+    const auto found = endpoints.value_or(std::vector<UsbEndpointInfo>{});
+    for (const UsbEndpointInfo& endpoint : found) addresses.insert(endpoint.address);
+    EXPECT_EQ(addresses.size(), found.size()) << "each one once";
+    EXPECT_LE(found.size(), 30U);
   }
 }
 
