@@ -29,7 +29,9 @@
 namespace thimble::app {
 namespace {
 
-constexpr Duration kSummaryPatience = std::chrono::seconds(2);  // ours
+// Ours; with those of recordings, 10 s, they are within TimeoutStopSec= of the unit.
+constexpr Duration kSummaryPatience = std::chrono::seconds(2);
+constexpr Duration kClosingPatience = std::chrono::seconds(5);
 
 // A log that nobody reads must not hold up the thread that looks after the arms.
 class StandardErrorSink final : public spdlog::sinks::base_sink<std::mutex> {
@@ -76,6 +78,18 @@ bool write_last_summary(const std::optional<std::string>& path, const std::strin
   return false;
 }
 
+int serve(Daemon& daemon, const Options& options, const linux::RealtimeProcess& process) {
+  const Result<void> started = daemon.start(process);
+  if (!started) {
+    say_without_waiting(started.error().message);
+    return kExitFailure;
+  }
+  const Result<void> ended = daemon.run();
+  const std::string summary = api::to_json(daemon.final_status());
+  const bool is_written = write_last_summary(options.summary, summary);
+  return ended && is_written ? kExitOk : kExitFailure;
+}
+
 int run_checked(const Options& options) {
   session::Plugins plugins;
   const config::ConfigResult config =
@@ -105,15 +119,12 @@ int run_checked(const Options& options) {
   // Before any other thread exists: it sets the size of their stacks and locks their memory.
   const linux::RealtimeProcess process;
   Daemon daemon(*config, options, plugins);
-  const Result<void> started = daemon.start(process);
-  if (!started) {
-    say_without_waiting(started.error().message);
-    return kExitFailure;
-  }
-  const Result<void> ended = daemon.run();
-  const std::string summary = api::to_json(daemon.final_status());
-  const bool is_written = write_last_summary(options.summary, summary);
-  return ended && is_written ? kExitOk : kExitFailure;
+  const int code = serve(daemon, options, process);
+  const Result<void> closed = daemon.close(kClosingPatience);
+  if (closed) return code;
+  // No force is on any arm, and all is written. What hangs uses what would be destroyed here.
+  say_without_waiting(closed.error().message);
+  ::_exit(code);
 }
 
 }  // namespace

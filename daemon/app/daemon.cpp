@@ -10,6 +10,7 @@
 #include "daemon/app/recording_folder.hpp"
 #include "daemon/app/status_source.hpp"
 #include "daemon/config/paths.hpp"
+#include "hal/linux/background_worker.hpp"
 
 namespace thimble::app {
 namespace {
@@ -154,6 +155,38 @@ Result<void> Daemon::run() {
   }
   take_recordings();
   return ending_;
+}
+
+Result<void> Daemon::close(Duration patience) {
+  const MonotonicTime deadline = clock_.now() + patience;
+  const auto rest = [&] { return std::max(Duration(0), deadline - clock_.now()); };
+  threads_.reset();
+  server_.reset();
+  commands_.reset();
+  linux::BackgroundWorker worker;
+  worker.post([this] { safety_.reset(); });
+  if (!worker.wait(rest())) {
+    return fail(Errc::Timeout, "the chip of the safety lines does not answer; ended without it");
+  }
+  if (Result<void> closed = close_arms(rest()); !closed) return closed;
+  worker.post([this] {
+    device_threads_.reset();
+    guards_.reset();
+    buses_.reset();
+  });
+  if (worker.wait(rest())) return {};
+  return fail(Errc::Timeout, "the kernel holds up a device of a bus; ended without closing it");
+}
+
+Result<void> Daemon::close_arms(Duration patience) {
+  runtime_.reset();
+  if (device_threads_ == nullptr) return {};
+  std::string late;
+  for (const std::string& arm : device_threads_->late_after(patience, clock_)) {
+    late += (late.empty() ? "arm '" : ", '") + arm + "'";
+  }
+  if (late.empty()) return {};
+  return fail(Errc::Timeout, late + ": the kernel holds it up; ended without closing it");
 }
 
 // An arm that needs nobody to be calibrated, as a Falcon whose firmware runs on, would push again a

@@ -3,10 +3,12 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "daemon/config/config.hpp"
 #include "daemon/devices/device_work.hpp"
 #include "hal/base/result.hpp"
+#include "hal/base/time.hpp"
 
 namespace thimble::app {
 
@@ -14,7 +16,8 @@ namespace thimble::app {
 // arm waits for another one's kernel, and the control plane for none.
 //
 // Thread: control plane. Not RT; the threads have no priority. Ownership: must outlive what posts
-// to it; what its tasks use must outlive it. Its end waits until all that was posted is done.
+// to it; what its tasks use must outlive it. Its end waits until all that was posted is done,
+// however long: who may not wait asks late_after() before.
 class DeviceThreads {
  public:
   // Errors: System, where no more threads can be had.
@@ -24,11 +27,15 @@ class DeviceThreads {
   DeviceThreads& operator=(const DeviceThreads&) = delete;
 
   // `arm`: the name of a real one of the configuration.
-  [[nodiscard]] devices::DeviceWork& of(const std::string& arm) { return *threads_.at(arm); }
+  [[nodiscard]] devices::DeviceWork& of(const std::string& arm);
+  // The arms of which not all that was posted is done after `patience`, which is for all of them
+  // together.
+  [[nodiscard]] std::vector<std::string> late_after(Duration patience, const Clock& clock);
 
  private:
-  DeviceThreads() = default;
-  std::map<std::string, std::unique_ptr<devices::DeviceWork>> threads_;
+  class OfOneArm;
+  DeviceThreads();
+  std::map<std::string, std::unique_ptr<OfOneArm>> threads_;
 };
 
 }  // namespace thimble::app

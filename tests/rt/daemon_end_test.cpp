@@ -1,7 +1,15 @@
 // What the daemon says of its own end to whoever started it.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <cstdio>
+#include <fstream>
+#include <future>
+#include <sstream>
+
+#include "daemon/app/application.hpp"
 #include "daemon/app/daemon.hpp"
+#include "tests/rt/in_child_process.hpp"
 #include "tests/rt/refused_threads.hpp"
 #include "tests/support/fake_hidapi.hpp"
 #include "tests/support/mock_machine.hpp"
@@ -61,6 +69,35 @@ TEST_F(DaemonEnd, ForAnArmThatCameAndCannotBeServedIsAnErrorThatNamesIt) {
   EXPECT_NE(ended.error().message.find("arm 'left': its servo could not be started"),
             std::string::npos)
       << ended.error().message;
+}
+
+// A HID device in whose opening the kernel hangs: by hand it would swallow every Ctrl-C.
+TEST_F(DaemonEnd, IsNotHeldUpByADeviceThatHangsForEver) {
+  const std::string file = folder.write("daemon.toml", R"(
+[[arm]]
+name = "left"
+device = "hid:P1"
+world = "box"
+[[world]]
+name = "box"
+source = "box:3"
+)");
+  options.config = file;
+  options.overrides = {"daemon.socket=" + (folder / "socket").string(),
+                       "daemon.flight_directory=" + folder.path().string()};
+  options.summary = (folder / "summary.json").string();
+  options.for_s = 0.05;
+  const std::string log = folder.write("log", "");
+  const std::string ended = in_child_process(Rights::AsTheTest, [&]() -> std::string {
+    if (std::freopen(log.c_str(), "w", stderr) == nullptr) return "no log";
+    wire.at_next_opening([] { std::promise<void>().get_future().wait(); });
+    plug();
+    ::_exit(app::run(options));
+  });
+  EXPECT_EQ(ended, "") << "as told is no failure";
+  std::ostringstream said;
+  said << std::ifstream(log).rdbuf();
+  EXPECT_NE(said.str().find("ended without closing it"), std::string::npos) << said.str();
 }
 
 }  // namespace

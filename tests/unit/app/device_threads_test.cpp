@@ -7,6 +7,8 @@
 #include <thread>
 #include <vector>
 
+#include "hal/linux/monotonic_clock.hpp"
+
 namespace thimble::app {
 namespace {
 
@@ -54,6 +56,18 @@ TEST_F(DeviceThreadsTest, AnArmThatHangsHoldsUpNeitherTheCallerNorAnotherArm) {
   answer.set_value();
   sut.reset();
   EXPECT_TRUE(is_left_done);
+}
+
+TEST_F(DeviceThreadsTest, NamesTheArmThatIsNotDoneAndWaitsForTheOthers) {
+  const linux::MonotonicClock clock;
+  std::promise<void> answer;
+  std::atomic<bool> is_right_done{false};
+  sut->of("left").post([&] { answer.get_future().wait(); });
+  sut->of("right").post([&] { is_right_done = true; });
+  EXPECT_EQ(sut->late_after(std::chrono::milliseconds(1), clock).front(), "left");
+  answer.set_value();
+  EXPECT_TRUE(sut->late_after(std::chrono::hours(1), clock).empty());
+  EXPECT_TRUE(is_right_done);
 }
 
 TEST_F(DeviceThreadsTest, ASimulatedArmHasNone) {
