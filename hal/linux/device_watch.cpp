@@ -38,10 +38,18 @@ void DeviceWatch::catch_up(Duration patience) {
 }
 
 void DeviceWatch::follow(Duration patience) {
-  if (look_ == nullptr && (!scan_->has_news() || !begin_look())) return;
+  if (look_ == nullptr) {
+    has_news_ = scan_->has_news() || has_news_;
+    if (!has_news_ || !begin_look()) return;
+    has_news_ = false;
+  }
   if (!worker_->wait(patience)) return;
   Result<Found> found = std::move(*std::exchange(look_, nullptr));
-  if (found) note_changes(*std::move(found));
+  if (found) {
+    note_changes(*std::move(found));
+  } else {
+    has_news_ = true;
+  }
 }
 
 bool DeviceWatch::begin_look() {

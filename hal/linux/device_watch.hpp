@@ -39,7 +39,8 @@ class DeviceWatch {
   void note_changes(Found now);
 
   std::shared_ptr<UdevScan> scan_;
-  Found known_;  // what poll() has told of
+  Found known_;           // what poll() has told of
+  bool has_news_{false};  // that no look has begun to look at
   std::deque<bus::BusEvent> events_;
   // Under way; nullptr: none. What is found; an error: it threw.
   std::shared_ptr<Result<Found>> look_;

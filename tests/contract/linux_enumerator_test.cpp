@@ -7,6 +7,7 @@
 #include <random>
 
 #include "tests/contract/linux_enumerator_fixture.hpp"
+#include "tests/rt/refused_threads.hpp"
 
 namespace thimble::test {
 namespace {
@@ -218,6 +219,15 @@ TEST_F(LinuxEnumerator, ToAskForEventsWaitsForNoDeviceThatHangs) {
   for (int i = 0; i < 100; ++i) EXPECT_EQ(sut->poll_event(), std::nullopt) << "it is looked at";
   EXPECT_EQ(events(), Texts{"+hid:X"}) << "and told of when that has ended";
   machine.answer(sick, "descriptors");
+}
+
+TEST_F(LinuxEnumerator, NewsForWhichThereIsNoThreadAreToldOfWhenThereIsOne) {
+  {
+    const RefusedThreads none(RefusedThreads::Which::All);
+    plug_arm("1-4", "X", 0);
+    EXPECT_TRUE(events().empty());
+  }
+  EXPECT_EQ(events(), (Texts{"+hid:X", "+usb:1-4"}));
 }
 
 TEST_F(LinuxEnumerator, ADeviceThatHangsFromTheStartIsToldOfWhenItAnswers) {

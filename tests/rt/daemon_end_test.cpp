@@ -62,7 +62,7 @@ TEST_F(DaemonEnd, ForAnArmThatCameAndCannotBeServedIsAnErrorThatNamesIt) {
   options.for_s = 60;
   start();
   plug();
-  const RefusedThreads refused;
+  const RefusedThreads refused(RefusedThreads::Which::WithAttributes);
   const Result<void> ended = sut->run();
   ASSERT_FALSE(ended) << "an arm that nobody serves is no service";
   EXPECT_EQ(ended.error().code, Errc::System);

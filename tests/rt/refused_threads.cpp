@@ -4,20 +4,22 @@
 #include <pthread.h>
 
 #include <cerrno>
-#include <cstddef>
+#include <optional>
 
 namespace {
-thread_local constinit int refusals = 0;
+using Which = thimble::test::RefusedThreads::Which;
+thread_local constinit std::optional<Which> refused{};
 }  // namespace
 
 namespace thimble::test {
-RefusedThreads::RefusedThreads() noexcept { ++refusals; }
-RefusedThreads::~RefusedThreads() { --refusals; }
+RefusedThreads::RefusedThreads(Which which) noexcept { refused = which; }
+RefusedThreads::~RefusedThreads() { refused.reset(); }
 }  // namespace thimble::test
 
-extern "C" __attribute__((visibility("default"))) int pthread_attr_setstacksize(
-    pthread_attr_t* attributes, std::size_t bytes) {
-  static const auto kReal = reinterpret_cast<decltype(&pthread_attr_setstacksize)>(
-      ::dlsym(RTLD_NEXT, "pthread_attr_setstacksize"));
-  return refusals > 0 ? EAGAIN : kReal(attributes, bytes);
+extern "C" __attribute__((visibility("default"))) int pthread_create(
+    pthread_t* handle, const pthread_attr_t* attributes, void* (*entry)(void*), void* argument) {
+  static const auto kReal =
+      reinterpret_cast<decltype(&pthread_create)>(::dlsym(RTLD_NEXT, "pthread_create"));
+  if (refused && (*refused == Which::All || attributes != nullptr)) return EAGAIN;
+  return kReal(handle, attributes, entry, argument);
 }

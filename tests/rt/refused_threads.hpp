@@ -2,11 +2,15 @@
 
 namespace thimble::test {
 
-// While it lives, the thread that made it can start no thread whose stack it chooses, as a servo's:
-// linking this stands in front of pthread_attr_setstacksize(). Other threads notice nothing.
+// While it lives, the thread that made it can start no thread: linking this stands in front of
+// pthread_create(). Other threads notice nothing.
 class RefusedThreads {
  public:
-  RefusedThreads() noexcept;
+  enum class Which {
+    All,
+    WithAttributes,  // as a servo's, whose stack is chosen; not those of std::thread
+  };
+  explicit RefusedThreads(Which which) noexcept;
   ~RefusedThreads();
   RefusedThreads(const RefusedThreads&) = delete;
   RefusedThreads& operator=(const RefusedThreads&) = delete;
