@@ -40,6 +40,14 @@ bool has_real_arm(const config::Config& config) {
                      [](const config::ArmConfig& arm) { return !bus::is_simulated(arm.device); });
 }
 
+std::string sentence_of(const config::ArmConfig& arm, ReturnWatch::Change change) {
+  if (change == ReturnWatch::Change::Returned) {
+    return "arm '" + arm.name + "': " + arm.device + " is there again";
+  }
+  const std::string_view why = explain(FaultCode::Disconnected);
+  return "arm '" + arm.name + "' stopped: " + std::string(why);
+}
+
 }  // namespace
 
 Daemon::Daemon(const config::Config& config, const Options& options,
@@ -295,9 +303,16 @@ void Daemon::look_after_arms() {
     session::ArmSession& arm = runtime_->arms()[i]->session();
     const servo::ServoSnapshot& seen = arm.snapshot();
     lateness_.note(i, clock_.now(), seen.overruns);
-    if (!returns_.note(i, seen.frame.state)) continue;
-    spdlog::info("arm '{}': {} is there again", arm.config().name, arm.config().device);
+    tell_of(arm, returns_.note(i, seen.frame.state));
   }
+}
+
+// An arm may come and go as often as it likes: a line a minute of it is enough.
+void Daemon::tell_of(const session::ArmSession& arm, ReturnWatch::Change change) {
+  if (change == ReturnWatch::Change::None) return;
+  const auto line = warnings_.admit(sentence_of(arm.config(), change), clock_.now());
+  const bool has_left = change == ReturnWatch::Change::Left;
+  if (line) spdlog::log(has_left ? spdlog::level::err : spdlog::level::info, "{}", *line);
 }
 
 void Daemon::look_after_safety() {
@@ -333,7 +348,10 @@ void Daemon::take_recordings() {
   for (const auto& arm : runtime_->arms()) {
     while (std::optional<session::Recording> recording = arm->session().take_recording()) {
       const servo::FlightHeader& header = recording->header;
-      spdlog::error("arm '{}' stopped: {}", header.arm, explain(header.fault.code));
+      // Of one that left is told at once, recorded or not: tell_of().
+      if (header.fault.code != FaultCode::Disconnected) {
+        spdlog::error("arm '{}' stopped: {}", header.arm, explain(header.fault.code));
+      }
       recorder_->write(*std::move(recording));
     }
   }
@@ -346,8 +364,8 @@ void Daemon::take_recordings() {
     } else {
       spdlog::info("flight recording of arm '{}': {}", outcome.arm, outcome.path);
       if (outcome.removed > 0) {
-        spdlog::info("removed {} old flight recording(s): the newest {} are kept", outcome.removed,
-                     kMaxRecordings);
+        spdlog::info("removed {} old flight recording(s): of each arm the newest {} are kept",
+                     outcome.removed, kMaxRecordings);
       }
     }
   }

@@ -66,6 +66,7 @@ class Daemon final : private api::StatusView {
   void pump();
   void supervise();
   void warn(const std::string& trouble);
+  void tell_of(const session::ArmSession& arm, ReturnWatch::Change change);
   void take_over(session::Runtime::Arrival arrival);
   void look_after_arms();
   void look_after_safety();

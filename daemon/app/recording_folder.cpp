@@ -85,11 +85,12 @@ struct Found {
   std::string path;
 };
 
-// Recordings and what is left of unfinished ones. What cannot be read is not there.
+// Recordings of an arm, and what is left of anybody's unfinished ones. What cannot be read is not
+// there.
 struct Folder {
   std::vector<Found> recordings;
   std::vector<Found> parts;
-  int next_number{1};  // of the arm
+  int next_number{1};
 };
 
 Folder list(const std::string& directory, const std::string& arm) {
@@ -98,8 +99,8 @@ Folder list(const std::string& directory, const std::string& arm) {
   for (fs::directory_iterator it(directory, error), end; !error && it != end; it.increment(error)) {
     const std::string name = it->path().filename().string();
     const auto recording = parse_recording_name(name);
-    if (!recording && !is_part(name)) continue;
-    if (recording && recording->arm == arm) {
+    if (recording ? recording->arm != arm : !is_part(name)) continue;
+    if (recording) {
       out.next_number = std::max(out.next_number, std::min(recording->number, kMaxNumber - 1) + 1);
     }
     std::error_code ignored;
@@ -111,9 +112,10 @@ Folder list(const std::string& directory, const std::string& arm) {
   return out;
 }
 
-// `kept` is the one just written: whatever the clocks say, it is the newest.
-std::size_t remove_oldest(const std::string& directory, const std::string& kept) {
-  Folder folder = list(directory, "");
+// `kept` is the one of the arm just written: whatever the clocks say, it is the newest.
+std::size_t remove_oldest(const std::string& directory, const std::string& arm,
+                          const std::string& kept) {
+  Folder folder = list(directory, arm);
   std::error_code ignored;
   const fs::file_time_type now = fs::last_write_time(kept, ignored);
   for (const Found& part : folder.parts) {
@@ -174,7 +176,7 @@ Result<StoredRecording> store_recording(const std::string& directory,
     if (error != 0 || is_taken) ::unlink(part.c_str());
     if (error == 0 && !is_taken) error = sync_folder(directory);
     if (error != 0) return refused(path, error);
-    if (!is_taken) return StoredRecording{path, remove_oldest(directory, path)};
+    if (!is_taken) return StoredRecording{path, remove_oldest(directory, header.arm, path)};
   }
   return fail(Errc::System, directory + ": holds too many unfinished recordings, remove them");
 }

@@ -10,8 +10,8 @@
 
 namespace thimble::app {
 
-// Of all arms together; the oldest go (decision 0112).
-inline constexpr std::size_t kMaxRecordings = 64;
+// Of each arm; its oldest go (decisions 0112 and 0374).
+inline constexpr std::size_t kMaxRecordings = 32;
 
 // What the name of a recording says: "flight-ARM-NUMBER-FAULT.csv".
 struct RecordingName {
@@ -29,8 +29,8 @@ struct StoredRecording {
 };
 
 // Writes a recording into `directory`, which it makes if need be, under the next number of the
-// arm: whole and on the disk, or not at all. Nothing is overwritten; then the oldest recordings
-// beyond kMaxRecordings are removed, and never a file whose name is not one of ours.
+// arm: whole and on the disk, or not at all. Nothing is overwritten; then the arm's oldest
+// recordings beyond kMaxRecordings are removed, and never a file whose name is not one of ours.
 // Thread: any, one at a time in this process; other processes may use the folder, too. Not RT.
 // Errors: System, with the path and the system's word.
 [[nodiscard]] Result<StoredRecording> store_recording(const std::string& directory,

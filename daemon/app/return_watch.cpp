@@ -1,16 +1,20 @@
 #include "daemon/app/return_watch.hpp"
 
+#include <utility>
+
 namespace thimble::app {
 
-bool ReturnWatch::note(std::size_t arm, OperatingState state) {
-  if (arm >= were_lost_.size()) were_lost_.resize(arm + 1);
-  const bool was_lost = were_lost_[arm];
-  were_lost_[arm] = state == OperatingState::Lost;
-  return was_lost && !were_lost_[arm];
+ReturnWatch::Change ReturnWatch::note(std::size_t arm, OperatingState state) {
+  if (arm >= seen_.size()) seen_.resize(arm + 1, Seen::Never);
+  const Seen now = state == OperatingState::Lost ? Seen::Lost : Seen::There;
+  const Seen before = std::exchange(seen_[arm], now);
+  if (before == Seen::There && now == Seen::Lost) return Change::Left;
+  if (before == Seen::Lost && now == Seen::There) return Change::Returned;
+  return Change::None;
 }
 
 void ReturnWatch::forget(std::size_t arm) {
-  if (arm < were_lost_.size()) were_lost_[arm] = false;
+  if (arm < seen_.size()) seen_[arm] = Seen::Never;
 }
 
 }  // namespace thimble::app

@@ -7,17 +7,19 @@
 
 namespace thimble::app {
 
-// Sees the arms come back that were lost.
+// Sees the arms go that were there, and those come back that were lost.
 // Thread: one. Not RT.
 class ReturnWatch {
  public:
-  // True: the arm was lost when it was looked at last, and is not any more.
-  [[nodiscard]] bool note(std::size_t arm, OperatingState state);
+  enum class Change { None, Left, Returned };
+  // Since the arm was looked at last.
+  [[nodiscard]] Change note(std::size_t arm, OperatingState state);
   // Another arm took the place, of which is told otherwise.
   void forget(std::size_t arm);
 
  private:
-  std::vector<bool> were_lost_;
+  enum class Seen { Never, There, Lost };
+  std::vector<Seen> seen_;
 };
 
 }  // namespace thimble::app

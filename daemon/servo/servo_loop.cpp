@@ -170,7 +170,9 @@ void ServoLoop::answer_clear_request(bool is_healthy) noexcept {
 void ServoLoop::advance_lifecycle(ServoFrame& frame) noexcept {
   if (frame.read_status == IoStatus::Disconnected && state_ != OperatingState::Lost) {
     snapshot_.fault = {FaultCode::Disconnected, frame.now, frame.tick};
-    stops_.push_back(snapshot_.fault);
+    // Who was never driven stopped nothing: an arm that comes and goes as it likes fills no disk.
+    if (was_active_) stops_.push_back(snapshot_.fault);
+    was_active_ = false;
     gain_.cut();
     arm_.calibration = CalibrationState::Unknown;
     apply(LifecycleEvent::Unplug);
@@ -216,6 +218,7 @@ void ServoLoop::advance_lifecycle(ServoFrame& frame) noexcept {
 }
 
 void ServoLoop::enter_active(const ServoFrame& frame) noexcept {
+  was_active_ = true;
   apply(LifecycleEvent::Activate);
   restart_coupling(frame.now);
   gain_.cut();

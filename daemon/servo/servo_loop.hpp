@@ -142,6 +142,7 @@ class ServoLoop {
   std::optional<MonotonicTime> zero_since_;  // since when the arm takes nothing but zero
   std::uint64_t zeros_taken_{0};             // since then
   bool is_driven_{false};                    // it may hold a force, as far as is known
+  bool was_active_{false};                   // since the arm came
   // Of this tick: what latched, what was unplugged, and what latched again after a clear.
   rt::StaticVector<Fault, 3> stops_;
   bool is_outage_over_{false};

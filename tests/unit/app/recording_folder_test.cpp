@@ -118,21 +118,31 @@ TEST_F(RecordingFolder, KeepsTheNewestAndTouchesNothingThatIsNotOurs) {
 
   const auto stored = store("a");
   ASSERT_TRUE(stored);
-  EXPECT_EQ(stored->removed, 7U);
+  EXPECT_EQ(stored->removed, 39U);
   EXPECT_EQ(stored->path, path + "/flight-a-801-estop.csv");
   const auto left = names();
   for (int i = 1; i <= 70; ++i) {
-    EXPECT_EQ(left.contains("flight-a-" + std::to_string(i) + "-overspeed.csv"), i > 7) << i;
+    EXPECT_EQ(left.contains("flight-a-" + std::to_string(i) + "-overspeed.csv"), i > 39) << i;
   }
   for (const std::string& name : others) EXPECT_TRUE(left.contains(name)) << name;
   EXPECT_EQ(left.size(), kMaxRecordings + others.size() + 2);
-  EXPECT_EQ(store("b")->removed, 1U);
+  EXPECT_EQ(store("b")->removed, 0U) << "another arm's";
+}
+
+TEST_F(RecordingFolder, AnArmThatStopsAgainAndAgainTakesNothingFromTheOthers) {
+  ASSERT_TRUE(store("quiet"));
+  ASSERT_TRUE(store("wild-1"));
+  for (std::size_t i = 0; i < 2 * kMaxRecordings; ++i) ASSERT_TRUE(store("wild"));
+  const auto left = names();
+  EXPECT_TRUE(left.contains("flight-quiet-1-estop.csv"));
+  EXPECT_TRUE(left.contains("flight-wild-1-1-estop.csv"));
+  EXPECT_EQ(left.size(), kMaxRecordings + 2);
 }
 
 TEST_F(RecordingFolder, TheOneJustWrittenIsTheNewestWhateverTheClockSays) {
   fs::create_directories(path);
-  for (int i = 1; i <= 64; ++i) put("flight-a-" + std::to_string(i) + "-estop.csv", -60 - i);
-  const auto stored = store("b");
+  for (int i = 1; i <= 32; ++i) put("flight-a-" + std::to_string(i) + "-estop.csv", -60 - i);
+  const auto stored = store("a");
   ASSERT_TRUE(stored);
   EXPECT_TRUE(fs::exists(stored->path));
   EXPECT_EQ(stored->removed, 1U);

@@ -7,39 +7,49 @@
 namespace thimble::app {
 namespace {
 
-TEST(ReturnWatch, TellsOnceOfAnArmThatWasLostAndIsBack) {
+using Change = ReturnWatch::Change;
+
+TEST(ReturnWatch, TellsOnceOfAnArmThatLeftAndOnceOfItsReturn) {
   ReturnWatch sut;
-  EXPECT_FALSE(sut.note(1, OperatingState::Active));
-  EXPECT_FALSE(sut.note(1, OperatingState::Lost));
-  EXPECT_FALSE(sut.note(1, OperatingState::Lost));
-  EXPECT_FALSE(sut.note(0, OperatingState::Discovered)) << "of another";
-  EXPECT_TRUE(sut.note(1, OperatingState::Calibrating));
-  EXPECT_FALSE(sut.note(1, OperatingState::Inactive));
+  EXPECT_EQ(sut.note(1, OperatingState::Active), Change::None);
+  EXPECT_EQ(sut.note(1, OperatingState::Lost), Change::Left);
+  EXPECT_EQ(sut.note(1, OperatingState::Lost), Change::None);
+  EXPECT_EQ(sut.note(0, OperatingState::Discovered), Change::None) << "of another";
+  EXPECT_EQ(sut.note(1, OperatingState::Calibrating), Change::Returned);
+  EXPECT_EQ(sut.note(1, OperatingState::Inactive), Change::None);
 }
 
 TEST(ReturnWatch, SaysNothingOfAnArmThatWasNeverThere) {
   ReturnWatch sut;
-  EXPECT_FALSE(sut.note(0, OperatingState::Lost));
+  EXPECT_EQ(sut.note(0, OperatingState::Lost), Change::None);
   sut.forget(0);
   sut.forget(7);
-  EXPECT_FALSE(sut.note(0, OperatingState::Opened));
+  EXPECT_EQ(sut.note(0, OperatingState::Opened), Change::None);
+  sut.forget(0);
+  EXPECT_EQ(sut.note(0, OperatingState::Lost), Change::None) << "that one never was";
 }
 
 // As often as one goes it can come back, and no more often.
 TEST(ReturnWatch, CountsAsManyReturnsAsLossesThatEnded) {
   std::mt19937 random(1);
   ReturnWatch sut;
+  int begun = 0;
   int ended = 0;
-  int told = 0;
+  int left = 0;
+  int returned = 0;
   bool is_lost = false;
   for (int i = 0; i < 1000; ++i) {
-    const bool is_next_lost = random() % 3 == 0;
+    const bool is_next_lost = i > 0 && random() % 3 == 0;
     if (is_lost && !is_next_lost) ++ended;
+    if (!is_lost && is_next_lost) ++begun;
     is_lost = is_next_lost;
-    if (sut.note(3, is_lost ? OperatingState::Lost : OperatingState::Inactive)) ++told;
+    const Change told = sut.note(3, is_lost ? OperatingState::Lost : OperatingState::Inactive);
+    if (told == Change::Left) ++left;
+    if (told == Change::Returned) ++returned;
   }
-  EXPECT_EQ(told, ended);
-  EXPECT_GT(told, 0);
+  EXPECT_EQ(left, begun);
+  EXPECT_EQ(returned, ended);
+  EXPECT_GT(returned, 0);
 }
 
 }  // namespace
