@@ -1,6 +1,7 @@
 #include "daemon/app/recording_writer.hpp"
 
 #include <mutex>
+#include <string>
 #include <utility>
 
 #include "hal/base/contain.hpp"
@@ -22,6 +23,7 @@ struct RecordingWriter::Shared {
   Store store;
   std::mutex mutex;
   std::vector<Outcome> finished;
+  std::size_t waiting{0};  // also the one that is being written
 };
 
 RecordingWriter::RecordingWriter(std::string directory)
@@ -34,11 +36,24 @@ RecordingWriter::RecordingWriter(Store store) : shared_(std::make_shared<Shared>
 }
 
 void RecordingWriter::write(session::Recording recording) {
+  {
+    const std::lock_guard lock(shared_->mutex);
+    if (shared_->waiting == kMostWaiting) {
+      const servo::FlightHeader& header = recording.header;
+      shared_->finished.push_back({header.arm, header.fault, "",
+                                   "the disk still has not taken the " +
+                                       std::to_string(kMostWaiting) + " recordings before it",
+                                   0});
+      return;
+    }
+    ++shared_->waiting;
+  }
   auto kept = std::make_shared<const session::Recording>(std::move(recording));
   worker_.post([shared = shared_, kept = std::move(kept)] {
     const Result<StoredRecording> stored = store_safely(shared->store, *kept);
     const servo::FlightHeader& header = kept->header;
     const std::lock_guard lock(shared->mutex);
+    --shared->waiting;
     if (stored) {
       shared->finished.push_back({header.arm, header.fault, stored->path, "", stored->removed});
     } else {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <string>
@@ -26,11 +26,14 @@ class RecordingWriter {
     std::string error;       // why
     std::size_t removed{0};  // older recordings that made room
   };
+  // Half a megabyte each at 1 kHz, 4 MB at 8 kHz, in memory that is locked. Ours.
+  static constexpr std::size_t kMostWaiting = 4;
   using Store = std::function<Result<StoredRecording>(const session::Recording&)>;
 
   explicit RecordingWriter(std::string directory);
   explicit RecordingWriter(Store store);
 
+  // When kMostWaiting are not on the disk yet, this one is lost, and told so by finished().
   void write(session::Recording recording);
   // What has been finished since the last call.
   [[nodiscard]] std::vector<Outcome> finished();

@@ -85,6 +85,30 @@ TEST(RecordingWriter, AStuckDiskIsToldAndDoneWithOnceItMovesAgain) {
   EXPECT_EQ(sut.finished().size(), 1U);
 }
 
+// Four arms that stop at once are recorded; whatever stops while nothing moves costs no memory.
+TEST(RecordingWriter, AStuckDiskHasFourWaitAndTheRestIsToldAsLostAtOnce) {
+  auto release = std::make_shared<std::promise<void>>();
+  const std::shared_future<void> released = release->get_future().share();
+  RecordingWriter sut([released](const session::Recording& recording) {
+    released.wait();
+    return stored_as_its_arm(recording);
+  });
+  for (std::size_t i = 0; i < RecordingWriter::kMostWaiting; ++i) sut.write(recording_of("kept"));
+  EXPECT_TRUE(sut.finished().empty());
+  for (int i = 0; i < 100; ++i) sut.write(recording_of("lost"));
+  const auto lost = sut.finished();
+  ASSERT_EQ(lost.size(), 100U);
+  EXPECT_EQ(lost[0].arm, "lost");
+  EXPECT_EQ(lost[0].path, "");
+  EXPECT_NE(lost[0].error.find("disk"), std::string::npos);
+  release->set_value();
+  ASSERT_TRUE(sut.flush(kLong));
+  EXPECT_EQ(sut.finished().size(), RecordingWriter::kMostWaiting);
+  sut.write(recording_of("later"));
+  ASSERT_TRUE(sut.flush(kLong));
+  EXPECT_EQ(sut.finished().at(0).path, "/flights/later") << "there is room again";
+}
+
 // It would hang here for ever.
 TEST(RecordingWriter, AStuckDiskKeepsNobodyFromEnding) {
   StuckDisk disk;
