@@ -42,13 +42,13 @@ struct UsbEndpointInfo {
 
 // What a driver wants to do with one endpoint.
 enum class UsbDelivery : std::uint8_t {
-  Newest,  // input: only the newest packet is kept, as of a device whose packet says everything
-  Every,   // input: packets wait in order, for a device whose bytes are a stream
+  Newest,  // only the newest packet is kept, as of a device whose packet says everything
+  Every,   // packets wait in order, for a device whose bytes are a stream
 };
 
 struct UsbPipe {
   std::uint8_t endpoint{0};
-  UsbDelivery delivery{UsbDelivery::Newest};  // of input; output is always the newest
+  UsbDelivery delivery{UsbDelivery::Newest};
 };
 
 inline constexpr std::size_t kMaxUsbPipes = 4;  // ours: in and out, bulk and interrupt

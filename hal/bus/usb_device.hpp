@@ -78,16 +78,18 @@ struct UsbCounters {
   bool operator==(const UsbCounters&) const = default;
 };
 
-// Packets that an UsbDelivery::Every endpoint keeps for a reader who is late: 64 ms of a device
-// that sends one per frame. Ours. When they are full the newer ones are lost and counted.
+// Packets that an UsbDelivery::Every endpoint keeps: in, for a reader who is late, 64 ms of a
+// device that sends one per frame; when they are full the newer ones are lost and counted. Out,
+// until the device takes them. Ours.
 inline constexpr std::size_t kUsbQueuedPackets = 64;
 
 // An opened USB device: one claimed interface, its pipes, and endpoint 0.
 //
 // Input: from the opening on the bus always has a transfer pending on every IN pipe, and after
 // each it asks again first and delivers then. Output: a mailbox of one packet per OUT pipe, the
-// newest wins; but a packet that the bus has taken is offered to the device until it is taken.
-// So who waits for the device's answer before the next submit() loses none.
+// newest wins, or with UsbDelivery::Every a queue; but a packet that the bus has taken is offered
+// to the device until it is taken. So who waits for the device's answer before the next submit()
+// loses none.
 // There are no time-outs: a device that answers nothing is silent for ever, and whoever uses it
 // watches the age of what it hears. After a stall the bus clears the halt by itself, that of an IN
 // pipe perhaps some 50 ms later; a transfer that ended badly is counted, never repeated.
@@ -97,9 +99,9 @@ inline constexpr std::size_t kUsbQueuedPackets = 64;
 // RT: all THIMBLE_RT_IO: an exchange with the bus's mailboxes, at most one non-blocking system
 //     call (a wake-up of the bus's thread), never a wait, no allocation.
 // Ownership: closing is the destructor's. Of what was submitted before it the newest packet of each
-//     OUT pipe is still sent, if the device takes it within 20 ms; a simulated bus, on which no
-//     time passes meanwhile, drops it. Then what is pending is cancelled, and the device ends
-//     silent. The enumerator must outlive it.
+//     OUT pipe, or the next of its queue, is still sent, if the device takes it within 20 ms; a
+//     simulated bus, on which no time passes meanwhile, drops it. Then what is pending is
+//     cancelled, and the device ends silent. The enumerator must outlive it.
 // Errors: IoStatus::Disconnected latches; unplugging shows here, whatever the enumerator says and
 //     when. What arrived before it and was not read is lost.
 class UsbDevice {
@@ -113,7 +115,9 @@ class UsbDevice {
   // whole since the last submit; else Backlogged, be the last one still on its way or failed (this
   // one waits, and replaces one that waits), so that a pipe on which everything fails is Ok once
   // only; Disconnected; ProtocolError when it is empty, longer than the endpoint's packets, or
-  // `endpoint` is no OUT pipe of this claim.
+  // `endpoint` is no OUT pipe of this claim. With UsbDelivery::Every: Ok, it is sent behind those
+  // before; Backlogged, kUsbQueuedPackets wait and it is not taken. One that ends badly is left out
+  // and counted, the next ones follow.
   THIMBLE_RT_IO virtual IoStatus submit(std::uint8_t endpoint,
                                         std::span<const std::uint8_t> packet) noexcept = 0;
   // Sends a request to endpoint 0; its end comes by read_control(). One at a time: Backlogged, and

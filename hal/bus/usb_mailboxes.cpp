@@ -121,7 +121,12 @@ class UsbMailboxes::InPipe {
 
 class UsbMailboxes::OutPipe {
  public:
+  explicit OutPipe(UsbDelivery delivery)
+      : queue_(delivery == UsbDelivery::Every ? std::make_unique<Queue>() : nullptr) {}
+
+  [[nodiscard]] bool is_queued() const noexcept { return queue_ != nullptr; }
   IoStatus submit(std::span<const std::uint8_t> bytes) noexcept {
+    if (is_queued()) return append(bytes);
     const std::uint64_t arrived = arrived_.load(std::memory_order_relaxed);
     const bool is_way_free = arrived == submitted_.number || arrived != arrived_before_;
     arrived_before_ = arrived;
@@ -134,7 +139,7 @@ class UsbMailboxes::OutPipe {
   std::span<const std::uint8_t> take() noexcept {
     if (!is_owed_) {
       const std::uint64_t before = taken_.number;
-      if (!newest_.read(taken_)) return {};
+      if (!(is_queued() ? queue_->pop(taken_) : newest_.read(taken_))) return {};
       superseded_.fetch_add(taken_.number - before - 1, std::memory_order_relaxed);
       is_owed_ = true;
     }
@@ -164,6 +169,18 @@ class UsbMailboxes::OutPipe {
     std::uint64_t number{0};  // 1 for the first submit
   };
 
+  using Queue = rt::SpscRing<Packet, kUsbQueuedPackets>;
+
+  IoStatus append(std::span<const std::uint8_t> bytes) noexcept {
+    std::copy(bytes.begin(), bytes.end(), submitted_.bytes.begin());
+    submitted_.size = bytes.size();
+    ++submitted_.number;
+    if (queue_->push(submitted_)) return IoStatus::Ok;
+    --submitted_.number;
+    return IoStatus::Backlogged;
+  }
+
+  std::unique_ptr<Queue> queue_;  // Every
   rt::TripleBuffer<Packet> newest_;
   // Driver's thread.
   Packet submitted_{};
@@ -183,7 +200,7 @@ class UsbMailboxes::Pipe {
     if (is_usb_in(info_.address)) {
       in_ = std::make_unique<InPipe>(description.pipe.delivery);
     } else {
-      out_ = std::make_unique<OutPipe>();
+      out_ = std::make_unique<OutPipe>(description.pipe.delivery);
     }
   }
   [[nodiscard]] const UsbEndpointInfo& info() const noexcept { return info_; }
@@ -211,6 +228,11 @@ UsbMailboxes::Pipe* UsbMailboxes::find(std::uint8_t endpoint) const noexcept {
 
 const UsbEndpointInfo& UsbMailboxes::info(std::size_t pipe) const noexcept {
   return pipes_[pipe]->info();
+}
+
+bool UsbMailboxes::is_queued_out(std::size_t pipe) const noexcept {
+  const OutPipe* out = pipes_[pipe]->out();
+  return out != nullptr && out->is_queued();
 }
 
 IoStatus UsbMailboxes::read(std::uint8_t endpoint, UsbPacket& out) noexcept {

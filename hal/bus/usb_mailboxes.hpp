@@ -51,8 +51,10 @@ class UsbMailboxes : public UsbDevice {
   // The bus's side. `pipe` is an index into what the constructor was given.
   [[nodiscard]] std::size_t pipe_count() const noexcept { return pipes_.size(); }
   [[nodiscard]] const UsbEndpointInfo& info(std::size_t pipe) const noexcept;
+  // Output that is a stream: more may wait behind a packet that has ended.
+  [[nodiscard]] bool is_queued_out(std::size_t pipe) const noexcept;
   // The packet to offer to the device: the one whose end is still owed, else the newest that was
-  // submitted, else empty. Valid until finish_out().
+  // submitted (of a queue: the oldest), else empty. Valid until finish_out().
   THIMBLE_RT std::span<const std::uint8_t> take_out(std::size_t pipe) noexcept;
   // How the packet ended that take_out() returned; `taken` of its bytes reached the device.
   THIMBLE_RT void finish_out(std::size_t pipe, UsbOutcome outcome, std::size_t taken) noexcept;

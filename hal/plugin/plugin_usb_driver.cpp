@@ -51,8 +51,9 @@ bus::UsbClaim claim_of(const thimble_usb_driver& driver) {
   claim.interface_number = driver.claim.interface_number;
   for (std::size_t i = 0; i < driver.claim.pipe_count; ++i) {
     const thimble_usb_pipe& pipe = driver.claim.pipes[i];
+    const bool is_queued = pipe.is_queued != 0 && bus::is_usb_in(pipe.endpoint);
     claim.pipes.push_back(
-        {pipe.endpoint, pipe.is_queued != 0 ? bus::UsbDelivery::Every : bus::UsbDelivery::Newest});
+        {pipe.endpoint, is_queued ? bus::UsbDelivery::Every : bus::UsbDelivery::Newest});
   }
   return claim;
 }

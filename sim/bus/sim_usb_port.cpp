@@ -72,30 +72,35 @@ void SimUsbPort::serve_control(SimUsb& host) noexcept {
 }
 
 void SimUsbPort::serve_kind(SimUsb& host, UsbTransferKind kind, MonotonicTime now) noexcept {
+  std::array<bool, bus::kMaxUsbPipes> has_more_out{};
   for (std::size_t pipe = 0; pipe < host.pipe_count(); ++pipe) {
-    if (host.info(pipe).kind == kind && is_due(host.info(pipe))) send_packet(host, pipe);
+    if (host.info(pipe).kind != kind || !is_due(host.info(pipe))) continue;
+    has_more_out[pipe] = send_packet(host, pipe) && host.is_queued_out(pipe);
   }
   bool has_moved = true;
   while (has_moved) {
     has_moved = false;
     for (std::size_t pipe = 0; pipe < host.pipe_count(); ++pipe) {
       const bus::UsbEndpointInfo& endpoint = host.info(pipe);
-      if (endpoint.kind != kind || !bus::is_usb_in(endpoint.address) || !is_due(endpoint)) continue;
-      if (fetch_packet(host, pipe, now)) has_moved = true;
+      if (endpoint.kind != kind || !is_due(endpoint)) continue;
+      if (has_more_out[pipe]) has_more_out[pipe] = send_packet(host, pipe);
+      if (has_more_out[pipe]) has_moved = true;
+      if (bus::is_usb_in(endpoint.address) && fetch_packet(host, pipe, now)) has_moved = true;
     }
     // An interrupt pipe has one transaction when it is due.
     if (kind == UsbTransferKind::Interrupt) return;
   }
 }
 
-void SimUsbPort::send_packet(SimUsb& host, std::size_t pipe) noexcept {
+bool SimUsbPort::send_packet(SimUsb& host, std::size_t pipe) noexcept {
   const std::span<const std::uint8_t> packet = host.take_out(pipe);
-  if (packet.empty() || !take_budget(kUsbPacketOverheadBytes + packet.size())) return;
+  if (packet.empty() || !take_budget(kUsbPacketOverheadBytes + packet.size())) return false;
   const UsbHandshake handshake = model_->out_packet(host.info(pipe).address, packet);
-  if (handshake == UsbHandshake::Nak) return;
+  if (handshake == UsbHandshake::Nak) return false;
   const bool is_taken = handshake == UsbHandshake::Ack;
   host.finish_out(pipe, is_taken ? UsbOutcome::Done : UsbOutcome::Stalled,
                   is_taken ? packet.size() : 0);
+  return is_taken;
 }
 
 bool SimUsbPort::fetch_packet(SimUsb& host, std::size_t pipe, MonotonicTime now) noexcept {

@@ -34,7 +34,8 @@ inline constexpr std::size_t kUsbPacketOverheadBytes = 13;
 //
 // Eight times in a frame, counted from construction, it brings the model to the round's time. While
 // plugged and opened it then does, as far as the bytes of the round reach: a control request; one
-// packet to each OUT pipe that has one; packets from the IN pipes in turn, until all say Nak.
+// packet to each OUT pipe that has one; then in turn more to each OUT pipe that is a queue and has
+// been taken from, and from the IN pipes, until all say Nak.
 // What was submitted before a round began is taken in it, and what comes in is stamped with its
 // time. Bulk pipes take part in every round, interrupt pipes in the one that ends every
 // `interval`th frame, and those first. Bytes that a round did not need are gone; what did not fit
@@ -65,8 +66,8 @@ class SimUsbPort final : public SimPort, private Event {
   THIMBLE_RT void serve(SimUsb& host, MonotonicTime now) noexcept;
   THIMBLE_RT void serve_control(SimUsb& host) noexcept;
   THIMBLE_RT void serve_kind(SimUsb& host, bus::UsbTransferKind kind, MonotonicTime now) noexcept;
-  THIMBLE_RT void send_packet(SimUsb& host, std::size_t pipe) noexcept;
-  // False when the pipe has nothing more for this round.
+  // Each: false when the pipe has nothing more for this round.
+  THIMBLE_RT bool send_packet(SimUsb& host, std::size_t pipe) noexcept;
   THIMBLE_RT bool fetch_packet(SimUsb& host, std::size_t pipe, MonotonicTime now) noexcept;
   [[nodiscard]] bool is_due(const bus::UsbEndpointInfo& endpoint) const noexcept;
   // False when the round has not that many bytes left.

@@ -30,7 +30,7 @@ FaultyUsb::FaultyUsb(std::unique_ptr<bus::UsbDevice> device,
     if (bus::is_usb_in(pipe.info.address)) {
       ins_.push_back(std::make_unique<FaultyUsbIn>(pipe.pipe, std::move(dice)));
     } else {
-      outs_.push_back(std::make_unique<FaultyUsbOut>(pipe.info, std::move(dice)));
+      outs_.push_back(std::make_unique<FaultyUsbOut>(pipe, std::move(dice)));
     }
   }
 }

@@ -95,10 +95,9 @@ void FaultyUsbIn::correct(bus::UsbCounters& counters) const noexcept {
 IoStatus FaultyUsbOut::submit(bus::UsbDevice& device, std::span<const std::uint8_t> bytes,
                               MonotonicTime now) noexcept {
   if (bytes.empty() || bytes.size() > info_.max_packet_bytes) return IoStatus::ProtocolError;
+  if (is_queued_) return append(device, bytes, now);
   if (waiting_.size != 0) count(superseded_);
-  std::copy(bytes.begin(), bytes.end(), waiting_.bytes.begin());
-  waiting_.size = bytes.size();
-  waiting_.number = ++submitted_;
+  wait_with(bytes);
   if (dice_.is_on(FaultKind::Stall, now)) dice_.tally().add(FaultKind::Stall);
   const bool has_last_failed = has_last_failed_;
   const IoStatus status = serve(device, now);
@@ -107,13 +106,28 @@ IoStatus FaultyUsbOut::submit(bus::UsbDevice& device, std::span<const std::uint8
   return status == IoStatus::Ok && !is_free ? IoStatus::Backlogged : status;
 }
 
+IoStatus FaultyUsbOut::append(bus::UsbDevice& device, std::span<const std::uint8_t> bytes,
+                              MonotonicTime now) noexcept {
+  if (dice_.is_on(FaultKind::Stall, now)) dice_.tally().add(FaultKind::Stall);
+  const IoStatus status = serve(device, now);
+  if (status != IoStatus::Ok) return status;
+  if (waiting_.size != 0) return IoStatus::Backlogged;
+  wait_with(bytes);
+  return serve(device, now);
+}
+
+void FaultyUsbOut::wait_with(std::span<const std::uint8_t> bytes) noexcept {
+  std::copy(bytes.begin(), bytes.end(), waiting_.bytes.begin());
+  waiting_.size = bytes.size();
+  waiting_.number = ++submitted_;
+}
+
 IoStatus FaultyUsbOut::serve(bus::UsbDevice& device, MonotonicTime now) noexcept {
   IoStatus status = IoStatus::Ok;
   if (dice_.is_on(FaultKind::Stall, now)) return status;
   while (taken_.size != 0 || waiting_.size != 0) {
     if (taken_.size == 0) {
-      // What was held up here must not be superseded below by what waited behind it.
-      if (is_behind_late_one_ && !is_idle(device)) break;
+      if (!may_pass(device)) break;
       taken_ = waiting_;
       waiting_.size = 0;
       const Duration delay = dice_.delay_of(FaultKind::DelayOut, now, taken_.number);
@@ -127,11 +141,16 @@ IoStatus FaultyUsbOut::serve(bus::UsbDevice& device, MonotonicTime now) noexcept
   return status;
 }
 
-bool FaultyUsbOut::is_idle(const bus::UsbDevice& device) const noexcept {
-  const bus::UsbCounters below = device.counters(info_.address);
-  const std::uint64_t ended =
-      below.packets_out + below.writes_superseded + below.stalls + below.failures;
-  return ended == passed_;
+std::uint64_t FaultyUsbOut::below(const bus::UsbDevice& device) const noexcept {
+  const bus::UsbCounters counters = device.counters(info_.address);
+  return passed_ -
+         (counters.packets_out + counters.writes_superseded + counters.stalls + counters.failures);
+}
+
+bool FaultyUsbOut::may_pass(const bus::UsbDevice& device) const noexcept {
+  if (is_queued_) return below(device) < bus::kUsbQueuedPackets;
+  // What was held up here must not be superseded below by what waited behind it.
+  return !is_behind_late_one_ || below(device) == 0;
 }
 
 IoStatus FaultyUsbOut::pass(bus::UsbDevice& device, MonotonicTime now) noexcept {

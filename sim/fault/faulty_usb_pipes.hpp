@@ -7,7 +7,7 @@
 #include <span>
 
 #include "hal/base/time.hpp"
-#include "hal/bus/usb_device.hpp"
+#include "hal/bus/usb_mailboxes.hpp"
 #include "hal/rt/annotations.hpp"
 #include "sim/fault/fault_dice.hpp"
 
@@ -51,11 +51,14 @@ class FaultyUsbIn {
   std::atomic<std::uint64_t> babbled_{0};
 };
 
-// An OUT pipe: one packet that the faulty wire has taken, and the newest that waits behind it.
+// An OUT pipe: one packet that the faulty wire has taken, and the newest that waits behind it; of a
+// queue one that waits, beside those that wait below.
 class FaultyUsbOut {
  public:
-  FaultyUsbOut(const bus::UsbEndpointInfo& info, FaultDice dice) noexcept
-      : info_(info), dice_(std::move(dice)) {}
+  FaultyUsbOut(const bus::UsbOpenPipe& pipe, FaultDice dice) noexcept
+      : info_(pipe.info),
+        is_queued_(pipe.pipe.delivery == bus::UsbDelivery::Every),
+        dice_(std::move(dice)) {}
 
   [[nodiscard]] std::uint8_t endpoint() const noexcept { return info_.address; }
   THIMBLE_RT_IO IoStatus submit(bus::UsbDevice& device, std::span<const std::uint8_t> bytes,
@@ -72,10 +75,16 @@ class FaultyUsbOut {
     MonotonicTime leaves_at{};
   };
 
-  [[nodiscard]] bool is_idle(const bus::UsbDevice& device) const noexcept;
+  IoStatus append(bus::UsbDevice& device, std::span<const std::uint8_t> bytes,
+                  MonotonicTime now) noexcept;
+  void wait_with(std::span<const std::uint8_t> bytes) noexcept;
+  // Packets passed on that have not ended.
+  [[nodiscard]] std::uint64_t below(const bus::UsbDevice& device) const noexcept;
+  [[nodiscard]] bool may_pass(const bus::UsbDevice& device) const noexcept;
   IoStatus pass(bus::UsbDevice& device, MonotonicTime now) noexcept;
 
   bus::UsbEndpointInfo info_;
+  bool is_queued_;
   FaultDice dice_;
   Packet taken_{};
   Packet waiting_{};
