@@ -186,19 +186,23 @@ Result<std::optional<CamAnswer>> Board::poll(MonotonicTime now) {
 }
 
 Result<bool> Board::fetch(MonotonicTime now) {
+  bool is_here = true;
   for (Reading& reading : readings_) {
-    while (reading.words.size() < reading.slots.size()) {
-      auto words = player_.words_of(reading.slots[reading.words.size()], now);
+    reading.words.resize(reading.slots.size());
+    // All are asked for before the first one comes.
+    for (std::size_t i = 0; i < reading.slots.size(); ++i) {
+      if (reading.words[i]) continue;
+      auto words = player_.words_of(reading.slots[i], now);
       if (words) {
-        reading.words.push_back(*std::move(words));
+        reading.words[i] = *std::move(words);
         continue;
       }
       if (words.error().code != Errc::Busy) return tl::unexpected(words.error());
-      if (now < until_) return false;
-      return fail(Errc::Timeout, "what the program has read does not come");
+      is_here = false;
     }
   }
-  return true;
+  if (is_here || now < until_) return is_here;
+  return fail(Errc::Timeout, "what the program has read does not come");
 }
 
 CamAnswer Board::answer() const {
@@ -211,7 +215,7 @@ CamAnswer Board::answer() const {
     CamCounts counts{};
     for (const auto& words : reading.words) {
       for (std::size_t layer = 0; layer < counts.size(); ++layer) {
-        counts[layer] += count_of_layer(words, static_cast<int>(layer));
+        counts[layer] += count_of_layer(*words, static_cast<int>(layer));
       }
     }
     answer.counts.push_back(counts);
@@ -223,7 +227,7 @@ CamCells Board::cells_of(const Reading& reading) const {
   CamCells cells(geometry_.cells());
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const CellPlace place = space_->place_of(cell_at(geometry_, i));
-    cells[i] = reading.words[static_cast<std::size_t>(place.module)][place.site];
+    cells[i] = (*reading.words[static_cast<std::size_t>(place.module)])[place.site];
   }
   return cells;
 }

@@ -35,7 +35,7 @@ class Board final : public CamBoard {
   struct Reading {
     bool is_cells{false};
     std::vector<ReadSlot> slots;
-    std::vector<std::vector<std::uint16_t>> words;  // of the slots that have been fetched
+    std::vector<std::optional<std::vector<std::uint16_t>>> words;  // of each slot, once fetched
   };
 
   // What the kick register holds: nothing that moves; a kick that waits for its scan; one that had
