@@ -18,6 +18,7 @@
 #include "hal/linux/hid_address.hpp"
 #include "hal/linux/hiddev.hpp"
 #include "hal/linux/printable_text.hpp"
+#include "hal/linux/sysfs_places.hpp"
 
 // Names of files and properties: the kernel's Documentation/ABI/{stable,testing}/sysfs-bus-usb and
 // sysfs-driver-hid, and hid_uevent() in its hid-core.c.
@@ -26,7 +27,6 @@ namespace {
 
 constexpr std::size_t kMaxFileBytes = 65536;
 constexpr std::size_t kMaxTextBytes = 256;  // a USB string has at most 126 letters
-constexpr const char* kHubClass = "09";
 
 using Device = UdevHandle<udev_device>;
 
@@ -173,50 +173,8 @@ std::optional<ReadDevice> read_usb(udev_device* usb) {
   return found;
 }
 
-// Where to look, and what tells that it is still the same device. Nothing of it waits: neither the
-// class nor the number of a USB device is behind its lock.
-struct Place {
-  std::string path;
-  std::string identity;
-};
-
-std::optional<Place> place_of(udev_device* device) {
-  const std::string path = text_of(::udev_device_get_syspath(device));
-  const std::string subsystem = text_of(::udev_device_get_subsystem(device));
-  if (subsystem == "tty") {
-    udev_device* usb = usb_device_of(device);
-    if (usb == nullptr) return std::nullopt;
-    return Place{path, path + " " + attribute(usb, "devnum")};
-  }
-  if (subsystem != "usb") return Place{path, path};
-  const std::string type = text_of(::udev_device_get_devtype(device));
-  if (type != "usb_device" || attribute(device, "bDeviceClass") == kHubClass) return std::nullopt;
-  return Place{path, path + " " + attribute(device, "devnum")};
-}
-
-// The machine's consoles and its own ports are a hundred, of which each look would take a tenth of
-// a millisecond from the worlds that this thread computes; no name of a port on USB begins like
-// theirs.
-constexpr const char* kPortsThatCome = "tty[!0-9S]*";
-
-// Of what `subsystem` has under names like `name`, in the order of its paths.
-void add_places(udev* context, const char* subsystem, const char* name,
-                std::vector<Place>& places) {
-  const UdevHandle<udev_enumerate> list(::udev_enumerate_new(context));
-  if (list == nullptr) return;
-  ::udev_enumerate_add_match_subsystem(list.get(), subsystem);
-  ::udev_enumerate_add_match_sysname(list.get(), name);
-  ::udev_enumerate_scan_devices(list.get());
-  for (udev_list_entry* entry = ::udev_enumerate_get_list_entry(list.get()); entry != nullptr;
-       entry = ::udev_list_entry_get_next(entry)) {
-    const Device device(::udev_device_new_from_syspath(context, ::udev_list_entry_get_name(entry)));
-    if (device == nullptr) continue;  // gone meanwhile
-    if (std::optional<Place> place = place_of(device.get())) places.push_back(*std::move(place));
-  }
-}
-
 // In whatever thread, with a libudev of its own.
-std::optional<ReadDevice> read_at(const Place& place) {
+std::optional<ReadDevice> read_at(const SysfsPlace& place) {
   const UdevHandle<udev> context(::udev_new());
   if (context == nullptr) return std::nullopt;
   const Device device(::udev_device_new_from_syspath(context.get(), place.path.c_str()));
@@ -275,16 +233,10 @@ UdevScan::~UdevScan() = default;
 
 std::vector<FoundDevice> UdevScan::devices() {
   const std::lock_guard guard(looking_);
-  std::vector<Place> places;
-  if (context_ != nullptr) {
-    add_places(context_.get(), "hidraw", "*", places);
-    add_places(context_.get(), "tty", kPortsThatCome, places);
-    add_places(context_.get(), "usb", "*", places);
-  }
   std::set<std::string> identities;
   std::vector<ReadDevice> found;
   Duration patience = kPatience;
-  for (const Place& place : places) {
+  for (const SysfsPlace& place : sysfs_places()) {
     identities.insert(place.identity);
     const std::size_t late = readings_.late();
     auto one = readings_.get(

@@ -9,16 +9,17 @@
 
 namespace thimble::linux {
 
-// Looks at the machine's HID devices, serial ports on USB, and USB devices through libudev:
-// descriptors and strings as the kernel keeps them since each was plugged in. Opens no device and
-// sends nothing to any.
+// Looks at the machine's HID devices, serial ports on USB, and USB devices: where they are through
+// sysfs (sysfs_places.hpp), what they are through libudev, in a thread beside: descriptors and
+// strings as the kernel keeps them since each was plugged in. Opens no device and sends nothing to
+// any.
 //
 // Whatever a device says is bounded and total: strings are cut after 256 bytes, descriptors that
 // do not parse give a device without reports or endpoints.
 //
-// The kernel keeps the strings of a USB device behind that device's lock, for as long as it talks
-// to it: up to seconds where it answers nothing. Such a device waits for its own answer alone:
-// device_readings.hpp.
+// The kernel keeps the strings of a USB device, and its `uevent`, behind that device's lock, for as
+// long as it talks to it: up to seconds where it answers nothing. Such a device waits for its own
+// answer alone: device_readings.hpp.
 //
 // Thread: any. Not RT. Ownership: none shared. Errors: what cannot be read is left out.
 class UdevScan {
