@@ -8,7 +8,7 @@ namespace thimble::guard {
 
 // The memory in which an arm's servo and its guard see each other.
 //
-// Thread: control plane; heartbeat() from any as long as the page lives.
+// Thread: control thread; heartbeat() from any as long as the page lives.
 // RT: reading and writing heartbeat() never leaves the process: the page is in memory from the
 //     start and cannot shrink.
 // Ownership: unmaps and closes. Errors: System; of map() also Malformed, for a file that another

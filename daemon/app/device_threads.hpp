@@ -13,9 +13,9 @@
 namespace thimble::app {
 
 // A thread for each real arm of the configuration, in which it is looked for, opened and closed: no
-// arm waits for another one's kernel, and the control plane for none.
+// arm waits for another one's kernel, and the control thread for none.
 //
-// Thread: control plane. Not RT; the threads have no priority. Ownership: must outlive what posts
+// Thread: control thread. Not RT; the threads have no priority. Ownership: must outlive what posts
 // to it; what its tasks use must outlive it. Its end waits until all that was posted is done,
 // however long: who may not wait asks late_after() before.
 class DeviceThreads {

@@ -28,7 +28,7 @@ struct GuardSettings {
 
 // Guards that are processes: thimble-guard(8).
 //
-// Thread: control plane. Not RT; waits for no guard. Errors: System, Permission; each says what to
+// Thread: control thread. Not RT; waits for no guard. Errors: System, Permission; each says what to
 // do.
 class GuardKeeper final : public devices::ArmGuards {
  public:

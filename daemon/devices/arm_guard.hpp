@@ -21,7 +21,7 @@ inline constexpr Duration kQuickWatchdog = std::chrono::milliseconds(20);
 
 // What lets one arm go when its servo stops: a process of its own in the daemon.
 //
-// Thread: control plane; heartbeat() is the servo's and the guard's. Not RT.
+// Thread: control thread; heartbeat() is the servo's and the guard's. Not RT.
 // Ownership: must outlive the servo that beats on it. When it ends, the arm is let go.
 class ArmGuard {
  public:
@@ -35,7 +35,7 @@ class ArmGuard {
   [[nodiscard]] virtual Result<bool> is_watching() = 0;
 };
 
-// Makes guards. Thread: control plane. Ownership: must outlive them. Errors: System.
+// Makes guards. Thread: control thread. Ownership: must outlive them. Errors: System.
 class ArmGuards {
  public:
   virtual ~ArmGuards() = default;

@@ -7,7 +7,7 @@
 namespace thimble::devices {
 
 // Ends devices, which may take the kernel seconds.
-// Thread: control plane. Not RT. Ownership: takes what it is given.
+// Thread: control thread. Not RT. Ownership: takes what it is given.
 class DeviceCloser {
  public:
   virtual ~DeviceCloser() = default;

@@ -10,7 +10,7 @@ namespace thimble::devices {
 // Where is done what the kernel may hold up for seconds: looking for a device, opening it, closing
 // it.
 //
-// Thread: post() from the control plane. Not RT.
+// Thread: post() from the control thread. Not RT.
 // Ownership: a task owns what it uses, or that outlives the work. Errors: a task throws nothing.
 class DeviceWork : public DeviceCloser {
  public:

@@ -9,12 +9,13 @@
 namespace thimble::devices {
 
 // The arm as the servo holds it for the whole life of a session, while the device behind it
-// may be unplugged and come back: the control plane offers the newly opened device, the servo
-// takes it at its next read, the control plane collects the old one.
+// may be unplugged and come back: the control thread offers the newly opened device, the servo
+// takes it at its next read, the control thread collects the old one.
 //
 // Thread: read(), write(), forget_calibration() from the servo; offer(), collect() from one
 //         control thread; capabilities(), counters() and the instruction from that control
-//         thread too: it alone ends the life of a device.
+//         thread too. A device ends where its closer closes it, of a real arm in the arm's own
+//         thread: neither the servo nor the control thread has it then.
 // RT: read() and write() are THIMBLE_RT_IO; the hand-over is one atomic exchange.
 // Ownership: owns every device given to it, and closes them by `closer`, which must outlive it.
 class ReplaceableDevice final : public HapticDevice {

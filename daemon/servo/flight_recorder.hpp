@@ -19,7 +19,7 @@ struct FlightStop {
   std::uint64_t without_room{0};   // stops since the last take() that were not recorded
 };
 
-// The last frames of the servo, kept in memory until a stop freezes them; then the control plane
+// The last frames of the servo, kept in memory until a stop freezes them; then the control thread
 // takes them at leisure. Meanwhile the servo records into a second memory of the same size, so that
 // a second stop, however soon, has its frames from the first one on. What stops a third time before
 // one is taken is counted.

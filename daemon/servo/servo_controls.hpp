@@ -11,7 +11,7 @@ struct alignas(8) ClearRequest {
   std::uint32_t fault{0};  // Fault::number
 };
 
-// What the control plane asks of a servo; read once per tick.
+// What the control thread asks of a servo; read once per tick.
 // Thread: any may set, but only one asks to clear faults; the servo reads.
 // RT: plain atomics.
 struct ServoControls {

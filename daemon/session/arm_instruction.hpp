@@ -8,7 +8,7 @@ namespace thimble::session {
 
 // What is in the way of the arm, or what its person is to do, in a sentence; empty: nothing. One
 // that is gone asks for nothing else than to be there.
-// Thread: control plane. Not RT.
+// Thread: control thread. Not RT.
 [[nodiscard]] std::string instruction_for(ArmRig& rig);
 
 }  // namespace thimble::session

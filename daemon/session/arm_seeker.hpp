@@ -36,7 +36,7 @@ struct Sought {
 // One search after the other, none of which its owner waits for
 // (docs/decisions/0389-the-control-plane-waits-for-no-kernel.md).
 //
-// Thread: control plane. Ownership: `work` must outlive it; what nobody took is closed by that.
+// Thread: control thread. Ownership: `work` must outlive it; what nobody took is closed by that.
 class ArmSeeker {
  public:
   explicit ArmSeeker(devices::DeviceWork& work) : work_(work) {}

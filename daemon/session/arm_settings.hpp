@@ -13,8 +13,11 @@
 
 namespace thimble::session {
 
-// What the configuration's words mean to the parts of a session. Pure; the configuration has
-// checked every range, so errors here are about what only the opened arm can tell.
+// What the configuration's words mean to the parts of a session.
+//
+// Thread: any: pure. Not RT. Ownership: what is returned is the caller's. Errors: the configuration
+// has checked every range, so they are about what only the opened arm can tell: InvalidArgument,
+// Unsupported.
 
 [[nodiscard]] plugin::DriverSettings driver_settings(const config::ArmConfig& arm);
 [[nodiscard]] Result<servo::ServoSettings> servo_settings(const config::ArmConfig& arm,

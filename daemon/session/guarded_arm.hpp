@@ -16,7 +16,7 @@ namespace thimble::session {
 // The guard of one arm of a session, where the arm needs one: as long as it is gone the servo is
 // told that the arm must not be driven.
 //
-// Thread: control plane. Ownership: `controls` must outlive it; it must outlive the servo.
+// Thread: control thread. Ownership: `controls` must outlive it; it must outlive the servo.
 class GuardedArm {
  public:
   // `guards`: nullptr where there are none. `name`: of the arm, for messages.

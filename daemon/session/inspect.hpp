@@ -12,7 +12,7 @@ namespace thimble::session {
 // build cannot reach, models, limits, persons and volumes that cannot be. Opens no device and no
 // socket, loads no volume (of a file it reads the header): numbers within a file, taken ports and
 // missing rights are found only at the start.
-// Thread: control plane. Not RT.
+// Thread: control thread. Not RT.
 [[nodiscard]] std::vector<config::Objection> inspect(const config::Config& config,
                                                      const RigParts& parts);
 

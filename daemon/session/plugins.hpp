@@ -10,7 +10,7 @@
 namespace thimble::session {
 
 // Every driver and every simulated model that the daemon knows, and the command line lists.
-// Thread: control plane. Ownership: must outlive the sessions that use them.
+// Thread: control thread. Ownership: must outlive the sessions that use them.
 struct Plugins {
   Plugins();
 

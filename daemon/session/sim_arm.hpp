@@ -15,7 +15,7 @@ namespace thimble::session {
 // A simulated arm on a bus and in a time of its own, held by a simulated person where the
 // configuration has one. Each has its own virtual clock, because each servo thread runs one.
 //
-// Thread: created and destroyed by the control plane while no servo runs on it; clock() is
+// Thread: created and destroyed by the control thread while no servo runs on it; clock() is
 //         run by the servo thread (through a RealTimeBrake in real time).
 // Ownership: outlives the sessions on it.
 class SimArm {

@@ -22,7 +22,7 @@ namespace thimble::session {
 // A real arm that could not be had at the start; a simulated one stands in for it, or nothing does.
 // It is looked for when the bus tells of it, and now and then by itself.
 //
-// Thread: control plane. Ownership: `work` must outlive it.
+// Thread: control thread. Ownership: `work` must outlive it.
 class AwaitedArm {
  public:
   AwaitedArm(Search search, std::string stand_in, devices::DeviceWork& work)

@@ -13,7 +13,7 @@ namespace thimble::falcon {
 // open(): reads the firmware's file, if the settings name one, with the errors of load_image();
 // what it opens has sent nothing yet, and boots between the ticks (boot_sequence.hpp).
 //
-// Thread: control plane. Not RT.
+// Thread: making it, any; its calls as plugin::Driver, any non-RT thread, several at once.
 [[nodiscard]] std::unique_ptr<plugin::Driver> make_falcon_driver();
 
 }  // namespace thimble::falcon

@@ -11,7 +11,7 @@
 namespace thimble::falcon {
 
 // The firmware that a person brings: its vendor's licence forbids to ship it.
-// Thread: control plane. Not RT.
+// Thread: any non-RT one, several at once: each arm reads its file in its own.
 
 // Ours: eight times the largest known.
 inline constexpr std::size_t kMaxImageBytes = 64UL * 1024;

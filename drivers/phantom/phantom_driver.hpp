@@ -14,7 +14,7 @@ namespace thimble::phantom {
 // InvalidArgument when the amplifier's full scale or the model is missing or wrong. A simulated
 // device ("sim:NAME") is of the model NAME unless the settings say otherwise.
 //
-// Thread: control plane. Not RT.
+// Thread: making it, any; its calls as plugin::Driver, any non-RT thread, several at once.
 [[nodiscard]] std::unique_ptr<plugin::Driver> make_phantom_driver();
 
 }  // namespace thimble::phantom

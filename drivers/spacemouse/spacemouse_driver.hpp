@@ -13,7 +13,7 @@ namespace thimble::spacemouse {
 // ids are 3Dconnexion's own and nothing is sent, so no device need be named.
 // open() wants DriverSettings::clock: InvalidArgument without it.
 //
-// Thread: control plane. Not RT.
+// Thread: making it, any; its calls as plugin::Driver, any non-RT thread, several at once.
 [[nodiscard]] std::unique_ptr<plugin::Driver> make_spacemouse_driver();
 
 }  // namespace thimble::spacemouse

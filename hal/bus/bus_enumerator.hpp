@@ -42,8 +42,9 @@ struct BusEvent {
 
 // Lists and opens devices of one or several buses, and tells of arrivals and departures.
 //
-// Thread: control plane only, one thread, where a bus does not say more. Not RT.
-// Ownership: must outlive the devices it opened. Errors: each call says its own.
+// Thread: list() and open_*() from any non-RT thread, for several devices at once; poll_event()
+// from one. A bus of the simulation, where nothing waits: all from one. Not RT. Ownership: must
+// outlive the devices it opened. Errors: each call says its own.
 class BusEnumerator {
  public:
   virtual ~BusEnumerator() = default;

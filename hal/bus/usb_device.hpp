@@ -94,8 +94,8 @@ inline constexpr std::size_t kUsbQueuedPackets = 64;
 // watches the age of what it hears. After a stall the bus clears the halt by itself, that of an IN
 // pipe perhaps some 50 ms later; a transfer that ended badly is counted, never repeated.
 //
-// Thread: all but counters() from one thread at a time (control plane while the driver opens,
-// then the servo); counters() from any.
+// Thread: all but counters() from one thread at a time (any non-RT one while the driver
+// opens, then the servo); counters() from any.
 // RT: all THIMBLE_RT_IO: an exchange with the bus's mailboxes, at most one non-blocking system
 //     call (a wake-up of the bus's thread), never a wait, no allocation.
 // Ownership: closing is the destructor's. Of what was submitted before it the newest packet of each

@@ -74,7 +74,7 @@ struct DeviceCounters {
 // A force-feedback arm, opened by a driver on some bus, real or simulated.
 //
 // Thread: read(), write() and forget_calibration() from the servo thread (the last also from
-//         the control plane before the servo has the device); the rest from the one control
+//         any non-RT thread before the servo has the device); the rest from the one control
 //         thread that owns it; made and ended by any thread, while no other one uses it.
 // RT: read() and write() are THIMBLE_RT_IO and make no call but their bus's exchange.
 // Ownership: owns its bus device. The destructor submits a zero command, but nobody waits for

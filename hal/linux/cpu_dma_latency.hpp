@@ -9,7 +9,7 @@ namespace thimble::linux {
 // Keeps the CPUs out of deep idle states, which delay the interrupt of a USB transfer, for as
 // long as it lives (Linux: Documentation/power/pm_qos_interface.rst).
 //
-// Thread: control plane. Ownership: the request ends with the object.
+// Thread: control thread. Ownership: the request ends with the object.
 class CpuDmaLatency {
  public:
   // Permission or NotFound, naming the right and the cure.

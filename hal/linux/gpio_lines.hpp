@@ -12,7 +12,7 @@ namespace thimble::linux {
 // The GPIO chips of this machine, over libgpiod. Each opened claim has a thread of the bus, since a
 // chip behind USB takes milliseconds for a level and seconds when it hangs; its user never waits.
 //
-// Thread: control plane; the lines as bus::GpioLines. Not RT.
+// Thread: one at a time; the lines as bus::GpioLines. Not RT.
 // Ownership: the settings' clock must outlive the lines. Closing lines waits for the kernel.
 class GpioChips final : public bus::GpioChips {
  public:

@@ -29,7 +29,7 @@ struct HidNodes {
 // submitted and closes it: all three last as long as the kernel lets any HID device's write last.
 // The other one reads meanwhile.
 //
-// Thread: the control plane; mail() as there, wake() from any.
+// Thread: any non-RT one, one at a time; mail() as there, wake() from any.
 // Ownership: settings and `opening` must outlive it; the destructor waits for the kernel.
 class HidConnection {
  public:

@@ -64,7 +64,8 @@ class HidHost {
   // Devices that are closed for their users, but not yet for the kernel.
   [[nodiscard]] std::size_t lingering();
 
-  // Of the control plane, with an opening; ours: one that is not held up takes a tenth of it.
+  // Of whoever opens one, a thread of the arm as a rule; ours: one that is not held up takes a
+  // tenth of it.
   static constexpr Duration kPatience = std::chrono::milliseconds(250);
   // And with a closing, which nobody needs the end of: as long as it takes when no write hangs.
   static constexpr Duration kClosingPatience = std::chrono::milliseconds(50);

@@ -14,6 +14,7 @@ enum class RealtimePolicy : std::uint8_t {
 };
 
 // Which real-time rights were granted; `missing` names each one that was not, and its cure.
+// Thread: a value; whoever has it. Not RT: it has strings. Ownership: none shared.
 struct RealtimeReport {
   bool has_fifo{false};
   bool has_affinity{false};  // true also when no CPU was asked for
@@ -24,7 +25,8 @@ struct RealtimeReport {
   [[nodiscard]] bool is_degraded() const noexcept { return !missing.empty(); }
 };
 
-// Required and something missing: a Permission error that lists all of it.
+// Thread: any. Not RT. Errors: Permission that lists all of it, where the policy is Required and
+// something is missing.
 [[nodiscard]] Result<void> enforce(RealtimePolicy policy, const RealtimeReport& report);
 
 }  // namespace thimble::linux

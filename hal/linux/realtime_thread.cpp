@@ -89,7 +89,7 @@ void flush_denormals() noexcept {
   for (std::size_t i = 0; i < unused - kMarginBytes; i += kPageBytes) bytes[i] = 0;
 }
 
-// Signals of the process are for the control plane: none may interrupt a tick.
+// Signals of the process are for the control thread: none may interrupt a tick.
 void block_signals(sigset_t& previous) noexcept {
   sigset_t all;
   ::sigfillset(&all);

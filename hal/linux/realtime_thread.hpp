@@ -25,7 +25,7 @@ struct RealtimeThreadSettings {
 // A thread for a servo: SCHED_FIFO, optionally pinned, 256 KiB of stack already in memory,
 // denormal floats flushed to zero (x86), and all signals left to other threads.
 //
-// Thread: control plane. Ownership: the destructor joins: stop the body before.
+// Thread: any non-RT one, one at a time. Ownership: the destructor joins: stop the body before.
 class RealtimeThread {
  public:
   // Runs `body` once the rights are known; it must not throw. `process` is what

@@ -8,6 +8,9 @@
 namespace thimble::plugin {
 
 // Text of the plugin ABI: an array that a zero byte ends.
+//
+// Thread: any. Not RT: strings are made. Ownership: what is returned is the caller's. Errors: none;
+// what cannot be shown or does not fit is replaced or cut, as each says.
 
 // `text` with a '?' for each byte that is no UTF-8 (RFC 3629) and for each control character, C1
 // among them: it fits on a terminal, one line, and into JSON.

@@ -10,7 +10,7 @@
 namespace thimble::plugin {
 
 // The drivers this daemon knows, in the order in which they are asked.
-// Thread: adding, the control plane before any arm; the rest any. Ownership: owns the drivers.
+// Thread: adding, the control thread before any arm; the rest any. Ownership: owns the drivers.
 class DriverRegistry {
  public:
   void add(std::unique_ptr<Driver> driver);

@@ -24,7 +24,7 @@ struct Segment {
                          Access access);
 
 // The segments of a loaded object; none when the linker does not know it.
-// Thread: control plane, while nothing else loads or unloads.
+// Thread: control thread, while nothing else loads or unloads.
 [[nodiscard]] std::vector<Segment> segments_of(const link_map& object);
 
 }  // namespace thimble::plugin

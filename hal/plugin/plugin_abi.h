@@ -18,9 +18,9 @@
  *
  * Thread: the functions of one device, and those of one simulated device, are called by one thread
  *   at a time; those of different devices may run at once, so a plugin has no state but theirs.
- *   "Control plane" is any thread that is not real-time; an arm is opened and closed in one of its
- * own. Real time: where it says RT, the servo thread waits: no allocation, lock, system call, log
- * or unbounded loop, and microseconds rather than milliseconds. Nothing here reads a clock. Errors:
+ *   "Non-RT" is any thread that is not real-time; an arm is opened and closed in one of its own.
+ * Real time: where it says RT, the servo thread waits: no allocation, lock, system call, log or
+ * unbounded loop, and microseconds rather than milliseconds. Nothing here reads a clock. Errors:
  * enum thimble_status; a reason is a sentence for a person. No exception may leave a function: it
  * would end the process, as a crash does. The host does not contain a plugin; it refuses what it
  * can see, and checks every number that comes back. Ownership: all that is passed belongs to the
@@ -155,23 +155,23 @@ struct thimble_driver {
   char name[THIMBLE_NAME_BYTES]; /* a name that no other driver has */
 
   /* Whether the driver drives that device with those settings: OK, NOT_MINE, or REFUSED and why.
-   * Passive. Thread: control plane, any number at once. */
+   * Passive. Thread: non-RT, any number at once. */
   int32_t (*match)(const struct thimble_hid_info* info,
                    const struct thimble_driver_settings* settings, struct thimble_reason* reason);
   /* After a match, for a device that the host has opened: makes what the other functions get as
    * `device` (not null) and fills in the capabilities. OK, or REFUSED and why.
-   * Thread: control plane. */
+   * Thread: non-RT. */
   int32_t (*open)(const struct thimble_hid_info* info,
                   const struct thimble_driver_settings* settings,
                   struct thimble_capabilities* capabilities, void** device,
                   struct thimble_reason* reason);
   /* Ends the life of `device`. The host has sent zero before, but not where encode() failed or the
    * bus was gone, nor where it refused the capabilities, and sent nothing at all.
-   * Thread: control plane. */
+   * Thread: non-RT. */
   void (*close)(void* device);
 
   /* The reference is worth nothing any more: the arm must be calibrated again. DONE is believed
-   * again after a sample that does not say it. RT. Thread: control plane before the first report,
+   * again after a sample that does not say it. RT. Thread: non-RT before the first report,
    * then the servo's. */
   void (*forget_calibration)(void* device);
   /* Makes a sample of the newest report; older ones may have been left out, which its number shows.
@@ -311,7 +311,7 @@ struct thimble_usb_driver {
   int32_t (*open)(const struct thimble_usb_info* info, const struct thimble_usb_settings* settings,
                   const struct thimble_usb_bus* bus, struct thimble_capabilities* capabilities,
                   struct thimble_usb_zero* zero, void** device, struct thimble_reason* reason);
-  /* May send one last zero. Thread: control plane. */
+  /* May send one last zero. Thread: non-RT. */
   void (*close)(void* device);
   void (*forget_calibration)(void* device);
   /* Takes what came. Comes zeroed. OK with a sample; NO_DATA, PROTOCOL_ERROR, DISCONNECTED. RT. */
@@ -319,7 +319,7 @@ struct thimble_usb_driver {
   /* Once a tick, also with zero, also before the arm is ready: then its next step. As the bus
    * answered: OK, BACKLOGGED, PROTOCOL_ERROR or DISCONNECTED. RT. */
   int32_t (*write)(void* device, const struct thimble_wrench* wrench);
-  /* What a person must do now; empty: nothing. Thread: control plane, while others run. */
+  /* What a person must do now; empty: nothing. Thread: non-RT, while others run. */
   void (*read_instruction)(void* device, struct thimble_reason* instruction);
 };
 
@@ -366,7 +366,7 @@ struct thimble_model_facts {
 
 /* A simulated arm: mechanics, motors and firmware behind the same reports. Every function must be
  * there. Same calls, same answers: no chance but the seed's, no time but advance()'s.
- * Thread: create() and destroy() control plane; the rest that of the bus, RT. */
+ * Thread: create() and destroy() non-RT; the rest that of the bus, RT. */
 struct thimble_model {
   uint32_t struct_bytes;
   uint32_t reserved;

@@ -21,7 +21,7 @@ struct FileFacts {
 // The path of a plugin with every link followed, after a look at the file and at each folder above
 // it: the code will run with the rights of this process, so only root or its own user may have put
 // it there. Who could change a folder could put another file in the place after the look.
-// Thread: control plane. Errors: InvalidArgument (a relative path, no regular file), NotFound,
+// Thread: control thread. Errors: InvalidArgument (a relative path, no regular file), NotFound,
 // Permission, System; the message is the second half of a sentence about the file.
 [[nodiscard]] Result<std::string> trusted_plugin_path(const std::string& path);
 

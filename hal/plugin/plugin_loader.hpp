@@ -17,7 +17,7 @@ namespace thimble::plugin {
 // The libraries that it brings must be as trusted as itself, but are looked at only once they are
 // mapped: what they do on being loaded is done by then.
 //
-// Thread: control plane, while no servo runs.
+// Thread: control thread, while no servo runs.
 // Errors: those of trusted_plugin_path() and check_plugin(), or Malformed; one sentence with the
 // path in front.
 [[nodiscard]] Result<const thimble_plugin*> load_plugin(const std::string& path);

@@ -9,7 +9,7 @@
 
 namespace thimble::plugin {
 
-// What plugins of every bus are refused for, and refuse with. Thread: control plane. Not RT.
+// What plugins of every bus are refused for, and refuse with. Thread: any non-RT one.
 // What match() answered: NotMine, or InvalidArgument with its words.
 [[nodiscard]] Result<void> check_match(std::int32_t status, const thimble_reason& reason);
 // What open() answered: InvalidArgument with its words, or Malformed without a device.

@@ -71,7 +71,7 @@ class PluginUsbDevice final : public HapticDevice {
   [[nodiscard]] bool is_credible(const thimble_usb_sample& sample) const noexcept;
 
   Parts parts_;
-  mutable thimble_reason instruction_{};  // of the control plane's one thread
+  mutable thimble_reason instruction_{};  // of the control thread
   bool is_done_doubted_{false};           // as PluginDevice's
   std::uint64_t last_sequence_{0};
   // Read from any thread.

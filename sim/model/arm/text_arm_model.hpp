@@ -37,7 +37,7 @@ class TextArmModel final : public plugin::SimSerialModel,
 // Adds "sim:NAME-serial" for every arm that has a firmware with the text protocol.
 // SimModelSettings: amplifier_max_a 0 means the 6 A of the source; a negative, non-finite or >
 // 32.767 A value is InvalidArgument. An odd seed gives a build that wants its button pressed first;
-// the seed also sets the phase of the board's PWM. Thread: control plane. Not RT.
+// the seed also sets the phase of the board's PWM. Thread: control thread. Not RT.
 void register_text_arm_models(plugin::SimModelRegistry& registry);
 
 }  // namespace thimble::sim

@@ -8,7 +8,7 @@ namespace thimble::sim {
 // "falcon-loaded", to which somebody has brought the firmware before, as who has no image needs it.
 // It, too, forgets with its power. Of SimModelSettings neither member has a meaning: it has no
 // amplifier to set, and nothing in it is left to chance.
-// Thread: control plane. Not RT.
+// Thread: control thread. Not RT.
 void register_falcon_model(plugin::SimModelRegistry& registry);
 
 }  // namespace thimble::sim

@@ -5,7 +5,7 @@
 namespace thimble::sim {
 
 // Adds "spacemouse" (combined layout) and "spacenavigator" (separate layout). No settings.
-// Thread: control plane. Not RT.
+// Thread: control thread. Not RT.
 void register_spacemouse_models(plugin::SimModelRegistry& registry);
 
 }  // namespace thimble::sim

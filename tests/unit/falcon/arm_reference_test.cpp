@@ -129,7 +129,8 @@ TEST(ExchangePacer, LostRepliesCostTheirTimeAndNoMore) {
   EXPECT_LE(course.longest_pause, ExchangePacer::kPatience + milliseconds(2));
 }
 
-// As with a latency timer of 16 ms: the exchange goes on, slowly, and nothing piles up.
+// As with a latency timer of 16 ms: asked every 4 ms (decision 0386), so that some pile up, and no
+// more than the five that fit into its delay.
 TEST(ExchangePacer, AnArmThatAnswersLateIsNotFlooded) {
   const Course course = run_exchange(16, 0);
   EXPECT_LE(course.most_under_way, 5);

@@ -92,7 +92,7 @@ class Writer {
   bool is_next_with_room_{false};
 };
 
-// The control plane, and a judge of what it is given.
+// The control thread, and a judge of what it is given.
 class Reader {
  public:
   explicit Reader(FlightRecorder& sut) : sut_(sut) {}

@@ -7,7 +7,7 @@
 namespace thimble::servo {
 namespace {
 
-// A clock that ends the run after some sleeps, as the control plane would.
+// A clock that ends the run after some sleeps, as the control thread would.
 class StoppingClock final : public Clock {
  public:
   StoppingClock(HandClock& inner, std::atomic<bool>& stop, ServoControls& controls, int limit)
