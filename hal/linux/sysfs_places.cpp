@@ -2,7 +2,6 @@
 
 #include <dirent.h>
 #include <fcntl.h>
-#include <fnmatch.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -19,7 +18,14 @@ namespace {
 
 // The machine's consoles and its own ports are a hundred, of which each look would take a tenth of
 // a millisecond from whoever looks; no name of a port on USB begins like theirs.
-constexpr const char* kPortsThatCome = "tty[!0-9S]*";
+bool is_port_that_comes(std::string_view name) {
+  return name.size() > 3 && name.starts_with("tty") && name[3] != 'S' &&
+         (name[3] < '0' || name[3] > '9');
+}
+bool is_any(std::string_view /*name*/) { return true; }
+// Of the names below bus/usb; interfaces have a colon in theirs.
+bool is_usb_device(std::string_view name) { return name.find(':') == std::string_view::npos; }
+
 constexpr std::string_view kHubClass = "09";
 
 struct CloseFolder {
@@ -36,14 +42,15 @@ std::optional<std::string> resolved(const std::string& path) {
   return std::string(real.get());
 }
 
-// Of what is in `folder` under names like `name`, sorted.
-std::vector<std::string> paths_in(const std::string& folder, const char* name) {
+// Of what is in `folder` under the names that are meant, sorted.
+std::vector<std::string> paths_in(const std::string& folder, bool (*is_meant)(std::string_view)) {
   std::vector<std::string> paths;
   const std::unique_ptr<DIR, CloseFolder> open(::opendir(folder.c_str()));
   if (open == nullptr) return paths;
   while (const dirent* entry = ::readdir(open.get())) {
-    if (entry->d_name[0] == '.' || ::fnmatch(name, entry->d_name, 0) != 0) continue;
-    if (auto path = resolved(folder + "/" + entry->d_name)) paths.push_back(*std::move(path));
+    const std::string name = entry->d_name;
+    if (name.starts_with('.') || !is_meant(name)) continue;
+    if (auto path = resolved(folder + "/" + name)) paths.push_back(*std::move(path));
   }
   std::sort(paths.begin(), paths.end());
   return paths;
@@ -73,16 +80,14 @@ std::optional<std::string> number_above(std::string path, const std::string& sys
 
 std::vector<SysfsPlace> sysfs_places(const std::string& sys) {
   std::vector<SysfsPlace> places;
-  for (const std::string& path : paths_in(sys + "/class/hidraw", "*")) {
+  for (const std::string& path : paths_in(sys + "/class/hidraw", &is_any)) {
     places.push_back({path, path});  // the HID device's own count is in it
   }
-  for (const std::string& path : paths_in(sys + "/class/tty", kPortsThatCome)) {
+  for (const std::string& path : paths_in(sys + "/class/tty", &is_port_that_comes)) {
     if (const auto number = number_above(path, sys)) places.push_back({path, path + " " + *number});
   }
-  // Interfaces have a colon in their names.
-  for (const std::string& path : paths_in(sys + "/bus/usb/devices", "*")) {
-    const bool is_interface = path.find(':', path.rfind('/')) != std::string::npos;
-    if (is_interface || attribute(path, "bDeviceClass") == kHubClass) continue;
+  for (const std::string& path : paths_in(sys + "/bus/usb/devices", &is_usb_device)) {
+    if (attribute(path, "bDeviceClass") == kHubClass) continue;
     places.push_back({path, path + " " + attribute(path, "devnum").value_or("")});
   }
   return places;
