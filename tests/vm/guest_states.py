@@ -13,7 +13,7 @@ import machine
 import qmp
 import state_cache
 
-RECIPE = 1  # to be counted up when install() or settle() does something else, or the machine has other devices
+RECIPE = 2  # to be counted up when install() or settle() does something else, or the machine has other devices
 INSTALLED = ("thimbled", "thimble")
 KEPT = 3  # sets of packages; with every pace one has 2 GB
 SETTLE_S = 300
@@ -26,10 +26,16 @@ def key():
     return state_cache.key((RECIPE, guest_image.key(), version, *(machine.words("", pace) for pace in machine.PACES)), debs)
 
 
+def can_be_offered(one):
+    """From now on devices can be."""
+    one.run("modprobe -a uhid vhci-hcd cdc-acm")
+
+
 def settle(one):
-    """Until nothing of the start is under way any more, and the arm of the configuration that comes with the package is simulated."""
+    """Until nothing of the start is under way any more, the arm of the configuration that comes with the package is simulated, and devices can be offered."""
     one.run("systemctl is-system-running --wait", SETTLE_S)
     one.wait_for("systemctl show thimbled -p StatusText | grep -qi 'right active'", SETTLE_S)
+    can_be_offered(one)
 
 
 def install(folder):
@@ -69,18 +75,21 @@ def resume(kernel, pace):
 
 
 def start(kernel, pace):
-    """A guest that has the packages: just switched on where its time passes as it comes, a while ago where it is counted."""
-    if pace == machine.AS_IT_COMES:
+    """A guest that has the packages: just switched on where its time passes as it comes; a while ago where it is counted, and devices can be
+    offered to it."""
+    if not pace.is_counted:
         return boot(kernel, pace)
     try:
         return resume(kernel, pace)
     except (OSError, machine.GuestError, qmp.QmpError) as error:
         print(f"No saved guest, this one boots: {error}", file=sys.stderr)
-        return boot(kernel, pace)
+        one = boot(kernel, pace)
+        can_be_offered(one)
+        return one
 
 
 def prepare(pace):
     """Makes what start() needs, where it is not there, and says what it costs."""
     with installed() as (entry, disk):
-        part = disk.parent if pace == machine.AS_IT_COMES else saved(entry, disk, "amd64", pace)
+        part = saved(entry, disk, "amd64", pace) if pace.is_counted else disk.parent
     print(f"{part}: {sum(path.stat().st_blocks for path in part.iterdir()) // 2048} MiB")

@@ -11,7 +11,7 @@ class Tape:
 
     def __init__(self, guest, arm, way):
         self.guest = guest
-        guest.run("modprobe -a uhid vhci-hcd; systemd-run --quiet --collect --unit tape "
+        guest.run("systemd-run --quiet --collect --unit tape "
                   "-p CPUSchedulingPolicy=fifo -p CPUSchedulingPriority=85 "
                   f"{PROGRAM} offer {arm} {'uhid' if way == 'uhid' else simdev.PORT}")
         if way == "usbip":

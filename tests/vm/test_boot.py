@@ -8,6 +8,8 @@ SERVO = "$(ps -L -o lwp=,comm= -p $(systemctl show thimbled -p MainPID --value) 
 
 
 class Boot(guest.GuestTest):
+    pace = guest.ON_TWO
+
     @classmethod
     def setUpClass(cls):
         super().setUpClass()

@@ -13,7 +13,6 @@ class Contract(guest.GuestTest):
     runs_daemon = False
 
     def test_every_sentence_of_the_suites_is_true(self):
-        self.guest.run("modprobe -a uhid vhci-hcd")
         for suite, least in (("HidDeviceContract", 22), ("BusEnumeratorContract", 7), ("UsbDeviceContract", 29)):
             with self.subTest(suite):
                 status, printed = self.guest.ask(f"/run/bin/kernel_contract --gtest_filter='*{suite}*' 2>&1 | tail -n 60; "

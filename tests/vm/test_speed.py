@@ -15,6 +15,7 @@ import simdev
 PROGRAM = "/run/bin/vm_round_trip"
 ECHO = "VM-ECHO-1"
 MOST_OF_BARE = 1.15
+MOST_OF_A_PROCESSOR = 0.25  # of this emulated one, for four arms; 0.17 were measured
 
 
 def tell(text):
@@ -28,7 +29,7 @@ class RoundTrips(guest.GuestTest):
     @contextlib.contextmanager
     def offered(self, kind, way):
         """A device that sends back what it is sent, above all others, as hardware is."""
-        self.guest.run("modprobe -a uhid vhci-hcd cdc-acm; systemd-run --quiet --collect --unit echo "
+        self.guest.run("systemd-run --quiet --collect --unit echo "
                        f"-p CPUSchedulingPolicy=fifo -p CPUSchedulingPriority=85 {PROGRAM} offer {kind} {way}")
         if way != "uhid":
             self.guest.wait_for(simdev.attach_command())
@@ -69,7 +70,7 @@ class RoundTrips(guest.GuestTest):
             self.measure("cdc_acm, USB/IP", "serial", f"serial:{ECHO}", node)
 
 
-# Processor time of each thread of the daemon, by its name, and ticks of the servos, around ten seconds in one script: between two
+# Processor time of each thread of the daemon, by its name, and ticks of the servos, around four seconds in one script: between two
 # commands an idle guest's clock runs ahead.
 SHARES = """
 look() {
@@ -78,7 +79,7 @@ look() {
   for task in /proc/$pid/task/*; do echo "$(cat $task/comm) $(awk '{print $1}' $task/schedstat)"; done
 }
 pid=$(systemctl show thimbled -p MainPID --value)
-look > /run/before; sleep 10; look > /run/after
+look > /run/before; sleep 4; look > /run/after
 cat /run/before; echo; cat /run/after
 """
 
@@ -125,6 +126,7 @@ class FourArms(guest.GuestTest):
         ticks = [servo["ticks"] - earlier["ticks"] for servo, earlier in zip(after[0], before[0])]
         tell(f"four arms: {sum(shares.values()):.3f} of a processor in {seconds:.1f} s; of it {shares}; ticks {ticks}")
         self.assertEqual(len(ticks), len(self.names))
+        self.assertLess(sum(shares.values()), MOST_OF_A_PROCESSOR)
         for count in ticks:
             self.assertAlmostEqual(count / seconds, 1000, delta=50)
         for arm in self.arms:
