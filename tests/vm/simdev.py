@@ -20,7 +20,7 @@ def norm(vector):
 
 def wait_for_state(guest, *states, arm=0):
     """Until the daemon's arm, counted as in its configuration, is in one of them: what the status says of that arm."""
-    return guest.wait_for_module("arm_state", str(arm), *states)
+    return guest.wait_for_module("status_until", f"arms.{arm}.state", *states)
 
 
 class Simdev:
