@@ -8,6 +8,7 @@ import simdev
 
 SERIAL = "VM-ARM-1"
 FIRMWARE = "/etc/thimble/falcon.bin"
+PLUGIN = "/usr/local/lib/thimble/falcon_plugin.so"
 BOX = """
 world = "box"
 
@@ -32,6 +33,10 @@ class Arm(simdev.Simdev):
                 f'[[arm]]\nname = "right"\n{self.words}{BOX}')
         self.guest.run(f"cat > /etc/thimble/thimble.toml <<'E'\n{text}E\nudevadm settle; systemctl restart thimbled")
 
+    def plug(self):
+        """Into the kernel; also again, after the verb plug."""
+        self.attach()
+
     def activate(self):
         simdev.wait_for_state(self.guest, "calibrating")
         self.calibrate()
@@ -44,13 +49,16 @@ class HidArm(Arm):
     words = f'device = "hid:{SERIAL}"\nmodel = "phantom-vintage"\namplifier_max_a = 3.0'
 
     def __init__(self, guest, way="uhid"):
-        guest.run("modprobe -a uhid vhci-hcd")
         super().__init__(guest, "arm", *WAYS[way], "--serial", SERIAL, "phantom-vintage")
-        if way == "usbip":
+        self.way = way
+        self.plug()
+        self.configure()
+
+    def plug(self):
+        if self.way == "usbip":
             self.attach()
         # The node, and its rule, which may come a little later.
-        guest.wait_for("stat -c %G /dev/$(basename /sys/bus/hid/devices/0003:1234:0006.*/hidraw/hidraw*) | grep -qx thimble")
-        self.configure()
+        self.guest.wait_for("stat -c %G /dev/$(basename /sys/bus/hid/devices/0003:1234:0006.*/hidraw/hidraw*) | grep -qx thimble")
 
 
 class TextArm(Arm):
@@ -59,14 +67,12 @@ class TextArm(Arm):
     words = f'device = "serial:{SERIAL}"\nmodel = "phantom-vintage"\namplifier_max_a = 3.0'
 
     def __init__(self, guest):
-        guest.run("modprobe -a vhci-hcd cdc-acm")
         super().__init__(guest, "text-arm", "--usbip", simdev.PORT, "--serial", SERIAL, "--amplifier-max-a", "3", "phantom-vintage-serial")
         self.plug()
         self.configure()
 
     def plug(self):
-        """Into the kernel; also again, after the verb plug."""
-        self.attach()
+        super().plug()
         # The node, and its rule, which may come a little later.
         self.node = self.guest.wait_for(f"udevadm settle; grep -lx {SERIAL} /sys/class/tty/ttyACM*/device/../serial > /dev/null && "
                                    "ls -d /sys/class/tty/ttyACM*").strip().rsplit("/", 1)[1]
@@ -77,9 +83,8 @@ class Puck(Arm):
     """A SpaceMouse; `node`: its hidraw node."""
 
     def __init__(self, guest):
-        guest.run("modprobe -a uhid vhci-hcd")
         super().__init__(guest, "puck", "--usbip", simdev.PORT, "--serial", SERIAL, "spacemouse")
-        self.attach()
+        self.plug()
         address = guest.wait_for("thimble devices | grep -o 'hid:[^ ]*'").split()[0]
         self.words = f'device = "{address}"'
         self.node = guest.wait_for("ls /sys/bus/hid/devices/0003:*/hidraw").split()[-1]
@@ -95,15 +100,20 @@ def firmware(words=600):
     return struct.pack(f"<{len(stream)}H", *stream)
 
 
+def plugin(guest):
+    """The Falcon's driver as a shared object, in the guest: no part of the packages (decision 0335), but of the build folder."""
+    guest.run(f"install -D -m 644 /run/bin/falcon_plugin.so {PLUGIN}")
+    return PLUGIN
+
+
 class Falcon(Arm):
     """Nothing is in its memory yet; `address`: how the configuration names it. `plugin`: a driver from outside, a file of the guest."""
 
     def __init__(self, guest, plugin=None):
         if plugin is not None:
             self.daemon_words = f'[daemon]\nplugins = ["{plugin}"]\n'
-        guest.run("modprobe vhci-hcd")
         super().__init__(guest, "falcon", "--usbip", simdev.PORT, "falcon")
-        self.attach()
+        self.plug()
         port = guest.wait_for("basename $(dirname $(grep -lx cb48 /sys/bus/usb/devices/*/idProduct))").strip()
         self.address = f"usb:{port}"
         image = firmware()

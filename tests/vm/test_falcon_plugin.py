@@ -1,21 +1,15 @@
-"""The Falcon's own driver as a shared object, which the packaged daemon loads in place of the one that it was built with: the same as in test_falcon.py.
-
-The object is no part of the packages (decision 0335): it comes from the build folder.
-"""
+"""The Falcon's own driver as a shared object, which the packaged daemon loads in place of the one that it was built with: the same as in test_falcon.py."""
 
 import arms
 import test_falcon
-
-PLUGIN = "/usr/local/lib/thimble/falcon_plugin.so"
 
 
 class FalconOfAPlugin(test_falcon.Falcon):
     @classmethod
     def plug_in(cls):
-        cls.guest.run(f"install -D -m 644 /run/bin/falcon_plugin.so {PLUGIN}")
-        return arms.Falcon(cls.guest, PLUGIN)
+        return arms.Falcon(cls.guest, arms.plugin(cls.guest))
 
     def test_0_the_daemon_has_the_object_loaded_and_complains_of_nothing(self):
         self.guest.wait_for("systemctl is-active thimbled")
-        self.guest.run(f"grep -q {PLUGIN} /proc/$(systemctl show thimbled -p MainPID --value)/maps")
+        self.guest.run(f"grep -q {arms.PLUGIN} /proc/$(systemctl show thimbled -p MainPID --value)/maps")
         self.assertNotIn("plugin", self.guest.run("journalctl --no-pager --output cat -u thimbled"))

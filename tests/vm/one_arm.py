@@ -1,0 +1,85 @@
+"""An arm on the kernel's own stack, from its coming to its end: the packaged daemon claims it, a hand brings it home and feels the box.
+
+What is felt is judged by the arm's own log, of what its motors did.
+"""
+
+import json
+
+import guest
+import simdev
+
+NOTHING_NEWTON = 1e-6
+WALL_NEWTON = 0.25
+
+
+class OneArm(guest.GuestTest):
+    """Numbered: each test goes on where the one before it ended. `plug_in()` makes the arm; it shows the first test, of its node."""
+
+    pace = guest.COUNTED
+    walls = ((0, 1), (1, -1), (2, 1))  # axis and side
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.arm = cls.plug_in()
+
+    def daemon_has_open(self, node):
+        self.guest.wait_for(f"ls -l /proc/$(systemctl show thimbled -p MainPID --value)/fd | grep -q {node}")
+
+    def assert_node(self, node):
+        """The daemon's, as the rules say."""
+        self.guest.wait_for("systemctl is-active thimbled")
+        self.assertEqual(self.guest.run(f"stat -c '%U:%G %a' {node}").strip(), "root:thimble 660")
+        self.assertIn(":systemd:", self.guest.run(f"udevadm info --query=property --property=TAGS {node}"))
+        self.daemon_has_open(node)
+        self.assertEqual(self.arm.status()["counters"]["malformed"], 0)
+
+    def press(self, axis=0, sign=1):
+        """On that wall, from wherever the hand is: what is felt."""
+        point = [0.0, 0.0, 0.0]
+        point[axis] = sign * 0.018
+        self.arm.say("move {} {} {} 0.15".format(*point))
+        self.guest.run("sleep 0.5")
+        return self.arm.felt(0.1)
+
+    def forces(self, seconds):
+        return [simdev.norm(entry["force_newton"]) for entry in self.arm.samples(seconds)]
+
+    def test_2_brought_home_it_becomes_active(self):
+        simdev.wait_for_state(self.guest, "calibrating")
+        self.assertLess(max(self.forces(1)), NOTHING_NEWTON)
+        self.arm.activate()
+
+    def test_3_in_the_middle_of_the_box_nothing_is_felt(self):
+        self.arm.say("move 0 0 0 0.2")
+        self.guest.run("sleep 0.5")
+        self.assertLess(simdev.norm(self.arm.felt(0.1)), 0.1)
+
+    def test_4_a_wall_of_the_box_pushes_back(self):
+        for axis, sign in self.walls:
+            with self.subTest(axis=axis, sign=sign):
+                force = self.press(axis, sign)
+                self.assertLess(sign * force[axis], -WALL_NEWTON, force)
+                self.arm.say("move 0 0 0 0.1")
+                self.guest.run("sleep 0.2")
+
+    def test_5_pulled_out_while_the_hand_pushes_it_is_lost_and_comes_back(self):
+        self.assertGreater(simdev.norm(self.press()), WALL_NEWTON)
+        self.arm.say("unplug")
+        arm = json.loads(simdev.wait_for_state(self.guest, "lost"))
+        self.assertEqual(arm["force_newton"], [0, 0, 0])
+        self.assertEqual([fault["code"] for fault in arm["faults"]], ["disconnected"])
+        self.arm.say("plug")
+        self.arm.plug()
+        simdev.wait_for_state(self.guest, "calibrating")
+        self.assertLess(max(self.forces(0.2)), NOTHING_NEWTON)
+        self.arm.activate()
+        self.arm.say("move 0 0 0 0.1")
+        self.guest.run("sleep 0.2")
+
+    def test_6_stopped_while_the_hand_pushes_the_daemon_leaves_no_force(self):
+        self.assertGreater(simdev.norm(self.press()), WALL_NEWTON)
+        self.guest.run("systemctl stop thimbled; sleep 0.2")
+        self.assertLess(max(self.forces(0.1)), NOTHING_NEWTON)
+
+
