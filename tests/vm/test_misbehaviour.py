@@ -52,8 +52,8 @@ class Misbehaviour(guest.GuestTest):
         if arm == HID:
             self.arms[HID].calibrate()
         else:
-            self.arms[FALCON].say("home 0.6")
-            self.guest.run("sleep 0.7")
+            self.arms[FALCON].say("home 0.3")
+            self.guest.run("sleep 0.4")
 
     def recover(self, arm):
         """As a person does, until it is active and presses on the wall."""
@@ -66,8 +66,8 @@ class Misbehaviour(guest.GuestTest):
                 self.guest.run("sleep 0.2")
             else:
                 self.calibrate(arm)
-        self.arms[arm].say("move 0 0 0 0.1", "move 0.018 0 0 0.3")
-        self.guest.run("sleep 0.6")
+        self.arms[arm].say("move 0 0 0 0.1", "move 0.018 0 0 0.15")
+        self.guest.run("sleep 0.3")
         status = self.status(arm)
         self.assertEqual((status["state"], status["is_in_contact"]), ("active", True), status)
         self.assertGreater(simdev.norm(self.arms[arm].felt(0.1)), PRESSED_NEWTON)
@@ -105,7 +105,9 @@ class Misbehaviour(guest.GuestTest):
         serial = self.arms[FALCON].status()["serial_number"]
         self.arms[FALCON].say("unplug")
         simdev.wait_for_state(self.guest, "lost")
-        self.guest.call("lying_usb", *FALCON_IDS.split(), serial, *LIES.split(), timeout_s=600)
+        asked = dict(line.split() for line in self.guest.call("lying_usb", *FALCON_IDS.split(), serial, *LIES.split(), timeout_s=600).splitlines())
+        self.assertEqual(list(asked), LIES.split())
+        self.assertGreater(min(int(requests) for requests in asked.values()), 0, asked)
         json.loads(self.guest.run("thimble devices --json"))
         simdev.wait_for_state(self.guest, "lost")
         self.arms[FALCON].say("plug")

@@ -14,7 +14,8 @@ import struct
 import sys
 import time
 
-REST_S = 0.7
+REST_S = 0.3
+FIRST_S = 10  # the kernel's hubs are looked after by one thread, which may be busy with the one before
 PORT = 0
 FULL_SPEED = 2
 VHCI = pathlib.Path("/sys/devices/platform/vhci_hcd.0")
@@ -88,7 +89,7 @@ def read(channel, size):
 
 def serve(channel, descriptors):
     requests = 0
-    while select.select([channel], [], [], REST_S)[0]:
+    while select.select([channel], [], [], REST_S if requests else FIRST_S)[0]:
         header = read(channel, 48)
         command, number, _, is_in, pipe, _, length = struct.unpack_from(">IIIIIII", header)
         if command == UNLINK:
