@@ -23,7 +23,7 @@ mkdir -p /etc/systemd/system/thimbled.service.d
 printf '[Service]\nEnvironment=MALLOC_ARENA_MAX=1\n' > /etc/systemd/system/thimbled.service.d/one-arena.conf
 systemctl daemon-reload
 """
-MOST_KIB = 64
+MOST_KIB = 16
 LOOK = """
 thimble status --json > /run/status
 pid=$(systemctl show thimbled -p MainPID --value)
