@@ -1,6 +1,7 @@
 #include "hal/linux/hid_device.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace thimble::linux {
@@ -36,12 +37,24 @@ Result<std::unique_ptr<HidDevice>> HidHost::open(const HidNodes& nodes,
 
 Result<void> HidHost::await_end_of_older(const bus::DeviceAddress& address) {
   static_cast<void>(lingering());
+  // Taken out, so that nobody else waits for it who opens or closes another one.
+  std::vector<std::unique_ptr<HidConnection>> older = take_closing(address);
+  std::erase_if(older, [](const auto& old) { return old->has_ended(kPatience); });
+  if (older.empty()) return {};
   const std::lock_guard guard(closing_list_);
-  for (const std::unique_ptr<HidConnection>& old : closing_) {
-    if (old->address() != address || old->has_ended(kPatience)) continue;
-    return fail(Errc::Busy, address.text + ": the kernel has not closed it yet");
-  }
-  return {};
+  std::move(older.begin(), older.end(), std::back_inserter(closing_));
+  return fail(Errc::Busy, address.text + ": the kernel has not closed it yet");
+}
+
+std::vector<std::unique_ptr<HidConnection>> HidHost::take_closing(
+    const bus::DeviceAddress& address) {
+  const std::lock_guard guard(closing_list_);
+  const auto taken = std::partition(closing_.begin(), closing_.end(),
+                                    [&](const auto& old) { return old->address() != address; });
+  std::vector<std::unique_ptr<HidConnection>> of_it(std::make_move_iterator(taken),
+                                                    std::make_move_iterator(closing_.end()));
+  closing_.erase(taken, closing_.end());
+  return of_it;
 }
 
 void HidHost::close(std::unique_ptr<HidConnection> connection) {

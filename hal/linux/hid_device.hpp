@@ -61,7 +61,8 @@ class HidHost {
   // long.
   [[nodiscard]] Result<std::unique_ptr<HidDevice>> open(const HidNodes& nodes,
                                                         const bus::BusDeviceInfo& info);
-  // Devices that are closed for their users, but not yet for the kernel.
+  // Devices that are closed for their users, but not yet for the kernel; without one that open() is
+  // waiting for just now.
   [[nodiscard]] std::size_t lingering();
 
   // Of whoever opens one, a thread of the arm as a rule; ours: one that is not held up takes a
@@ -73,6 +74,8 @@ class HidHost {
  private:
   friend class HidDevice;
   [[nodiscard]] Result<void> await_end_of_older(const bus::DeviceAddress& address);
+  [[nodiscard]] std::vector<std::unique_ptr<HidConnection>> take_closing(
+      const bus::DeviceAddress& address);
   // Waits kClosingPatience, and keeps a connection that the kernel holds up for longer.
   void close(std::unique_ptr<HidConnection> connection);
 

@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <future>
 #include <memory>
+#include <thread>
 #include <vector>
 
 #include "hal/linux/monotonic_clock.hpp"
@@ -90,6 +93,59 @@ TEST_F(HidDeviceTest, ClosingUnderABlockedWriteIsBoundedAndTheNewestIsWrittenLas
   EXPECT_TRUE(test::wait_until([&] { return host->lingering() == 0; }));
   EXPECT_EQ(wire.received_by_device(), (std::vector<Report>{report(1), report(0)}));
   EXPECT_TRUE(open().has_value());
+}
+
+// Stands still when told to: who waits with a patience then waits until something happens. Knows
+// how often one thread has asked it.
+class AskedClock final : public Clock {
+ public:
+  [[nodiscard]] MonotonicTime now() const noexcept override {
+    if (std::this_thread::get_id() == watched_.load()) ++asked_;
+    return is_frozen_ ? frozen_ : running_.now();
+  }
+  Duration sleep_until(MonotonicTime) noexcept override { return {}; }
+  void freeze() {
+    frozen_ = running_.now();
+    is_frozen_ = true;
+  }
+  void watch_this_thread() { watched_ = std::this_thread::get_id(); }
+  [[nodiscard]] int asked() const noexcept { return asked_; }
+
+ private:
+  MonotonicClock running_;
+  MonotonicTime frozen_{};
+  std::atomic<bool> is_frozen_{false};
+  std::atomic<std::thread::id> watched_{};
+  mutable std::atomic<int> asked_{0};
+};
+
+TEST_F(HidDeviceTest, ToOpenASickDeviceAnewHoldsUpNoOtherOne) {
+  AskedClock still;
+  host = std::make_unique<HidHost>(BusSettings{still, {.name = "hid-test"}, {}});
+  FakeHidWire other_wire;
+  bus::BusDeviceInfo other = info;
+  other.address = {"hid:2"};
+  auto sick = open().value();
+  wire.block_writes();
+  sick->submit(report(1));
+  ASSERT_TRUE(test::wait_until([&] { return wire.is_write_blocked(); }));
+  sick.reset();
+  ASSERT_EQ(host->lingering(), 1U);
+  still.freeze();
+  auto again = std::async(std::launch::async, [&] {
+    still.watch_this_thread();
+    return open().has_value();
+  });
+  // Whether the old one has ended by now: twice; then how long to wait for it.
+  EXPECT_TRUE(test::wait_until([&] { return still.asked() > 2; }));
+  auto beside = std::async(std::launch::async, [&] {
+    return host->open({other_wire.node(), ""}, other).has_value();
+  });
+  EXPECT_EQ(beside.wait_for(std::chrono::seconds(20)), std::future_status::ready);
+  wire.release_writes();
+  EXPECT_TRUE(beside.get());
+  EXPECT_TRUE(again.get());
+  host.reset();
 }
 
 TEST_F(HidDeviceTest, WhatWasSubmittedLastIsWrittenBeforeItCloses) {
