@@ -232,6 +232,11 @@ UdevScan::UdevScan(IsArm is_arm) : is_arm_(std::move(is_arm)), context_(::udev_n
 UdevScan::~UdevScan() = default;
 
 std::vector<FoundDevice> UdevScan::devices() {
+  // Not during the look: a driver of a plugin may take its time.
+  return with_addresses(read_all(), is_arm_);
+}
+
+std::vector<ReadDevice> UdevScan::read_all() {
   const std::lock_guard guard(looking_);
   std::set<std::string> identities;
   std::vector<ReadDevice> found;
@@ -245,7 +250,7 @@ std::vector<FoundDevice> UdevScan::devices() {
     if (readings_.late() > late) patience = kFurtherPatience;
   }
   readings_.keep(identities);
-  return with_addresses(std::move(found), is_arm_);
+  return found;
 }
 
 bool UdevScan::has_news() noexcept {

@@ -24,7 +24,8 @@ namespace thimble::linux {
 // Thread: any. Not RT. Ownership: none shared. Errors: what cannot be read is left out.
 class UdevScan {
  public:
-  // Whether a driver knows such a device: its address is then its own (hid_address.hpp).
+  // Whether a driver knows such a device: its address is then its own (hid_address.hpp). Asked in
+  // the thread that looks, and so in several at once.
   using IsArm = std::function<bool(const bus::BusDeviceInfo&)>;
   explicit UdevScan(IsArm is_arm = {});
   ~UdevScan();
@@ -45,7 +46,9 @@ class UdevScan {
   static constexpr Duration kFurtherPatience = std::chrono::milliseconds(20);
 
  private:
-  IsArm is_arm_;
+  [[nodiscard]] std::vector<ReadDevice> read_all();
+
+  const IsArm is_arm_;
   std::mutex looking_;
   UdevHandle<udev> context_;
   UdevHandle<udev_monitor> monitor_;  // nullptr: nobody tells

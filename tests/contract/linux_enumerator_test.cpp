@@ -3,8 +3,11 @@
 #include <poll.h>
 
 #include <algorithm>
+#include <atomic>
+#include <future>
 #include <map>
 #include <random>
+#include <thread>
 
 #include "tests/contract/linux_enumerator_fixture.hpp"
 #include "tests/rt/refused_threads.hpp"
@@ -228,6 +231,28 @@ TEST_F(LinuxEnumerator, NewsForWhichThereIsNoThreadAreToldOfWhenThereIsOne) {
     EXPECT_TRUE(events().empty());
   }
   EXPECT_EQ(events(), (Texts{"+hid:X", "+usb:1-4"}));
+}
+
+// It is a plugin's, and other arms look, too.
+TEST_F(LinuxEnumerator, ADriverThatTakesItsTimeToKnowADeviceHoldsUpNoOtherLook) {
+  plug_arm("1-4", "X", 0);
+  std::promise<void> is_asked;
+  std::promise<void> other_look;
+  std::atomic<bool> is_first{true};
+  bool is_other_look_over = false;
+  linux::UdevScan scan([&](const bus::BusDeviceInfo&) {
+    if (!is_first.exchange(false)) return true;
+    is_asked.set_value();
+    is_other_look_over =
+        other_look.get_future().wait_for(std::chrono::seconds(20)) == std::future_status::ready;
+    return true;
+  });
+  std::thread first([&] { EXPECT_EQ(scan.devices().size(), 2U); });
+  is_asked.get_future().wait();
+  EXPECT_EQ(scan.devices().size(), 2U);
+  other_look.set_value();
+  first.join();
+  EXPECT_TRUE(is_other_look_over);
 }
 
 TEST_F(LinuxEnumerator, ADeviceThatHangsFromTheStartIsToldOfWhenItAnswers) {
