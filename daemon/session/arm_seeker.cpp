@@ -42,8 +42,11 @@ ArmSeeker::~ArmSeeker() {
   if (std::optional<Sought> sought = take()) give_back(*std::move(sought));
 }
 
-void ArmSeeker::begin(Search search) {
+void ArmSeeker::begin(Search search, MonotonicTime now) {
   THIMBLE_CHECK(!is_under_way());
+  device_ = search.arm.device;
+  begun_at_ = now;
+  has_told_ = false;
   slot_ = std::make_shared<Slot>();
   work_.post([slot = slot_, search = std::move(search)] {
     slot->sought = seek(search);
@@ -54,6 +57,19 @@ void ArmSeeker::begin(Search search) {
 std::optional<Sought> ArmSeeker::take() {
   if (slot_ == nullptr || !slot_->is_done.load()) return std::nullopt;
   return std::move(std::exchange(slot_, nullptr)->sought);
+}
+
+std::string ArmSeeker::lateness(MonotonicTime now) const {
+  if (!is_under_way() || now - begun_at_ < kLong) return "";
+  const auto lasted = std::chrono::floor<std::chrono::seconds>(now - begun_at_);
+  return device_ + ": the kernel has been opening it for " + std::to_string(lasted.count()) +
+         " s: plug it in anew";
+}
+
+Result<void> ArmSeeker::tell_lateness(MonotonicTime now) {
+  const std::string late = lateness(now);
+  if (late.empty() || std::exchange(has_told_, true)) return {};
+  return fail(Errc::Timeout, late);
 }
 
 void ArmSeeker::give_back(Sought sought) {

@@ -3,10 +3,12 @@
 #include <atomic>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "daemon/config/config.hpp"
 #include "daemon/devices/device_work.hpp"
 #include "hal/base/result.hpp"
+#include "hal/base/time.hpp"
 #include "hal/bus/bus_enumerator.hpp"
 #include "hal/plugin/driver_registry.hpp"
 
@@ -45,12 +47,19 @@ class ArmSeeker {
   ArmSeeker& operator=(const ArmSeeker&) = delete;
 
   [[nodiscard]] bool is_under_way() const noexcept { return slot_ != nullptr; }
-  // Not while one is under way.
-  void begin(Search search);
+  // Not while one is under way. `now`, here and below, is the owner's own time.
+  void begin(Search search, MonotonicTime now);
   // What came of it, once.
   [[nodiscard]] std::optional<Sought> take();
+  // Why the arm is not there, for a person, once the search under way has lasted kLong; else empty.
+  [[nodiscard]] std::string lateness(MonotonicTime now) const;
+  // The same for a log: an error once for each search that has become late. Errors: Timeout.
+  Result<void> tell_lateness(MonotonicTime now);
   // Of no use after all: close it.
   void give_back(Sought sought);
+
+  // Ours: what opens well takes less, a Falcon's firmware included.
+  static constexpr Duration kLong = std::chrono::seconds(2);
 
  private:
   struct Slot {
@@ -59,6 +68,9 @@ class ArmSeeker {
   };
   devices::DeviceWork& work_;
   std::shared_ptr<Slot> slot_;
+  std::string device_;  // of the newest search
+  MonotonicTime begun_at_{};
+  bool has_told_{false};
 };
 
 }  // namespace thimble::session

@@ -126,13 +126,22 @@ Result<void> ArmSession::follow(MonotonicTime now) {
   if (!seeker_.is_under_way()) {
     if (!pace_.is_due(now)) return {};
     pace_.tried(now);
-    seeker_.begin(search_);
+    seeker_.begin(search_, now);
   }
   std::optional<Sought> sought = seeker_.take();
-  if (!sought) return {};
+  if (!sought) return note_lateness(now);
   Result<void> back = take_back(*std::move(sought));
   trouble_ = back ? "" : back.error().message;
   return back;
+}
+
+Result<void> ArmSession::note_lateness(MonotonicTime now) {
+  const std::string late = seeker_.lateness(now);
+  if (late.empty()) return {};
+  const std::string name = "arm '" + arm_.name + "'";
+  trouble_ = name + ": " + late;
+  Result<void> told = seeker_.tell_lateness(now);
+  return told ? told : tl::unexpected(told.error().in(name));
 }
 
 // The state of a tick that began after the newest offer: an older one tells of the old device.

@@ -76,7 +76,8 @@ class ArmSession {
   void on_bus_event(const bus::BusEvent& event);
   // Opens a lost arm again as soon as it can be had, trying less and less often, and puts away
   // what the servo has let go of. `now` is the caller's own time. Errors: the arm is there, but
-  // this try could not open it, or another device stands in its place: that is left alone.
+  // this try could not open it or does not end, or another device stands in its place: that is left
+  // alone.
   Result<void> follow(MonotonicTime now);
   // Why a returned arm is still lost, for a person; empty when nothing is wrong.
   [[nodiscard]] const std::string& trouble() const noexcept { return trouble_; }
@@ -91,6 +92,8 @@ class ArmSession {
   void make_loop(bool is_lost);
 
   [[nodiscard]] bool is_lost_for_servo();
+  // A search that does not end: what the status says of it, and once what the log says.
+  Result<void> note_lateness(MonotonicTime now);
   Result<void> take_back(Sought sought);
   // Takes it, unless there is an error.
   Result<void> offer(std::unique_ptr<HapticDevice>& device, const std::string& refusal);

@@ -99,7 +99,7 @@ Result<void> Runtime::follow_awaited(std::size_t arm, MonotonicTime now) {
   const bool is_resting = !awaited->has_stand_in() ||
                           (before.snapshot().frame.state == OperatingState::Inactive && !is_wanted);
   std::optional<Sought> sought = awaited->follow(now, is_resting);
-  if (!sought) return {};
+  if (!sought) return awaited->tell_lateness(now);
   config::ArmConfig real = awaited->arm();
   real.fallback = config::Fallback::None;  // gone again, it is an arm that was lost
   WorldHost* const world = real.world ? find_world(*real.world) : nullptr;

@@ -34,9 +34,10 @@ std::optional<Sought> AwaitedArm::follow(MonotonicTime now, bool is_resting) {
     if (!pace_.is_due(now)) return std::nullopt;
     pace_.tried(now);
     search_.is_look = !is_resting;
-    seeker_.begin(search_);
+    seeker_.begin(search_, now);
   }
   std::optional<Sought> sought = seeker_.take();
+  late_ = seeker_.lateness(now);
   if (!sought) return std::nullopt;
   is_there_ = sought->there.has_value();
   if (!is_there_) {
@@ -49,9 +50,16 @@ std::optional<Sought> AwaitedArm::follow(MonotonicTime now, bool is_resting) {
   return std::nullopt;
 }
 
+Result<void> AwaitedArm::tell_lateness(MonotonicTime now) {
+  Result<void> told = seeker_.tell_lateness(now);
+  return told ? told : tl::unexpected(told.error().in("arm '" + arm().name + "'"));
+}
+
 std::string AwaitedArm::sentence() const {
+  const std::string of_arm = "arm '" + arm().name + "': ";
+  if (!late_.empty()) return of_arm + late_;
   if (!has_stand_in()) return trouble_;
-  const std::string name = "arm '" + arm().name + "': " + arm().device;
+  const std::string name = of_arm + arm().device;
   if (!is_there_) {
     return name + " is not there; a simulated arm stands in for it (" + stand_in_ + ")";
   }

@@ -39,6 +39,8 @@ class AwaitedArm {
   // opened or refused. `is_resting`: the stand-in is Inactive, and nobody wants it otherwise; true
   // where there is none. `now` is the caller's own time.
   [[nodiscard]] std::optional<Sought> follow(MonotonicTime now, bool is_resting);
+  // That a search does not end, once for each: for the log. Errors: Timeout, with the arm's name.
+  Result<void> tell_lateness(MonotonicTime now);
   // What follow() found came to nothing.
   void fail_with(const Error& error) { trouble_ = error.message; }
   // How it stands, for a person.
@@ -50,7 +52,8 @@ class AwaitedArm {
   bool is_there_{false};
   bool was_resting_{false};
   std::string trouble_;
-  RetryPace pace_;  // as a lost arm's
+  std::string late_;  // why a search does not end; empty: it does
+  RetryPace pace_;    // as a lost arm's
   ArmSeeker seeker_;
 };
 

@@ -39,7 +39,7 @@ struct ArmSeekerTest : testing::Test {
 
 TEST_F(ArmSeekerTest, GivesAnArmWhenItHasBeenOpenedAndNotBefore) {
   EXPECT_FALSE(sut.is_under_way());
-  sut.begin(search());
+  sut.begin(search(), clock.now());
   EXPECT_TRUE(sut.is_under_way());
   EXPECT_FALSE(sut.take()) << "nobody waits for it";
   EXPECT_FALSE(is_open());
@@ -57,7 +57,7 @@ TEST_F(ArmSeekerTest, GivesAnArmWhenItHasBeenOpenedAndNotBefore) {
 TEST_F(ArmSeekerTest, SaysWhatThereIsInsteadOfAnArmThatIsNotThere) {
   Search other = search();
   other.arm.device = "hid:right";
-  sut.begin(other);
+  sut.begin(other, clock.now());
   work.do_all();
   const auto sought = sut.take();
   EXPECT_FALSE(sought->there);
@@ -68,7 +68,7 @@ TEST_F(ArmSeekerTest, SaysWhatThereIsInsteadOfAnArmThatIsNotThere) {
 TEST_F(ArmSeekerTest, AMereLookOpensNothing) {
   Search look = search();
   look.is_look = true;
-  sut.begin(look);
+  sut.begin(look, clock.now());
   work.do_all();
   const auto sought = sut.take();
   EXPECT_TRUE(sought->there);
@@ -80,12 +80,34 @@ TEST_F(ArmSeekerTest, ToAStrangerInTheArmsPlaceNothingIsSent) {
   Search again = search();
   again.left = buses.list().front();
   again.left->serial_number = "another";
-  sut.begin(again);
+  sut.begin(again, clock.now());
   work.do_all();
   const auto sought = sut.take();
   EXPECT_TRUE(sought->there);
   EXPECT_THAT(sought->device.error().message, HasSubstr("another device stands in the place"));
   EXPECT_FALSE(is_open());
+}
+
+TEST_F(ArmSeekerTest, ThatLastsIsToldOfForAsLongAsItDoesAndOnceToTheLog) {
+  EXPECT_EQ(sut.lateness(clock.now()), "");
+  const MonotonicTime begun = clock.now();
+  const auto after = [&](int ms) { return begun + std::chrono::milliseconds(ms); };
+  sut.begin(search(), begun);
+  EXPECT_EQ(sut.lateness(after(1999)), "");
+  EXPECT_TRUE(sut.tell_lateness(after(1999)));
+  EXPECT_EQ(sut.lateness(after(2000)),
+            "hid:left: the kernel has been opening it for 2 s: plug it in anew");
+  const Result<void> told = sut.tell_lateness(after(2000));
+  ASSERT_FALSE(told);
+  EXPECT_EQ(told.error().message, sut.lateness(after(2000)));
+  EXPECT_TRUE(sut.tell_lateness(after(2020))) << "once";
+  EXPECT_THAT(sut.lateness(after(7999)), HasSubstr("for 7 s"));
+  work.do_all();
+  static_cast<void>(sut.take());
+  EXPECT_EQ(sut.lateness(after(8000)), "");
+  sut.begin(search(), after(8000));
+  EXPECT_TRUE(sut.tell_lateness(after(9000)));
+  EXPECT_FALSE(sut.tell_lateness(after(10000))) << "another one";
 }
 
 // As a library or a plugin may; it would end the process.
@@ -105,7 +127,7 @@ TEST_F(ArmSeekerTest, WhatIsThrownIsAnErrorOfAnArmThatMayBeThere) {
   ThrowingBus broken;
   Search here = search();
   here.buses = &broken;
-  sut.begin(here);
+  sut.begin(here, clock.now());
   work.do_all();
   const auto sought = sut.take();
   ASSERT_TRUE(sought);
@@ -114,7 +136,7 @@ TEST_F(ArmSeekerTest, WhatIsThrownIsAnErrorOfAnArmThatMayBeThere) {
 }
 
 TEST_F(ArmSeekerTest, WhatIsOfNoUseIsClosedByTheWork) {
-  sut.begin(search());
+  sut.begin(search(), clock.now());
   work.do_all();
   sut.give_back(*sut.take());
   EXPECT_TRUE(is_open()) << "here nothing is closed";
@@ -125,7 +147,7 @@ TEST_F(ArmSeekerTest, WhatIsOfNoUseIsClosedByTheWork) {
 TEST_F(ArmSeekerTest, WhatNobodyTookIsClosedByTheWork) {
   for (const bool is_done : {true, false}) {
     auto seeker = std::make_unique<ArmSeeker>(work);
-    seeker->begin(search());
+    seeker->begin(search(), clock.now());
     if (is_done) work.do_all();
     seeker.reset();
     work.do_all();

@@ -1,0 +1,52 @@
+// A real arm in whose opening or closing the kernel hangs: what a person is told of it.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "daemon/session/arm_instruction.hpp"
+#include "tests/scenario/two_real_arms.hpp"
+
+namespace thimble {
+namespace {
+
+using test::kLeft;
+using test::kRight;
+using testing::HasSubstr;
+using testing::Not;
+
+class HangingArm : public testing::Test, protected test::TwoRealArms {};
+
+// Who reads that it is gone looks at a plug that is in its socket.
+TEST_F(HangingArm, IsToldOfAsThatAndNotAsGone) {
+  const auto is_told = [&](const std::string& instruction) {
+    EXPECT_THAT(instruction, AllOf(HasSubstr("arm 'right': hid:right: the kernel has been"),
+                                   HasSubstr(" for 4 s"), Not(HasSubstr("no device")),
+                                   Not(HasSubstr("is gone"))));
+    const auto of_right = std::count_if(troubles_.begin(), troubles_.end(), [](const Error& error) {
+      return error.message.find("has been") != std::string::npos;
+    });
+    EXPECT_EQ(of_right, 1) << "the log has it once";
+    troubles_.clear();
+  };
+  plug(kLeft);
+  is_work_postponed_ = true;
+  start();
+  for (const bool has_been_there : {false, true}) {
+    if (has_been_there) unplug(kRight);
+    run(0.05);
+    for (test::PostponedWork& work : work_) work.do_all();  // the closing, and a look
+    plug(kRight);
+    run(4.5);
+    is_told(session::instruction_for(rig(kRight)));
+    for (int i = 0; i < 600; ++i) {
+      work_[kRight].do_all();
+      run(0.01);
+    }
+    EXPECT_EQ(state(kRight), OperatingState::Active) << has_been_there;
+    EXPECT_EQ(session::instruction_for(rig(kRight)), "");
+  }
+}
+
+}  // namespace
+}  // namespace thimble
