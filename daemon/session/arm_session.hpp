@@ -74,6 +74,8 @@ class ArmSession {
   [[nodiscard]] std::optional<Recording> take_recording();
   // Hot-plug: `event` concerns some device; when ours arrives it is looked for at once.
   void on_bus_event(const bus::BusEvent& event);
+  // Never waits for an arm: posts a search and looks, at each call, whether its answer is there, so
+  // that a lost arm is back some calls after it could be had.
   // Opens a lost arm again as soon as it can be had, trying less and less often, and puts away
   // what the servo has let go of. `now` is the caller's own time. Errors: the arm is there, but
   // this try could not open it or does not end, or another device stands in its place: that is left

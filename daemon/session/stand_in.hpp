@@ -35,6 +35,7 @@ class AwaitedArm {
   [[nodiscard]] const config::ArmConfig& arm() const noexcept { return search_.arm; }
   [[nodiscard]] bool has_stand_in() const noexcept { return !stand_in_.empty(); }
   void on_bus_event(const bus::BusEvent& event);
+  // Never waits for it: posts a search, and looks at each call whether its answer is there.
   // Looks for it when that is due, and opens it where it may take over. Something: it is there, and
   // opened or refused. `is_resting`: the stand-in is Inactive, and nobody wants it otherwise; true
   // where there is none. `now` is the caller's own time.

@@ -8,7 +8,12 @@
 
 namespace thimble::linux {
 
-// An opened device, for another process. Ownership: the caller's.
+// An opened device, for another process: of USB and serial the very file that is open here, of HID
+// another one. As long as one of its duplicates is open, wherever, a file is not closed for the
+// kernel: interfaces of a USB device that were claimed stay claimed, and a terminal that is one
+// process's alone (TIOCEXCL) stays so: the arm cannot be had anew before all have let go of it.
+//
+// Thread: a value; whoever has it. Not RT: closing waits for the kernel. Ownership: the caller's.
 struct SharedDevice {
   Descriptor node;    // may be written
   Descriptor hiddev;  // of a HID device that takes plain bytes there, too (hiddev.hpp); else none
