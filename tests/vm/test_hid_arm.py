@@ -2,6 +2,7 @@
 
 import arms
 import one_arm
+import simdev
 
 
 class Uhid(one_arm.OneArm):
@@ -33,3 +34,14 @@ class Usbip(Uhid):
         """The kernel makes a hiddev of the arm, and the guard holds it (decision 0341)."""
         self.guest.run("ls -l /proc/$(pgrep -x thimble-guard)/fd | grep -q /dev/usb/hiddev")
         self.assertEqual(self.guest.run("stat -c '%U:%G %a' /dev/usb/hiddev0").strip(), "root:thimble 660")
+
+    def test_5b_upgraded_while_the_hand_pushes_it_is_let_go_and_comes_back(self):
+        """By the same package, which is what an upgrade does to a service; its guard has the arm meanwhile."""
+        self.assertGreater(simdev.norm(self.press()), one_arm.WALL_NEWTON)
+        before = self.properties("MainPID")
+        self.guest.install("thimbled")
+        simdev.wait_for_state(self.guest, "calibrating")
+        self.assertNotEqual(self.properties("MainPID"), before)
+        self.assertEqual(self.properties("ActiveState", "NRestarts"), {"ActiveState": "active", "NRestarts": "0"})
+        self.assertLess(max(self.forces(0.2)), one_arm.NOTHING_NEWTON)
+        self.arm.activate()
