@@ -87,6 +87,12 @@ class PlaneEngineTest : public test::EachInstructionSet {
       ASSERT_EQ(*counts, plain.step(tables[options.bank], kicks, options)) << i;
       ASSERT_TRUE(engine->get(cells));
       ASSERT_EQ(cells, plain.cells) << i;
+      const std::size_t layer = random() % kPlanes;
+      std::vector<Word> bits(space.sites() / kWordSites);
+      ASSERT_TRUE(engine->get_layer(layer, bits));
+      for (std::size_t site = 0; site < cells.size(); ++site) {
+        ASSERT_EQ(bits[site / kWordSites] >> (site % kWordSites) & 1, cells[site] >> layer & 1U);
+      }
       const PlaneCounts all = PlainSpace(plain).step(tables[0], {}, {.counting = Counting::Sites});
       ASSERT_EQ(engine->population(), all) << i;
     }
@@ -170,6 +176,10 @@ TEST(PlaneEngineMake, WhatDoesNotFitIsRefusedAndChangesNothing) {
   Cells fewer(63);
   EXPECT_FALSE(engine->put(fewer));
   EXPECT_FALSE(engine->get(fewer));
+  std::vector<Word> bits(1);
+  EXPECT_FALSE(engine->get_layer(kPlanes, bits));
+  bits.resize(2);
+  EXPECT_FALSE(engine->get_layer(0, bits));
   const test::Table table(65535);
   EXPECT_FALSE(engine->load(0, table));
   EXPECT_FALSE(engine->load(2, test::Table(65536)));

@@ -83,6 +83,18 @@ Result<void> PlaneEngine::get(std::span<std::uint16_t> sites) {
   return {};
 }
 
+Result<void> PlaneEngine::get_layer(std::size_t layer, std::span<Word> bits) {
+  if (layer >= kPlanes || bits.size() != space().sites() / kWordSites) {
+    return fail(Errc::InvalidArgument, "there are layers 0 to 15, a word for 64 sites of each");
+  }
+  const std::size_t words = planes_.words_of_block();
+  for (std::size_t block = 0; block < planes_.blocks(); ++block) {
+    const Word* const from = planes_.fetch(layer, block, rooms_[layer].words.data());
+    std::copy_n(from, words, bits.begin() + static_cast<std::ptrdiff_t>(block * words));
+  }
+  return {};
+}
+
 Result<void> PlaneEngine::load(std::size_t bank, std::span<const std::uint16_t> entries) {
   if (bank >= kBanks || entries.size() != kEntries) {
     return fail(Errc::InvalidArgument, "a table has 65536 entries and goes into bank 0 or 1");

@@ -37,6 +37,9 @@ class PlaneEngine final : public Engine {
   [[nodiscard]] const SiteSpace& space() const noexcept override { return planes_.space(); }
   Result<void> put(std::span<const std::uint16_t> sites) override;
   Result<void> get(std::span<std::uint16_t> sites) override;
+  // One layer: bit i % 64 of word i / 64 is that of site i. Errors: InvalidArgument for a layer
+  // that is not there, or another number of words than the space has.
+  Result<void> get_layer(std::size_t layer, std::span<Word> bits);
   Result<void> load(std::size_t bank, std::span<const std::uint16_t> table) override;
   Result<PlaneCounts> step(std::span<const PlaneKick> kicks, const StepOptions& options) override;
   [[nodiscard]] PlaneCounts population() override;

@@ -76,6 +76,31 @@ std::uint32_t aggregate(std::uint32_t site) {
   return keep(site, 0xf | kCrystal) | turned(gas, quarters) | (is_crystal ? kCrystal : 0);
 }
 
+// Gas as `kSix` has it in 0 to 5; crystal 6 and its copies 7 to 12 for the sides; random bits 13
+// and 14, which the gas stirs: by themselves they would come round with the torus.
+constexpr std::uint32_t kCrystalInSpace = 0x1fc0;
+const std::vector<PlaneKick> kAggregateInSpace{
+    {0x01, {1, 0, 0}},    {0x02, {-1, 0, 0}},  {0x04, {0, 1, 0}},  {0x08, {0, -1, 0}},
+    {0x10, {0, 0, 1}},    {0x20, {0, 0, -1}},  {0x80, {1, 0, 0}},  {0x100, {-1, 0, 0}},
+    {0x200, {0, 1, 0}},   {0x400, {0, -1, 0}}, {0x800, {0, 0, 1}}, {0x1000, {0, 0, -1}},
+    {0x2000, {3, 1, -1}}, {0x4000, {-1, 5, 2}}};
+
+// Gas goes a random way, never straight back; beside the crystal one particle of a site becomes
+// crystal.
+std::uint32_t aggregate_in_space(std::uint32_t site) {
+  std::uint32_t gas = site & 0x3f;
+  bool is_crystal = bit(site, 6) != 0;
+  if (!is_crystal && (site & 0x1f80) != 0 && gas != 0) {
+    is_crystal = true;
+    gas &= gas - 1;
+  }
+  constexpr std::array<int, 4> kTurns{0, 2, 3, 4};
+  const int turn = kTurns[site >> 13 & 3];
+  const std::uint32_t turned = (gas << turn | gas >> (6 - turn)) & 0x3f;
+  const std::uint32_t stirred = (site & 0x6000) ^ bit(site, 0) << 13 ^ bit(site, 3) << 14;
+  return (site & 0x8000) | stirred | turned | (is_crystal ? kCrystalInSpace : 0);
+}
+
 }  // namespace
 
 void add_gas_rules(std::vector<Rule>& to) {
@@ -106,6 +131,14 @@ void add_gas_rules(std::vector<Rule>& to) {
                 .fill_fraction = 0.05,
                 .noise = 0x1e00,
                 .crystal = kCrystal});
+  to.push_back({.name = "dla-3d",
+                .about = "the same in three dimensions",
+                .function = aggregate_in_space,
+                .cycle = {kAggregateInSpace},
+                .matter = 0x3f,
+                .fill_fraction = 0.02,
+                .noise = 0x6000,
+                .crystal = kCrystalInSpace});
 }
 
 }  // namespace thimble::sim::cam
