@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "daemon/world/cell.hpp"
@@ -53,6 +54,11 @@ class VoxelGrid {
   // how many were not so before.
   std::size_t set_row(Cell from, std::int32_t end_x, bool is_occupied) noexcept;
   [[nodiscard]] std::size_t count_occupied() const noexcept;
+  // Cell x + X (y + Y z) is bit n % 64 of word n / 64 for n its number; bits behind the last cell
+  // mean nothing.
+  [[nodiscard]] std::span<const std::uint64_t> words() const noexcept { return words_; }
+  // Word `index`, which must be there; its bits are as words() has them. Not RT.
+  void set_word(std::size_t index, std::uint64_t word) noexcept { words_[index] = word; }
 
   // The first free cell at or after `from.x` in the row of `from`; x = cells()[0] when none.
   [[nodiscard]] std::int32_t next_free_in_row(Cell from) const noexcept;

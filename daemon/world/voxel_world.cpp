@@ -1,6 +1,7 @@
 #include "daemon/world/voxel_world.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -80,6 +81,37 @@ std::size_t VoxelWorld::set_row(Cell from, std::int32_t end_x, std::uint8_t valu
   if (changed > 0) free_rows_.note_changed(grid_, from);
   occupied_ = value > 0 ? occupied_ + changed : occupied_ - changed;
   return changed;
+}
+
+void VoxelWorld::assign(std::span<const std::uint64_t> occupied) noexcept {
+  const auto before = grid_.words();
+  const std::size_t cells = std::size_t{1} * info_.cells[0] * info_.cells[1] * info_.cells[2];
+  const std::size_t words = std::min(before.size(), occupied.size());
+  for (std::size_t i = 0; i < words; ++i) {
+    const std::size_t left = cells - 64 * i;
+    const std::uint64_t used = left >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << left) - 1;
+    const std::uint64_t changed = (before[i] ^ occupied[i]) & used;
+    if (changed != 0) assign_word(i, changed);
+  }
+}
+
+// `changed`: which of its cells are no more what they were.
+void VoxelWorld::assign_word(std::size_t index, std::uint64_t changed) noexcept {
+  const std::uint64_t after = grid_.words()[index] ^ changed;
+  grid_.set_word(index, after);
+  occupied_ += static_cast<std::size_t>(std::popcount(changed & after));
+  occupied_ -= static_cast<std::size_t>(std::popcount(changed & ~after));
+  const std::size_t along_x = info_.cells[0];
+  std::size_t noted = ~std::size_t{0};
+  for (std::uint64_t left = changed; left != 0; left &= left - 1) {
+    const std::size_t cell = 64 * index + static_cast<std::size_t>(std::countr_zero(left));
+    const std::size_t row = cell / along_x;
+    const Cell at{static_cast<std::int32_t>(cell % along_x),
+                  static_cast<std::int32_t>(row % info_.cells[1]),
+                  static_cast<std::int32_t>(row / info_.cells[1])};
+    if (materials_.count() > 0 && grid_.is_occupied(at)) materials_.set(at, 0);
+    if (std::exchange(noted, row) != row) free_rows_.note_changed(grid_, at);
+  }
 }
 
 // A plane belongs to the cell beyond it; a ghost in matter is held by the cell that it is in.

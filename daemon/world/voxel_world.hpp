@@ -2,6 +2,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "daemon/world/free_rows.hpp"
@@ -40,6 +41,9 @@ class VoxelWorld final : public World {
   // with what has no material, 1 + n with the n-th material; also those that were filled. Returns
   // how many were freed or filled.
   std::size_t set_row(Cell from, std::int32_t end_x, std::uint8_t value) noexcept;
+  // All cells at once, as VoxelGrid::words() has them and as many of them; nothing else happens to
+  // cells that stay as they are. Those that are filled anew have no material.
+  void assign(std::span<const std::uint64_t> occupied) noexcept;
   [[nodiscard]] std::size_t materials() const noexcept { return materials_.count(); }
   [[nodiscard]] std::size_t occupied_cells() const noexcept override { return occupied_; }
   [[nodiscard]] bool is_occupied(Cell cell) const noexcept { return grid_.is_occupied(cell); }
@@ -53,6 +57,7 @@ class VoxelWorld final : public World {
   };
   [[nodiscard]] std::optional<Probe>* find(ProbeId id) noexcept;
 
+  void assign_word(std::size_t index, std::uint64_t changed) noexcept;
   void paint(const GhostPoint& ghost, ProbeMotion& motion) const noexcept;
 
   VoxelGrid grid_;

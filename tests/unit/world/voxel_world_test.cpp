@@ -146,5 +146,40 @@ TEST(VoxelWorld, ACellThatIsClearedOpensTheWay) {
   EXPECT_TRUE(sut.move_probe(probe, hand, kTick).planes.empty());
 }
 
+// Cell by cell is what it means; places to start at are found by what is remembered of rows.
+TEST(VoxelWorld, AllCellsAtOnceAreAsCellByCell) {
+  std::mt19937 random(23);
+  for (const std::array<std::uint32_t, 3> cells :
+       {std::array<std::uint32_t, 3>{64, 4, 2}, {5, 7, 3}, {128, 8, 1}, {16, 16, 16}}) {
+    VoxelWorld sut(empty_grid(cells, 0.001), "at once");
+    VoxelWorld slow(empty_grid(cells, 0.001), "cell by cell");
+    for (int round = 0; round < 20; ++round) {
+      VoxelGrid wanted = empty_grid(cells, 0.001);
+      Cell at;
+      for (at.z = 0; at.z < static_cast<std::int32_t>(cells[2]); ++at.z) {
+        for (at.y = 0; at.y < static_cast<std::int32_t>(cells[1]); ++at.y) {
+          const bool is_full = random() % 2 == 0;
+          for (at.x = 0; at.x < static_cast<std::int32_t>(cells[0]); ++at.x) {
+            const bool is_occupied = is_full || random() % 4 == 0;
+            wanted.set_occupied(at, is_occupied);
+            slow.set_cell(at, is_occupied);
+          }
+        }
+      }
+      sut.assign(wanted.words());
+      ASSERT_EQ(*sut.grid(), *slow.grid());
+      ASSERT_EQ(sut.occupied_cells(), slow.occupied_cells());
+      const auto place = sut.add_probe({});
+      const auto expected = slow.add_probe({});
+      ASSERT_EQ(place.has_value(), expected.has_value());
+      if (!place) continue;
+      EXPECT_EQ(sut.move_probe(*place, {}, kTick).ghost,
+                slow.move_probe(*expected, {}, kTick).ghost);
+      sut.remove_probe(*place);
+      slow.remove_probe(*expected);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace thimble::world
