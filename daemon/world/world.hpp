@@ -17,8 +17,9 @@ namespace thimble::world {
 class VoxelGrid;
 class VoxelWorld;
 namespace cam {
+class LiveWorld;
 class PieceWorld;
-}
+}  // namespace cam
 
 struct ProbeId {
   std::uint32_t value{0};
@@ -79,6 +80,10 @@ class World {
   [[nodiscard]] virtual VoxelWorld* editable() noexcept { return nullptr; }
   // Itself where there are pieces to select and drop; nullptr where there are none.
   [[nodiscard]] virtual cam::PieceWorld* pieces() noexcept { return nullptr; }
+  // Itself where it changes step by step; nullptr where it does not.
+  [[nodiscard]] virtual cam::LiveWorld* live() noexcept { return nullptr; }
+  // Whether what it says may be ProbeMotion::is_silent.
+  [[nodiscard]] virtual bool may_fall_silent() const noexcept { return false; }
   // The ghost starts at `hand` if that place is free, else at the nearest free place.
   // NotFound when the world has no free place, Busy when it has no room for another probe.
   [[nodiscard]] virtual Result<ProbeId> add_probe(Position3 hand) = 0;

@@ -46,6 +46,7 @@ class PieceWorld final : public World {
 
   [[nodiscard]] const WorldInfo& info() const noexcept override { return info_; }
   [[nodiscard]] PieceWorld* pieces() noexcept override { return this; }
+  [[nodiscard]] bool may_fall_silent() const noexcept override { return true; }
   // Busy: there is one grasp point.
   [[nodiscard]] Result<ProbeId> add_probe(Position3 hand) override;
   void remove_probe(ProbeId probe) noexcept override;
