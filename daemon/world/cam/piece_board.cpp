@@ -140,6 +140,7 @@ bool PieceBoard::fail_with(const Error& why, MonotonicTime now) {
 
 void PieceBoard::fill(CamCells cells) {
   phase_ = Phase::Filling;
+  is_sweep_ready_ = false;
   task_ = make_fill(context(), std::make_shared<const CamCells>(std::move(cells)));
 }
 
@@ -157,6 +158,7 @@ void PieceBoard::place(const CamAxes& desired) {
 
 void PieceBoard::act(PieceAction action, const CamAxes& pressed) {
   THIMBLE_CHECK(is_ready());
+  is_sweep_ready_ = false;  // its room is needed
   switch (action) {
     case PieceAction::Select:
       task_ = make_select(context(), pressed);
@@ -183,7 +185,7 @@ std::optional<PieceOutcome> PieceBoard::take_outcome() noexcept {
 }
 
 PieceContext PieceBoard::context() noexcept {
-  return {settings_, tables_, state_, board_->info().modules};
+  return {settings_, tables_, state_, board_->info().modules, is_sweep_ready_};
 }
 
 }  // namespace thimble::world::cam

@@ -88,6 +88,7 @@ class PieceBoard {
   bool has_cells_{false};  // of ours, on the board or one before it
   PieceState state_;
   std::unique_ptr<PieceTask> task_;
+  bool is_sweep_ready_{false};  // as PieceContext
   bool is_action_{false};
   std::optional<PieceOutcome> outcome_;
   std::optional<MonotonicTime> retry_at_;

@@ -21,17 +21,22 @@ CamAxes sum(const CamAxes& a, const CamAxes& b) noexcept {
   return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
 }
 
+CamAxes longest_kick(const PieceContext& context) noexcept {
+  CamAxes longest = cells_along(context.settings.space);
+  for (int& cells : longest) cells = std::max(cells / context.modules, 1);
+  return longest;
+}
+
 void add_kick(CamSteps& steps, const CamAxes& cells) {
   steps.emplace_back(Kick{{{cell::kMoving, cells}}});
 }
 
 void add_shift(CamSteps& steps, const PieceContext& context, CamAxes left) {
-  const CamAxes cells = cells_along(context.settings.space);
+  const CamAxes longest = longest_kick(context);
   while (!is_nowhere(left)) {
     CamAxes part{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const int most = std::max(cells[axis] / context.modules, 1);
-      part[axis] = std::clamp(left[axis], -most, most);
+      part[axis] = std::clamp(left[axis], -longest[axis], longest[axis]);
       left[axis] -= part[axis];
     }
     add_kick(steps, part);

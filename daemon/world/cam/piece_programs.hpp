@@ -9,6 +9,8 @@ namespace thimble::world::cam {
 
 [[nodiscard]] CamAxes sum(const CamAxes& a, const CamAxes& b) noexcept;
 
+// Along each axis, on any board of so many modules.
+[[nodiscard]] CamAxes longest_kick(const PieceContext& context) noexcept;
 // Of what moves; its scan has to follow.
 void add_kick(CamSteps& steps, const CamAxes& cells);
 // Any way, each kick with its scan, and none longer than a module may be.

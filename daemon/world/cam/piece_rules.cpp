@@ -53,9 +53,17 @@ std::uint16_t deposit_rule(std::uint16_t bits) noexcept {
   return with_shown(after);
 }
 
+std::uint16_t sweep_rule(std::uint16_t bits) noexcept {
+  const bool begins = (bits & kBegins) != 0;
+  const bool is_swept = (bits & (begins ? kShape : kTrail | kAhead)) != 0;
+  const auto others = static_cast<std::uint16_t>(bits & ~kSelect);
+  if (!is_swept) return others;
+  return static_cast<std::uint16_t>(others | kTrail | kAhead | (part_of(bits) != 0 ? kHit : 0));
+}
+
 PieceTables make_piece_tables() {
   return {table_of(overlap_rule), table_of(grasp_rule), table_of(select_rule),
-          table_of(deposit_rule)};
+          table_of(deposit_rule), table_of(sweep_rule)};
 }
 
 }  // namespace thimble::world::cam

@@ -22,12 +22,21 @@ inline constexpr int kOverlapLayer = 3;  // the shape lies on a resting piece
 inline constexpr int kPartLayer = 4;     // to 9: number of the resting piece, 0 for none
 inline constexpr int kSelectLayer = 10;  // to 15: what the host says; shown while nothing is said
 inline constexpr int kNumberLayers = 6;
+// While the way ahead is swept, ours: `select` shows nothing then.
+inline constexpr int kTrailLayer = 10;   // where the shape would have been
+inline constexpr int kAheadLayer = 11;   // the same, to be kicked ahead
+inline constexpr int kHitLayer = 12;     // of the trail, what lies on a resting piece
+inline constexpr int kBeginsLayer = 15;  // fixed by the host: the trail begins anew at the shape
 
 inline constexpr std::uint16_t kOrigin = 1U << kOriginLayer;
 inline constexpr std::uint16_t kShape = 1U << kShapeLayer;
 inline constexpr std::uint16_t kGrasp = 1U << kGraspLayer;
 inline constexpr std::uint16_t kOverlap = 1U << kOverlapLayer;
 inline constexpr std::uint16_t kMoving = kShape | kGrasp;
+inline constexpr std::uint16_t kTrail = 1U << kTrailLayer;
+inline constexpr std::uint16_t kAhead = 1U << kAheadLayer;
+inline constexpr std::uint16_t kHit = 1U << kHitLayer;
+inline constexpr std::uint16_t kBegins = 1U << kBeginsLayer;
 inline constexpr std::uint16_t kPart = kMostPieces << kPartLayer;
 inline constexpr std::uint16_t kSelect = kMostPieces << kSelectLayer;
 
@@ -54,9 +63,12 @@ inline constexpr std::uint16_t kSelect = kMostPieces << kSelectLayer;
 // then stays. The grasp point is the shape.
 [[nodiscard]] std::uint16_t deposit_rule(std::uint16_t bits) noexcept;
 
-// The four as tables, made once and shared.
+// The trail grows by what ran ahead of it, and is marked where it lies on a piece.
+[[nodiscard]] std::uint16_t sweep_rule(std::uint16_t bits) noexcept;
+
+// All of them as tables, made once and shared.
 struct PieceTables {
-  std::shared_ptr<const CamTable> overlap, grasp, select, deposit;
+  std::shared_ptr<const CamTable> overlap, grasp, select, deposit, sweep;
 };
 [[nodiscard]] PieceTables make_piece_tables();
 

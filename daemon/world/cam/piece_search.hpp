@@ -13,12 +13,13 @@ enum class SearchKind : std::uint8_t {
   OneCell,  // thesis 4.2.1: a cell an attempt
   Leap,     // thesis 4.2.2: four cells where there are four to go, else by halves; what is thinner
             // than four cells may be leapt over
+  Sweep,  // by the shape's trail (piece_sweep.hpp): twice as far with each scan, nothing leapt over
 };
 
-// How far a shape gets towards where it should go: along x as far as it can, then y, then z, and
-// again while that helps (appendix C). Gives one shift after the other and is told whether the
-// shape overlaps then. Pure. Thread: one at a time. Errors: none; take() without a shift that is
-// looked at is a mistake of the caller.
+// OneCell and Leap: how far a shape gets towards where it should go: along x as far as it can, then
+// y, then z, and again while that helps (appendix C). Gives one shift after the other and is told
+// whether the shape overlaps then. Pure. Thread: one at a time. Errors: none; take() without a
+// shift that is looked at is a mistake of the caller.
 class PieceSearch {
  public:
   struct Shift {

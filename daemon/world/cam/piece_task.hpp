@@ -9,7 +9,7 @@
 namespace thimble::world::cam {
 
 // Something that takes several programs of the board, each of which depends on what the one before
-// has read. Thread: one, the world's. Ownership: state and tables must outlive it.
+// has read. Thread: one, the world's. Ownership: all that a context refers to must outlive it.
 class PieceTask {
  public:
   virtual ~PieceTask() = default;
@@ -25,11 +25,15 @@ struct PieceContext {
   const PieceTables& tables;
   PieceState& state;
   int modules{1};
+  bool& is_sweep_ready;  // its table is the one that is not in force
 };
 
 // Moves the shape as far as it gets; in free motion, or out of a piece, all the way.
 [[nodiscard]] std::unique_ptr<PieceTask> make_move(const PieceContext& context,
                                                    const CamAxes& desired);
+// The same by SweepSearch, whatever the settings say.
+[[nodiscard]] std::unique_ptr<PieceTask> make_sweep(const PieceContext& context,
+                                                    const CamAxes& desired);
 // All the way whatever lies there; the shape is embedded then.
 [[nodiscard]] std::unique_ptr<PieceTask> make_placing(const PieceContext& context,
                                                       const CamAxes& desired);

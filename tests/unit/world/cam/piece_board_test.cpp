@@ -113,7 +113,10 @@ INSTANTIATE_TEST_SUITE_P(
         Setting{"OneCellCountedApart", kOneModule, {{1, 1, 1}, 10}, SearchKind::OneCell, true},
         Setting{"LeapOnFourModules", kStrips, {{2, 2, 1}, 8}, SearchKind::Leap, false},
         Setting{"LeapCountedApart", kStrips, {{2, 2, 1}, 8}, SearchKind::Leap, true},
-        Setting{"LeapInThreeDimensions", kCube, {{2, 1, 1}, 11}, SearchKind::Leap, false}),
+        Setting{"LeapInThreeDimensions", kCube, {{2, 1, 1}, 11}, SearchKind::Leap, false},
+        Setting{"Sweep", kOneModule, {{1, 1, 1}, 10}, SearchKind::Sweep, false},
+        Setting{"SweepOnFourModules", kStrips, {{2, 2, 1}, 8}, SearchKind::Sweep, false},
+        Setting{"SweepInThreeDimensions", kCube, {{2, 1, 1}, 11}, SearchKind::Sweep, false}),
     [](const auto& setting) { return setting.param.name; });
 
 // A square of 8 cells a side, left of the middle of 32.

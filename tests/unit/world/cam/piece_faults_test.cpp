@@ -52,10 +52,11 @@ TEST(PieceFaults, AfterAnyLostProgramBoardAndHostAgree) {
   const auto below = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
   std::uint64_t repairs = 0;
   int failed_actions = 0;
-  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 7; ++seed) {
     const PieceLayout layout = random_layout(kSpace, 5, seed).value();
-    PieceBench bench({.space = kSpace, .counts_apart = seed % 2 == 0}, layout, {16, 16, 0},
-                     {{2, 2, 1}, 8});
+    const auto search = seed > 4 ? SearchKind::Sweep : SearchKind::Leap;
+    PieceBench bench({.space = kSpace, .search = search, .counts_apart = seed % 2 == 0}, layout,
+                     {16, 16, 0}, {{2, 2, 1}, 8});
     CamAxes pressed{};
     for (int i = 0; i < 60 && !testing::Test::HasFailure(); ++i) {
       bench.strike(static_cast<std::uint64_t>(1 + below(3)), below(2) == 0);

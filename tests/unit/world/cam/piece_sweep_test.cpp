@@ -1,0 +1,125 @@
+#include "daemon/world/cam/piece_sweep.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <random>
+#include <set>
+
+#include "tests/unit/world/cam/greedy_walk.hpp"
+#include "tests/unit/world/cam/piece_bench.hpp"
+#include "tests/unit/world/cam/piece_oracle.hpp"
+
+namespace thimble::world::cam {
+namespace {
+
+using Overlaps = std::function<bool(const CamAxes&)>;
+
+struct Walk {
+  CamAxes end{};
+  int scans{0};
+};
+
+CamAxes plus(const CamAxes& a, const CamAxes& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+
+// Plays a search on a world that says what overlaps, by a trail that is a list of places.
+Walk walk(const CamAxes& desired, const CamAxes& longest, const Overlaps& overlaps) {
+  SweepSearch search(desired, longest);
+  CamAxes at{};
+  Walk walk;
+  while (const auto round = search.next()) {
+    at = plus(at, round->shift);
+    EXPECT_EQ(search.stands(), at);
+    EXPECT_FALSE(overlaps(at)) << "it stands only where it is free";
+    ++walk.scans;
+    std::set<CamAxes> trail{at};
+    std::optional<std::size_t> hit;
+    for (std::size_t i = 0; i < round->kicks.size(); ++i) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        EXPECT_LE(std::abs(round->kicks[i][axis]), longest[axis]);
+        EXPECT_LE(std::abs(round->shift[axis]), longest[axis]);
+      }
+      std::set<CamAxes> ahead;
+      for (const CamAxes& place : trail) ahead.insert(plus(place, round->kicks[i]));
+      trail.merge(ahead);
+      ++walk.scans;
+      const bool is_met = std::any_of(trail.begin(), trail.end(), overlaps);
+      if (is_met && !hit) hit = i;
+    }
+    search.take(hit);
+    if (walk.scans > 10'000) {
+      ADD_FAILURE() << "no end";
+      break;
+    }
+  }
+  walk.end = plus(at, search.owed());
+  return walk;
+}
+
+TEST(SweepSearch, NothingIsTooThinToStopIt) {
+  std::mt19937 random(3);
+  const auto below = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
+  for (int i = 0; i < 4000; ++i) {
+    std::set<CamAxes> matter;  // single cells, and sheets of one cell's thickness
+    for (int n = below(60); n > 0; --n) matter.insert({below(25) - 12, below(25) - 12, below(3)});
+    const std::size_t across = random() % 3;
+    const int sheet = below(25) - 12;
+    const Overlaps overlaps = [&](const CamAxes& at) {
+      return at != CamAxes{} && (matter.contains(at) || (sheet != 0 && at[across] == sheet));
+    };
+    const CamAxes desired{below(41) - 20, below(41) - 20, below(5) - 2};
+    const CamAxes longest{1 + below(64), 1 + below(64), 1 + below(8)};
+    EXPECT_EQ(walk(desired, longest, overlaps).end, test::greedy_walk(desired, overlaps));
+  }
+}
+
+// A leap takes 8 + 3 for this way.
+TEST(SweepSearch, AFreeWayTakesAScanForEachTimeItDoubles) {
+  const Overlaps nothing = [](const CamAxes&) { return false; };
+  EXPECT_EQ(walk({35, 0, 0}, {64, 64, 64}, nothing).scans, 1 + 6);
+  EXPECT_EQ(walk({0, -7, 0}, {64, 64, 64}, nothing).scans, 1 + 3);
+  EXPECT_EQ(walk({}, {64, 64, 64}, nothing).scans, 0);
+  const Overlaps wall = [](const CamAxes& at) { return at[0] == 20; };
+  EXPECT_LE(walk({35, 0, 0}, {64, 64, 64}, wall).scans, 7 + 5 + 4 + 2);
+}
+
+// Walls of one cell, through the tables and a board: where leaps go through, the trail does not.
+TEST(SweepOnABoard, NeverPassesAWallOfOneCell) {
+  constexpr CamGeometry kSpace{{5, 5, 0}, CamDivision::StripY};
+  std::mt19937 random(9);
+  const auto below = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
+  int leapt = 0;
+  for (int round = 0; round < 12; ++round) {
+    PieceLayout layout(kSpace.cells());
+    for (int wall = 1; wall <= 4; ++wall) {
+      const int across = below(32);
+      for (int along = 0; along < 32; ++along) {
+        if (along == below(200)) continue;  // seldom a gap
+        const CamAxes at = wall % 2 == 0 ? CamAxes{across, along, 0} : CamAxes{along, across, 0};
+        layout[index_of(kSpace, at)] = static_cast<std::uint8_t>(wall);
+      }
+    }
+    const CamAxes start{below(32), below(32), 0};
+    layout[index_of(kSpace, start)] = 0;
+    test::PieceBench sweep({.space = kSpace, .search = SearchKind::Sweep}, layout, start,
+                           {{2, 2, 1}, 8});
+    test::PieceBench leap({.space = kSpace, .search = SearchKind::Leap}, layout, start,
+                          {{2, 2, 1}, 8});
+    test::PieceOracle oracle(kSpace, layout, start);
+    for (int i = 0; i < 12; ++i) {
+      const CamAxes way{below(32) - oracle.grasp()[0], below(32) - oracle.grasp()[1], 0};
+      sweep.board().move(way);
+      sweep.pump();
+      leap.board().move(way);
+      leap.pump();
+      oracle.move(way);
+      ASSERT_EQ(sweep.board().state().grasp, oracle.grasp()) << round << ' ' << i;
+      leapt += leap.board().state().grasp != oracle.grasp() ? 1 : 0;
+    }
+    EXPECT_EQ(sweep.board().counters().failures, 0U);
+  }
+  EXPECT_GT(leapt, 0) << "else it was no trial";
+}
+
+}  // namespace
+}  // namespace thimble::world::cam
