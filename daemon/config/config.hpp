@@ -175,10 +175,21 @@ struct PiecesConfig {
   bool operator==(const PiecesConfig&) const = default;
 };
 
+// A cellular automaton that runs while it is touched (thesis 5.4.1).
+struct AutomatonConfig {
+  int axes{2};     // x and y, or all three
+  int cells{256};  // along each of them; a power of two
+  std::uint64_t seed{1};
+  std::optional<double> fill_fraction{};  // of what lives or diffuses at first; else the rule's
+  double steps_per_s{10};
+  double poke_cells{3};  // radius of what a button changes
+  bool operator==(const AutomatonConfig&) const = default;
+};
+
 struct WorldConfig {
   std::string name;
   std::string
-      source;  // "box:N", "sphere", "pieces", or the path of a volume file, with the file's folder
+      source;  // "box:N", "sphere", "pieces", "life", "crystal", or the path of a volume file
   double workspace_m{0.09};
   double threshold{0};  // cells above it are filled (files)
   ConstraintModel constraint_model{ConstraintModel::GhostPoint};
@@ -193,6 +204,7 @@ struct WorldConfig {
   std::vector<MaterialConfig> materials{};         // the first that fits counts
   std::optional<SphereConfig> sphere{};            // of the source "sphere", and only there
   std::optional<PiecesConfig> pieces{};            // likewise of "pieces"
+  std::optional<AutomatonConfig> automaton{};      // of "life" and "crystal"
   bool operator==(const WorldConfig&) const = default;
 };
 

@@ -11,16 +11,6 @@ namespace {
 constexpr std::array kSearches{Choice<PieceSearch>{"leap", PieceSearch::Leap},
                                Choice<PieceSearch>{"one-cell", PieceSearch::OneCell}};
 
-// A number of which a board, or a space on one, has only powers of two.
-void read_power(TableReader& reader, std::string_view key, Range range, int& out) {
-  std::int64_t number = 0;
-  if (!reader.read_integer(key, range, number)) return;
-  if ((number & (number - 1)) != 0) {
-    return reader.reject(key, "expected a power of two, found " + std::to_string(number));
-  }
-  out = static_cast<int>(number);
-}
-
 // Ours: as many cells in three axes as the thesis's worlds have.
 constexpr int kMostCellsInSpace = 64;
 
@@ -59,6 +49,16 @@ PiecesConfig read_pieces_table(TableReader reader, const std::filesystem::path& 
 }
 
 }  // namespace
+
+// Of which a board, or a space on one, has no others.
+void read_power(TableReader& reader, std::string_view key, Range range, int& out) {
+  std::int64_t number = 0;
+  if (!reader.read_integer(key, range, number)) return;
+  if ((number & (number - 1)) != 0) {
+    return reader.reject(key, "expected a power of two, found " + std::to_string(number));
+  }
+  out = static_cast<int>(number);
+}
 
 void read_path(TableReader& reader, std::string_view key, const std::filesystem::path& folder,
                std::optional<std::string>& out) {

@@ -38,6 +38,13 @@ void read_sphere(TableReader& reader, WorldConfig& world);
 inline constexpr std::string_view kPiecesSource = "pieces";
 void read_pieces(TableReader& reader, const std::filesystem::path& folder, WorldConfig& world);
 
+// The sources that are automata which run by themselves, and their keys.
+inline constexpr std::string_view kLifeSource = "life";
+inline constexpr std::string_view kCrystalSource = "crystal";
+void read_automaton(TableReader& reader, WorldConfig& world);
+// A number that must be a power of two.
+void read_power(TableReader& reader, std::string_view key, Range range, int& out);
+
 // A path; relative ones are to `folder`.
 void read_path(TableReader& reader, std::string_view key, const std::filesystem::path& folder,
                std::optional<std::string>& out);
