@@ -19,18 +19,17 @@ namespace {
 }  // namespace
 
 std::optional<Refusal> find_refusal(const world::World& world, const config::WorldConfig& said) {
-  if (has_grid(world)) return std::nullopt;
-  if (said.constraint_model == config::ConstraintModel::Simple) {
-    return Refusal{"constraint_model", "\"simple\" works on cells, of which " +
-                                           world.info().source + " has none; use \"ghost-point\""};
+  if (!has_grid(world) && said.constraint_model == config::ConstraintModel::Simple) {
+    return Refusal{"constraint_model", "\"simple\" works on cells in three dimensions, which " +
+                                           world.info().source + " has not; use \"ghost-point\""};
   }
-  if (said.listen && has_cells(world)) {
+  if (said.listen && world.may_fall_silent()) {
     return Refusal{"listen",
                    "a world on a board falls silent when the board fails, which the "
                    "datagrams of 1999 cannot say; name it as the world of an arm of "
                    "this configuration"};
   }
-  if (said.listen) {
+  if (said.listen && !has_cells(world)) {
     return Refusal{"listen", "the datagrams of 1999 carry faces across the axes only, " +
                                  world.info().source + " has others; name it as the world of " +
                                  "an arm of this configuration"};

@@ -41,6 +41,12 @@ namespace pieces = world::cam;
   return file;
 }
 
+// Pieces of our own are thick enough for leaps; what somebody drew need not be.
+[[nodiscard]] pieces::SearchKind search_of(const config::PiecesConfig& said) noexcept {
+  if (said.search == config::PieceSearch::OneCell) return pieces::SearchKind::OneCell;
+  return said.layout ? pieces::SearchKind::Sweep : pieces::SearchKind::Leap;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<world::World>> make_piece_world(const config::WorldConfig& said,
@@ -59,8 +65,7 @@ Result<std::unique_ptr<world::World>> make_piece_world(const config::WorldConfig
                                            std::to_string(2 * of.boards) + " along y");
   }
   settings.pieces.space = {file->log2_cells, CamDivision::StripY};
-  settings.pieces.search = of.search == config::PieceSearch::Leap ? pieces::SearchKind::Leap
-                                                                  : pieces::SearchKind::OneCell;
+  settings.pieces.search = search_of(of);
   settings.workspace_m = said.workspace_m;
   settings.source = said.source;
   const auto slot =

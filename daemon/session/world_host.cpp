@@ -7,6 +7,8 @@
 #include "daemon/session/arm_settings.hpp"
 #include "daemon/session/combination.hpp"
 #include "daemon/session/world_settings.hpp"
+#include "daemon/world/cam/automaton_file.hpp"
+#include "daemon/world/cam/live_world.hpp"
 #include "daemon/world/cam/piece_world.hpp"
 
 namespace thimble::session {
@@ -97,11 +99,40 @@ Result<std::uint64_t> WorldHost::submit_edits(std::vector<world::CellEdit> edits
   return number;
 }
 
+Result<std::string> WorldHost::save_state() {
+  auto* live = world_->live();
+  if (live == nullptr) return does_not_run();
+  return world::cam::to_nrrd(live->save());
+}
+
+Result<std::uint64_t> WorldHost::load_state(std::string_view bytes) {
+  auto* live = world_->live();
+  if (live == nullptr) return does_not_run();
+  const auto state = world::cam::parse_state(bytes);
+  if (!state) return tl::unexpected(state.error().in("world '" + name_ + "'"));
+  const auto loaded = live->load(*state);
+  if (!loaded) return tl::unexpected(loaded.error().in("world '" + name_ + "'"));
+  return state->steps;
+}
+
+tl::unexpected<Error> WorldHost::does_not_run() const {
+  return fail(Errc::Unsupported, "world '" + name_ + "': it does not run by itself, so it has no " +
+                                     "state to save or load");
+}
+
 std::optional<MonotonicTime> WorldHost::pump(MonotonicTime now) {
   if (auto* pieces = world_->pieces()) {
     pieces->pump();
     return now + kEditPace;
   }
+  std::optional<MonotonicTime> due = pump_edits(now);
+  auto* live = world_->live();
+  const auto step_due = live == nullptr ? std::nullopt : live->pump(now);
+  if (!due || (step_due && *step_due < *due)) due = step_due;
+  return due;
+}
+
+std::optional<MonotonicTime> WorldHost::pump_edits(MonotonicTime now) {
   if (!edits_ || edits_->is_idle()) return std::nullopt;
   if (!next_slice_ || now >= *next_slice_) {
     edits_->step();

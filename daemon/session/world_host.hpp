@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "daemon/config/config.hpp"
@@ -40,14 +41,19 @@ class WorldHost {
   // Edits of its cells; they wait for their turn. The number of the batch. Errors: Unsupported
   // where nothing can be edited, else as EditQueue::submit(); named by world.
   [[nodiscard]] Result<std::uint64_t> submit_edits(std::vector<world::CellEdit> edits);
+  // The state of a world that runs by itself, as a file; and one put back: how many steps it had
+  // taken. Errors: Unsupported where it does not run, else as parse_state() and LiveWorld::load();
+  // named by world.
+  [[nodiscard]] Result<std::string> save_state();
+  [[nodiscard]] Result<std::uint64_t> load_state(std::string_view bytes);
   // Where its edits wait; nullptr where there can be none.
   [[nodiscard]] world::EditQueue* edits() noexcept { return edits_ ? &*edits_ : nullptr; }
   [[nodiscard]] const world::EditQueue* edits() const noexcept {
     return edits_ ? &*edits_ : nullptr;
   }
-  // One slice of them, no sooner than kEditPace after the last, however often it is called; of
-  // pieces on a board, what it has done meanwhile. Returns when the next is due; none while none
-  // wait.
+  // One slice of them, no sooner than kEditPace after the last, however often it is called; of a
+  // live world, the step that is due; of pieces on a board, what it has done meanwhile. Returns
+  // when the next is due; none while none is.
   std::optional<MonotonicTime> pump(MonotonicTime now);
   // Where there are pieces to select and drop; nullptr where there are none.
   [[nodiscard]] world::cam::PieceWorld* pieces() noexcept { return world_->pieces(); }
@@ -59,6 +65,8 @@ class WorldHost {
  private:
   class Listener;
   WorldHost();
+  std::optional<MonotonicTime> pump_edits(MonotonicTime now);
+  [[nodiscard]] tl::unexpected<Error> does_not_run() const;
 
   std::string name_;
   config::ConstraintModel model_{config::ConstraintModel::GhostPoint};

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "daemon/session/live_settings.hpp"
 #include "daemon/session/piece_settings.hpp"
 #include "daemon/world/io/world_source.hpp"
 #include "daemon/world/sphere_world.hpp"
@@ -51,6 +52,7 @@ Result<std::unique_ptr<world::World>> make_world(const config::WorldConfig& said
                                                  const Clock* clock) {
   if (said.sphere) return make_sphere(*said.sphere);
   if (said.pieces) return make_piece_world(said, clock);
+  if (said.automaton) return make_live_world(said);
   return world::make_world(said.source, volume_options(said));
 }
 

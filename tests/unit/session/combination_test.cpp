@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/session/live_settings.hpp"
 #include "daemon/session/piece_settings.hpp"
 #include "daemon/world/sphere_world.hpp"
 #include "daemon/world/voxel_world.hpp"
@@ -79,8 +80,15 @@ TEST(Combination, IsAcceptedOrRefusedWithItsReasonAsTheMatrixSays) {
   of_pieces.pieces = config::PiecesConfig{.cells = 32, .count = 3};
   const auto pieces = make_piece_world(of_pieces, &clock);
   ASSERT_TRUE(pieces) << pieces.error().message;
-  const std::map<std::string, const world::World*> worlds{
-      {"with cells", &with_cells}, {"`sphere`", &*sphere}, {"`pieces`", pieces->get()}};
+  config::WorldConfig of_life;
+  of_life.source = "life";
+  of_life.automaton = config::AutomatonConfig{.cells = 32};
+  const auto life = make_live_world(of_life);
+  ASSERT_TRUE(life) << life.error().message;
+  const std::map<std::string, const world::World*> worlds{{"with cells", &with_cells},
+                                                          {"`sphere`", &*sphere},
+                                                          {"`pieces`", pieces->get()},
+                                                          {"`life`", life->get()}};
   ASSERT_EQ(page().at("world").size(), 6U) << "a new column needs a line here";
   ASSERT_EQ(page().size(), 1 + 1 + worlds.size()) << "a new row needs a world here";
   for (const auto& [name, world] : worlds) {

@@ -54,6 +54,19 @@ TEST_F(InspectSphere, LooksForNoRealDeviceAndObjectsToABusThatIsNotThere) {
 
 TEST_F(InspectSphere, HasNothingAgainstIt) { EXPECT_TRUE(inspected().empty()); }
 
+TEST_F(InspectSphere, HasNothingAgainstAWorldThatRuns) {
+  for (const char* source : {"life", "crystal"}) {
+    config.worlds[0] = {};
+    config.worlds[0].name = "hello";
+    config.worlds[0].source = source;
+    config.worlds[0].automaton.emplace();
+    EXPECT_TRUE(inspected().empty()) << source;
+    config.worlds[0].constraint_model = config::ConstraintModel::Simple;
+    ASSERT_EQ(inspected().size(), 1U);
+    EXPECT_EQ(inspected()[0].key, "constraint_model");
+  }
+}
+
 TEST_F(InspectSphere, ObjectsToTheModelThatWorksOnCells) {
   config.worlds[0].constraint_model = config::ConstraintModel::Simple;
   const auto sut = inspected();

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "daemon/session/piece_settings.hpp"
+#include "daemon/world/cam/piece_world.hpp"
 #include "sim/time/virtual_clock.hpp"
 #include "tests/unit/world/npy_bytes.hpp"
 #include "tests/unit/world/volume_files.hpp"
@@ -85,6 +86,8 @@ TEST_F(PieceFiles, AreTheWorldOfAConfiguration) {
   const auto made = make_piece_world(said, &clock);
   ASSERT_TRUE(made) << made.error().message;
   EXPECT_EQ((*made)->info().cells, (std::array<std::uint32_t, 3>{64, 16, 2}));
+  EXPECT_EQ((*made)->pieces()->board().settings().search, world::cam::SearchKind::Sweep)
+      << "they may be thinner than a leap";
   said.pieces->layout = npy("(256, 8, 1)", std::string(256 * 8, '\0'));
   const auto narrow = make_piece_world(said, &clock);
   ASSERT_FALSE(narrow);
@@ -99,6 +102,7 @@ TEST(PieceWorldOfAConfiguration, HasAsManyAxesAsItSays) {
   const auto made = make_piece_world(said, &clock);
   ASSERT_TRUE(made) << made.error().message;
   EXPECT_EQ((*made)->info().cells, (std::array<std::uint32_t, 3>{32, 32, 32}));
+  EXPECT_EQ((*made)->pieces()->board().settings().search, world::cam::SearchKind::Leap);
   EXPECT_DOUBLE_EQ((*made)->info().extent_m[2], 0.09);
 }
 
