@@ -18,6 +18,8 @@ namespace thimble::cli {
 namespace {
 
 constexpr std::size_t kMaxReportBytes = std::size_t{1} << 22;
+// More than any state has; the daemon says so.
+constexpr std::size_t kMaxStateBytes = std::size_t{1} << 20;
 
 // The world that is meant, as the status tells it.
 Result<api::WorldStatus> find_world(Client& client, const std::string& name) {
@@ -124,6 +126,29 @@ int run_world_edit(const std::string& socket_path, const std::string& world,
   if (!changed) return complain(changed.error());
   std::cout << "world " << plain(meant->name) << ": " << *changed
             << (*changed == 1 ? " cell changed\n" : " cells changed\n");
+  return kExitOk;
+}
+
+int run_world_state(const std::string& socket_path, const std::string& world,
+                    const WorldEdit& edit) {
+  auto client = connect_to_daemon(socket_path);
+  if (!client) return complain(client.error());
+  const auto meant = find_world(**client, world);
+  if (!meant) return complain(meant.error());
+  const bool is_load = edit.verb == "load";
+  const Result<std::string> state =
+      is_load ? read_at_most(edit.file, kMaxStateBytes) : Result<std::string>("");
+  if (!state) return complain(state.error().in(edit.file));
+  const auto body =
+      ask(**client, is_load ? "PUT" : "GET", "/v1/worlds/" + meant->name + "/state", *state);
+  if (!body) return complain(body.error());
+  if (!is_load) {
+    if (const auto written = write_whole(edit.file, *body); !written) {
+      return complain(written.error().in(edit.file));
+    }
+  }
+  std::cout << "world " << plain(meant->name) << (is_load ? ": goes on from " : ": saved to ")
+            << plain(edit.file) << '\n';
   return kExitOk;
 }
 

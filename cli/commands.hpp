@@ -33,6 +33,9 @@ int run_command(const std::string& socket_path, const std::string& verb, const s
                 const std::string& body = {});
 // An empty world means the only one.
 int run_world_edit(const std::string& socket_path, const std::string& world, const WorldEdit& edit);
+// Saves the state of a world that runs by itself to a file, or puts one back (`edit.verb`).
+int run_world_state(const std::string& socket_path, const std::string& world,
+                    const WorldEdit& edit);
 // `verb` is "select", "drop", "delete", "free" or "reset", done to the pieces of the world; refused
 // also where the world says that it could not be. An empty world means the only one.
 int run_piece_action(const std::string& socket_path, const std::string& verb,

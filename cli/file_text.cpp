@@ -19,4 +19,12 @@ Result<std::string> read_at_most(const std::string& file, std::size_t bytes) {
   return text;
 }
 
+Result<void> write_whole(const std::string& file, const std::string& content) {
+  std::ofstream stream(file, std::ios::binary);
+  stream.write(content.data(), static_cast<std::streamsize>(content.size()));
+  stream.close();
+  if (!stream) return fail(Errc::System, "cannot be written");
+  return {};
+}
+
 }  // namespace thimble::cli

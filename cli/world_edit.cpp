@@ -26,14 +26,19 @@ struct Option {
 
 }  // namespace
 
+bool is_about_state(const WorldEdit& edit) { return edit.verb == "save" || edit.verb == "load"; }
+
 std::string find_misfit(const WorldEdit& edit) {
   const bool is_brush = edit.verb == "paint";
-  const std::array<Option, 5> options{
-      {{"--min", !edit.min.empty(), !is_brush, !edit.max.empty()},
-       {"--max", !edit.max.empty(), !is_brush, !edit.min.empty()},
+  const bool is_state = is_about_state(edit);
+  const bool is_box = !is_brush && !is_state;
+  const std::array<Option, 6> options{
+      {{"--min", !edit.min.empty(), is_box, !edit.max.empty()},
+       {"--max", !edit.max.empty(), is_box, !edit.min.empty()},
        {"--center", !edit.center_m.empty(), is_brush, is_brush},
        {"--radius", edit.radius_m.has_value(), is_brush, is_brush},
-       {"--cell", edit.cell.has_value(), edit.verb != "clear", false}}};
+       {"--cell", edit.cell.has_value(), edit.verb != "clear" && !is_state, false},
+       {"--file", !edit.file.empty(), is_state, is_state}}};
   for (const Option& option : options) {
     if (option.is_said && !option.is_allowed) {
       return std::string(option.name) + " does not go with " + edit.verb;
@@ -42,7 +47,7 @@ std::string find_misfit(const WorldEdit& edit) {
   for (const Option& option : options) {
     if (option.is_said || !option.is_needed) continue;
     const bool is_first = &option == options.data();
-    const char* beside = is_brush ? "" : is_first ? " beside --max" : " beside --min";
+    const char* beside = !is_box ? "" : is_first ? " beside --max" : " beside --min";
     return edit.verb + " needs " + option.name + beside;
   }
   for (std::size_t axis = 0; axis < edit.min.size() && axis < edit.max.size(); ++axis) {

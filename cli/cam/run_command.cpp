@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <boost/json.hpp>
-#include <fstream>
 #include <iostream>
 
 #include "cli/cam/run.hpp"
 #include "cli/commands.hpp"
+#include "cli/file_text.hpp"
 #include "cli/text.hpp"
 
 namespace thimble::cam {
@@ -60,14 +60,6 @@ void print_text(const RunOptions& options, const RunReport& report) {
             << (options.modules == 1 ? " module\n" : " modules\n");
 }
 
-Result<void> write_file(const std::string& name, const std::string& content) {
-  std::ofstream file(name, std::ios::binary);
-  file.write(content.data(), static_cast<std::streamsize>(content.size()));
-  file.close();
-  if (!file) return fail(Errc::System, "cannot be written");
-  return {};
-}
-
 Result<RunReport> run(const RunOptions& options, const Clock& clock) {
   const Rule* const rule = sim::cam::find_rule(options.world);
   if (rule == nullptr) {
@@ -83,9 +75,10 @@ Result<RunReport> run(const RunOptions& options, const Clock& clock) {
   }
   auto report = run_world(*rule, *space, options, clock);
   if (!report || options.write.empty()) return report;
-  const auto written =
-      to_file(*rule, *space, report->sites, options.write)
-          .and_then([&](const std::string& content) { return write_file(options.write, content); });
+  const auto written = to_file(*rule, *space, report->sites, options.write)
+                           .and_then([&](const std::string& content) {
+                             return cli::write_whole(options.write, content);
+                           });
   if (!written) return tl::unexpected(written.error().in(options.write));
   return report;
 }

@@ -90,6 +90,11 @@ class Commands {
   // error.
   virtual void act_on_pieces(std::string_view world, PieceVerb verb, ClientId client,
                              PieceAnswer answer) = 0;
+  // The state of a world that runs by itself, as a file (docs/worlds/live.md); and one put back:
+  // how many steps it had taken. Neither needs a lease; both are done at once. Errors: also
+  // Malformed for bytes that are no state.
+  virtual Result<std::string> save_world(std::string_view world) = 0;
+  virtual Result<std::uint64_t> load_world(std::string_view world, std::string_view state) = 0;
   // Called once for every client that sent a command, after its last one.
   virtual void client_gone(ClientId client) = 0;
 };

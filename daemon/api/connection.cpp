@@ -11,6 +11,7 @@ namespace {
 namespace http = boost::beast::http;
 
 constexpr unsigned kHttp11 = 11;
+constexpr std::string_view kJson = "application/json";
 
 RequestError refusal_of(boost::beast::error_code error) {
   if (error == http::error::header_limit) {
@@ -54,12 +55,26 @@ bool Connection::holds_lease() const {
 void Connection::read() {
   parser_.emplace();
   parser_->header_limit(static_cast<std::uint32_t>(context_.settings.max_header_bytes));
-  parser_->body_limit(context_.settings.max_body_bytes);
+  parser_->body_limit(context_.settings.max_state_bytes);  // until it is known for what it is
   stream_.expires_after(context_.settings.idle_timeout);
   if (holds_lease()) stream_.expires_never();
+  http::async_read_header(stream_, buffer_, *parser_,
+                          [self = shared_from_this()](boost::beast::error_code error, std::size_t) {
+                            self->on_header(error);
+                          });
+}
+
+void Connection::on_header(boost::beast::error_code error) {
+  if (is_closed_ || error) return on_read(error);
+  const auto target = parser_->get().target();
+  const std::size_t limit = may_bring_state({target.data(), target.size()})
+                                ? context_.settings.max_state_bytes
+                                : context_.settings.max_body_bytes;
+  if (parser_->content_length().value_or(0) > limit) return on_read(http::error::body_limit);
+  parser_->body_limit(limit);
   http::async_read(stream_, buffer_, *parser_,
-                   [self = shared_from_this()](boost::beast::error_code error, std::size_t) {
-                     self->on_read(error);
+                   [self = shared_from_this()](boost::beast::error_code read_error, std::size_t) {
+                     self->on_read(read_error);
                    });
 }
 
@@ -72,24 +87,26 @@ void Connection::on_read(boost::beast::error_code error) {
   perform(parser_->release());
 }
 
-void Connection::respond(tl::expected<std::string, RequestError> body, bool is_kept) {
+void Connection::respond(tl::expected<std::string, RequestError> body, bool is_kept,
+                         std::string_view content_type) {
   if (body) {
-    prepare(200, std::move(*body), is_kept);
+    prepare(200, std::move(*body), is_kept, content_type);
   } else {
-    prepare(body.error().http_status, to_json(body.error()), is_kept);
+    prepare(body.error().http_status, to_json(body.error()), is_kept, kJson);
     if (!body.error().allow.empty()) response_.set(http::field::allow, body.error().allow);
   }
   write(is_kept);
 }
 
 void Connection::answer_and_close(const RequestError& error) {
-  prepare(error.http_status, to_json(error), false);
+  prepare(error.http_status, to_json(error), false, kJson);
   write(false);
 }
 
-void Connection::prepare(unsigned status, std::string body, bool is_kept) {
+void Connection::prepare(unsigned status, std::string body, bool is_kept,
+                         std::string_view content_type) {
   response_ = Response(static_cast<http::status>(status), kHttp11);
-  response_.set(http::field::content_type, "application/json");
+  response_.set(http::field::content_type, {content_type.data(), content_type.size()});
   response_.keep_alive(is_kept);
   response_.body() = std::move(body);
   response_.prepare_payload();
@@ -112,7 +129,21 @@ void Connection::perform(const Request& request) {
                               {request.target().data(), request.target().size()}, request.body());
   if (!action) return respond(tl::unexpected(std::move(action.error())), is_kept);
   if (action->kind == ActionKind::Status) return respond(to_json(context_.view.status()), is_kept);
+  if (action->kind == ActionKind::SaveWorld || action->kind == ActionKind::LoadWorld) {
+    return move_state(*action, is_kept);
+  }
   command(*action, is_kept);
+}
+
+void Connection::move_state(const Action& action, bool is_kept) {
+  if (action.kind == ActionKind::SaveWorld) {
+    auto state = context_.commands.save_world(action.name);
+    if (!state) return respond(tl::unexpected(to_request_error(state.error())), is_kept);
+    return respond(*std::move(state), is_kept, "application/octet-stream");
+  }
+  const auto steps = context_.commands.load_world(action.name, action.state);
+  if (!steps) return respond(tl::unexpected(to_request_error(steps.error())), is_kept);
+  respond(to_text(boost::json::object{{"world", action.name}, {"steps", *steps}}), is_kept);
 }
 
 // Nothing is read while a command waits for its answer; a client that goes meanwhile takes it back,

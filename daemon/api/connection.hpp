@@ -9,6 +9,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 
 #include "daemon/api/request.hpp"
 #include "daemon/api/server.hpp"
@@ -41,6 +42,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   using Response = boost::beast::http::response<boost::beast::http::string_body>;
 
   void read();
+  void on_header(boost::beast::error_code error);
   void on_read(boost::beast::error_code error);
   void answer_and_close(const RequestError& error);
   void write(bool is_kept);
@@ -52,9 +54,11 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void on_done(const Action& action, const Result<Done>& done, bool is_kept);
   void on_edited(const std::string& world, const Result<Edited>& edited, bool is_kept);
   void on_pieces(const std::string& world, const Result<PieceDone>& done, bool is_kept);
-  void respond(tl::expected<std::string, RequestError> body, bool is_kept);
+  void move_state(const Action& action, bool is_kept);
+  void respond(tl::expected<std::string, RequestError> body, bool is_kept,
+               std::string_view content_type = "application/json");
   [[nodiscard]] std::string lease_of(const std::string& arm) const;
-  void prepare(unsigned status, std::string body, bool is_kept);
+  void prepare(unsigned status, std::string body, bool is_kept, std::string_view content_type);
 
   Stream stream_;
   ClientId id_;

@@ -24,12 +24,13 @@ struct Verb {
   ActionKind kind;
   PieceVerb piece_verb{};
 };
-constexpr std::array<Verb, 10> kVerbs{{
+constexpr std::array<Verb, 11> kVerbs{{
     {kArms, "activate", ActionKind::Activate},
     {kArms, "deactivate", ActionKind::Deactivate},
     {kArms, "clear-fault", ActionKind::ClearFault},
     {kArms, "steady-force", ActionKind::SteadyForce},
     {kWorlds, "edits", ActionKind::EditWorld},
+    {kWorlds, "state", ActionKind::SaveWorld},
     {kWorlds, "select", ActionKind::ActOnPieces, PieceVerb::Select},
     {kWorlds, "drop", ActionKind::ActOnPieces, PieceVerb::Drop},
     {kWorlds, "delete", ActionKind::ActOnPieces, PieceVerb::Delete},
@@ -121,6 +122,12 @@ tl::expected<Action, RequestError> read_parameters(Action action,
   return action;
 }
 
+// What a method does with what the target names; nothing where it does not go with it.
+std::string_view allowed_methods(ActionKind kind) {
+  if (kind == ActionKind::Status) return "GET";
+  return kind == ActionKind::SaveWorld ? "GET, PUT" : "POST";
+}
+
 unsigned http_status_of(Errc code) {
   switch (code) {
     case Errc::InvalidArgument:
@@ -152,19 +159,29 @@ tl::unexpected<RequestError> malformed(std::string message) {
   return tl::unexpected(RequestError{400, "malformed", std::move(message), ""});
 }
 
+bool may_bring_state(std::string_view target) {
+  const auto action = parse_target(target);
+  return action && action->kind == ActionKind::SaveWorld;
+}
+
 tl::expected<Action, RequestError> parse_request(std::string_view method, std::string_view target,
                                                  std::string_view body) {
   auto action = parse_target(target);
   if (!action) {
-    return tl::unexpected(
-        RequestError{404, "not-found",
-                     "there is only /v1/status, /v1/arms/NAME/activate, "
-                     "deactivate, clear-fault and steady-force, and /v1/worlds/NAME/edits, select, "
-                     "drop, delete, free and reset",
-                     ""});
+    return tl::unexpected(RequestError{
+        404, "not-found",
+        "there is only /v1/status, /v1/arms/NAME/activate, "
+        "deactivate, clear-fault and steady-force, and /v1/worlds/NAME/edits, state, select, "
+        "drop, delete, free and reset",
+        ""});
   }
-  const std::string_view allowed = action->kind == ActionKind::Status ? "GET" : "POST";
-  if (method != allowed) {
+  const std::string_view allowed = allowed_methods(action->kind);
+  if (action->kind == ActionKind::SaveWorld && method == "PUT") {
+    action->kind = ActionKind::LoadWorld;
+    action->state = body;
+    return *std::move(action);
+  }
+  if (method != allowed.substr(0, allowed.find(','))) {
     return tl::unexpected(RequestError{405, "method-not-allowed",
                                        "this takes " + std::string(allowed) + " only",
                                        std::string(allowed)});

@@ -18,7 +18,9 @@ enum class ActionKind : std::uint8_t {
   ClearFault,
   SteadyForce,
   EditWorld,
-  ActOnPieces
+  ActOnPieces,
+  SaveWorld,
+  LoadWorld
 };
 
 // What a request asks for.
@@ -29,6 +31,7 @@ struct Action {
   std::optional<std::uint32_t> fault{};  // ClearFault: its number, where one is named
   std::optional<double> up_newton{};     // SteadyForce: nothing ends it
   PieceVerb piece_verb{};                // ActOnPieces
+  std::string state{};                   // LoadWorld: the bytes of the file
   bool operator==(const Action&) const = default;
 };
 
@@ -43,6 +46,9 @@ struct RequestError {
 
 // What is refused as it stands: a 400 with the sentence that says why.
 [[nodiscard]] tl::unexpected<RequestError> malformed(std::string message);
+
+// Whether a request for `target` may bring a saved state, which is larger than other bodies.
+[[nodiscard]] bool may_bring_state(std::string_view target);
 
 // Pure and total: any bytes give an action or an error.
 [[nodiscard]] tl::expected<Action, RequestError> parse_request(std::string_view method,

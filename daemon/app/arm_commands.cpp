@@ -19,6 +19,10 @@ tl::unexpected<Error> still_lost(const session::ArmSession& session, const Fault
                                       "); what is latched can be cleared when it is back");
 }
 
+tl::unexpected<Error> has_no_world(std::string_view world) {
+  return fail(Errc::NotFound, "this daemon has no world '" + std::string(world) + "'");
+}
+
 // Why an arm in this state cannot come to be driven, whoever asks; success: it may.
 Result<void> check_drivable(session::ArmRig& rig) {
   session::ArmSession& session = rig.session();
@@ -132,6 +136,18 @@ void ArmCommands::end_steady_forces() {
     if (is_over) session(steady.arm).steady_force().release();
     return is_over;
   });
+}
+
+Result<std::string> ArmCommands::save_world(std::string_view world) {
+  session::WorldHost* host = runtime_.find_world(world);
+  if (host == nullptr) return has_no_world(world);
+  return host->save_state();
+}
+
+Result<std::uint64_t> ArmCommands::load_world(std::string_view world, std::string_view state) {
+  session::WorldHost* host = runtime_.find_world(world);
+  if (host == nullptr) return has_no_world(world);
+  return host->load_state(state);
 }
 
 void ArmCommands::client_gone(api::ClientId client) {

@@ -68,6 +68,41 @@ class Pieces(ProcessTest):
         self.assert_one_sentence(crowded.stderr, "world.0.source", "room for")
 
 
+class Live(ProcessTest):
+    def test_the_examples_run_while_they_are_felt(self):
+        for name, least in (("life.toml", 100), ("crystal.toml", 2)):
+            daemon = self.start("--config", EXAMPLES / name, "--set", "world.automaton.steps_per_s=200", name=name)
+            daemon.status_when(lambda s: s["worlds"][0]["occupied_cells"] >= least)
+            self.assertEqual(daemon.status()["arms"][0]["faults"], [])
+            self.assertEqual(daemon.stop(), 0)
+
+    def test_a_state_that_was_saved_is_gone_on_from(self):
+        daemon = self.start("--config", EXAMPLES / "life.toml", "--set", "world.automaton.steps_per_s=0")
+        first = occupied(daemon.status())
+        file = self.folder / "dish.nrrd"
+        told = self.thimble(daemon, "world", "save", "--file", file)
+        self.assertEqual((told.returncode, told.stdout), (0, f"world dish: saved to {file}\n"), told.stderr)
+        self.assertTrue(file.read_bytes().startswith(b"NRRD0004\n"))
+        self.assertEqual(self.thimble(daemon, "world", "clear").returncode, 0)
+        self.assertEqual(occupied(daemon.status()), 0)
+        told = self.thimble(daemon, "world", "load", "--file", file)
+        self.assertEqual((told.returncode, told.stdout), (0, f"world dish: goes on from {file}\n"), told.stderr)
+        self.assertEqual(occupied(daemon.status()), first)
+        file.write_bytes(file.read_bytes()[:-1])
+        told = self.thimble(daemon, "world", "load", "--file", file)
+        self.assertEqual(told.returncode, 1)
+        self.assert_one_sentence(told.stderr, "dish", "data: expected 32768 bytes, found 32767")
+        self.assertEqual(occupied(daemon.status()), first)
+        self.assertEqual(daemon.stop(), 0)
+
+    def test_a_world_that_does_not_run_has_no_state(self):
+        daemon = self.start(config=HELLO)
+        told = self.thimble(daemon, "world", "save", "--file", self.folder / "none")
+        self.assertEqual(told.returncode, 1)
+        self.assert_one_sentence(told.stderr, "it does not run by itself")
+        self.assertFalse((self.folder / "none").exists())
+
+
 def occupied(status):
     return status["worlds"][0]["occupied_cells"]
 

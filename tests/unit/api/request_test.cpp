@@ -69,6 +69,27 @@ TEST(ApiRequest, KnowsWhatIsDoneToPieces) {
   }
 }
 
+TEST(ApiRequest, TakesAnyBytesForAState) {
+  const auto save = parse_request("GET", "/v1/worlds/dish/state", "");
+  ASSERT_TRUE(save);
+  EXPECT_EQ(save->kind, ActionKind::SaveWorld);
+  const std::string bytes("NRRD\0\xff{", 7);
+  const auto load = parse_request("PUT", "/v1/worlds/dish/state", bytes);
+  ASSERT_TRUE(load);
+  EXPECT_EQ(load->kind, ActionKind::LoadWorld);
+  EXPECT_EQ(load->name, "dish");
+  EXPECT_EQ(load->state, bytes);
+  const auto other = parse_request("POST", "/v1/worlds/dish/state", bytes);
+  EXPECT_EQ(other.error().http_status, 405U);
+  EXPECT_EQ(other.error().allow, "GET, PUT");
+  EXPECT_EQ(parse_request("PUT", "/v1/worlds/dish/edits", "").error().http_status, 405U);
+  EXPECT_EQ(parse_request("GET", "/v1/worlds/dish/state", "[1]").error().http_status, 400U);
+  EXPECT_TRUE(may_bring_state("/v1/worlds/dish/state"));
+  for (const char* target : {"/v1/worlds/dish/edits", "/v1/arms/dish/state", "/v1/status", ""}) {
+    EXPECT_FALSE(may_bring_state(target)) << target;
+  }
+}
+
 TEST(ApiRequest, AnswersNotFoundToEveryOtherTarget) {
   const std::string long_name(33, 'a');
   for (const std::string& target :

@@ -39,6 +39,12 @@ class FakeDaemon : public api::StatusView, public api::Commands {
   void edit_world(std::string_view, const std::vector<api::CellEdit>&, api::ClientId,
                   api::EditAnswer) override {}
   void act_on_pieces(std::string_view, api::PieceVerb, api::ClientId, api::PieceAnswer) override {}
+  Result<std::string> save_world(std::string_view) override {
+    return fail(Errc::Unsupported, "nothing runs here");
+  }
+  Result<std::uint64_t> load_world(std::string_view, std::string_view) override {
+    return fail(Errc::Unsupported, "nothing runs here");
+  }
   void client_gone(api::ClientId) override {}
 };
 

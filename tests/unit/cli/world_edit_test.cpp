@@ -106,6 +106,26 @@ TEST(WorldEdit, SaysInWordsWhatIsWrong) {
   EXPECT_EQ(find_misfit(edit_with("fill", 1)), "fill needs --max beside --min");
 }
 
+TEST(WorldEdit, AStateHasAFileAndNothingElse) {
+  for (const std::string verb : {"save", "load"}) {
+    for (unsigned said = 0; said < 32; ++said) {
+      WorldEdit edit = edit_with(verb, said);
+      EXPECT_NE(find_misfit(edit), "") << verb << " " << said;
+      edit.file = "dish.nrrd";
+      EXPECT_EQ(find_misfit(edit).empty(), said == 0) << verb << " " << said;
+    }
+    EXPECT_EQ(find_misfit(edit_with(verb, 0)), verb + " needs --file");
+    EXPECT_TRUE(is_about_state(edit_with(verb, 0)));
+  }
+  for (const std::string verb : kVerbs) {
+    WorldEdit edit = edit_with(verb, verb == "paint" ? 12 : 0);
+    EXPECT_EQ(find_misfit(edit), "");
+    edit.file = "dish.nrrd";
+    EXPECT_EQ(find_misfit(edit), "--file does not go with " + verb);
+    EXPECT_FALSE(is_about_state(edit));
+  }
+}
+
 TEST(WorldEdit, TakesBallsThatTheDaemonTakes) {
   for (const double good_m : {1e-300, 0.01, 1e6}) {
     EXPECT_EQ(find_misfit({"paint", {}, {}, {0, -good_m, good_m}, good_m, {}}), "") << good_m;
