@@ -18,6 +18,7 @@
 #include "cli/flight/report.hpp"
 #include "cli/flight/show.hpp"
 #include "cli/numbers.hpp"
+#include "cli/picture/snapshot.hpp"
 #include "cli/text.hpp"
 #include "daemon/config/name.hpp"
 #include "daemon/config/paths.hpp"
@@ -263,10 +264,14 @@ void add_calibrate_command(CLI::App& app, Arguments& arguments, int& code) {
 void add_world_command(CLI::App& app, Arguments& arguments, int& code) {
   constexpr int kAxes = 3;
   thimble::cli::WorldEdit& edit = arguments.edit;
-  CLI::App* command = app.add_subcommand("world", "Change the cells of a world");
-  command->add_option("EDIT", edit.verb, "fill, clear, box (its six sides) or paint (a ball)")
+  CLI::App* command =
+      app.add_subcommand("world", "Change the cells of a world, or save and load it");
+  command
+      ->add_option("EDIT", edit.verb,
+                   "fill, clear, box (its six sides) or paint (a ball); save or load, of "
+                   "a world that runs by itself")
       ->required()
-      ->check(CLI::IsMember({"fill", "clear", "box", "paint"}));
+      ->check(CLI::IsMember({"fill", "clear", "box", "paint", "save", "load"}));
   command->add_option("WORLD", arguments.world, "Name of the world; not needed when there is one")
       ->check(refuse_no_name);
   command->add_option("--min", edit.min, "First cell along x, y and z; default: of the whole world")
@@ -284,10 +289,13 @@ void add_world_command(CLI::App& app, Arguments& arguments, int& code) {
       ->add_option("--cell", edit.cell,
                    "What the cells become: 0 free, 1 filled, 1 + n of the n-th material")
       ->check(refuse_no_value);
+  command->add_option("--file", edit.file, "To save to, or load");
   command->callback([&] {
     const std::string misfit = thimble::cli::find_misfit(edit);
     if (!misfit.empty()) throw CLI::ValidationError("world", misfit);
-    code = thimble::cli::run_world_edit(arguments.socket_path, arguments.world, edit);
+    const auto run = thimble::cli::is_about_state(edit) ? thimble::cli::run_world_state
+                                                        : thimble::cli::run_world_edit;
+    code = run(arguments.socket_path, arguments.world, edit);
   });
 }
 
@@ -343,6 +351,7 @@ int run(int argc, char** argv) {
       ->check(refuse_no_fault);
   add_calibrate_command(app, arguments, code);
   add_world_command(app, arguments, code);
+  thimble::picture::add_snapshot_command(app, arguments.socket_path, code);
   add_piece_commands(app, arguments, code);
   app.footer(
       "Exit codes: 0 done, 1 refused, not printed or (doctor) something wrong, 2 wrong arguments, "

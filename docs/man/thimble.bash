@@ -6,7 +6,7 @@ _thimble_arms() {
 
 _thimble() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]}
-  local commands="status watch report doctor devices flight cam activate deactivate clear-fault calibrate-force world lab select drop delete free reset"
+  local commands="status watch report doctor devices flight cam activate deactivate clear-fault calibrate-force world snapshot lab select drop delete free reset"
   local options="--help --socket" command= socket=() i
   for ((i = 1; i < COMP_CWORD; ++i)); do
     if [[ ${COMP_WORDS[i]} == --socket ]]; then
@@ -17,7 +17,7 @@ _thimble() {
   done
   COMPREPLY=()
   case $before in
-    --socket | --plugin | --config) mapfile -t COMPREPLY < <(compgen -f -- "$word"); return ;;
+    --socket | --plugin | --config | --file) mapfile -t COMPREPLY < <(compgen -f -- "$word"); return ;;
     --root) mapfile -t COMPREPLY < <(compgen -d -- "$word"); return ;;
     --interval | --for | --before | --min | --max | --center | --radius | --cell | --fault | --most | --steps) return ;;
     --sites) mapfile -t COMPREPLY < <(compgen -W "22 24" -- "$word"); return ;;
@@ -54,12 +54,14 @@ _thimble() {
       fi ;;
     world)
       if [[ $word == -* ]]; then
-        options+=" --min --max --center --radius --cell"
+        options+=" --min --max --center --radius --cell --file"
       elif [[ $before == world ]]; then
-        options="fill clear box paint"
+        options="fill clear box paint save load"
       else
         options=
       fi ;;
+    snapshot)
+      [[ $word == -* ]] && options+=" --file" || options= ;;
     lab)
       if [[ $word != -* ]]; then
         options="cam-latency separate"

@@ -1,0 +1,187 @@
+#include "cli/picture/picture.hpp"
+
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "cli/picture/snapshot.hpp"
+
+namespace thimble::picture {
+namespace {
+
+struct Read {
+  std::uint32_t matter, seen, light, shade, rest;
+  bool operator==(const Read&) const = default;
+};
+Read read(std::uint32_t site) {
+  return {site & 7, site >> 3 & 7, site >> 6 & 7, site >> 9 & 7, site >> 12};
+}
+
+TEST(RenderRule, TheFirstCellIsSeenInTheLightThatCameThere) {
+  for (std::uint32_t n = 0; n < 65536; ++n) {
+    const Read before = read(n);
+    Read expected = before;
+    expected.matter = 0;
+    if (before.matter != 0) {
+      if (before.seen == 0) {
+        expected.seen = before.matter;
+        expected.shade = before.light;
+      }
+      expected.light = std::min(before.light + 1, 7U);
+    }
+    ASSERT_EQ(read(render_rule(n)), expected) << n;
+  }
+}
+
+ColorVolume random_volume(std::array<std::size_t, 3> cells, unsigned one_in, std::mt19937& random) {
+  ColorVolume volume{cells, std::vector<std::uint8_t>(cells[0] * cells[1] * cells[2])};
+  for (auto& color : volume.colors) {
+    color = static_cast<std::uint8_t>(random() % one_in == 0 ? 1 + random() % 7 : 0);
+  }
+  return volume;
+}
+
+std::uint32_t color_at(const ColorVolume& volume, std::ptrdiff_t x, std::ptrdiff_t y,
+                       std::ptrdiff_t z) {
+  const std::array<std::ptrdiff_t, 3> at{x, y, z};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (at[axis] < 0 || at[axis] >= static_cast<std::ptrdiff_t>(volume.cells[axis])) return 0;
+  }
+  const auto width = static_cast<std::ptrdiff_t>(volume.cells[0]);
+  const auto height = static_cast<std::ptrdiff_t>(volume.cells[1]);
+  return volume.colors[static_cast<std::size_t>(x + width * (y + height * z))];
+}
+
+// Along one line of sight, and back along the light from where it ends.
+std::array<std::uint8_t, 3> traced(const ColorVolume& volume, std::ptrdiff_t x, std::ptrdiff_t y) {
+  auto z = static_cast<std::ptrdiff_t>(volume.cells[2]) - 1;
+  while (z >= 0 && color_at(volume, x, y, z) == 0) --z;
+  const std::uint32_t color = z < 0 ? 0 : color_at(volume, x, y, z);
+  std::uint32_t passed = 0;
+  for (std::ptrdiff_t back = 1; z + back < static_cast<std::ptrdiff_t>(volume.cells[2]); ++back) {
+    if (color_at(volume, x - back, y + back, z + back) != 0) ++passed;
+  }
+  return pixel_of(color, std::min(passed, 7U));
+}
+
+TEST(Render, IsAsEachLineOfSightAndOfLight) {
+  std::mt19937 random(6);
+  const std::vector<std::array<std::size_t, 3>> sizes{
+      {8, 8, 8}, {1, 1, 1}, {17, 5, 9}, {64, 64, 1}, {3, 40, 30}};
+  for (const auto& cells : sizes) {
+    for (const unsigned one_in : {2U, 9U, 60U}) {
+      const ColorVolume volume = random_volume(cells, one_in, random);
+      const std::size_t pixels = 1 + random() % 3;
+      const Picture picture = render(volume, pixels);
+      ASSERT_EQ(picture.width, cells[0] * pixels);
+      ASSERT_EQ(picture.height, cells[1] * pixels);
+      for (std::size_t row = 0; row < picture.height; ++row) {
+        for (std::size_t column = 0; column < picture.width; ++column) {
+          const auto expected = traced(volume, static_cast<std::ptrdiff_t>(column / pixels),
+                                       static_cast<std::ptrdiff_t>(cells[1] - 1 - row / pixels));
+          for (std::size_t channel = 0; channel < 3; ++channel) {
+            ASSERT_EQ(picture.rgb[3 * (row * picture.width + column) + channel], expected[channel]);
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(Render, ColorsAreToldApartInLightAndInShadow) {
+  for (const std::uint32_t shade : {0U, 1U, 7U}) {
+    for (std::uint32_t a = 0; a < 8; ++a) {
+      for (std::uint32_t b = 0; b < a; ++b) EXPECT_NE(pixel_of(a, shade), pixel_of(b, shade));
+      EXPECT_NE(pixel_of(a, 0), pixel_of(a, 1));
+    }
+  }
+}
+
+TEST(Snapshot, MatterIsDrawnAndGasIsNot) {
+  // Gas in layers 0 to 3 and noise in 9 to 12 of a crystal's cells; crystal is 4 to 8.
+  const auto volume =
+      volume_of({"dla", {1, 1, 1}, 3, {0, 0x1f0, 0xf, 0x1e00, 0x1ff, 0, 0x8000, 0x10}});
+  ASSERT_TRUE(volume);
+  EXPECT_EQ(volume->cells, (std::array<std::size_t, 3>{2, 2, 2}));
+  EXPECT_EQ(volume->colors, (std::vector<std::uint8_t>{0, 6, 0, 0, 6, 0, 0, 6}));
+  EXPECT_EQ(volume_of({"no such", {0, 0, 0}, 0, {0}}).error().code, Errc::Unsupported);
+}
+
+TEST(Snapshot, FingersAreWhereTheirHandsAreWithTheirOffsets) {
+  api::Status status;
+  status.worlds.push_back({.name = "w", .source = "crystal", .cells = {8, 8, 8}, .cell_m = 0.01});
+  status.arms.resize(3);
+  status.arms[0].world = "w";
+  status.arms[0].position_m = {0.015, 0.005, -0.035};  // with its offset, the middle of (6, 4, 0)
+  status.arms[0].offset_m = {0.01, 0, 0};
+  status.arms[1].world = "elsewhere";
+  status.arms[2].world = "w";
+  status.arms[2].position_m = {std::nan(""), 0, 0};
+  ColorVolume volume{{8, 8, 8}, std::vector<std::uint8_t>(512)};
+  add_fingers(volume, status.worlds[0], status);
+  EXPECT_EQ(std::count(volume.colors.begin(), volume.colors.end(), 7), 1 + 5);
+  EXPECT_EQ(volume.colors[6 + 8 * 4], 7);
+  EXPECT_EQ(volume.colors[6 + 8 * (4 + 8)], 7);
+  status.arms[0].position_m = {1e300, 1e300, 1e300};
+  ColorVolume far{{8, 8, 8}, std::vector<std::uint8_t>(512)};
+  add_fingers(far, status.worlds[0], status);
+  EXPECT_EQ(std::count(far.colors.begin(), far.colors.end(), 7), 0);
+  // In a plane the third axis is free.
+  ColorVolume plane{{8, 8, 1}, std::vector<std::uint8_t>(64)};
+  status.worlds[0].cells = {8, 8, 1};
+  status.arms[0].position_m = {0.015, 0.005, 0.4};
+  add_fingers(plane, status.worlds[0], status);
+  EXPECT_EQ(plane.colors[6 + 8 * 4], 7);
+}
+
+std::size_t big_endian(const std::string& file, std::size_t at) {
+  std::size_t number = 0;
+  for (std::size_t i = 0; i < 4; ++i)
+    number = number << 8 | static_cast<unsigned char>(file[at + i]);
+  return number;
+}
+
+TEST(Png, HoldsEveryPixelInChunksThatAreSealed) {
+  std::mt19937 random(7);
+  Picture picture{31, 7, std::vector<std::uint8_t>(3 * 31 * 7)};
+  for (auto& byte : picture.rgb) byte = static_cast<std::uint8_t>(random());
+  const std::string file = to_png(picture);
+  ASSERT_EQ(file.substr(0, 8), "\x89PNG\r\n\x1a\n");
+  std::string types;
+  std::string data;
+  for (std::size_t at = 8; at < file.size();) {
+    const std::size_t size = big_endian(file, at);
+    ASSERT_LE(at + size + 12, file.size());
+    const std::string sealed = file.substr(at + 4, size + 4);
+    EXPECT_EQ(big_endian(file, at + 8 + size),
+              ::crc32(0, reinterpret_cast<const Bytef*>(sealed.data()),
+                      static_cast<uInt>(sealed.size())));
+    types += sealed.substr(0, 4);
+    if (sealed.starts_with("IDAT")) data = sealed.substr(4);
+    if (sealed.starts_with("IHDR")) {
+      EXPECT_EQ(big_endian(sealed, 4), 31U);
+      EXPECT_EQ(big_endian(sealed, 8), 7U);
+      EXPECT_EQ(sealed.substr(12), std::string("\x08\x02\x00\x00\x00", 5));
+    }
+    at += size + 12;
+  }
+  EXPECT_EQ(types, "IHDRIDATIEND");
+  std::string rows(7 * (31 * 3 + 1), 'x');
+  uLongf size = rows.size();
+  ASSERT_EQ(::uncompress(reinterpret_cast<Bytef*>(rows.data()), &size,
+                         reinterpret_cast<const Bytef*>(data.data()), data.size()),
+            Z_OK);
+  ASSERT_EQ(size, rows.size());
+  for (std::size_t row = 0; row < 7; ++row) {
+    EXPECT_EQ(rows[row * 94], '\0');
+    for (std::size_t i = 0; i < 93; ++i) {
+      ASSERT_EQ(static_cast<std::uint8_t>(rows[row * 94 + 1 + i]), picture.rgb[row * 93 + i]);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace thimble::picture
