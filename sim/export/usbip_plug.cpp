@@ -130,7 +130,9 @@ void UsbipPlug::fire(MonotonicTime now) noexcept {
     } else {
       connection->session.leave_round_out();
     }
-    if (!send(*connection) || !is_up || is_idle(*connection, now)) drop(connection);
+    if (!send(*connection) || !is_up || is_idle(*connection, now) || is_over(*connection)) {
+      drop(connection);
+    }
     connection = next;
   }
   if (round_ % rounds_per_frame_ != 0) return;
@@ -165,6 +167,11 @@ bool UsbipPlug::is_idle(const Connection& connection, MonotonicTime now) noexcep
   const UsbipSession& session = connection.session;
   const bool is_host = session.is_attached() && session.counters().requests > 0;
   return !is_host && now - connection.answered_at > kPatience;
+}
+
+// With its answer on the way: who asks again and again would keep its place for ever.
+bool UsbipPlug::is_over(Connection& connection) noexcept {
+  return connection.session.is_over() && connection.session.outbox().empty();
 }
 
 void UsbipPlug::accept(MonotonicTime now) {

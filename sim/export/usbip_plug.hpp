@@ -68,6 +68,7 @@ class UsbipPlug final : public Plug, private Event {
   void fire(MonotonicTime now) noexcept override;
   void accept(MonotonicTime now);
   [[nodiscard]] static bool is_idle(const Connection& connection, MonotonicTime now) noexcept;
+  [[nodiscard]] static bool is_over(Connection& connection) noexcept;
   [[nodiscard]] bool receive(Connection& connection);
   [[nodiscard]] bool send(Connection& connection);
   void drop(std::list<Connection>::iterator connection);

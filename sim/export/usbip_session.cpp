@@ -101,6 +101,7 @@ bool UsbipSession::take_op(std::span<const std::uint8_t> message) {
     reply = usbip::devlist_reply(is_available_ ? &device : nullptr);
   }
   outbox_.insert(outbox_.end(), reply.begin(), reply.end());
+  is_answered_ = true;
   return true;
 }
 
@@ -225,6 +226,10 @@ UsbipSession::Progress UsbipSession::control(Transfer& transfer, MonotonicTime n
   is_under_way_ = true;  // it may be one of many, or change what the device says elsewhere
   if (around_.misbehaviour->is_stalled(now)) return end(transfer, -EPIPE);
   if (!is_standard(request)) return class_request(transfer, request, now);
+  // An answer of a write has no data, whatever its setup asks for: they would be the next header.
+  if (!transfer.submit.is_in && bus::asks_for_data(request) && request.length > 0) {
+    return end(transfer, -EPIPE);
+  }
   const auto answer = answer_standard(*persona_, request, configuration_);
   if (!answer) return end(transfer, -EPIPE);
   std::erase_if(halted_, [&](const auto& endpoint) { return ends_halt(request, endpoint); });

@@ -58,6 +58,9 @@ class UsbipSession {
   [[nodiscard]] std::vector<std::uint8_t>& outbox() noexcept { return outbox_; }
 
   [[nodiscard]] bool is_attached() const noexcept { return is_attached_; }
+  // It had a list, or was refused the device: whoever wants more of it connects again, as with the
+  // usbipd of a kernel.
+  [[nodiscard]] bool is_over() const noexcept { return is_answered_ && !is_attached_; }
   // Somebody on the host's side has a transfer on one of its endpoints, or had within the last
   // kUseLasts. Ours: a driver that polls has a transfer pending nearly always, and tells nobody
   // when it closes.
@@ -109,6 +112,7 @@ class UsbipSession {
   bool is_under_way_{false};
   bool is_available_{false};
   bool is_attached_{false};
+  bool is_answered_{false};  // of what is asked before it attaches
   std::uint8_t configuration_{0};
   std::vector<bus::UsbEndpointInfo> halted_;
   std::optional<MonotonicTime> used_at_;

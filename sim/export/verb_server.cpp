@@ -1,9 +1,11 @@
 #include "sim/export/verb_server.hpp"
 
+#include <algorithm>
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/read_until.hpp>
 #include <boost/asio/write.hpp>
 #include <filesystem>
+#include <list>
 #include <utility>
 
 #include "sim/export/verb.hpp"
@@ -28,7 +30,7 @@ bool is_stale(asio::io_context& io, const std::string& path) {
 
 struct VerbServer::Shared {
   Answer answer;
-  std::size_t connections{0};
+  std::list<Connection*> connections{};  // the one that has been still for the longest time first
 };
 
 // Lives as long as something is under way for it.
@@ -36,9 +38,9 @@ class VerbServer::Connection : public std::enable_shared_from_this<Connection> {
  public:
   Connection(Local::socket socket, std::shared_ptr<Shared> shared)
       : socket_(std::move(socket)), shared_(std::move(shared)) {
-    ++shared_->connections;
+    shared_->connections.push_back(this);
   }
-  ~Connection() { --shared_->connections; }
+  ~Connection() { shared_->connections.remove(this); }
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
@@ -48,9 +50,21 @@ class VerbServer::Connection : public std::enable_shared_from_this<Connection> {
                              if (!error) self->reply(bytes);
                            });
   }
+  // What is under way for it ends at once, and it with that.
+  void cut_off() {
+    error_code ignored;
+    socket_.close(ignored);
+    shared_->connections.remove(this);
+  }
 
  private:
+  void note_move() {
+    auto& all = shared_->connections;
+    const auto self = std::find(all.begin(), all.end(), this);
+    if (self != all.end()) all.splice(all.end(), all, self);
+  }
   void reply(std::size_t bytes) {
+    note_move();
     if (shared_->answer == nullptr) return;  // the server is gone
     reply_ = shared_->answer(std::string_view(received_).substr(0, bytes - 1));
     received_.erase(0, bytes);
@@ -58,6 +72,7 @@ class VerbServer::Connection : public std::enable_shared_from_this<Connection> {
   }
   void write() {
     if (shared_->answer == nullptr) return;
+    note_move();
     piece_ = reply_();
     if (piece_.empty()) return read();
     asio::async_write(socket_, asio::buffer(piece_),
@@ -111,7 +126,8 @@ Result<std::unique_ptr<VerbServer>> VerbServer::listen(asio::io_context& io,
 void VerbServer::accept() {
   acceptor_.async_accept([this](error_code error, Local::socket socket) {
     if (error == asio::error::operation_aborted) return;
-    if (!error && shared_->connections < kMostConnections) {
+    if (!error) {
+      if (shared_->connections.size() == kMostConnections) shared_->connections.front()->cut_off();
       std::make_shared<Connection>(std::move(socket), shared_)->read();
     }
     accept();

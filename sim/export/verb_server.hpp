@@ -15,10 +15,10 @@ namespace thimble::sim {
 // it returns go back, until an empty one. A piece is asked for when the last one has gone, in a
 // handler of its own, so whoever runs one handler at a time is never held up for long.
 //
-// One who sends more than kMaxVerbBytes without a line break, or more than kMostConnections at
-// once, are cut off; while somebody takes no replies, no more of his lines are read. Thread: that
-// which runs the io_context. Not RT. Ownership: has its socket file, which goes with it. The
-// io_context must outlive it.
+// One who sends more than kMaxVerbBytes without a line break is cut off; so is, when there are
+// kMostConnections, the one that has been still for the longest time, for who comes anew; while
+// somebody takes no replies, no more of his lines are read. Thread: that which runs the io_context.
+// Not RT. Ownership: has its socket file, which goes with it. The io_context must outlive it.
 class VerbServer {
  public:
   static constexpr std::size_t kMostConnections = 8;  // ours: a test has one, a person a few

@@ -72,11 +72,13 @@ class Simdev(ProcessTest):
 
     def test_any_model_is_a_usb_device_for_who_attaches_it(self):
         for model, ids in (("sim:phantom-vintage", (0x1234, 0x0006)), ("polhem-1", (0x16C0, 0x0486)), ("falcon", (0x0403, 0xCB48)),
-                           ("woody-2015-serial", (0x16C0, 0x0483))):
+                           ("woody-2015-serial", (0x16C0, 0x0483)), ("spacemouse", (0x256F, 0xC635))):
             with self.subTest(model):
                 process, port = self.offer(model)
                 descriptor = self.device_descriptor(self.attached(port))
                 self.assertEqual(struct.unpack_from("<HH", descriptor, 8), ids)
+                ((status,),) = self.say("status")
+                self.assertEqual(status["model"], "sim:" + model.removeprefix("sim:"))
                 process.kill()
                 process.wait()
 

@@ -65,6 +65,8 @@ class Simdev {
  public:
   Simdev(plugin::SimModel model, const SimdevOptions& options)
       : misbehaviour_(options.seed), model_(std::move(model)), info_(plugin::describe(model_)) {
+    // Whatever the model calls itself, this is how it was asked for.
+    info_.address = {std::string(bus::kSimScheme) + options.model};
     if (!options.serial_number.empty()) info_.serial_number = options.serial_number;
     signals_.async_wait([this](auto, int) { is_over_ = true; });
   }

@@ -120,7 +120,25 @@ TEST_F(UsbipPlugTest, IsAttachedToOneHostAtATime) {
   host.close();
   bench_.run_frames(5);
   EXPECT_FALSE(sut_->is_attached());
-  EXPECT_EQ(ask(other, UsbipHost::import(), 320).size(), 320U);
+  Tcp::socket next = connect(*sut_);
+  EXPECT_EQ(ask(next, UsbipHost::import(), 320).size(), 320U);
+}
+
+// Or clients that ask for the list again and again keep the device from everybody.
+TEST_F(UsbipPlugTest, HangsUpOnceItGaveAListOrRefusedTheDevice) {
+  for (const Bytes& question : {UsbipHost::devlist(), UsbipHost::import("1-2")}) {
+    Tcp::socket client = connect(*sut_);
+    EXPECT_GE(ask(client, question, 8).size(), 8U);
+    ask(client, {}, 1);
+    EXPECT_TRUE(is_hung_up_);
+  }
+  std::vector<Tcp::socket> again;
+  for (std::size_t i = 0; i < 3 * UsbipPlug::kMostConnections; ++i) {
+    again.push_back(connect(*sut_));
+    EXPECT_EQ(ask(again.back(), UsbipHost::devlist(), 328).size(), 328U);
+  }
+  Tcp::socket host = connect(*sut_);
+  EXPECT_EQ(ask(host, UsbipHost::import(), 320).size(), 320U);
 }
 
 TEST_F(UsbipPlugTest, UnpluggedItHangsUpAndOffersNothing) {
@@ -131,11 +149,14 @@ TEST_F(UsbipPlugTest, UnpluggedItHangsUpAndOffersNothing) {
   EXPECT_EQ(script_->power_cycles, before + 1);
   ask(host, {}, 1);
   EXPECT_TRUE(is_hung_up_);
-  Tcp::socket again = connect(*sut_);
-  EXPECT_EQ(ask(again, UsbipHost::import(), 8).size(), 8U);
-  EXPECT_EQ(ask(again, UsbipHost::devlist(), 12).size(), 12U);
+  const auto ask_anew = [&](const Bytes& question, std::size_t wanted) {
+    Tcp::socket again = connect(*sut_);
+    return ask(again, question, wanted).size();
+  };
+  EXPECT_EQ(ask_anew(UsbipHost::import(), 8), 8U);
+  EXPECT_EQ(ask_anew(UsbipHost::devlist(), 12), 12U);
   ASSERT_TRUE(sut_->plug());
-  EXPECT_EQ(ask(again, UsbipHost::import(), 320).size(), 320U);
+  EXPECT_EQ(ask_anew(UsbipHost::import(), 320), 320U);
   EXPECT_EQ(sut_->plug().error().code, Errc::Busy);
 }
 
@@ -144,6 +165,19 @@ TEST_F(UsbipPlugTest, HangsUpOnWhoSaysNonsense) {
   ask(host, Bytes(64, 0xEE), 1);
   EXPECT_TRUE(is_hung_up_);
   EXPECT_EQ(sut_->counters().malformed, 1U);
+}
+
+// A kernel reads data behind the answer of a read only: any others would be taken for a header.
+TEST_F(UsbipPlugTest, AnswersNoDataToAWriteWhateverItsSetupAsksFor) {
+  Tcp::socket host = connect(*sut_);
+  ASSERT_EQ(ask(host, UsbipHost::import(), 320).size(), 320U);
+  Bytes message = host_.control({0, 9, 0, 0, 0, 0, 0, 0}, Bytes(18, 0));
+  const Bytes asks_for_descriptor{0x80, 6, 0, 1, 0, 0, 18, 0};
+  std::copy(asks_for_descriptor.begin(), asks_for_descriptor.end(), message.begin() + 40);
+  const Bytes answer = ask(host, message, 49);
+  ASSERT_EQ(answer.size(), 48U) << "a header alone";
+  EXPECT_EQ(static_cast<std::int32_t>(UsbipHost::get(answer, 20)), -EPIPE);
+  EXPECT_EQ(ask(host, host_.control({0x80, 6, 0, 1, 0, 0, 18, 0}), 66).size(), 66U);
 }
 
 // Four of them would keep everybody else out for ever.

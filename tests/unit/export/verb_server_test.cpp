@@ -91,17 +91,33 @@ TEST_F(VerbServerTest, CutsOffWhoSendsWithoutEnd) {
   EXPECT_TRUE(asked_.empty());
 }
 
-TEST_F(VerbServerTest, CutsOffWhoIsTooMany) {
+// Or who is there first, and says nothing, keeps everybody else out.
+TEST_F(VerbServerTest, CutsOffWhoHasBeenStillForTheLongestTimeWhenThereAreTooMany) {
   std::vector<Local::socket> clients;
   for (std::size_t i = 0; i < VerbServer::kMostConnections; ++i) clients.push_back(connect());
+  write(clients[0], "a\n");
   Local::socket late = connect();
-  read(late);
+  write(late, "b\n");
+  EXPECT_EQ(read(late), "to b\n");
+  EXPECT_EQ(read(clients[0]), "to a\n");
+  EXPECT_FALSE(is_cut_off_);
+  read(clients[1]);
   EXPECT_TRUE(is_cut_off_);
-  clients.pop_back();
-  run();
-  Local::socket next = connect();
-  write(next, "a\n");
-  EXPECT_EQ(read(next), "to a\n");
+  for (std::size_t i = 2; i < clients.size(); ++i) {
+    read(clients[i]);
+    EXPECT_FALSE(is_cut_off_) << i;
+  }
+}
+
+TEST_F(VerbServerTest, KeepsNoMoreThanItsMostHoweverManyCome) {
+  std::vector<Local::socket> clients;
+  for (std::size_t i = 0; i < 5 * VerbServer::kMostConnections; ++i) clients.push_back(connect());
+  std::size_t kept = 0;
+  for (Local::socket& client : clients) {
+    read(client);
+    if (!is_cut_off_) ++kept;
+  }
+  EXPECT_EQ(kept, VerbServer::kMostConnections);
 }
 
 TEST_F(VerbServerTest, TakesItsFileAlong) {
