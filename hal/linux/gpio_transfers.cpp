@@ -130,6 +130,12 @@ void GpioTransfers::wait(int wake) noexcept {
   std::array<pollfd, bus::kMaxGpioLines + 1> watched{};
   std::size_t count = 0;
   watched[count++] = {wake, POLLIN, 0};
+  // What is to be written waits for no edges.
+  if (const Duration pause = pause_.after_wake(clock_->now()); pause > Duration(0)) {
+    const timespec most{0, pause.count()};
+    ::ppoll(watched.data(), count, &most, nullptr);
+    return;
+  }
   for (gpiod_line* line : inputs_) watched[count++] = {gpiod_line_event_get_fd(line), POLLIN, 0};
   const Duration rest = std::max(next_read_ - clock_->now(), Duration(0));
   const auto rest_ms = std::chrono::ceil<std::chrono::milliseconds>(rest).count();

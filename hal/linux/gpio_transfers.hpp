@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "hal/base/burst_pause.hpp"
 #include "hal/base/result.hpp"
 #include "hal/base/time.hpp"
 #include "hal/bus/gpio_mailboxes.hpp"
@@ -36,7 +37,8 @@ class GpioTransfers {
   GpioTransfers(const GpioTransfers&) = delete;
   GpioTransfers& operator=(const GpioTransfers&) = delete;
 
-  // Until an edge waits, `wake` is readable, or levels are to be read.
+  // Until an edge waits, `wake` is readable, or levels are to be read; while the lines chatter, no
+  // more often than BurstPause has it.
   void wait(int wake) noexcept;
   // Brings the edges and the levels that are due, and takes the outputs.
   void serve() noexcept;
@@ -59,6 +61,7 @@ class GpioTransfers {
   std::vector<gpiod_line*> outputs_;
   std::uint32_t written_{0};
   MonotonicTime next_read_{};
+  BurstPause pause_;
 };
 
 }  // namespace thimble::linux
