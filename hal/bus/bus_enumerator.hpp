@@ -48,11 +48,14 @@ struct BusEvent {
 class BusEnumerator {
  public:
   virtual ~BusEnumerator() = default;
+  // The address of each says when it was plugged in, too (DeviceAddress::plugging): who opens by it
+  // opens what was listed, or nothing.
   [[nodiscard]] virtual std::vector<BusDeviceInfo> list() = 0;
   // The next arrival or departure since construction, in order; devices present at
   // construction are not announced. Never waits.
   [[nodiscard]] virtual std::optional<BusEvent> poll_event() = 0;
-  // NotFound, Busy (opened already), Permission or System.
+  // NotFound, also where another device stands there, or the same one was plugged in anew, since
+  // that address was listed; Busy (opened already), Permission or System.
   [[nodiscard]] virtual Result<std::unique_ptr<HidDevice>> open_hid(
       const DeviceAddress& address) = 0;
   // The same, and InvalidArgument for a claim that the device's descriptors do not fill. Its IN

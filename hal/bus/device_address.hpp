@@ -12,7 +12,16 @@ namespace thimble::bus {
 // simulated one: what else has to be known of a device, its bus says.
 struct DeviceAddress {
   std::string text;
-  auto operator<=>(const DeviceAddress&) const = default;
+  // Which time it was plugged in, in the words of the bus that listed it; empty: whichever. No part
+  // of the name, and not compared.
+  std::string plugging{};
+
+  friend bool operator==(const DeviceAddress& a, const DeviceAddress& b) noexcept {
+    return a.text == b.text;
+  }
+  friend std::strong_ordering operator<=>(const DeviceAddress& a, const DeviceAddress& b) noexcept {
+    return a.text <=> b.text;
+  }
 };
 
 // The scheme of models on buses in virtual time; what follows it is the model's name.

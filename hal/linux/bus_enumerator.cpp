@@ -19,13 +19,18 @@ BusEnumerator::BusEnumerator(const BusSettings& settings, UdevScan::IsArm is_arm
 
 std::vector<bus::BusDeviceInfo> BusEnumerator::list() {
   std::vector<bus::BusDeviceInfo> devices;
-  for (FoundDevice& device : scan_->devices()) devices.push_back(std::move(device.info));
+  for (FoundDevice& device : scan_->devices()) {
+    devices.push_back(std::move(device.info));
+    devices.back().address.plugging = std::move(device.identity);
+  }
   return devices;
 }
 
 Result<FoundDevice> BusEnumerator::find(const bus::DeviceAddress& address, bus::BusKind kind) {
   for (FoundDevice& device : scan_->devices()) {
-    if (device.info.address == address && device.info.kind == kind) return std::move(device);
+    if (device.info.address != address || device.info.kind != kind) continue;
+    if (address.plugging.empty() || address.plugging == device.identity) return std::move(device);
+    return fail(Errc::NotFound, address.text + ": it was plugged in anew since it was looked at");
   }
   return fail(Errc::NotFound, "no device at " + address.text);
 }

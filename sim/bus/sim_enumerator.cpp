@@ -1,5 +1,6 @@
 #include "sim/bus/sim_enumerator.hpp"
 
+#include <string>
 #include <utility>
 #include <variant>
 
@@ -28,6 +29,7 @@ Result<void> SimEnumerator::check_new(const DeviceAddress& address, bool has_mod
 void SimEnumerator::add(std::unique_ptr<SimPort> port) {
   events_.push_back({BusEvent::Kind::Arrived, port->info()});
   const DeviceAddress address = port->info().address;
+  ++pluggings_[address];
   ports_.emplace(address, std::move(port));
 }
 
@@ -85,14 +87,21 @@ Result<void> SimEnumerator::replug(const DeviceAddress& address) {
   if (port == nullptr || !port->replug()) {
     return fail(Errc::NotFound, address.text + " is not an unplugged device");
   }
+  ++pluggings_[address];
   events_.push_back({BusEvent::Kind::Arrived, port->info()});
   return {};
+}
+
+bus::BusDeviceInfo SimEnumerator::describe(const SimPort& port) const {
+  bus::BusDeviceInfo info = port.info();
+  info.address.plugging = std::to_string(pluggings_.at(info.address));
+  return info;
 }
 
 std::vector<bus::BusDeviceInfo> SimEnumerator::list() {
   std::vector<bus::BusDeviceInfo> devices;
   for (const auto& [address, port] : ports_) {
-    if (port->is_plugged()) devices.push_back(port->info());
+    if (port->is_plugged()) devices.push_back(describe(*port));
   }
   return devices;
 }
@@ -131,7 +140,10 @@ plugin::ArmBackend* SimEnumerator::arm_backend(const DeviceAddress& address) noe
 
 SimPort* SimEnumerator::find(const DeviceAddress& address) noexcept {
   const auto found = ports_.find(address);
-  return found == ports_.end() ? nullptr : found->second.get();
+  if (found == ports_.end()) return nullptr;
+  const bool is_as_listed =
+      address.plugging.empty() || address.plugging == std::to_string(pluggings_.at(address));
+  return is_as_listed ? found->second.get() : nullptr;
 }
 
 }  // namespace thimble::sim

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <deque>
 #include <map>
 #include <memory>
@@ -55,10 +56,14 @@ class SimEnumerator final : public bus::BusEnumerator {
  private:
   [[nodiscard]] Result<void> check_new(const bus::DeviceAddress& address, bool has_model) const;
   void add(std::unique_ptr<SimPort> port);
+  // As it is now, with the number of its plugging.
+  [[nodiscard]] bus::BusDeviceInfo describe(const SimPort& port) const;
+  // nullptr: unknown, or plugged in anew since it was listed.
   [[nodiscard]] SimPort* find(const bus::DeviceAddress& address) noexcept;
 
   VirtualClock* clock_;
   std::map<bus::DeviceAddress, std::unique_ptr<SimPort>> ports_;
+  std::map<bus::DeviceAddress, std::uint64_t> pluggings_;
   std::deque<bus::BusEvent> events_;
 };
 

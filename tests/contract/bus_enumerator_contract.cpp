@@ -11,6 +11,15 @@ bool lists(BusRig& rig) {
                      [&](const bus::BusDeviceInfo& info) { return info.address == rig.address(); });
 }
 
+// As the bus says it.
+bus::DeviceAddress listed(BusRig& rig) {
+  for (const bus::BusDeviceInfo& info : rig.buses().list()) {
+    if (info.address == rig.address()) return info.address;
+  }
+  ADD_FAILURE() << "it is not listed";
+  return {};
+}
+
 }  // namespace
 
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(BusEnumeratorContract);
@@ -80,6 +89,23 @@ TEST_P(BusEnumeratorContract, AReturnIsToldInOrderWithTheSameDescription) {
   EXPECT_EQ(event->kind, bus::BusEvent::Kind::Arrived);
   EXPECT_EQ(event->device.address, rig->address());
   EXPECT_EQ(rig->buses().list(), before);
+}
+
+// It was listed, matched and chosen; what returned in its place may be anything.
+TEST_P(BusEnumeratorContract, AnAddressThatWasListedOpensNothingThatWasPluggedInSince) {
+  const bus::DeviceAddress before = listed(*rig);
+  rig->unplug();
+  rig->settle();
+  rig->replug();
+  rig->settle();
+  const bus::DeviceAddress now = listed(*rig);
+  EXPECT_EQ(now, before) << "the same name";
+
+  const auto refused = rig->buses().open_hid(before);
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error().code, Errc::NotFound);
+  EXPECT_NE(refused.error().message.find(before.text), std::string::npos);
+  EXPECT_TRUE(rig->buses().open_hid(now).has_value());
 }
 
 TEST_P(BusEnumeratorContract, AReturnedDeviceOpensAnewWhileTheOldHandleStaysDead) {

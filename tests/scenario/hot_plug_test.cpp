@@ -1,7 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <stdexcept>
+#include <utility>
 
 #include "daemon/config/load.hpp"
 #include "daemon/session/runtime.hpp"
@@ -59,6 +61,7 @@ class ReluctantBus final : public bus::BusEnumerator {
   [[nodiscard]] Result<std::unique_ptr<bus::HidDevice>> open_hid(
       const bus::DeviceAddress& address) override {
     ++tries;
+    if (before_opening) std::exchange(before_opening, {})();
     if (is_busy || busy_tries-- > 0)
       return fail(Errc::Busy, address.text + " is held by somebody else");
     auto device = below_.open_hid(address);
@@ -71,6 +74,7 @@ class ReluctantBus final : public bus::BusEnumerator {
   void kill_handles() { ++generation_; }
 
   std::map<std::string, std::string> serial_numbers;  // instead of the models' own
+  std::function<void()> before_opening{};             // happens once, when it was looked at already
   bool is_busy{false};
   int busy_tries{0};  // so many are refused from now on
   bool are_born_dead{false};
@@ -259,6 +263,23 @@ TEST_F(HotPlug, AnotherArmAtTheSamePlaceIsRefusedAndNotEvenOpened) {
   run(1.2);
   EXPECT_EQ(state(0), OperatingState::Calibrating) << "the one that left is welcome";
   EXPECT_EQ(arm(0).trouble(), "");
+}
+
+// What stands there now may be anything: it is looked at again.
+TEST_F(HotPlug, AnArmThatIsPluggedInAnewBetweenTheLookAndTheOpeningIsNotOpenedAsWhatItWas) {
+  ASSERT_TRUE(plugs_.unplug({"hid:left"}));
+  run(0.1);
+  bus_.tries = 0;
+  bus_.before_opening = [&] {
+    ASSERT_TRUE(plugs_.unplug({"hid:left"}));
+    ASSERT_TRUE(plugs_.replug({"hid:left"}));
+    EXPECT_EQ(bus_.open, 1);
+  };
+  ASSERT_TRUE(plugs_.replug({"hid:left"}));
+  run(3);
+  EXPECT_EQ(bus_.tries, 2) << "the first got nothing";
+  EXPECT_EQ(bus_.open, 2);
+  EXPECT_EQ(state(0), OperatingState::Calibrating);
 }
 
 TEST_F(HotPlug, AnArmThatReturnsWithoutTheSerialNumberThatItHadIsAnother) {
