@@ -38,6 +38,20 @@ Sought seek(const Search& search) {
   return {std::move(there), tl::unexpected(done.error().in(search.arm.device))};
 }
 
+Sought seek_and_wait(const Search& search, devices::DeviceWork& work, Clock& clock) {
+  constexpr Duration kLook = std::chrono::milliseconds(1);  // ours; beside an opening it is nothing
+  ArmSeeker seeker(work);
+  const MonotonicTime deadline = clock.now() + kStartPatience;
+  seeker.begin(search, clock.now());
+  std::optional<Sought> sought = seeker.take();
+  while (!sought && clock.now() < deadline) {
+    static_cast<void>(clock.sleep_until(clock.now() + kLook));
+    sought = seeker.take();
+  }
+  if (sought) return *std::move(sought);
+  return {std::nullopt, fail(Errc::Timeout, seeker.lateness(clock.now()))};
+}
+
 ArmSeeker::~ArmSeeker() {
   if (std::optional<Sought> sought = take()) give_back(*std::move(sought));
 }

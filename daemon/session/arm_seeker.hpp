@@ -35,6 +35,14 @@ struct Sought {
 // plugin threw something.
 [[nodiscard]] Sought seek(const Search& search);
 
+// The same by `work`, for who may wait, as at a start: no closing of the same arm is under way
+// meanwhile. Gives up after kStartPatience, Timeout, and what comes of it later is closed. `clock`
+// is of who waits.
+[[nodiscard]] Sought seek_and_wait(const Search& search, devices::DeviceWork& work, Clock& clock);
+
+// Ours: of a start, for each arm; longer than all but a port that hangs takes.
+inline constexpr Duration kStartPatience = std::chrono::seconds(5);
+
 // One search after the other, none of which its owner waits for
 // (docs/decisions/0389-the-control-plane-waits-for-no-kernel.md).
 //

@@ -56,7 +56,7 @@ void ArmSession::make_loop(bool is_lost) {
 Result<std::unique_ptr<ArmSession>> ArmSession::create(const config::ArmConfig& arm,
                                                        const config::ServoConfig& servo,
                                                        const ArmSessionParts& parts) {
-  return create(arm, servo, parts, seek(search_for(arm, parts)));
+  return create(arm, servo, parts, seek_and_wait(search_for(arm, parts), parts.work, parts.clock));
 }
 
 Result<std::unique_ptr<ArmSession>> ArmSession::create(const config::ArmConfig& arm,

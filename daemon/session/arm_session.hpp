@@ -46,8 +46,8 @@ struct Recording {
 // Thread: loop() is ticked by the servo thread; all else belongs to one control thread.
 class ArmSession {
  public:
-  // Opens it here and now. Errors: as seek(), make_limiter_settings() and GuardedArm::begin(), with
-  // the arm's name in front.
+  // Opens it by parts.work and waits for that. Errors: as seek_and_wait(), make_limiter_settings()
+  // and GuardedArm::begin(), with the arm's name in front.
   [[nodiscard]] static Result<std::unique_ptr<ArmSession>> create(const config::ArmConfig& arm,
                                                                   const config::ServoConfig& servo,
                                                                   const ArmSessionParts& parts);

@@ -17,6 +17,27 @@ using testing::Not;
 
 class HangingArm : public testing::Test, protected test::TwoRealArms {};
 
+// Else an arm would be opened while it is being closed.
+TEST_F(HangingArm, AtTheStartIsOpenedByItsOwnWorkAndWaitedForButNotForEver) {
+  plug(kLeft);
+  plug(kRight);
+  is_work_postponed_ = is_start_postponed_ = true;
+  const MonotonicTime begun = clock_.now();
+  start();
+  EXPECT_EQ(clock_.now() - begun, 2 * session::kStartPatience);
+  EXPECT_TRUE(bus_.tries.empty());
+  EXPECT_EQ(state(kRight), OperatingState::Lost);
+  EXPECT_THAT(session::instruction_for(rig(kRight)),
+              HasSubstr("hid:right: the kernel has been opening it for 5 s"));
+  for (int i = 0; i < 600; ++i) {
+    for (test::PostponedWork& work : work_) work.do_all();
+    run(0.01);
+  }
+  EXPECT_EQ(state(kLeft), OperatingState::Active);
+  EXPECT_EQ(state(kRight), OperatingState::Active);
+  EXPECT_EQ(bus_.tries["hid:right"], 2) << "what came too late was closed";
+}
+
 // Who reads that it is gone looks at a plug that is in its socket.
 TEST_F(HangingArm, IsToldOfAsThatAndNotAsGone) {
   const auto is_told = [&](const std::string& instruction) {

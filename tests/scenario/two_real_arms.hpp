@@ -110,7 +110,9 @@ class TwoRealArms {
     return session::Runtime::create(*config, parts);
   }
   void start(const std::vector<std::string>& overrides = {}) {
+    for (PostponedWork& work : work_) work.postpone(is_start_postponed_);
     auto runtime = make(overrides);
+    for (PostponedWork& work : work_) work.postpone(true);
     if (!runtime) throw std::runtime_error(runtime.error().message);
     sut_ = *std::move(runtime);
   }
@@ -161,6 +163,7 @@ class TwoRealArms {
   KnownGuards guards_;
   // What the kernel is asked for lasts until the test says so; else it is done at once.
   bool is_work_postponed_{false};
+  bool is_start_postponed_{false};  // and that of the start, too
   test::PostponedWork work_[2];
   std::unique_ptr<sim::Person> people_[2];
   std::unique_ptr<session::Runtime> sut_;

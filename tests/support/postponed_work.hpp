@@ -10,7 +10,12 @@ namespace thimble::test {
 // Work that lasts until the test says that it is done.
 class PostponedWork final : public devices::DeviceWork {
  public:
-  void post(Task task) override { tasks_.push_back(std::move(task)); }
+  void post(Task task) override {
+    tasks_.push_back(std::move(task));
+    if (!is_postponing_) do_all();
+  }
+  // From now on, or not.
+  void postpone(bool is_postponing) noexcept { is_postponing_ = is_postponing; }
   [[nodiscard]] std::size_t waiting() const noexcept { return tasks_.size(); }
   // The next one, if any.
   void do_one() {
@@ -25,6 +30,7 @@ class PostponedWork final : public devices::DeviceWork {
 
  private:
   std::deque<Task> tasks_;
+  bool is_postponing_{true};
 };
 
 }  // namespace thimble::test
