@@ -78,8 +78,8 @@ Result<void> Daemon::start(const linux::RealtimeProcess& process) {
   session::RigParts parts{plugins_.models, plugins_.drivers};
   parts.real_buses = buses_.get();
   parts.guards = guards_.get();
-  parts.work_of = [this](const std::string& arm) -> devices::DeviceWork& {
-    return device_threads_->of(arm);
+  parts.executor_for = [this](const std::string& arm) -> devices::DeviceExecutor& {
+    return device_threads_->executor_for(arm);
   };
   parts.real_clock = &clock_;
   parts.stopwatch = &clock_;

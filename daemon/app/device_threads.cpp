@@ -9,7 +9,7 @@
 
 namespace thimble::app {
 
-class DeviceThreads::OfOneArm final : public devices::DeviceWork {
+class DeviceThreads::OfOneArm final : public devices::DeviceExecutor {
  public:
   OfOneArm() = default;
   // A device that is being closed uses what the daemon owns.
@@ -26,7 +26,9 @@ class DeviceThreads::OfOneArm final : public devices::DeviceWork {
 DeviceThreads::DeviceThreads() = default;
 DeviceThreads::~DeviceThreads() = default;
 
-devices::DeviceWork& DeviceThreads::of(const std::string& arm) { return *threads_.at(arm); }
+devices::DeviceExecutor& DeviceThreads::executor_for(const std::string& arm) {
+  return *threads_.at(arm);
+}
 
 std::vector<std::string> DeviceThreads::late_after(Duration patience, const Clock& clock) {
   const MonotonicTime deadline = clock.now() + patience;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "daemon/config/config.hpp"
-#include "daemon/devices/device_work.hpp"
+#include "daemon/devices/device_executor.hpp"
 #include "hal/base/result.hpp"
 #include "hal/base/time.hpp"
 
@@ -27,7 +27,7 @@ class DeviceThreads {
   DeviceThreads& operator=(const DeviceThreads&) = delete;
 
   // `arm`: the name of a real one of the configuration.
-  [[nodiscard]] devices::DeviceWork& of(const std::string& arm);
+  [[nodiscard]] devices::DeviceExecutor& executor_for(const std::string& arm);
   // The arms of which not all that was posted is done after `patience`, which is for all of them
   // together.
   [[nodiscard]] std::vector<std::string> late_after(Duration patience, const Clock& clock);

@@ -7,8 +7,8 @@
 namespace thimble::devices {
 
 // Ends devices, which may take the kernel seconds: the destructor runs where the closer says
-// (DeviceWork: in the arm's own thread, after what was posted before it), and nobody is told of its
-// end. What uses a device as its destructor does (buses, clocks) must outlive that.
+// (DeviceExecutor: in the arm's own thread, after what was posted before it), and nobody is told of
+// its end. What uses a device as its destructor does (buses, clocks) must outlive that.
 //
 // Thread: control thread. Not RT. Ownership: takes what it is given. Errors: none.
 class DeviceCloser {

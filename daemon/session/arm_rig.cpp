@@ -27,14 +27,14 @@ Result<std::unique_ptr<ArmRig>> ArmRig::create_stand_in(const config::ArmConfig&
   return rig;
 }
 
-devices::DeviceWork& ArmRig::work_for(const config::ArmConfig& arm, const RigParts& parts) {
-  return parts.work_of ? parts.work_of(arm.name) : at_once_;
+devices::DeviceExecutor& ArmRig::executor_of(const config::ArmConfig& arm, const RigParts& parts) {
+  return parts.executor_for ? parts.executor_for(arm.name) : inline_executor_;
 }
 
 template <class Instead>
 void ArmRig::await(const config::ArmConfig& arm, const Instead& instead, const RigParts& parts) {
   awaited_.emplace(Search{arm, parts.real_buses, &parts.drivers, parts.real_clock}, instead,
-                   work_for(arm, parts));
+                   executor_of(arm, parts));
 }
 
 Result<void> ArmRig::choose_bus(const config::ArmConfig& arm, const RigParts& parts) {
@@ -60,7 +60,7 @@ Result<void> ArmRig::choose_bus(const config::ArmConfig& arm, const RigParts& pa
   }
   buses_ = parts.real_buses;
   clock_ = parts.real_clock;
-  work_ = &work_for(arm, parts);
+  executor_ = &executor_of(arm, parts);
   return {};
 }
 
@@ -97,7 +97,7 @@ ArmSessionParts ArmRig::session_parts(WorldHost* world, const RigParts& parts) {
   return {*buses_,
           parts.drivers,
           wrapped_link_ ? *wrapped_link_ : link_->arm_end(),
-          *work_,
+          *executor_,
           *clock_,
           parts.stopwatch != nullptr ? *parts.stopwatch : *clock_,
           world != nullptr ? world->world().info().cell_m : 0,
@@ -135,8 +135,8 @@ Result<std::unique_ptr<ArmRig>> ArmRig::create_found(const config::ArmConfig& ar
     return ArmSession::create(arm, servo, of_session, std::move(sought));
   });
   // Where it did not come to a session, the device is still here.
-  if (!rig && sought.device && parts.work_of) {
-    parts.work_of(arm.name).close(*std::move(sought.device));
+  if (!rig && sought.device && parts.executor_for) {
+    parts.executor_for(arm.name).close(*std::move(sought.device));
   }
   return rig;
 }

@@ -21,7 +21,7 @@ struct RigParts {
   bus::BusEnumerator* real_buses{nullptr};  // nullptr: only "sim:" devices can be opened
   devices::ArmGuards* guards{nullptr};  // of real arms; nullptr: those that need one are refused
   // Opens and closes the real arm of that name while arms run; nothing: done at once.
-  std::function<devices::DeviceWork&(const std::string& arm)> work_of{};
+  std::function<devices::DeviceExecutor&(const std::string& arm)> executor_for{};
   Clock* real_clock{nullptr};            // nullptr: virtual time, nothing sleeps
   const Clock* stopwatch{nullptr};       // nullptr: the arm's own clock
   rt::WakeSignal* wake{nullptr};         // of the net plane
@@ -79,7 +79,8 @@ class ArmRig {
 
  private:
   ArmRig() = default;
-  [[nodiscard]] devices::DeviceWork& work_for(const config::ArmConfig& arm, const RigParts& parts);
+  [[nodiscard]] devices::DeviceExecutor& executor_of(const config::ArmConfig& arm,
+                                                     const RigParts& parts);
   // `instead`: the name of its stand-in, or why there is nothing.
   template <class Instead>
   void await(const config::ArmConfig& arm, const Instead& instead, const RigParts& parts);
@@ -98,8 +99,8 @@ class ArmRig {
                                      const RigParts& parts);
   [[nodiscard]] ArmSessionParts session_parts(WorldHost* world, const RigParts& parts);
 
-  devices::WorkAtOnce at_once_;
-  devices::DeviceWork* work_{&at_once_};
+  devices::InlineExecutor inline_executor_;
+  devices::DeviceExecutor* executor_{&inline_executor_};
   std::optional<AwaitedArm> awaited_;
   std::unique_ptr<SimArm> sim_arm_;
   std::optional<sim::RealTimeBrake> brake_;

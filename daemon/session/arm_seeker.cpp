@@ -38,9 +38,9 @@ Sought seek(const Search& search) {
   return {std::move(there), tl::unexpected(done.error().in(search.arm.device))};
 }
 
-Sought seek_and_wait(const Search& search, devices::DeviceWork& work, Clock& clock) {
+Sought seek_and_wait(const Search& search, devices::DeviceExecutor& executor, Clock& clock) {
   constexpr Duration kLook = std::chrono::milliseconds(1);  // ours; beside an opening it is nothing
-  ArmSeeker seeker(work);
+  ArmSeeker seeker(executor);
   const MonotonicTime deadline = clock.now() + kStartPatience;
   seeker.begin(search, clock.now());
   std::optional<Sought> sought = seeker.take();
@@ -62,7 +62,7 @@ void ArmSeeker::begin(Search search, MonotonicTime now) {
   begun_at_ = now;
   has_told_ = false;
   slot_ = std::make_shared<Slot>();
-  work_.post([slot = slot_, search = std::move(search)] {
+  executor_.post([slot = slot_, search = std::move(search)] {
     slot->sought = seek(search);
     slot->is_done.store(true);
   });
@@ -87,7 +87,7 @@ Result<void> ArmSeeker::tell_lateness(MonotonicTime now) {
 }
 
 void ArmSeeker::give_back(Sought sought) {
-  if (sought.device) work_.close(*std::move(sought.device));
+  if (sought.device) executor_.close(*std::move(sought.device));
 }
 
 }  // namespace thimble::session

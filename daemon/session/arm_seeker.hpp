@@ -6,7 +6,7 @@
 #include <string>
 
 #include "daemon/config/config.hpp"
-#include "daemon/devices/device_work.hpp"
+#include "daemon/devices/device_executor.hpp"
 #include "hal/base/result.hpp"
 #include "hal/base/time.hpp"
 #include "hal/bus/bus_enumerator.hpp"
@@ -35,10 +35,11 @@ struct Sought {
 // plugin threw something.
 [[nodiscard]] Sought seek(const Search& search);
 
-// The same by `work`, for who may wait, as at a start: no closing of the same arm is under way
+// The same by `executor`, for who may wait, as at a start: no closing of the same arm is under way
 // meanwhile. Gives up after kStartPatience, Timeout, and what comes of it later is closed. `clock`
 // is of who waits.
-[[nodiscard]] Sought seek_and_wait(const Search& search, devices::DeviceWork& work, Clock& clock);
+[[nodiscard]] Sought seek_and_wait(const Search& search, devices::DeviceExecutor& executor,
+                                   Clock& clock);
 
 // Ours: of a start, for each arm; longer than all but a port that hangs takes.
 inline constexpr Duration kStartPatience = std::chrono::seconds(5);
@@ -46,10 +47,11 @@ inline constexpr Duration kStartPatience = std::chrono::seconds(5);
 // One search after the other, none of which its owner waits for
 // (docs/decisions/0389-the-control-plane-waits-for-no-kernel.md).
 //
-// Thread: control thread. Ownership: `work` must outlive it; what nobody took is closed by that.
+// Thread: control thread. Ownership: `executor` must outlive it; what nobody took is closed by
+// that.
 class ArmSeeker {
  public:
-  explicit ArmSeeker(devices::DeviceWork& work) : work_(work) {}
+  explicit ArmSeeker(devices::DeviceExecutor& executor) : executor_(executor) {}
   ~ArmSeeker();
   ArmSeeker(const ArmSeeker&) = delete;
   ArmSeeker& operator=(const ArmSeeker&) = delete;
@@ -74,7 +76,7 @@ class ArmSeeker {
     std::atomic<bool> is_done{false};
     std::optional<Sought> sought;
   };
-  devices::DeviceWork& work_;
+  devices::DeviceExecutor& executor_;
   std::shared_ptr<Slot> slot_;
   std::string device_;  // of the newest search
   MonotonicTime begun_at_{};

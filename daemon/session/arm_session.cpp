@@ -20,11 +20,11 @@ ArmSession::ArmSession(const config::ArmConfig& arm, const ArmSessionParts& part
                        std::unique_ptr<coupling::ArmCoupling> coupling)
     : arm_(arm),
       parts_(parts),
-      device_(std::move(device), parts.work),
+      device_(std::move(device), parts.executor),
       coupling_(std::make_unique<coupling::SteadyForce>(std::move(coupling))),
       guard_("arm '" + arm.name + "'", {arm.device}, parts.guards, controls_),
       search_(search_for(arm, parts)),
-      seeker_(parts.work) {
+      seeker_(parts.executor) {
   controls_.want_active = arm.activate;
 }
 
@@ -36,7 +36,7 @@ Result<std::unique_ptr<ArmSession>> ArmSession::make(const config::ArmConfig& ar
   Result<std::unique_ptr<coupling::ArmCoupling>> coupling =
       make_coupling(arm, parts.cell_m, device->capabilities());
   if (!settings || !coupling) {
-    parts.work.close(std::move(device));
+    parts.executor.close(std::move(device));
     return tl::unexpected(settings ? coupling.error() : settings.error());
   }
   // The constructor is private, so make_unique cannot reach it.
@@ -56,7 +56,8 @@ void ArmSession::make_loop(bool is_lost) {
 Result<std::unique_ptr<ArmSession>> ArmSession::create(const config::ArmConfig& arm,
                                                        const config::ServoConfig& servo,
                                                        const ArmSessionParts& parts) {
-  return create(arm, servo, parts, seek_and_wait(search_for(arm, parts), parts.work, parts.clock));
+  return create(arm, servo, parts,
+                seek_and_wait(search_for(arm, parts), parts.executor, parts.clock));
 }
 
 Result<std::unique_ptr<ArmSession>> ArmSession::create(const config::ArmConfig& arm,

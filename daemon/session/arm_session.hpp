@@ -9,7 +9,7 @@
 #include "daemon/coupling/arm_coupling.hpp"
 #include "daemon/coupling/arm_link.hpp"
 #include "daemon/coupling/steady_force.hpp"
-#include "daemon/devices/device_work.hpp"
+#include "daemon/devices/device_executor.hpp"
 #include "daemon/devices/replaceable_device.hpp"
 #include "daemon/servo/flight_file.hpp"
 #include "daemon/servo/servo_loop.hpp"
@@ -27,7 +27,7 @@ struct ArmSessionParts {
   bus::BusEnumerator& buses;
   const plugin::DriverRegistry& drivers;
   coupling::ArmLink& link;
-  devices::DeviceWork& work;            // opens and closes the arm while the session lives
+  devices::DeviceExecutor& executor;    // opens and closes the arm while the session lives
   Clock& clock;                         // of the servo and of the arm's bus
   const Clock& stopwatch;               // measures only
   double cell_m{0};                     // of the world at the other end, where it is known
@@ -46,8 +46,8 @@ struct Recording {
 // Thread: loop() is ticked by the servo thread; all else belongs to one control thread.
 class ArmSession {
  public:
-  // Opens it by parts.work and waits for that. Errors: as seek_and_wait(), make_limiter_settings()
-  // and GuardedArm::begin(), with the arm's name in front.
+  // Opens it by parts.executor and waits for that. Errors: as seek_and_wait(),
+  // make_limiter_settings() and GuardedArm::begin(), with the arm's name in front.
   [[nodiscard]] static Result<std::unique_ptr<ArmSession>> create(const config::ArmConfig& arm,
                                                                   const config::ServoConfig& servo,
                                                                   const ArmSessionParts& parts);

@@ -22,14 +22,14 @@ namespace thimble::session {
 // A real arm that could not be had at the start; a simulated one stands in for it, or nothing does.
 // It is looked for when the bus tells of it, and now and then by itself.
 //
-// Thread: control thread. Ownership: `work` must outlive it.
+// Thread: control thread. Ownership: `executor` must outlive it.
 class AwaitedArm {
  public:
-  AwaitedArm(Search search, std::string stand_in, devices::DeviceWork& work)
-      : search_(std::move(search)), stand_in_(std::move(stand_in)), seeker_(work) {}
+  AwaitedArm(Search search, std::string stand_in, devices::DeviceExecutor& executor)
+      : search_(std::move(search)), stand_in_(std::move(stand_in)), seeker_(executor) {}
   // Nothing stands in. `why` it could not be had, with its name in front.
-  AwaitedArm(Search search, const Error& why, devices::DeviceWork& work)
-      : search_(std::move(search)), trouble_(why.message), seeker_(work) {}
+  AwaitedArm(Search search, const Error& why, devices::DeviceExecutor& executor)
+      : search_(std::move(search)), trouble_(why.message), seeker_(executor) {}
 
   // As the configuration has it.
   [[nodiscard]] const config::ArmConfig& arm() const noexcept { return search_.arm; }

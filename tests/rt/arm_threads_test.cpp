@@ -62,8 +62,8 @@ struct ArmThreads : testing::Test {
     parts.real_buses = &buses;
     parts.real_clock = &clock;
     parts.stopwatch = &clock;
-    parts.work_of = [this](const std::string& arm) -> devices::DeviceWork& {
-      return threads->of(arm);
+    parts.executor_for = [this](const std::string& arm) -> devices::DeviceExecutor& {
+      return threads->executor_for(arm);
     };
     auto made = session::Runtime::create(config, parts);
     ASSERT_TRUE(made) << made.error().message;

@@ -351,7 +351,7 @@ TEST_P(AbsentArmsAtRandom, AreLostAsLongAsTheyCannotBeHadAndNoLonger) {
     for (int i = 0; i < 6; ++i) {
       happen();
       run(0.001 * (1 + any(600)));
-      for (test::PostponedWork& work : work_) {
+      for (test::PostponedExecutor& work : work_) {
         for (unsigned tasks = any(3); tasks > 0; --tasks) work.do_one();
       }
     }
@@ -364,7 +364,7 @@ TEST_P(AbsentArmsAtRandom, AreLostAsLongAsTheyCannotBeHadAndNoLonger) {
       plug(arm);
     }
     for (int i = 0; i < 100; ++i) {
-      for (test::PostponedWork& work : work_) work.do_all();
+      for (test::PostponedExecutor& work : work_) work.do_all();
       run(kPatience_s / 100);
     }
     for (std::size_t arm = 0; arm < 2; ++arm) {

@@ -30,7 +30,7 @@ TEST_F(HangingArm, AtTheStartIsOpenedByItsOwnWorkAndWaitedForButNotForEver) {
   EXPECT_THAT(session::instruction_for(rig(kRight)),
               HasSubstr("hid:right: the kernel has been opening it for 5 s"));
   for (int i = 0; i < 600; ++i) {
-    for (test::PostponedWork& work : work_) work.do_all();
+    for (test::PostponedExecutor& work : work_) work.do_all();
     run(0.01);
   }
   EXPECT_EQ(state(kLeft), OperatingState::Active);
@@ -56,7 +56,7 @@ TEST_F(HangingArm, IsToldOfAsThatAndNotAsGone) {
   for (const bool has_been_there : {false, true}) {
     if (has_been_there) unplug(kRight);
     run(0.05);
-    for (test::PostponedWork& work : work_) work.do_all();  // the closing, and a look
+    for (test::PostponedExecutor& work : work_) work.do_all();  // the closing, and a look
     plug(kRight);
     run(4.5);
     is_told(session::instruction_for(rig(kRight)));

@@ -13,7 +13,7 @@
 #include "daemon/session/plugins.hpp"
 #include "daemon/session/runtime.hpp"
 #include "sim/model/hand/person.hpp"
-#include "tests/support/postponed_work.hpp"
+#include "tests/support/postponed_executor.hpp"
 
 namespace thimble::test {
 
@@ -103,16 +103,16 @@ class TwoRealArms {
     parts.guards = &guards_;
     parts.real_clock = &clock_;
     if (is_work_postponed_) {
-      parts.work_of = [this](const std::string& arm) -> devices::DeviceWork& {
+      parts.executor_for = [this](const std::string& arm) -> devices::DeviceExecutor& {
         return work_[arm == "right" ? kRight : kLeft];
       };
     }
     return session::Runtime::create(*config, parts);
   }
   void start(const std::vector<std::string>& overrides = {}) {
-    for (PostponedWork& work : work_) work.postpone(is_start_postponed_);
+    for (PostponedExecutor& work : work_) work.postpone(is_start_postponed_);
     auto runtime = make(overrides);
-    for (PostponedWork& work : work_) work.postpone(true);
+    for (PostponedExecutor& work : work_) work.postpone(true);
     if (!runtime) throw std::runtime_error(runtime.error().message);
     sut_ = *std::move(runtime);
   }
@@ -164,7 +164,7 @@ class TwoRealArms {
   // What the kernel is asked for lasts until the test says so; else it is done at once.
   bool is_work_postponed_{false};
   bool is_start_postponed_{false};  // and that of the start, too
-  test::PostponedWork work_[2];
+  test::PostponedExecutor work_[2];
   std::unique_ptr<sim::Person> people_[2];
   std::unique_ptr<session::Runtime> sut_;
   std::vector<Error> troubles_;

@@ -31,7 +31,7 @@ TEST_F(DeviceThreadsTest, WhatIsPostedIsDoneInOrderInAThreadOfItsOwn) {
   std::vector<int> done;
   std::thread::id thread;
   for (int i = 0; i < 50; ++i) {
-    sut->of("left").post([&, i] {
+    sut->executor_for("left").post([&, i] {
       done.push_back(i);
       thread = std::this_thread::get_id();
     });
@@ -46,11 +46,11 @@ TEST_F(DeviceThreadsTest, AnArmThatHangsHoldsUpNeitherTheCallerNorAnotherArm) {
   std::promise<void> answer;
   std::promise<void> other;
   std::atomic<bool> is_left_done{false};
-  sut->of("left").post([&] {
+  sut->executor_for("left").post([&] {
     answer.get_future().wait();
     is_left_done = true;
   });
-  sut->of("right").post([&] { other.set_value(); });
+  sut->executor_for("right").post([&] { other.set_value(); });
   other.get_future().wait();
   EXPECT_FALSE(is_left_done);
   answer.set_value();
@@ -62,8 +62,8 @@ TEST_F(DeviceThreadsTest, NamesTheArmThatIsNotDoneAndWaitsForTheOthers) {
   const linux::MonotonicClock clock;
   std::promise<void> answer;
   std::atomic<bool> is_right_done{false};
-  sut->of("left").post([&] { answer.get_future().wait(); });
-  sut->of("right").post([&] { is_right_done = true; });
+  sut->executor_for("left").post([&] { answer.get_future().wait(); });
+  sut->executor_for("right").post([&] { is_right_done = true; });
   EXPECT_EQ(sut->late_after(std::chrono::milliseconds(1), clock).front(), "left");
   answer.set_value();
   EXPECT_TRUE(sut->late_after(std::chrono::hours(1), clock).empty());
@@ -71,7 +71,7 @@ TEST_F(DeviceThreadsTest, NamesTheArmThatIsNotDoneAndWaitsForTheOthers) {
 }
 
 TEST_F(DeviceThreadsTest, ASimulatedArmHasNone) {
-  EXPECT_THROW(static_cast<void>(sut->of("toy")), std::out_of_range);
+  EXPECT_THROW(static_cast<void>(sut->executor_for("toy")), std::out_of_range);
 }
 
 }  // namespace

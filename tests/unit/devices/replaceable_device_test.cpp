@@ -5,7 +5,7 @@
 #include <atomic>
 #include <thread>
 
-#include "daemon/devices/device_work.hpp"
+#include "daemon/devices/device_executor.hpp"
 
 namespace thimble::devices {
 namespace {
@@ -52,7 +52,7 @@ class CountingDevice final : public HapticDevice {
 
 TEST(ReplaceableDevice, ReadsTheNewDeviceAfterAnOffer) {
   std::atomic<int> alive{0};
-  WorkAtOnce work;
+  InlineExecutor work;
   ReplaceableDevice sut(std::make_unique<CountingDevice>(1, alive), work);
   HapticState state;
   sut.read(state);
@@ -67,7 +67,7 @@ TEST(ReplaceableDevice, ReadsTheNewDeviceAfterAnOffer) {
 
 TEST(ReplaceableDevice, KeepsTheOldDeviceUntilTheServoLetsGoOfIt) {
   std::atomic<int> alive{0};
-  WorkAtOnce work;
+  InlineExecutor work;
   ReplaceableDevice sut(std::make_unique<CountingDevice>(1, alive), work);
   std::unique_ptr<HapticDevice> second = std::make_unique<CountingDevice>(2, alive);
   std::unique_ptr<HapticDevice> third = std::make_unique<CountingDevice>(3, alive);
@@ -86,7 +86,7 @@ TEST(ReplaceableDevice, KeepsTheOldDeviceUntilTheServoLetsGoOfIt) {
 
 TEST(ReplaceableDevice, ARetiredDeviceIsClosedAndWhatItWasIsRemembered) {
   std::atomic<int> alive{0};
-  WorkAtOnce work;
+  InlineExecutor work;
   ReplaceableDevice sut(std::make_unique<CountingDevice>(7, alive), work);
   EXPECT_TRUE(sut.retire());
   EXPECT_FALSE(sut.retire()) << "once is enough";
@@ -106,7 +106,7 @@ TEST(ReplaceableDevice, ARetiredDeviceIsClosedAndWhatItWasIsRemembered) {
 
 TEST(ReplaceableDevice, ARetiredDeviceIsReplacedByTheNext) {
   std::atomic<int> alive{0};
-  WorkAtOnce work;
+  InlineExecutor work;
   ReplaceableDevice sut(std::make_unique<CountingDevice>(1, alive), work);
   HapticState state;
   ASSERT_TRUE(sut.retire());
@@ -122,7 +122,7 @@ TEST(ReplaceableDevice, HandsOverWhileTheServoRuns) {
   std::atomic<int> alive{0};
   std::atomic<bool> is_done{false};
   {
-    WorkAtOnce work;
+    InlineExecutor work;
     ReplaceableDevice sut(std::make_unique<CountingDevice>(0, alive), work);
     std::thread servo([&] {
       HapticState state;

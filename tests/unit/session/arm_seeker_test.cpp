@@ -8,7 +8,7 @@
 #include "daemon/session/plugins.hpp"
 #include "sim/bus/sim_enumerator.hpp"
 #include "sim/time/virtual_clock.hpp"
-#include "tests/support/postponed_work.hpp"
+#include "tests/support/postponed_executor.hpp"
 
 namespace thimble::session {
 namespace {
@@ -19,7 +19,7 @@ struct ArmSeekerTest : testing::Test {
   Plugins plugins;
   sim::VirtualClock clock;
   sim::SimEnumerator buses{clock};
-  test::PostponedWork work;
+  test::PostponedExecutor work;
   ArmSeeker sut{work};
 
   ArmSeekerTest() {

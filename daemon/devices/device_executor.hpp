@@ -12,7 +12,7 @@ namespace thimble::devices {
 //
 // Thread: post() and close() from the control thread. Not RT.
 // Ownership: a task owns what it uses, or that outlives the work. Errors: a task throws nothing.
-class DeviceWork : public DeviceCloser {
+class DeviceExecutor : public DeviceCloser {
  public:
   using Task = std::function<void()>;
   // One after the other, as they were posted, closings among them. Returns at once, but of work
@@ -23,7 +23,7 @@ class DeviceWork : public DeviceCloser {
 };
 
 // At once, in the caller's thread: for devices that hold nobody up, as simulated ones.
-class WorkAtOnce final : public DeviceWork {
+class InlineExecutor final : public DeviceExecutor {
  public:
   void post(Task task) override { task(); }
 };

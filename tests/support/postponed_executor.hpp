@@ -3,12 +3,12 @@
 #include <deque>
 #include <utility>
 
-#include "daemon/devices/device_work.hpp"
+#include "daemon/devices/device_executor.hpp"
 
 namespace thimble::test {
 
 // Work that lasts until the test says that it is done.
-class PostponedWork final : public devices::DeviceWork {
+class PostponedExecutor final : public devices::DeviceExecutor {
  public:
   void post(Task task) override {
     tasks_.push_back(std::move(task));
