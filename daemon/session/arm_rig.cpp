@@ -33,7 +33,7 @@ devices::DeviceExecutor& ArmRig::executor_of(const config::ArmConfig& arm, const
 
 template <class Instead>
 void ArmRig::await(const config::ArmConfig& arm, const Instead& instead, const RigParts& parts) {
-  awaited_.emplace(Search{arm, parts.real_buses, &parts.drivers, parts.real_clock}, instead,
+  awaited_.emplace(OpenRequest{arm, parts.real_buses, &parts.drivers, parts.real_clock}, instead,
                    executor_of(arm, parts));
 }
 
@@ -130,13 +130,13 @@ Result<std::unique_ptr<ArmRig>> ArmRig::create(const config::ArmConfig& arm,
 Result<std::unique_ptr<ArmRig>> ArmRig::create_found(const config::ArmConfig& arm,
                                                      const config::ServoConfig& servo,
                                                      WorldHost* world, const RigParts& parts,
-                                                     Sought sought) {
+                                                     Opened opened) {
   auto rig = make(arm, world, parts, [&](const ArmSessionParts& of_session) {
-    return ArmSession::create(arm, servo, of_session, std::move(sought));
+    return ArmSession::create(arm, servo, of_session, std::move(opened));
   });
   // Where it did not come to a session, the device is still here.
-  if (!rig && sought.device && parts.executor_for) {
-    parts.executor_for(arm.name).close(*std::move(sought.device));
+  if (!rig && parts.executor_for) {
+    parts.executor_for(arm.name).close(std::move(opened.device));
   }
   return rig;
 }

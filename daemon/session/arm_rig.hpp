@@ -52,7 +52,7 @@ class ArmRig {
   // The same for an arm that AwaitedArm found.
   [[nodiscard]] static Result<std::unique_ptr<ArmRig>> create_found(
       const config::ArmConfig& arm, const config::ServoConfig& servo, WorldHost* world,
-      const RigParts& parts, Sought sought);
+      const RigParts& parts, Opened opened);
   // A rig in the place of a real arm that cannot be had now, and `why` not: its session is Lost
   // until Runtime finds the arm. Errors: what is wrong with more than the device.
   [[nodiscard]] static Result<std::unique_ptr<ArmRig>> create_lost(const config::ArmConfig& arm,

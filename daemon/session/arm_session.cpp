@@ -9,7 +9,7 @@
 namespace thimble::session {
 namespace {
 
-Search search_for(const config::ArmConfig& arm, const ArmSessionParts& parts) {
+OpenRequest request_for(const config::ArmConfig& arm, const ArmSessionParts& parts) {
   return {arm, &parts.buses, &parts.drivers, &parts.clock};
 }
 
@@ -23,8 +23,8 @@ ArmSession::ArmSession(const config::ArmConfig& arm, const ArmSessionParts& part
       device_(std::move(device), parts.executor),
       coupling_(std::make_unique<coupling::SteadyForce>(std::move(coupling))),
       guard_("arm '" + arm.name + "'", {arm.device}, parts.guards, controls_),
-      search_(search_for(arm, parts)),
-      seeker_(parts.executor) {
+      request_(request_for(arm, parts)),
+      opener_(parts.executor) {
   controls_.want_active = arm.activate;
 }
 
@@ -56,19 +56,19 @@ void ArmSession::make_loop(bool is_lost) {
 Result<std::unique_ptr<ArmSession>> ArmSession::create(const config::ArmConfig& arm,
                                                        const config::ServoConfig& servo,
                                                        const ArmSessionParts& parts) {
-  return create(arm, servo, parts,
-                seek_and_wait(search_for(arm, parts), parts.executor, parts.clock));
+  auto opened = opened_of(open_and_wait(request_for(arm, parts), parts.executor, parts.clock));
+  if (!opened) return tl::unexpected(opened.error().in("arm '" + arm.name + "'"));
+  return create(arm, servo, parts, *std::move(opened));
 }
 
 Result<std::unique_ptr<ArmSession>> ArmSession::create(const config::ArmConfig& arm,
                                                        const config::ServoConfig& servo,
                                                        const ArmSessionParts& parts,
-                                                       Sought sought) {
+                                                       Opened opened) {
   const std::string name = "arm '" + arm.name + "'";
-  if (!sought.device) return tl::unexpected(sought.device.error().in(name));
-  Result<std::unique_ptr<ArmSession>> session = make(arm, servo, parts, *std::move(sought.device));
+  Result<std::unique_ptr<ArmSession>> session = make(arm, servo, parts, std::move(opened.device));
   if (!session) return tl::unexpected(session.error().in(name));
-  (*session)->search_.left = std::move(sought.there);
+  (*session)->request_.left = std::move(opened.info);
   const Result<void> guarded = (*session)->guard_.begin((*session)->device_);
   if (!guarded) return tl::unexpected(guarded.error());
   (*session)->make_loop(false);
@@ -124,24 +124,24 @@ Result<void> ArmSession::follow(MonotonicTime now) {
     offered_at_tick_ = snapshot().frame.tick;
     return {};
   }
-  if (!seeker_.is_under_way()) {
+  if (!opener_.is_under_way()) {
     if (!pace_.is_due(now)) return {};
     pace_.tried(now);
-    seeker_.begin(search_, now);
+    opener_.begin(request_, now);
   }
-  std::optional<Sought> sought = seeker_.take();
-  if (!sought) return note_lateness(now);
-  Result<void> back = take_back(*std::move(sought));
+  std::optional<OpenOutcome> outcome = opener_.take();
+  if (!outcome) return note_lateness(now);
+  Result<void> back = take_back(*std::move(outcome));
   trouble_ = back ? "" : back.error().message;
   return back;
 }
 
 Result<void> ArmSession::note_lateness(MonotonicTime now) {
-  const std::string late = seeker_.lateness(now);
+  const std::string late = opener_.lateness(now);
   if (late.empty()) return {};
   const std::string name = "arm '" + arm_.name + "'";
   trouble_ = name + ": " + late;
-  Result<void> told = seeker_.tell_lateness(now);
+  Result<void> told = opener_.tell_lateness(now);
   return told ? told : tl::unexpected(told.error().in(name));
 }
 
@@ -152,12 +152,13 @@ bool ArmSession::is_lost_for_servo() {
   return is_seen_since && frame.state == OperatingState::Lost;
 }
 
-Result<void> ArmSession::take_back(Sought sought) {
-  if (!sought.there) return {};  // unplugged, which the state says already
+Result<void> ArmSession::take_back(OpenOutcome outcome) {
+  if (std::holds_alternative<NotThere>(outcome)) return {};  // which the state says already
   const std::string refusal = "arm '" + arm_.name + "' is back but cannot be opened";
-  if (!sought.device) return tl::unexpected(sought.device.error().in(refusal));
-  Result<void> offered = offer(*sought.device, refusal);
-  if (!offered) seeker_.give_back(std::move(sought));
+  Result<Opened> opened = opened_of(std::move(outcome));
+  if (!opened) return tl::unexpected(opened.error().in(refusal));
+  Result<void> offered = offer(opened->device, refusal);
+  if (!offered) opener_.give_back(*std::move(opened));
   return offered;
 }
 

@@ -13,7 +13,7 @@
 #include "daemon/devices/replaceable_device.hpp"
 #include "daemon/servo/flight_file.hpp"
 #include "daemon/servo/servo_loop.hpp"
-#include "daemon/session/arm_seeker.hpp"
+#include "daemon/session/arm_opening.hpp"
 #include "daemon/session/guarded_arm.hpp"
 #include "daemon/session/retry_pace.hpp"
 #include "hal/base/result.hpp"
@@ -46,16 +46,16 @@ struct Recording {
 // Thread: loop() is ticked by the servo thread; all else belongs to one control thread.
 class ArmSession {
  public:
-  // Opens it by parts.executor and waits for that. Errors: as seek_and_wait(),
+  // Opens it by parts.executor and waits for that. Errors: as open_and_wait(),
   // make_limiter_settings() and GuardedArm::begin(), with the arm's name in front.
   [[nodiscard]] static Result<std::unique_ptr<ArmSession>> create(const config::ArmConfig& arm,
                                                                   const config::ServoConfig& servo,
                                                                   const ArmSessionParts& parts);
-  // The same for an arm that was found, or not, before.
+  // The same for an arm that was opened before.
   [[nodiscard]] static Result<std::unique_ptr<ArmSession>> create(const config::ArmConfig& arm,
                                                                   const config::ServoConfig& servo,
                                                                   const ArmSessionParts& parts,
-                                                                  Sought sought);
+                                                                  Opened opened);
   // The same for an arm that cannot be had now: Lost, for as long as the session lives, without
   // motors and so without limits to be guessed. Whoever finds the arm makes a session of it.
   [[nodiscard]] static Result<std::unique_ptr<ArmSession>> create_lost(
@@ -96,7 +96,7 @@ class ArmSession {
   [[nodiscard]] bool is_lost_for_servo();
   // A search that does not end: what the status says of it, and once what the log says.
   Result<void> note_lateness(MonotonicTime now);
-  Result<void> take_back(Sought sought);
+  Result<void> take_back(OpenOutcome outcome);
   // Takes it, unless there is an error.
   Result<void> offer(std::unique_ptr<HapticDevice>& device, const std::string& refusal);
 
@@ -110,9 +110,9 @@ class ArmSession {
   std::unique_ptr<servo::ServoLoop> loop_;
   servo::ServoSnapshot snapshot_{};
   std::string trouble_;
-  RetryPace pace_;  // of a lost arm
-  Search search_;   // for the arm that the session was made for, should it be lost
-  ArmSeeker seeker_;
+  RetryPace pace_;       // of a lost arm
+  OpenRequest request_;  // for the arm that the session was made for, should it be lost
+  ArmOpener opener_;
   std::uint64_t offered_at_tick_{0};
 };
 

@@ -98,13 +98,14 @@ Result<void> Runtime::follow_awaited(std::size_t arm, MonotonicTime now) {
   const bool is_wanted = before.controls().want_active;
   const bool is_resting = !awaited->has_stand_in() ||
                           (before.snapshot().frame.state == OperatingState::Inactive && !is_wanted);
-  std::optional<Sought> sought = awaited->follow(now, is_resting);
-  if (!sought) return awaited->tell_lateness(now);
+  std::optional<Result<Opened>> found = awaited->follow(now, is_resting);
+  if (!found) return awaited->tell_lateness(now);
   config::ArmConfig real = awaited->arm();
   real.fallback = config::Fallback::None;  // gone again, it is an arm that was lost
   WorldHost* const world = real.world ? find_world(*real.world) : nullptr;
   Result<std::unique_ptr<ArmRig>> opened =
-      ArmRig::create_found(real, servo_, world, parts_, *std::move(sought));
+      *found ? ArmRig::create_found(real, servo_, world, parts_, **std::move(found))
+             : tl::unexpected(found->error().in("arm '" + real.name + "'"));
   if (!opened) {
     awaited->fail_with(opened.error());
     return tl::unexpected(opened.error());

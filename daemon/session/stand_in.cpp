@@ -27,31 +27,32 @@ void AwaitedArm::on_bus_event(const bus::BusEvent& event) {
   if (event.device.address.text == arm().device) pace_.restart();
 }
 
-std::optional<Sought> AwaitedArm::follow(MonotonicTime now, bool is_resting) {
+std::optional<Result<Opened>> AwaitedArm::follow(MonotonicTime now, bool is_resting) {
   if (is_resting && !was_resting_) pace_.restart();
   was_resting_ = is_resting;
-  if (!seeker_.is_under_way()) {
+  if (!opener_.is_under_way()) {
     if (!pace_.is_due(now)) return std::nullopt;
     pace_.tried(now);
-    search_.is_look = !is_resting;
-    seeker_.begin(search_, now);
+    request_.probe_only = !is_resting;
+    opener_.begin(request_, now);
   }
-  std::optional<Sought> sought = seeker_.take();
-  late_ = seeker_.lateness(now);
-  if (!sought) return std::nullopt;
-  is_there_ = sought->there.has_value();
+  std::optional<OpenOutcome> outcome = opener_.take();
+  late_ = opener_.lateness(now);
+  if (!outcome) return std::nullopt;
+  const auto* const absent = std::get_if<NotThere>(&*outcome);
+  is_there_ = absent == nullptr;
   if (!is_there_) {
-    trouble_ = has_stand_in() ? "" : sought->device.error().in("arm '" + arm().name + "'").message;
+    trouble_ = has_stand_in() ? "" : absent->why.in("arm '" + arm().name + "'").message;
     return std::nullopt;
   }
-  const bool is_look = sought->device && *sought->device == nullptr;
-  if (is_resting && !is_look) return sought;
-  seeker_.give_back(*std::move(sought));
+  const bool was_probed = std::holds_alternative<Probed>(*outcome);
+  if (is_resting && !was_probed) return opened_of(*std::move(outcome));
+  opener_.give_back(*std::move(outcome));
   return std::nullopt;
 }
 
 Result<void> AwaitedArm::tell_lateness(MonotonicTime now) {
-  Result<void> told = seeker_.tell_lateness(now);
+  Result<void> told = opener_.tell_lateness(now);
   return told ? told : tl::unexpected(told.error().in("arm '" + arm().name + "'"));
 }
 

@@ -1,4 +1,4 @@
-#include "daemon/session/arm_seeker.hpp"
+#include "daemon/session/arm_opening.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,18 +15,18 @@ namespace {
 
 using testing::HasSubstr;
 
-struct ArmSeekerTest : testing::Test {
+struct ArmOpenerTest : testing::Test {
   Plugins plugins;
   sim::VirtualClock clock;
   sim::SimEnumerator buses{clock};
   test::PostponedExecutor work;
-  ArmSeeker sut{work};
+  ArmOpener sut{work};
 
-  ArmSeekerTest() {
+  ArmOpenerTest() {
     auto model = plugins.models.find("phantom-vintage")->create_hid({.amplifier_max_a = 3});
     EXPECT_TRUE(buses.plug({"hid:left"}, *std::move(model)));
   }
-  Search search() {
+  OpenRequest request() {
     config::ArmConfig arm;
     arm.name = "left";
     arm.device = "hid:left";
@@ -37,62 +37,62 @@ struct ArmSeekerTest : testing::Test {
   bool is_open() { return !buses.open_hid({"hid:left"}); }
 };
 
-TEST_F(ArmSeekerTest, GivesAnArmWhenItHasBeenOpenedAndNotBefore) {
+TEST_F(ArmOpenerTest, GivesAnArmWhenItHasBeenOpenedAndNotBefore) {
   EXPECT_FALSE(sut.is_under_way());
-  sut.begin(search(), clock.now());
+  sut.begin(request(), clock.now());
   EXPECT_TRUE(sut.is_under_way());
   EXPECT_FALSE(sut.take()) << "nobody waits for it";
   EXPECT_FALSE(is_open());
   work.do_all();
   EXPECT_TRUE(sut.is_under_way()) << "until it is taken";
-  const auto sought = sut.take();
-  ASSERT_TRUE(sought);
-  EXPECT_EQ(sought->there->address.text, "hid:left");
-  ASSERT_TRUE(sought->device) << sought->device.error().message;
-  EXPECT_EQ((*sought->device)->capabilities().model, "phantom-vintage");
+  const auto outcome = sut.take();
+  ASSERT_TRUE(outcome);
+  const auto* const opened = std::get_if<Opened>(&*outcome);
+  ASSERT_NE(opened, nullptr);
+  EXPECT_EQ(opened->info.address.text, "hid:left");
+  EXPECT_EQ(opened->device->capabilities().model, "phantom-vintage");
   EXPECT_FALSE(sut.is_under_way());
   EXPECT_FALSE(sut.take()) << "once";
 }
 
-TEST_F(ArmSeekerTest, SaysWhatThereIsInsteadOfAnArmThatIsNotThere) {
-  Search other = search();
+TEST_F(ArmOpenerTest, SaysWhatThereIsInsteadOfAnArmThatIsNotThere) {
+  OpenRequest other = request();
   other.arm.device = "hid:right";
   sut.begin(other, clock.now());
   work.do_all();
-  const auto sought = sut.take();
-  EXPECT_FALSE(sought->there);
-  EXPECT_EQ(sought->device.error().code, Errc::NotFound);
-  EXPECT_THAT(sought->device.error().message, HasSubstr("there are: hid:left"));
+  const auto outcome = sut.take();
+  const Error why = std::get<NotThere>(*outcome).why;
+  EXPECT_EQ(why.code, Errc::NotFound);
+  EXPECT_THAT(why.message, HasSubstr("there are: hid:left"));
 }
 
-TEST_F(ArmSeekerTest, AMereLookOpensNothing) {
-  Search look = search();
-  look.is_look = true;
+TEST_F(ArmOpenerTest, AMereLookOpensNothing) {
+  OpenRequest look = request();
+  look.probe_only = true;
   sut.begin(look, clock.now());
   work.do_all();
-  const auto sought = sut.take();
-  EXPECT_TRUE(sought->there);
-  EXPECT_EQ(sought->device.value(), nullptr);
+  const auto outcome = sut.take();
+  EXPECT_TRUE(std::holds_alternative<Probed>(*outcome));
   EXPECT_FALSE(is_open());
 }
 
-TEST_F(ArmSeekerTest, ToAStrangerInTheArmsPlaceNothingIsSent) {
-  Search again = search();
+TEST_F(ArmOpenerTest, ToAStrangerInTheArmsPlaceNothingIsSent) {
+  OpenRequest again = request();
   again.left = buses.list().front();
   again.left->serial_number = "another";
   sut.begin(again, clock.now());
   work.do_all();
-  const auto sought = sut.take();
-  EXPECT_TRUE(sought->there);
-  EXPECT_THAT(sought->device.error().message, HasSubstr("another device stands in the place"));
+  const auto outcome = sut.take();
+  EXPECT_THAT(std::get<Refused>(*outcome).why.message,
+              HasSubstr("another device stands in the place"));
   EXPECT_FALSE(is_open());
 }
 
-TEST_F(ArmSeekerTest, ThatLastsIsToldOfForAsLongAsItDoesAndOnceToTheLog) {
+TEST_F(ArmOpenerTest, ThatLastsIsToldOfForAsLongAsItDoesAndOnceToTheLog) {
   EXPECT_EQ(sut.lateness(clock.now()), "");
   const MonotonicTime begun = clock.now();
   const auto after = [&](int ms) { return begun + std::chrono::milliseconds(ms); };
-  sut.begin(search(), begun);
+  sut.begin(request(), begun);
   EXPECT_EQ(sut.lateness(after(1999)), "");
   EXPECT_TRUE(sut.tell_lateness(after(1999)));
   EXPECT_EQ(sut.lateness(after(2000)),
@@ -105,7 +105,7 @@ TEST_F(ArmSeekerTest, ThatLastsIsToldOfForAsLongAsItDoesAndOnceToTheLog) {
   work.do_all();
   static_cast<void>(sut.take());
   EXPECT_EQ(sut.lateness(after(8000)), "");
-  sut.begin(search(), after(8000));
+  sut.begin(request(), after(8000));
   EXPECT_TRUE(sut.tell_lateness(after(9000)));
   EXPECT_FALSE(sut.tell_lateness(after(10000))) << "another one";
 }
@@ -123,20 +123,20 @@ class ThrowingBus final : public bus::BusEnumerator {
   }
 };
 
-TEST_F(ArmSeekerTest, WhatIsThrownIsAnErrorOfAnArmThatMayBeThere) {
+TEST_F(ArmOpenerTest, WhatIsThrownIsAnErrorOfAnArmThatMayBeThere) {
   ThrowingBus broken;
-  Search here = search();
+  OpenRequest here = request();
   here.buses = &broken;
   sut.begin(here, clock.now());
   work.do_all();
-  const auto sought = sut.take();
-  ASSERT_TRUE(sought);
-  EXPECT_EQ(sought->there->address.text, "hid:left") << "nobody is told to plug it in";
-  EXPECT_EQ(sought->device.error(), (Error{Errc::System, "hid:left: out of luck"}));
+  const auto outcome = sut.take();
+  ASSERT_TRUE(outcome);
+  // Not that it is gone: nobody is told to plug it in.
+  EXPECT_EQ(std::get<Refused>(*outcome).why, (Error{Errc::System, "hid:left: out of luck"}));
 }
 
-TEST_F(ArmSeekerTest, WhatIsOfNoUseIsClosedByTheWork) {
-  sut.begin(search(), clock.now());
+TEST_F(ArmOpenerTest, WhatIsOfNoUseIsClosedByTheWork) {
+  sut.begin(request(), clock.now());
   work.do_all();
   sut.give_back(*sut.take());
   EXPECT_TRUE(is_open()) << "here nothing is closed";
@@ -144,12 +144,12 @@ TEST_F(ArmSeekerTest, WhatIsOfNoUseIsClosedByTheWork) {
   EXPECT_FALSE(is_open());
 }
 
-TEST_F(ArmSeekerTest, WhatNobodyTookIsClosedByTheWork) {
+TEST_F(ArmOpenerTest, WhatNobodyTookIsClosedByTheWork) {
   for (const bool is_done : {true, false}) {
-    auto seeker = std::make_unique<ArmSeeker>(work);
-    seeker->begin(search(), clock.now());
+    auto opener = std::make_unique<ArmOpener>(work);
+    opener->begin(request(), clock.now());
     if (is_done) work.do_all();
-    seeker.reset();
+    opener.reset();
     work.do_all();
     EXPECT_FALSE(is_open()) << is_done;
   }
