@@ -162,6 +162,9 @@ struct SphereConfig {
 
 enum class PieceSearch : std::uint8_t { Leap, OneCell };
 
+// What a simulated board is plugged into: a slot of PCI, or USB.
+enum class PieceBoardKind : std::uint8_t { Sim, SimUsb };
+
 // The thesis's static pieces on a simulated CAM board (4.2.1, 4.2.2).
 struct PiecesConfig {
   int cells{512};  // along each axis; a power of two
@@ -169,7 +172,8 @@ struct PiecesConfig {
   std::uint64_t seed{1};
   PieceSearch search{PieceSearch::Leap};
   int boards{8};  // modules, in one machine; a power of two
-  int axes{2};    // x and y, or all three
+  PieceBoardKind board{PieceBoardKind::Sim};
+  int axes{2};  // x and y, or all three
   std::optional<std::string>
       layout{};  // path of a volume file, instead of cells, axes, count, seed
   bool operator==(const PiecesConfig&) const = default;

@@ -11,6 +11,9 @@ namespace {
 constexpr std::array kSearches{Choice<PieceSearch>{"leap", PieceSearch::Leap},
                                Choice<PieceSearch>{"one-cell", PieceSearch::OneCell}};
 
+constexpr std::array kBoardKinds{Choice<PieceBoardKind>{"sim", PieceBoardKind::Sim},
+                                 Choice<PieceBoardKind>{"sim-usb", PieceBoardKind::SimUsb}};
+
 // Ours: as many cells in three axes as the thesis's worlds have.
 constexpr int kMostCellsInSpace = 64;
 
@@ -37,6 +40,7 @@ PiecesConfig read_pieces_table(TableReader reader, const std::filesystem::path& 
   }
   reader.read("search", std::span<const Choice<PieceSearch>>(kSearches), out.search);
   read_power(reader, "boards", {1, 8}, out.boards);
+  reader.read("board", std::span<const Choice<PieceBoardKind>>(kBoardKinds), out.board);
   if (reader.read_integer("axes", {2, 3}, number)) out.axes = static_cast<int>(number);
   if (out.axes == 3 && !reader.has("cells")) out.cells = kMostCellsInSpace;
   if (out.axes == 3 && out.cells > kMostCellsInSpace) {

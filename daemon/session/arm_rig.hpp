@@ -23,6 +23,7 @@ struct RigParts {
   // Opens and closes the real arm of that name while arms run; nothing: done at once.
   std::function<devices::DeviceExecutor&(const std::string& arm)> executor_for{};
   Clock* real_clock{nullptr};            // nullptr: virtual time, nothing sleeps
+  const Clock* world_clock{nullptr};     // of worlds that take their time; nullptr: real_clock
   const Clock* stopwatch{nullptr};       // nullptr: the arm's own clock
   rt::WakeSignal* wake{nullptr};         // of the net plane
   boost::asio::io_context* io{nullptr};  // for links to other hosts

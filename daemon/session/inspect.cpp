@@ -181,14 +181,14 @@ class ArmInspection {
 void inspect_made(const config::Config& config, std::size_t index, std::vector<Objection>& out) {
   const config::WorldConfig& said = config.worlds[index];
   const sim::VirtualClock clock;
-  const Result<std::unique_ptr<world::World>> made = make_world(said, &clock);
+  const Result<MadeWorld> made = make_world(said, &clock);
   if (!made) return out.push_back({Objection::Table::World, index, "source", made.error().message});
-  if (const auto refusal = find_refusal(**made, said)) {
+  if (const auto refusal = find_refusal(*made->world, said)) {
     out.push_back({Objection::Table::World, index, refusal->key, refusal->reason});
   }
   for (std::size_t i = 0; i < config.arms.size(); ++i) {
     if (config.arms[i].world != said.name) continue;
-    if (const auto refusal = find_refusal(**made, config.arms[i].coupling)) {
+    if (const auto refusal = find_refusal(*made->world, config.arms[i].coupling)) {
       // The arm's own table knows "coupling", not what is below it.
       out.push_back({Objection::Table::Arm, i, "coupling", refusal->reason});
     }

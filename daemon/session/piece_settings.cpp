@@ -4,16 +4,18 @@
 #include <string>
 #include <utility>
 
+#include "daemon/session/cam_boards.hpp"
 #include "daemon/session/piece_file.hpp"
 #include "daemon/world/cam/piece_world.hpp"
-#include "drivers/cambus/board.hpp"
-#include "drivers/cambus/pci_port.hpp"
-#include "sim/model/cam/sim_cam_board.hpp"
 
 namespace thimble::session {
 namespace {
 
 namespace pieces = world::cam;
+
+// Ours: the longest program, 512 x 512 cells and a table, is 0.7 MB, and USB at full speed carries
+// one a second.
+constexpr Duration kUsbPatience = std::chrono::seconds(3);
 
 [[nodiscard]] int log2_of(int power) noexcept {
   return std::countr_zero(static_cast<unsigned>(power));
@@ -49,8 +51,7 @@ namespace pieces = world::cam;
 
 }  // namespace
 
-Result<std::unique_ptr<world::World>> make_piece_world(const config::WorldConfig& said,
-                                                       const Clock* clock) {
+Result<MadeWorld> make_piece_world(const config::WorldConfig& said, const Clock* clock) {
   const config::PiecesConfig& of = *said.pieces;
   if (clock == nullptr) {
     return fail(Errc::Unsupported, said.source + ": a world on a board needs a clock");
@@ -68,16 +69,18 @@ Result<std::unique_ptr<world::World>> make_piece_world(const config::WorldConfig
   settings.pieces.search = search_of(of);
   settings.workspace_m = said.workspace_m;
   settings.source = said.source;
-  const auto slot =
-      std::make_shared<sim::cam::SimCamBoard>(*clock, board_options(file->log2_cells, of.boards));
-  const auto open = [slot](MonotonicTime now) -> Result<std::unique_ptr<CamBoard>> {
-    auto port = cambus::PciPort::open(slot->open_window(), now);
-    if (!port) return tl::unexpected(port.error());
-    return std::make_unique<cambus::Board>(*std::move(port));
-  };
-  auto world = pieces::PieceWorld::create(settings, open, std::move(file->layout), *clock);
+  const auto options = board_options(file->log2_cells, of.boards);
+  MadeWorld made;
+  if (of.board == config::PieceBoardKind::SimUsb) {
+    settings.pieces.patience = kUsbPatience;
+    made.usb_board = std::make_shared<sim::cam::SimUsbCamBoard>(*clock, options);
+  }
+  auto open = made.usb_board ? open_on_usb(made.usb_board) : open_in_slot(*clock, options);
+  auto world =
+      pieces::PieceWorld::create(settings, std::move(open), std::move(file->layout), *clock);
   if (!world) return tl::unexpected(world.error());
-  return *std::move(world);
+  made.world = *std::move(world);
+  return made;
 }
 
 }  // namespace thimble::session

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "daemon/config/config.hpp"
-#include "daemon/world/world.hpp"
+#include "daemon/session/made_world.hpp"
 #include "hal/base/result.hpp"
 #include "hal/base/time.hpp"
 
@@ -13,7 +13,7 @@ namespace thimble::session {
 // scans in the thread that touches the world and takes no longer than that. Not RT. `clock` must
 // outlive it. Errors: Unsupported without a clock; InvalidArgument for more pieces than there is
 // room for, or a layout that is none; and what reading its file says.
-[[nodiscard]] Result<std::unique_ptr<world::World>> make_piece_world(
-    const config::WorldConfig& said, const Clock* clock);
+[[nodiscard]] Result<MadeWorld> make_piece_world(const config::WorldConfig& said,
+                                                 const Clock* clock);
 
 }  // namespace thimble::session

@@ -60,9 +60,11 @@ Result<std::unique_ptr<WorldHost>> WorldHost::create(const config::WorldConfig& 
   host->name_ = said.name;
   host->model_ = said.constraint_model;
   host->loss_ = find_loss(said);
-  Result<std::unique_ptr<world::World>> world = make_world(said, parts.real_clock);
-  if (!world) return tl::unexpected(world.error().in(name));
-  host->world_ = *std::move(world);
+  const Clock* const clock = parts.world_clock ? parts.world_clock : parts.real_clock;
+  Result<MadeWorld> made = make_world(said, clock);
+  if (!made) return tl::unexpected(made.error().in(name));
+  host->world_ = std::move(made->world);
+  host->usb_board_ = std::move(made->usb_board);
   if (world::VoxelWorld* cells = host->world_->editable()) host->edits_.emplace(*cells);
   if (const auto good = check_combination(*host->world_, said); !good) {
     return tl::unexpected(good.error().in(name));

@@ -10,6 +10,7 @@
 #include "daemon/coupling/world_coupling.hpp"
 #include "daemon/link/link_counters.hpp"
 #include "daemon/session/arm_rig.hpp"
+#include "daemon/session/made_world.hpp"
 #include "daemon/world/edit_queue.hpp"
 #include "daemon/world/world.hpp"
 #include "hal/base/result.hpp"
@@ -57,6 +58,8 @@ class WorldHost {
   std::optional<MonotonicTime> pump(MonotonicTime now);
   // Where there are pieces to select and drop; nullptr where there are none.
   [[nodiscard]] world::cam::PieceWorld* pieces() noexcept { return world_->pieces(); }
+  // The board of its pieces, to be pulled out; nullptr where it is on no simulated USB.
+  [[nodiscard]] sim::cam::SimUsbCamBoard* usb_board() noexcept { return usb_board_.get(); }
   // What somebody who touches it does not feel, though the configuration says it: a sentence.
   [[nodiscard]] const std::optional<std::string>& loss() const noexcept { return loss_; }
   // Nothing where the world does not listen.
@@ -71,6 +74,7 @@ class WorldHost {
   std::string name_;
   config::ConstraintModel model_{config::ConstraintModel::GhostPoint};
   std::optional<std::string> loss_;
+  std::shared_ptr<sim::cam::SimUsbCamBoard> usb_board_;
   std::unique_ptr<world::World> world_;
   std::optional<world::EditQueue> edits_;
   std::optional<MonotonicTime> next_slice_;  // none: at once

@@ -48,12 +48,13 @@ world::VolumeOptions volume_options(const config::WorldConfig& said) {
   return options;
 }
 
-Result<std::unique_ptr<world::World>> make_world(const config::WorldConfig& said,
-                                                 const Clock* clock) {
-  if (said.sphere) return make_sphere(*said.sphere);
+Result<MadeWorld> make_world(const config::WorldConfig& said, const Clock* clock) {
   if (said.pieces) return make_piece_world(said, clock);
-  if (said.automaton) return make_live_world(said);
-  return world::make_world(said.source, volume_options(said));
+  auto world = said.automaton ? make_live_world(said)
+               : said.sphere  ? make_sphere(*said.sphere)
+                              : world::make_world(said.source, volume_options(said));
+  if (!world) return tl::unexpected(world.error());
+  return MadeWorld{*std::move(world), nullptr};
 }
 
 }  // namespace thimble::session

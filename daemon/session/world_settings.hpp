@@ -3,8 +3,8 @@
 #include <memory>
 
 #include "daemon/config/config.hpp"
+#include "daemon/session/made_world.hpp"
 #include "daemon/world/io/volume_writer.hpp"
-#include "daemon/world/world.hpp"
 #include "hal/base/result.hpp"
 #include "hal/base/time.hpp"
 
@@ -16,7 +16,6 @@ namespace thimble::session {
 // The world that a configuration describes. Not RT; reads the file where there is one. `clock`, for
 // worlds that take their time, must outlive it; nullptr where there is none. Errors: one sentence
 // that starts with the source.
-[[nodiscard]] Result<std::unique_ptr<world::World>> make_world(const config::WorldConfig& said,
-                                                               const Clock* clock);
+[[nodiscard]] Result<MadeWorld> make_world(const config::WorldConfig& said, const Clock* clock);
 
 }  // namespace thimble::session

@@ -39,6 +39,7 @@ ClosedLoop::ClosedLoop(const std::vector<std::string>& overrides, const Setup& s
     ADD_FAILURE() << refused.message;
   }
   session::RigParts parts{plugins_.models, plugins_.drivers};
+  parts.world_clock = &world_clock_;
   parts.wrap_sim_bus = [&](bus::BusEnumerator& buses, const Clock& clock) {
     auto cables = std::make_unique<sim::FaultyEnumerator>(buses, clock);
     const bool is_spared = setup.spares_others && !cables_.empty();
@@ -62,10 +63,15 @@ void ClosedLoop::sleep_until(MonotonicTime t) {
   for (const auto& rig : runtime_->arms()) (void)rig->clock().sleep_until(t);
 }
 
+void ClosedLoop::pump() {
+  world_clock_.sleep_until(now());
+  net_due_ = runtime_->pump(now());
+}
+
 void ClosedLoop::pump_until(MonotonicTime t) {
   while (is_network_up_ && net_due_ && *net_due_ < t) {
     sleep_until(*net_due_);
-    net_due_ = runtime_->pump(now());
+    pump();
   }
   sleep_until(t);
 }
@@ -76,7 +82,7 @@ void ClosedLoop::tick(Duration late) {
   pump_until(next_ + late);
   for (const auto& rig : runtime_->arms()) rig->session().loop().tick(late);
   next_ = next_ + late / period * period;
-  if (is_network_up_) net_due_ = runtime_->pump(now());
+  if (is_network_up_) pump();
   for (const Error& trouble : runtime_->follow_buses(now())) troubles_.push_back(trouble);
 }
 

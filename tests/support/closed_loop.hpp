@@ -82,9 +82,11 @@ class ClosedLoop {
   [[nodiscard]] bus::DeviceAddress device();
   void sleep_until(MonotonicTime t);
   void pump_until(MonotonicTime t);
+  void pump();
 
   session::Plugins plugins_;
   std::vector<sim::FaultyEnumerator*> cables_;  // of the arms' rigs, in their order
+  sim::VirtualClock world_clock_;               // of worlds on a board
   std::unique_ptr<session::Runtime> runtime_;
   std::vector<Error> troubles_;
   MonotonicTime next_{};

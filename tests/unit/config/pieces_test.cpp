@@ -27,9 +27,9 @@ TEST(ConfigPieces, NeedNothingButTheirName) {
 TEST(ConfigPieces, ReadsEveryKey) {
   const auto sut = parse_text(
       pieces_with("workspace_m = 0.1\n[world.pieces]\ncells = 64\ncount = 63\nseed = 9\nsearch = "
-                  "\"one-cell\"\nboards = 4\n"));
+                  "\"one-cell\"\nboards = 4\nboard = \"sim-usb\"\n"));
   ASSERT_TRUE(sut);
-  const PiecesConfig expected{64, 63, 9, PieceSearch::OneCell, 4};
+  const PiecesConfig expected{64, 63, 9, PieceSearch::OneCell, 4, PieceBoardKind::SimUsb};
   EXPECT_EQ(sut->worlds.at(0).pieces, expected);
   EXPECT_EQ(sut->worlds.at(0).workspace_m, 0.1);
 }
@@ -71,6 +71,7 @@ INSTANTIATE_TEST_SUITE_P(
                     BadPieces{"pieces.cells = 1024\n", "32 to 512"},
                     BadPieces{"pieces.boards = 3\n", "a power of two, found 3"},
                     BadPieces{"pieces.boards = 16\n", "1 to 8"},
+                    BadPieces{"pieces.board = \"usb\"\n", "\"sim-usb\""},
                     BadPieces{"pieces.count = 64\n", "1 to 63"},
                     BadPieces{"pieces.count = 0\n", "1 to 63"},
                     BadPieces{"pieces.seed = -1\n", "pieces.seed"},

@@ -87,7 +87,7 @@ TEST(Combination, IsAcceptedOrRefusedWithItsReasonAsTheMatrixSays) {
   ASSERT_TRUE(life) << life.error().message;
   const std::map<std::string, const world::World*> worlds{{"with cells", &with_cells},
                                                           {"`sphere`", &*sphere},
-                                                          {"`pieces`", pieces->get()},
+                                                          {"`pieces`", pieces->world.get()},
                                                           {"`life`", life->get()}};
   ASSERT_EQ(page().at("world").size(), 6U) << "a new column needs a line here";
   ASSERT_EQ(page().size(), 1 + 1 + worlds.size()) << "a new row needs a world here";
@@ -113,9 +113,12 @@ TEST(PieceWorldOfAConfiguration, NeedsAClockAndRoomForItsPieces) {
   said.pieces = config::PiecesConfig{.cells = 32, .count = 3};
   const auto made = make_piece_world(said, &clock);
   ASSERT_TRUE(made);
-  EXPECT_EQ((*made)->info().cells, (std::array<std::uint32_t, 3>{32, 32, 1}));
-  EXPECT_DOUBLE_EQ((*made)->info().cell_m, 0.09 / 32);
+  EXPECT_EQ(made->world->info().cells, (std::array<std::uint32_t, 3>{32, 32, 1}));
+  EXPECT_DOUBLE_EQ(made->world->info().cell_m, 0.09 / 32);
+  EXPECT_EQ(made->usb_board, nullptr);
   EXPECT_EQ(make_piece_world(said, nullptr).error().code, Errc::Unsupported);
+  said.pieces->board = config::PieceBoardKind::SimUsb;
+  EXPECT_NE(make_piece_world(said, &clock)->usb_board, nullptr);
   said.pieces->count = 63;
   EXPECT_EQ(make_piece_world(said, &clock).error().code, Errc::InvalidArgument);
 }

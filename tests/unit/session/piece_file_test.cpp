@@ -85,8 +85,8 @@ TEST_F(PieceFiles, AreTheWorldOfAConfiguration) {
   said.pieces->layout = npy("(64, 16, 2)", std::string(64 * 16 * 2, '\0'));
   const auto made = make_piece_world(said, &clock);
   ASSERT_TRUE(made) << made.error().message;
-  EXPECT_EQ((*made)->info().cells, (std::array<std::uint32_t, 3>{64, 16, 2}));
-  EXPECT_EQ((*made)->pieces()->board().settings().search, world::cam::SearchKind::Sweep)
+  EXPECT_EQ(made->world->info().cells, (std::array<std::uint32_t, 3>{64, 16, 2}));
+  EXPECT_EQ(made->world->pieces()->board().settings().search, world::cam::SearchKind::Sweep)
       << "they may be thinner than a leap";
   said.pieces->layout = npy("(256, 8, 1)", std::string(256 * 8, '\0'));
   const auto narrow = make_piece_world(said, &clock);
@@ -101,9 +101,9 @@ TEST(PieceWorldOfAConfiguration, HasAsManyAxesAsItSays) {
   said.pieces = config::PiecesConfig{.cells = 32, .count = 3, .axes = 3};
   const auto made = make_piece_world(said, &clock);
   ASSERT_TRUE(made) << made.error().message;
-  EXPECT_EQ((*made)->info().cells, (std::array<std::uint32_t, 3>{32, 32, 32}));
-  EXPECT_EQ((*made)->pieces()->board().settings().search, world::cam::SearchKind::Leap);
-  EXPECT_DOUBLE_EQ((*made)->info().extent_m[2], 0.09);
+  EXPECT_EQ(made->world->info().cells, (std::array<std::uint32_t, 3>{32, 32, 32}));
+  EXPECT_EQ(made->world->pieces()->board().settings().search, world::cam::SearchKind::Leap);
+  EXPECT_DOUBLE_EQ(made->world->info().extent_m[2], 0.09);
 }
 
 }  // namespace

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <memory>
+
+#include "daemon/world/cam/piece_board.hpp"
+#include "hal/base/time.hpp"
+#include "sim/model/cam/sim_usb_cam_board.hpp"
+
+namespace thimble::session {
+
+// Ways to the simulated boards that a world can be on. Each opener keeps its board, which scans in
+// the thread that asks; `clock` must outlive it.
+
+// In a slot of PCI. Errors of the opener: as cambus::PciPort::open().
+[[nodiscard]] world::cam::PieceBoard::Opener open_in_slot(const Clock& clock,
+                                                          const sim::cam::BoardOptions& options);
+
+// Behind a plug of USB. Errors of the opener: Busy, it has not said yet what it is: ask again;
+// NotFound, it is not plugged in; as cambus::UsbOpening::poll().
+[[nodiscard]] world::cam::PieceBoard::Opener open_on_usb(
+    std::shared_ptr<sim::cam::SimUsbCamBoard> board);
+
+}  // namespace thimble::session
