@@ -35,7 +35,7 @@ echo "{\\"pid\\": $pid, \\"restarts\\": $(systemctl show thimbled -p NRestarts -
 \\"state\\": \\"$(python3 -c 'import json; print(json.load(open("/run/status"))["arms"][0]["state"])')\\"}"
 """
 KEPT = ("pid", "restarts", "descriptors", "threads", "guards", "state")
-MOST_RECORDINGS = 64  # kMaxRecordings of daemon/app
+MOST_RECORDINGS = 32  # of one arm: kMaxRecordings of daemon/app
 
 
 class PlugCycles(guest.GuestTest):
