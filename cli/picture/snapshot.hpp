@@ -1,15 +1,12 @@
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <string>
 
 #include "cli/picture/picture.hpp"
 #include "daemon/api/status.hpp"
 #include "daemon/world/cam/automaton.hpp"
 #include "hal/base/result.hpp"
-
-namespace CLI {
-class App;
-}
 
 namespace thimble::picture {
 

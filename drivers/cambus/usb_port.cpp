@@ -14,9 +14,9 @@ constexpr Duration kBeatGivenUp = std::chrono::milliseconds(page::kBeatGivenUp_m
 // Nobody says how much memory there is behind the pipes; offsets have 32 bits.
 constexpr std::size_t kReach = std::numeric_limits<std::uint32_t>::max();
 
-template <std::size_t kBytes>
-std::array<std::uint32_t, kBytes / kWordBytes> words_of(const UsbFetch& fetch) {
-  std::array<std::uint32_t, kBytes / kWordBytes> words{};
+template <std::size_t Bytes>
+std::array<std::uint32_t, Bytes / kWordBytes> words_of(const UsbFetch& fetch) {
+  std::array<std::uint32_t, Bytes / kWordBytes> words{};
   const std::span<const std::uint8_t> bytes(fetch.bytes);
   for (std::size_t i = 0; i < words.size(); ++i) words[i] = load32(bytes.subspan(kWordBytes * i));
   return words;

@@ -48,9 +48,10 @@ std::vector<std::string> paths_in(const std::string& folder, bool (*is_meant)(st
   const std::unique_ptr<DIR, CloseFolder> open(::opendir(folder.c_str()));
   if (open == nullptr) return paths;
   while (const dirent* entry = ::readdir(open.get())) {
-    const std::string name = entry->d_name;
+    const std::string_view name = entry->d_name;
     if (name.starts_with('.') || !is_meant(name)) continue;
-    if (auto path = resolved(folder + "/" + name)) paths.push_back(*std::move(path));
+    if (auto path = resolved(std::string(folder).append("/").append(name)))
+      paths.push_back(*std::move(path));
   }
   std::sort(paths.begin(), paths.end());
   return paths;
