@@ -29,12 +29,19 @@ constexpr int kMostSettlingLooks = 100;
 // them.
 constexpr double kMostCounts = 400;
 constexpr double kMostNewton = 8;
+constexpr double kLeastNewton = 0.5;  // that --most takes
 
 std::string text_of(const char* format, double value) {
   std::array<char, 64> text{};
   std::snprintf(text.data(), text.size(), format, value);
   return text.data();
 }
+
+// What was found of the arm before its first force.
+struct Beginning {
+  double assumed_newton_per_count{0};
+  double most_newton{0};
+};
 
 // One arm that is measured, over one connection, whose end lets it go.
 class Measurement {
@@ -43,18 +50,16 @@ class Measurement {
       : client_(client), arm_(std::move(arm)), typed_(typed) {}
 
   // Errors: why the arm cannot be had, or is not one whose counts need measuring.
-  [[nodiscard]] Result<double> begin() {
+  [[nodiscard]] Result<Beginning> begin(const CalibrateOptions& options) {
     const auto status = find();
     if (!status) return tl::unexpected<Error>(status.error());
-    if (!(status->newton_per_count > 0)) {
-      return fail(Errc::InvalidArgument,
-                  "arm " + arm_ + " is told amperes: there is nothing to measure with a scale");
-    }
+    const auto most_newton = strongest_force_newton(*status, options);
+    if (!most_newton) return tl::unexpected<Error>(most_newton.error());
     const auto answer = post("activate", "");
     if (!answer) return tl::unexpected<Error>(answer.error());
     const auto active = wait_until_active();
     if (!active) return tl::unexpected<Error>(active.error());
-    return status->newton_per_count;
+    return Beginning{status->newton_per_count, *most_newton};
   }
 
   [[nodiscard]] Result<std::vector<ScaleReading>> read_all(const std::vector<double>& steps) {
@@ -102,11 +107,15 @@ class Measurement {
     return fail(Errc::Busy, "arm " + arm_ + " does not become active; thimble status says why");
   }
 
-  // Or until it is clear that it will not be: its motors are warm.
-  void wait_until_pressed(double newton) {
-    for (int looks = 0; looks < kMostSettlingLooks; ++looks) {
+  // Or until it is clear that it will not be: its motors are warm. The force that is given then.
+  [[nodiscard]] Result<double> wait_until_pressed(double newton) {
+    for (int looks = 0;; ++looks) {
       const auto arm = find();
-      if (!arm || std::abs(arm->force_newton[1] + newton) < 1e-3) return;
+      if (!arm) return tl::unexpected<Error>(arm.error());
+      const double given_newton = -arm->force_newton[1];
+      if (std::abs(given_newton - newton) < 1e-3 || looks == kMostSettlingLooks) {
+        return given_newton;
+      }
       std::this_thread::sleep_for(kSettlingLook);
     }
   }
@@ -115,8 +124,10 @@ class Measurement {
     while (true) {
       const auto pressed = post("steady-force", "{\"up_newton\":" + text_of("%.6f", -newton) + "}");
       if (!pressed) return tl::unexpected<Error>(pressed.error());
-      wait_until_pressed(newton);
-      std::cerr << "pressing with " << text_of("%.1f", newton) << " N; the scale says, in grams: ";
+      const auto given_newton = wait_until_pressed(newton);
+      if (!given_newton) return tl::unexpected<Error>(given_newton.error());
+      std::cerr << "pressing with " << text_of("%.1f", std::abs(*given_newton))
+                << " N; the scale says, in grams: ";
       std::string line;
       if (!std::getline(typed_, line)) {
         return fail(Errc::InvalidArgument, "the input ended before the last reading");
@@ -141,7 +152,36 @@ int print(const ForceScale& scale, double assumed_newton_per_count) {
   return kExitOk;
 }
 
+tl::unexpected<Error> too_weak(const api::ArmStatus& arm, double most_newton) {
+  const std::string limit = text_of("%.3g", arm.max_force_newton);
+  const bool is_askable = arm.max_force_newton >= kLeastNewton;
+  return fail(Errc::InvalidArgument,
+              "arm " + arm.name + " is given " + limit + " N at most, and " +
+                  text_of("%.1f", most_newton) +
+                  " N is asked for: take arm.limits.force_newton out of its table" +
+                  (is_askable ? ", or give --most " + limit : ""));
+}
+
 }  // namespace
+
+Result<double> strongest_force_newton(const api::ArmStatus& arm, const CalibrateOptions& options) {
+  // First: of an arm that is not there nothing else is known.
+  if (arm.state == "lost") {
+    return fail(Errc::Busy, "arm " + arm.name + " is lost: " + plain(arm.instruction));
+  }
+  if (arm.max_force_newton == 0) {
+    return fail(Errc::InvalidArgument,
+                "arm " + arm.name + " makes no force: there is nothing to measure with a scale");
+  }
+  if (!(arm.newton_per_count > 0)) {
+    return fail(Errc::InvalidArgument,
+                "arm " + arm.name + " is told amperes: there is nothing to measure with a scale");
+  }
+  const double most_newton =
+      options.most_newton.value_or(std::min(kMostNewton, kMostCounts * arm.newton_per_count));
+  if (arm.max_force_newton < most_newton) return too_weak(arm, most_newton);
+  return most_newton;
+}
 
 int run_calibrate_force(const std::string& socket_path, const std::string& arm,
                         const CalibrateOptions& options, std::istream& typed) {
@@ -150,15 +190,13 @@ int run_calibrate_force(const std::string& socket_path, const std::string& arm,
   const Result<std::string> name = arm.empty() ? only_arm(**client) : Result<std::string>(arm);
   if (!name) return complain(name.error());
   Measurement measurement(**client, *name, typed);
-  const auto assumed = measurement.begin();
-  if (!assumed) return complain(assumed.error());
-  const double most_newton =
-      options.most_newton.value_or(std::min(kMostNewton, kMostCounts * *assumed));
-  const auto readings = measurement.read_all(even_forces_newton(most_newton, options.steps));
+  const auto begun = measurement.begin(options);
+  if (!begun) return complain(begun.error());
+  const auto readings = measurement.read_all(even_forces_newton(begun->most_newton, options.steps));
   if (!readings) return complain(readings.error());
-  const auto scale = fit_force(*readings, *assumed);
+  const auto scale = fit_force(*readings, begun->assumed_newton_per_count);
   if (!scale) return complain(scale.error());
-  return print(*scale, *assumed);
+  return print(*scale, begun->assumed_newton_per_count);
 }
 
 }  // namespace thimble::cli

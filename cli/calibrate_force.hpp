@@ -5,12 +5,20 @@
 #include <optional>
 #include <string>
 
+#include "daemon/api/status.hpp"
+#include "hal/base/result.hpp"
+
 namespace thimble::cli {
 
 struct CalibrateOptions {
   std::optional<double> most_newton;  // the strongest force asked for; nothing: 400 counts
   std::size_t steps{6};               // forces from 0 up to it
 };
+
+// The strongest force to ask `arm` for. Pure; total. Errors, for a person: the arm is lost, makes
+// no force, is told amperes, or its limiter lets less through than that.
+[[nodiscard]] Result<double> strongest_force_newton(const api::ArmStatus& arm,
+                                                    const CalibrateOptions& options);
 
 // Guides a person through measuring, with a kitchen scale, what one count of an arm's commands is
 // in newtons: activates the arm, has it press down more and more, reads what the scale says from

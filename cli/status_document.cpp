@@ -102,6 +102,7 @@ api::ArmStatus arm(const json::value& value) {
   out.name = text(value, "name");
   out.device = text(value, "device");
   out.newton_per_count = number(value, "newton_per_count");
+  out.max_force_newton = number(value, "max_force_newton");
   out.stands_in_for = text(value, "stands_in_for");
   out.model = text(value, "model");
   out.state = text(value, "state");

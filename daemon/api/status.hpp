@@ -40,6 +40,7 @@ struct ArmStatus {
   std::uint64_t contacts{0};  // begun since the start
   std::vector<FaultStatus> faults;
   double newton_per_count{0};  // by which it is told its force; 0: it is told amperes
+  double max_force_newton{0};  // the strongest that the limiter lets through; 0: it makes none
   bool is_in_contact{false};
   std::string lease;             // "configuration", "client" or "none": who keeps it active
   std::string constraint_state;  // "fresh", "frozen", "fading" …

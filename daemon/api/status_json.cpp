@@ -33,6 +33,7 @@ json::object to_value(const ArmStatus& arm) {
           {"device", arm.device},
           {"stands_in_for", arm.stands_in_for},
           {"newton_per_count", arm.newton_per_count},
+          {"max_force_newton", arm.max_force_newton},
           {"model", arm.model},
           {"world", arm.world},
           {"state", arm.state},

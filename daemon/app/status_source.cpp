@@ -75,6 +75,7 @@ api::ArmStatus arm_status(session::ArmRig& rig, std::size_t index, const StatusC
   arm.peak_force_newton = snapshot.peak_force_newton;
   arm.offset_m = as_array(frame.offset);
   arm.peak_offset_m = snapshot.peak_offset_m;
+  arm.max_force_newton = session.loop().settings().limiter.max_force_newton;
   arm.contacts = snapshot.total_contacts;
   arm.faults = faults_of(snapshot, arm.name, context);
   arm.is_in_contact = frame.is_in_contact;

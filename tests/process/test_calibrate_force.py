@@ -52,3 +52,22 @@ class CalibrateForce(ProcessTest):
         result = self.calibrate(daemon, "")
         self.assertEqual((result.returncode, result.stdout), (1, ""))
         self.assertIn("told amperes", result.stderr)
+
+    def test_a_limit_below_what_is_asked_is_told_before_the_arm_is_activated(self):
+        daemon = self.start(*STILL, "--set", "arm.right.limits.force_newton=1", config=FALCON)
+        result = self.calibrate(daemon, "100\n" * 6)
+        self.assertEqual((result.returncode, result.stdout), (1, ""))
+        self.assertIn("given 1 N at most, and 7.0 N is asked for", result.stderr)
+        self.assertIn("--most 1", result.stderr)
+        self.assertNotIn("pressing", result.stderr)
+        self.assertEqual(daemon.status()["arms"][0]["lease"], "none")
+        typed = "".join(f"{grams(newton / 5):.1f}\n" for newton in range(6))
+        self.assertEqual(self.calibrate(daemon, typed, "--most", 1).returncode, 0)
+
+    def test_an_absent_arm_is_said_to_be_lost(self):
+        daemon = self.start(config=FALCON.replace("sim:falcon-loaded", "usb:no-such").replace("amplifier_max_a = 3.0", 'model = "falcon"').replace(
+            '[arm.hand]\nmotion = "explore"\nseed = 1\n', ""))
+        result = self.calibrate(daemon, "")
+        self.assertEqual((result.returncode, result.stdout), (1, ""))
+        self.assertIn("is lost", result.stderr)
+        self.assertNotIn("amperes", result.stderr)

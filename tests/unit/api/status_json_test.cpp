@@ -69,12 +69,27 @@ TEST(StatusJson, HasTheNamesThatOthersRelyOn) {
   using Names = std::set<std::string>;
   EXPECT_EQ(keys_of(sut),
             (Names{"version", "uptime_s", "degraded", "arms", "servos", "links", "worlds"}));
-  EXPECT_EQ(keys_of(sut.at("arms").at(0)),
-            (Names{"name",          "device",        "newton_per_count", "stands_in_for",
-                   "model",         "state",         "calibration",      "instruction",
-                   "position_m",    "gimbal_rad",    "force_newton",     "peak_force_newton",
-                   "offset_m",      "peak_offset_m", "contacts",         "faults",
-                   "is_in_contact", "lease",         "constraint_state", "world"}));
+  EXPECT_EQ(keys_of(sut.at("arms").at(0)), (Names{"name",
+                                                  "device",
+                                                  "newton_per_count",
+                                                  "stands_in_for",
+                                                  "model",
+                                                  "state",
+                                                  "calibration",
+                                                  "instruction",
+                                                  "position_m",
+                                                  "gimbal_rad",
+                                                  "force_newton",
+                                                  "peak_force_newton",
+                                                  "offset_m",
+                                                  "peak_offset_m",
+                                                  "contacts",
+                                                  "faults",
+                                                  "is_in_contact",
+                                                  "lease",
+                                                  "constraint_state",
+                                                  "world",
+                                                  "max_force_newton"}));
   EXPECT_EQ(keys_of(sut.at("arms").at(0).at("faults").at(0)),
             (Names{"code", "message", "at_s", "recording", "number"}));
   EXPECT_EQ(keys_of(sut.at("servos").at(0)),

@@ -14,6 +14,7 @@ inline api::Status sample_status() {
   arm.device = "sim:phantom-vintage";
   arm.stands_in_for = "hid:LAB-7";
   arm.newton_per_count = 0.0025;
+  arm.max_force_newton = 8.5;
   arm.model = "phantom-vintage";
   arm.state = "active";
   arm.calibration = "done";
