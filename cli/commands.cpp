@@ -1,5 +1,6 @@
 #include "cli/commands.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <iostream>
 #include <iterator>
@@ -17,6 +18,7 @@
 namespace thimble::cli {
 namespace {
 
+constexpr double kLeaseLook_s = 0.5;
 constexpr std::size_t kMaxReportBytes = std::size_t{1} << 22;
 // More than any state has; the daemon says so.
 constexpr std::size_t kMaxStateBytes = std::size_t{1} << 20;
@@ -36,14 +38,31 @@ Result<api::WorldStatus> find_world(Client& client, const std::string& name) {
                                          : "there is no world " + plain(name) + ", but " + names);
 }
 
+bool is_held_by_client(const api::Status& status, const std::string& name) {
+  return std::any_of(status.arms.begin(), status.arms.end(), [&](const api::ArmStatus& arm) {
+    return arm.name == name && arm.lease == "client";
+  });
+}
+
 int hold_lease(Client& client, const CommandReply& reply) {
   Interrupts interrupts;  // before the words: who reads them may interrupt at once
   std::cout << render_reply("activate", reply) << "; Ctrl-C releases it" << std::endl;
-  if (interrupts.wait(client.descriptor(), -1) == Interrupts::Woken::Signal) {
-    std::cout << "arm " << reply.arm << " is released\n";
-    return kExitOk;
+  while (true) {
+    const Interrupts::Woken woken = interrupts.wait(client.descriptor(), kLeaseLook_s);
+    if (woken == Interrupts::Woken::Signal) {
+      std::cout << "arm " << reply.arm << " is released\n";
+      return kExitOk;
+    }
+    // Anybody may deactivate it, and the daemon tells only who asks.
+    const auto status = ask_status(client);
+    if (!status) {
+      return complain(
+          {status.error().code, status.error().message + "; arm " + reply.arm + " is released"});
+    }
+    if (!is_held_by_client(*status, reply.arm)) {
+      return complain({Errc::Busy, "arm " + reply.arm + " was deactivated"});
+    }
   }
-  return complain({Errc::Disconnected, "the daemon has ended; arm " + reply.arm + " is released"});
 }
 
 // One picture of the daemon. On a terminal it takes the place of the one before.

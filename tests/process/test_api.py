@@ -112,6 +112,18 @@ class Leases(ProcessTest):
             self.assertEqual(holder.wait(TIMEOUT_S), 0 if number == signal.SIGINT else -number)
             daemon.status_when(state_is("inactive"))
 
+    def test_thimble_activate_ends_when_somebody_else_deactivates_the_arm(self):
+        daemon = self.start(config=IDLE)
+        holder = subprocess.Popen([str(BIN / "thimble"), "activate", "--socket", daemon.socket],
+                                  stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                  text=True, env=clean_environment(), preexec_fn=die_with_parent)
+        self.addCleanup(holder.kill)
+        self.assertIn("Ctrl-C releases it", holder.stdout.readline())
+        self.assertEqual(self.thimble(daemon, "deactivate").returncode, 0)
+        out, err = holder.communicate(timeout=TIMEOUT_S)
+        self.assertEqual((holder.returncode, out), (1, ""))
+        self.assert_one_sentence(err, "arm right was deactivated")
+
     def test_anybody_may_stop_an_arm_and_start_it_again(self):
         daemon = self.start(config=HELLO)
         daemon.status_when(state_is("active"))
