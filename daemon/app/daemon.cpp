@@ -136,6 +136,10 @@ void Daemon::tell_what_is_missing() {
   for (const std::string& right : threads_->missing()) spdlog::warn("degraded: {}", right);
   for (const auto& arm : runtime_->arms()) {
     if (const std::string trouble = arm->trouble(); !trouble.empty()) warn(trouble);
+    const session::AwaitedArm* const awaited = arm->awaited();
+    if (awaited != nullptr && awaited->has_stand_in()) {
+      spdlog::warn("degraded: {}", awaited->sentence());
+    }
   }
   for (const auto& host : runtime_->worlds()) {
     if (host->loss()) spdlog::warn("degraded: {}", *host->loss());
@@ -322,6 +326,8 @@ void Daemon::look_after_safety() {
   if (now == told_safety_) return;
   if (now.empty()) {
     spdlog::info("safety lines: nothing is stopped");
+  } else if (now == session::kNotYetCleared) {
+    spdlog::info("safety lines: {}", now);
   } else {
     spdlog::warn("safety lines: {}", now);
   }

@@ -33,7 +33,9 @@ std::vector<api::FaultStatus> faults_of(const servo::ServoSnapshot& snapshot,
   if (snapshot.fault.code == FaultCode::None) return {};
   api::FaultStatus fault;
   fault.code = to_string(snapshot.fault.code);
-  fault.message = explain(snapshot.fault.code);
+  const bool is_start = snapshot.fault.code == FaultCode::Estop && context.safety != nullptr &&
+                        context.safety->is_as_started();
+  fault.message = is_start ? session::kNotYetCleared : explain(snapshot.fault.code);
   // The fault is stamped in the arm's own time; what a person wants is how long ago it was.
   const Duration ago = snapshot.frame.now - snapshot.fault.at;
   fault.at_s = std::max(0.0, seconds(context.now - context.started - ago));

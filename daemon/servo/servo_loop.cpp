@@ -360,7 +360,9 @@ void ServoLoop::fail(FaultCode code, const ServoFrame& frame) noexcept {
   if (!latch_.latch(code, frame.now, frame.tick)) return;
   ++snapshot_.faults;
   latched_at_ = frame.now;
-  stops_.push_back(latch_.fault());
+  // Who was never driven stopped nothing: with safety lines each start waits for a person.
+  const bool is_worth_a_recording = code != FaultCode::Estop || was_active_;
+  if (is_worth_a_recording) stops_.push_back(latch_.fault());
   gain_.cut();
   apply(LifecycleEvent::Fail);
 }

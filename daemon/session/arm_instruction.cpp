@@ -9,6 +9,9 @@ std::string instruction_for(ArmRig& rig) {
   if (session.snapshot().frame.state == OperatingState::Lost) {
     return session.config().device + " is gone: plug it in again, then calibrate it";
   }
+  if (session.snapshot().frame.state == OperatingState::Fault) {
+    return "see to what the fault says, then: thimble clear-fault " + session.config().name;
+  }
   return std::string(session.device().calibration_instruction());
 }
 

@@ -116,6 +116,9 @@ void SafetySession::note_trouble(std::string text) {
 std::string SafetySession::explanation() const {
   const safety::ChainStatus now = status();
   if (!now.is_stopped) return {};
+  if (now.trouble == safety::ChainTrouble::None && now.cause == safety::ChainTrouble::None) {
+    return std::string(kNotYetCleared);
+  }
   if (now.trouble == safety::ChainTrouble::None) {
     return "all safety lines are healthy; clear the fault of each arm that shall go on";
   }

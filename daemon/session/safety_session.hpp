@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "daemon/config/config.hpp"
@@ -16,6 +17,11 @@
 #include "hal/rt/word_seqlock.hpp"
 
 namespace thimble::session {
+
+// What is so after each start, and no stop.
+inline constexpr std::string_view kNotYetCleared =
+    "the safety lines are not yet cleared since the start; look at the arms, then clear each that "
+    "shall go on";
 
 // The safety lines of a configuration, watched for all arms of a runtime: it opens them, and again
 // when they were lost, runs the chain and hands its verdict to the servos, who read it in each
@@ -57,6 +63,10 @@ class SafetySession {
   // In words for a person: what is wrong now, or that somebody has to clear; empty when all is
   // well.
   [[nodiscard]] std::string explanation() const;
+  // Whether nothing was stopped since the start, but for the start itself.
+  [[nodiscard]] bool is_as_started() const noexcept {
+    return status().cause == safety::ChainTrouble::None;
+  }
   [[nodiscard]] const config::SafetyConfig& config() const noexcept { return config_; }
 
   // Stops all arms when step() was not called for kUnwatched: nobody would hear the button.

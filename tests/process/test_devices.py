@@ -124,6 +124,15 @@ world = "box"
         self.assertIn("arm 'absent': no device at hid:NOBODY", daemon.log())
         self.assertFalse(list(daemon.folder.glob("flight-*")), "that it is not there is no stop")
 
+    def test_a_simulated_arm_in_the_place_of_an_absent_one_is_told_in_the_log(self):
+        daemon = self.start(config=HELLO.replace(
+            'device = "sim:phantom-vintage"', 'device = "hid:NOBODY"\nmodel = "phantom-vintage"\n'
+            'fallback = "simulated"'))
+        sentence = daemon.status()["degraded"][-1]
+        self.assertIn("hid:NOBODY is not there; a simulated arm stands in for it", sentence)
+        self.assertEqual(daemon.stop(), 0)
+        self.assertEqual(daemon.log().count(sentence), 1)
+
 
 def usb_device(port, number, ids, *attributes):
     vendor, product = ids.split(":")

@@ -24,10 +24,17 @@ class Safety(ProcessTest):
         daemon = self.started_on("sim:bench")
         self.assertIn("clear", self.wait_for(daemon, state="waiting", is_deadman_held=True,
                                              is_enable_beating=False)["message"])
+        arm = daemon.status_when(lambda status: status["arms"][0]["faults"])["arms"][0]
+        self.assertIn("not yet cleared since the start", arm["faults"][0]["message"])
+        self.assertIn("thimble clear-fault right", arm["instruction"])
         cleared = self.thimble(daemon, "clear-fault", "right")
         self.assertEqual(cleared.returncode, 0, cleared.stderr)
         self.wait_for(daemon, state="free", is_enable_beating=True, message="", stops=0)
         self.assertIn("safety sim:bench  FREE", self.thimble(daemon, "status").stdout)
+        self.assertEqual(daemon.stop(), 0)
+        self.assertRegex(daemon.log(), r"info: .*not yet cleared since the start")
+        self.assertNotIn("emergency stop is pressed", daemon.log())
+        self.assertFalse(list(daemon.folder.glob("flight-*")), "a start is no stop")
 
     def test_lines_that_are_not_there_are_a_stop_that_says_why(self):
         daemon = self.started_on("no-such-chip")

@@ -93,7 +93,7 @@ TEST_P(SafetyLines, NothingIsDrivenFromTheStartUntilAPersonClears) {
   sut.run(2, [&] { ASSERT_EQ(norm(sut.loop.frame().force), 0); });
   EXPECT_EQ(sut.loop.snapshot().fault.code, FaultCode::Estop);
   EXPECT_EQ(sut.chip.changes(3), 0U);
-  EXPECT_THAT(sut.safety.explanation(), HasSubstr("clear the fault"));
+  EXPECT_THAT(sut.safety.explanation(), HasSubstr("not yet cleared since the start"));
   ASSERT_TRUE(sut.clear());
   EXPECT_TRUE(sut.run_until(8, [&] { return sut.is_pushed(); }));
 }

@@ -56,6 +56,22 @@ TEST(ServoInputs, AnEstopWhileTheArmIsAwayIsLatchedWhenItIsBack) {
   for (const Force3& force : rig.device.written) ASSERT_EQ(force, Force3{});
 }
 
+TEST(ServoInputs, AnEstopBeforeTheArmWasEverDrivenIsLatchedAndFreezesNothing) {
+  ServoRig rig;
+  rig.controls.is_estop_healthy = false;
+  rig.tick(3);
+  EXPECT_EQ(rig.snapshot().fault.code, FaultCode::Estop);
+  EXPECT_EQ(rig.state(), OperatingState::Fault);
+  EXPECT_FALSE(rig.sut.recorder().is_frozen());
+
+  rig.controls.is_estop_healthy = true;
+  rig.controls.request_clear(rig.snapshot().fault.number);
+  rig.tick();
+  rig.activate_fully();
+  rig.press_estop();
+  EXPECT_TRUE(rig.sut.recorder().is_frozen()) << "this one stopped an arm";
+}
+
 TEST(ServoInputs, AnArmThatHasSaidNothingYetIsWaitedFor) {
   ServoRig rig;
   rig.controls.want_active = true;
