@@ -177,7 +177,8 @@ void read_device(TableReader& reader, ArmConfig& arm) {
       });
   if (is_good) return;
   reader.reject("device",
-                "expected sim:MODEL, hid:SERIAL, usb:PORT, serial:SERIAL or pci:SLOT, found " +
+                "expected sim:MODEL, or hid:SERIAL, hid:PORT, usb:PORT, serial:SERIAL or "
+                "serial:PORT as thimble devices lists it, found " +
                     in_quotes(arm.device));
   arm.device.clear();
 }

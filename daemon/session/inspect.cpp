@@ -14,6 +14,8 @@
 #include "daemon/session/stand_in.hpp"
 #include "daemon/session/world_settings.hpp"
 #include "daemon/world/io/world_source.hpp"
+#include "drivers/falcon/find_model.hpp"
+#include "hal/bus/device_name.hpp"
 #include "sim/time/virtual_clock.hpp"
 
 namespace thimble::session {
@@ -61,6 +63,13 @@ class ArmInspection {
       const Result<config::ArmConfig> simulated = stand_in_for(arm_, parts_.models);
       if (!simulated) return object("fallback", simulated.error().message);
       arm_ = *simulated;  // what is wrong with it is wrong with the real one
+    }
+    const std::string_view said = arm_.device;
+    if (!bus::is_simulated(said) && !bus::is_device_name(said.substr(said.find(':') + 1))) {
+      return object("device",
+                    "no bus names a device so: a serial number or a port follows \"hid:\", "
+                    "\"serial:\" or \"usb:\", as thimble devices lists it; found " +
+                        config::in_quotes(arm_.device));
     }
     const std::string_view address = arm_.device;
     for (const std::string_view scheme : {"hid:", "usb:", "serial:"}) {

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <string_view>
 
+#include "hal/bus/device_name.hpp"
+
 namespace thimble::linux {
 namespace {
 
 constexpr std::size_t kMaxSerialNumberLetters = 64;
 constexpr std::string_view kDigits = "0123456789";
-constexpr std::string_view kSerialLetters =
-    "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._+-";
 
 // "1-4", "1-4.2": what the kernel calls a USB device.
 bool has_form_of_port(std::string_view text) noexcept {
@@ -50,7 +50,7 @@ std::vector<bus::DeviceAddress> addresses_of(std::string_view scheme,
 
 bool is_usable_serial(const std::string& serial_number) noexcept {
   return !serial_number.empty() && serial_number.size() <= kMaxSerialNumberLetters &&
-         serial_number.find_first_not_of(kSerialLetters) == std::string::npos &&
+         serial_number.find_first_not_of(bus::kSerialLetters) == std::string::npos &&
          !has_form_of_port(serial_number);
 }
 

@@ -5,6 +5,7 @@
 
 #include "daemon/session/plugins.hpp"
 #include "drivers/falcon/firmware_image.hpp"
+#include "hal/bus/device_name.hpp"
 #include "tests/support/falcon_image.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -41,7 +42,8 @@ class InspectSphere : public ::testing::Test {
 TEST_F(InspectSphere, LooksForNoRealDeviceAndObjectsToABusThatIsNotThere) {
   config::ArmConfig arm;
   arm.world = "hello";
-  for (const char* device : {"hid:1", "usb:1-4", "serial:1234567"}) {
+  for (const char* device : {"hid:1", "usb:1-4", "serial:1234567", "hid:1-4.2:1.1",
+                             "hid:0003:1234:0006.0004", "serial:A_b+c-1.2:1.1"}) {
     arm.device = device;
     config.arms = {arm};
     EXPECT_TRUE(inspected().empty()) << device;
@@ -50,6 +52,26 @@ TEST_F(InspectSphere, LooksForNoRealDeviceAndObjectsToABusThatIsNotThere) {
   config.arms = {arm};
   ASSERT_EQ(inspected().size(), 1U);
   EXPECT_EQ(inspected()[0].key, "device");
+}
+
+TEST_F(InspectSphere, ObjectsToAnAddressThatNoBusCouldGive) {
+  config::ArmConfig arm;
+  arm.world = "hello";
+  for (const char* device : {"serial:/dev/ttyACM0", "hid:/dev/hidraw0", "usb:1/4", "hid:A B",
+                             "hid:\xc3\xa4", "serial:A\n"}) {
+    arm.device = device;
+    config.arms = {arm};
+    const auto sut = inspected();
+    ASSERT_EQ(sut.size(), 1U) << device;
+    EXPECT_EQ(sut[0].key, "device");
+    EXPECT_NE(sut[0].message.find("thimble devices"), std::string::npos) << sut[0].message;
+  }
+}
+
+// Whatever number a device says: what a bus makes an address of can be configured.
+TEST(DeviceName, HasEveryLetterOfASerialNumber) {
+  for (const char letter : bus::kSerialLetters) EXPECT_TRUE(bus::is_device_name({&letter, 1}));
+  EXPECT_FALSE(bus::is_device_name(""));
 }
 
 TEST_F(InspectSphere, HasNothingAgainstIt) { EXPECT_TRUE(inspected().empty()); }
