@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "cli/doctor/checks.hpp"
+#include "daemon/session/inspect.hpp"
 
 namespace thimble::devices_list {
 namespace {
@@ -68,6 +69,9 @@ std::string needs_of(const bus::BusDeviceInfo& info, const plugin::DriverRegistr
   const auto unnamed = drivers.match(info, settings);
   settings.is_named_by_person = true;
   const auto named = drivers.match(info, settings);
+  if (named && (*named)->name() == "falcon" && !drivers.is_from_outside("falcon")) {
+    return std::string(session::kFalconWantsFirmware);
+  }
   std::string needs = unnamed ? "" : unnamed.error().message;
   if (!named && named.error().message != needs) needs += "; " + named.error().message;
   return needs;
@@ -97,6 +101,7 @@ Entry real_entry(const linux::FoundDevice& device, const doctor::Facts& facts,
     entry.obstacle = "no driver knows it" + (why.empty() ? "" : ": " + why);
     return entry;
   }
+  entry.is_plugged_in_arm = true;
   entry.needs = needs_of(device.info, drivers);
   entry.models = models_of(device.info, drivers);
   for (const doctor::Controller& controller : facts.controllers) {
@@ -130,7 +135,9 @@ std::vector<Entry> plugged_in(const doctor::Facts& facts) {
                        "controller at " + controller.node.path,
                        obstacles(facts, controller),
                        "",
-                       {}});
+                       {},
+                       {},
+                       true});
   }
   return entries;
 }

@@ -20,6 +20,7 @@ struct Entry {
   std::string needs;                  // what a configuration must say of it besides; may be empty
   std::vector<std::string> users;     // arms of the running daemon, "right (active)"
   std::vector<std::string> models{};  // that arm.model may name for it, of what is plugged in
+  bool is_plugged_in_arm{false};      // one that a driver knows
   bool operator==(const Entry&) const = default;
 };
 

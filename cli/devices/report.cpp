@@ -1,6 +1,8 @@
 #include "cli/devices/report.hpp"
 
+#include <algorithm>
 #include <boost/json.hpp>
+#include <map>
 
 #include "cli/text.hpp"
 #include "daemon/api/json_text.hpp"
@@ -37,11 +39,18 @@ boost::json::array array_of(const std::vector<std::string>& words) {
 
 std::string render(const std::vector<Entry>& entries, const std::string& daemon) {
   std::string out;
+  const bool has_arm = std::any_of(entries.begin(), entries.end(),
+                                   [](const Entry& entry) { return entry.is_plugged_in_arm; });
+  if (!has_arm) out += "no arm is plugged in (thimble doctor)\n";
+  std::map<std::string, std::string> told;  // what is needed, and at which address that stands
   for (const Entry& entry : entries) {
     out += cli::wrap(plain(heading_of(entry)), kColumns, 0);
     if (!entry.obstacle.empty()) out += below("cannot be used: " + entry.obstacle);
-    if (!entry.needs.empty())
-      out += below("can be used; a configuration must say more: " + entry.needs);
+    if (!entry.needs.empty()) {
+      const auto [first, is_new] = told.emplace(entry.needs, entry.address);
+      out += below(is_new ? "can be used; a configuration must say more: " + entry.needs
+                          : "can be used; a configuration must say more, as for " + first->second);
+    }
     if (entry.obstacle.empty() && entry.needs.empty()) out += below("can be used");
     if (!entry.models.empty()) out += below("its arm.model: " + list_of(entry.models));
     if (!entry.users.empty()) out += below("in use by " + list_of(entry.users));

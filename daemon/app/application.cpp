@@ -106,6 +106,9 @@ int run_checked(const Options& options) {
     }
     return kExitUsage;
   }
+  for (const std::string& doubt : session::doubts_of(*config, plugins.drivers)) {
+    spdlog::warn("{}", doubt);
+  }
   if (options.is_check) {
     std::printf("%s: the configuration is good\n", options.config.c_str());
     return kExitOk;

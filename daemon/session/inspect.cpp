@@ -43,6 +43,11 @@ bool may_drive(const plugin::Driver& driver, const config::ArmConfig& arm) {
   return std::find(models.begin(), models.end(), *arm.model) != models.end();
 }
 
+bool is_falcon(const config::ArmConfig& arm) {
+  if (bus::is_simulated(arm.device)) return false;
+  return arm.model ? falcon::find_model(*arm.model) != nullptr : arm.device.starts_with("usb:");
+}
+
 class ArmInspection {
  public:
   ArmInspection(const config::Config& config, std::size_t index, const RigParts& parts)
@@ -59,17 +64,17 @@ class ArmInspection {
   }
 
   void inspect_device() {
-    if (arm_.fallback == config::Fallback::Simulated) {
-      const Result<config::ArmConfig> simulated = stand_in_for(arm_, parts_.models);
-      if (!simulated) return object("fallback", simulated.error().message);
-      arm_ = *simulated;  // what is wrong with it is wrong with the real one
-    }
     const std::string_view said = arm_.device;
     if (!bus::is_simulated(said) && !bus::is_device_name(said.substr(said.find(':') + 1))) {
       return object("device",
                     "no bus names a device so: a serial number or a port follows \"hid:\", "
                     "\"serial:\" or \"usb:\", as thimble devices lists it; found " +
                         config::in_quotes(arm_.device));
+    }
+    if (arm_.fallback == config::Fallback::Simulated) {
+      const Result<config::ArmConfig> simulated = stand_in_for(arm_, parts_.models);
+      if (!simulated) return object("fallback", simulated.error().message);
+      arm_ = *simulated;  // what is wrong with it is wrong with the real one
     }
     const std::string_view address = arm_.device;
     for (const std::string_view scheme : {"hid:", "usb:", "serial:"}) {
@@ -239,6 +244,17 @@ std::vector<Objection> inspect_files(const config::Config& config,
       if (checked) continue;
       out.push_back({Objection::Table::Arm, i, "firmware", checked.error().message});
     }
+  }
+  return out;
+}
+
+std::vector<std::string> doubts_of(const config::Config& config,
+                                   const plugin::DriverRegistry& drivers) {
+  if (!known_models(drivers) || drivers.is_from_outside("falcon")) return {};
+  std::vector<std::string> out;
+  for (const config::ArmConfig& arm : config.arms) {
+    if (!is_falcon(arm) || arm.firmware) continue;
+    out.push_back("arm '" + arm.name + "' lacks " + std::string(kFalconWantsFirmware));
   }
   return out;
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "daemon/config/load.hpp"
@@ -20,6 +22,16 @@ namespace thimble::session {
 // the other arms need them not, so a start looks at none: decision 0330.
 [[nodiscard]] std::vector<config::Objection> inspect_files(const config::Config& config,
                                                            const plugin::DriverRegistry& drivers);
+
+inline constexpr std::string_view kFalconWantsFirmware =
+    "arm.firmware: a Falcon forgets its own with its power, and has no force without; "
+    "docs/first-arm.md "
+    "says where to get the file";
+// What is no mistake, but will most likely be missed, with the arm's name in front: the firmware of
+// a Falcon that nobody else loads. Not where a plugin drives Falcons, or does not tell what it
+// drives.
+[[nodiscard]] std::vector<std::string> doubts_of(const config::Config& config,
+                                                 const plugin::DriverRegistry& drivers);
 
 // The same as inspect() with the plugins that the configuration names, which are loaded into
 // `plugins` first.

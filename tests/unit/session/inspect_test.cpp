@@ -253,6 +253,28 @@ TEST_F(InspectFiles, ObjectsToOneThatIsNotThereOrIsNoFile) {
   EXPECT_THAT(objections(), IsEmpty()) << "its driver reads none";
 }
 
+TEST_F(InspectFiles, DoubtsAFalconWithoutFirmwareAndNoOtherArm) {
+  const auto doubts = [&] { return doubts_of(config, plugins.drivers); };
+  arm().name = "right";
+  arm().firmware.reset();
+  arm().device = "usb:1-4";
+  for (const std::optional<std::string>& model :
+       {std::optional<std::string>("falcon"), std::optional<std::string>()}) {
+    arm().model = model;
+    EXPECT_THAT(doubts(), ElementsAre(StartsWith("arm 'right' lacks arm.firmware")));
+  }
+  arm().firmware = "/somewhere";
+  EXPECT_THAT(doubts(), IsEmpty());
+  arm().firmware.reset();
+  arm().device = "sim:falcon-loaded";
+  EXPECT_THAT(doubts(), IsEmpty());
+  arm().device = "hid:A7";
+  EXPECT_THAT(doubts(), IsEmpty());
+  arm().model = "polhem-1";
+  arm().device = "usb:1-4";
+  EXPECT_THAT(doubts(), IsEmpty());
+}
+
 class InspectFalcon : public ::testing::Test {
  protected:
   void expect_objection(std::string_view key, std::string_view says) const {

@@ -137,6 +137,14 @@ TEST(Inventory, NamesTheOneModelOfADeviceThatTellsWhatItIs) {
               testing::ElementsAre("falcon"));
 }
 
+TEST(Inventory, SaysThatAFalconWantsItsFirmware) {
+  const session::Plugins plugins;
+  std::vector<linux::FoundDevice> devices{found_arm()};
+  devices[0].info = plugin::describe(*plugins.models.find("falcon")->create({}));
+  EXPECT_THAT(plugged_in(devices, {}, plugins.drivers).at(0).needs,
+              testing::StartsWith("arm.firmware: "));
+}
+
 TEST(Inventory, ListsWhatNoDriverKnows) {
   const session::Plugins plugins;
   std::vector<linux::FoundDevice> devices{found_arm(), found_arm()};
@@ -171,6 +179,28 @@ TEST(Inventory, MarksWhatTheDaemonUses) {
   EXPECT_THAT(entries[1].users, testing::ElementsAre("left (active)", "right (fault)"));
   EXPECT_EQ(entries[2].address, "hid:gone");
   EXPECT_EQ(entries[2].obstacle, "it is not there");
+}
+
+TEST(InventoryReport, BeginsWithThatNoArmIsPluggedInUnlessOneIs) {
+  std::vector<Entry> entries{{"usb:1-4", "a camera", "no driver knows it", "", {}},
+                             {"hid:gone", "", "it is not there", "", {"right (lost)"}},
+                             {"sim:a", "an arm", "", "", {}}};
+  EXPECT_THAT(render(entries, ""), testing::StartsWith("no arm is plugged in (thimble doctor)\n"));
+  EXPECT_THAT(render({}, ""), testing::StartsWith("no arm is plugged in"));
+  entries[0].is_plugged_in_arm = true;
+  EXPECT_THAT(render(entries, ""), testing::StartsWith("usb:1-4  a camera\n"));
+  EXPECT_TRUE(plugged_in(facts_with_arm()).at(0).is_plugged_in_arm);
+}
+
+TEST(InventoryReport, SaysOnceWhatSeveralNeed) {
+  const std::vector<Entry> entries{{"sim:a", "", "", "its size, in full", {}},
+                                   {"sim:b", "", "", "its size, in full", {}},
+                                   {"sim:c", "", "", "its colour", {}}};
+  const std::string text = render(entries, "");
+  EXPECT_EQ(text.find("its size, in full"), text.rfind("its size, in full"));
+  EXPECT_THAT(text,
+              HasSubstr("sim:b\n    can be used; a configuration must say more, as for sim:a\n"));
+  EXPECT_THAT(text, HasSubstr("must say more: its colour"));
 }
 
 TEST(InventoryReport, SaysOfEachWhetherItCanBeUsed) {
