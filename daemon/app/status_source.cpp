@@ -57,7 +57,14 @@ double newton_per_count_of(const session::ArmSession& session) {
   return session.config().newton_per_count.value_or(model->newton_per_count);
 }
 
-api::ArmStatus arm_status(session::ArmRig& rig, std::size_t index, const StatusContext& context) {
+// Its position means something, and nothing else has to be done before.
+bool is_ready(const servo::ServoFrame& frame) {
+  return frame.state == OperatingState::Inactive || frame.state == OperatingState::Active;
+}
+
+// `world`: nullptr where it is on another host.
+api::ArmStatus arm_status(session::ArmRig& rig, const session::WorldHost* world, std::size_t index,
+                          const StatusContext& context) {
   session::ArmSession& session = rig.session();
   const servo::ServoSnapshot& snapshot = session.snapshot();
   const servo::ServoFrame& frame = snapshot.frame;
@@ -73,6 +80,9 @@ api::ArmStatus arm_status(session::ArmRig& rig, std::size_t index, const StatusC
   arm.instruction = session::instruction_for(rig);
   arm.position_m = as_array(frame.tip);
   arm.gimbal_rad = gimbal_of(session.device().capabilities(), snapshot);
+  if (arm.instruction.empty() && world != nullptr && is_ready(frame)) {
+    arm.instruction = session::way_into(world->world().info(), frame.tip + frame.offset);
+  }
   arm.force_newton = as_array(frame.force);
   arm.peak_force_newton = snapshot.peak_force_newton;
   arm.offset_m = as_array(frame.offset);
@@ -193,7 +203,9 @@ api::Status collect_status(session::Runtime& runtime, const StatusContext& conte
   if (context.threads != nullptr) status.degraded = context.threads->missing();
   for (std::size_t i = 0; i < runtime.arms().size(); ++i) {
     session::ArmRig& rig = *runtime.arms()[i];
-    status.arms.push_back(arm_status(rig, i, context));
+    const session::WorldHost* const world =
+        runtime.find_world(rig.session().config().world.value_or(""));
+    status.arms.push_back(arm_status(rig, world, i, context));
     status.servos.push_back(servo_status(rig, i, context));
     if (const std::string trouble = rig.trouble(); !trouble.empty()) {
       status.degraded.push_back(trouble);

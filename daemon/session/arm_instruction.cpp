@@ -1,6 +1,19 @@
 #include "daemon/session/arm_instruction.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+
 namespace thimble::session {
+namespace {
+
+constexpr double kRounding_mm = 1e-6;
+constexpr double kMost_m = 1e3;  // of a position that is none, as good as any
+constexpr std::array<std::string_view, 3> kBack{"left", "down", "farther"};
+constexpr std::array<std::string_view, 3> kForth{"right", "up", "nearer"};
+
+}  // namespace
 
 std::string instruction_for(ArmRig& rig) {
   const std::string trouble = rig.trouble();
@@ -13,6 +26,23 @@ std::string instruction_for(ArmRig& rig) {
     return "see to what the fault says, then: thimble clear-fault " + session.config().name;
   }
   return std::string(session.device().calibration_instruction());
+}
+
+std::string way_into(const world::WorldInfo& world, Position3 finger) {
+  const std::array<double, 3> at_m{finger.x, finger.y, finger.z};
+  std::string way;
+  bool is_far = false;
+  for (std::size_t i = 0; i < at_m.size(); ++i) {
+    const double outside_m = std::abs(at_m.at(i)) - world.extent_m.at(i) / 2;
+    if (!(world.extent_m.at(i) > 0 && outside_m > 0) || !std::isfinite(outside_m)) continue;
+    is_far = is_far || outside_m > kOutside_m;
+    // Rounded up: who follows it is inside.
+    way +=
+        (way.empty() ? "" : ", ") +
+        std::to_string(std::llround(std::ceil(std::min(outside_m, kMost_m) * 1e3 - kRounding_mm))) +
+        " mm " + std::string((at_m.at(i) > 0 ? kBack : kForth).at(i));
+  }
+  return is_far ? "bring the arm into its world: " + way : "";
 }
 
 }  // namespace thimble::session
