@@ -16,5 +16,6 @@ int main(int argc, char** argv) {
   const thimble::Result<void> done = thimble::sim::run_simdev(*options);
   if (done) return 0;
   std::fprintf(stderr, "thimble-simdev: %s\n", done.error().message.c_str());
-  return 1;
+  const bool is_mistaken = done.error().code == thimble::Errc::InvalidArgument;
+  return is_mistaken ? thimble::sim::kExitUsage : 1;
 }

@@ -5,7 +5,6 @@
 namespace thimble::sim {
 namespace {
 
-constexpr int kExitUsage = 2;
 constexpr std::string_view kScheme = "sim:";
 constexpr double kMostAmpere = 32.767;  // what a board's report can say
 
@@ -17,7 +16,8 @@ tl::expected<SimdevOptions, int> parse_simdev_options(int argc, const char* cons
       "thimble-simdev offers a simulated device to this machine's kernel, as if it were plugged "
       "in.\n"
       "SIGTERM or Ctrl-C unplugs it."};
-  cli.add_option("model", options.model, "the device, as in the configuration: sim:phantom-vintage")
+  cli.add_option("model", options.model,
+                 "the device, such as phantom-vintage; sim: in front may stand")
       ->required()
       ->type_name("MODEL");
   cli.add_flag("--uhid", options.is_uhid, "through /dev/uhid, as a HID device (needs root)");

@@ -7,6 +7,8 @@
 
 namespace thimble::sim {
 
+inline constexpr int kExitUsage = 2;  // the command line is a mistake
+
 struct SimdevOptions {
   std::string model;  // "phantom-vintage"; "sim:" in front is taken off
   bool is_uhid{false};

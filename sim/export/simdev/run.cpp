@@ -44,9 +44,10 @@ Result<plugin::SimModel> make_model(const SimdevOptions& options) {
   if (entry == nullptr) {
     std::string known;
     for (const plugin::SimModelEntry& model : models.entries()) {
-      known += " sim:" + model.name;
+      known += " " + model.name;
     }
-    return fail(Errc::NotFound, "no simulated device " + options.model + "; there are:" + known);
+    return fail(Errc::InvalidArgument,
+                "no simulated device " + options.model + "; there are:" + known);
   }
   return entry->create({.amplifier_max_a = options.amplifier_max_a, .seed = options.seed});
 }

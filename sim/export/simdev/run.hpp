@@ -6,8 +6,8 @@
 namespace thimble::sim {
 
 // Offers the device until SIGTERM or SIGINT. Thread: the main one. Not RT.
-// Errors: NotFound for an unknown model, InvalidArgument for one that cannot be offered that way,
-// Permission and System from the kernel.
+// Errors: InvalidArgument where the options are a mistake: an unknown model, or none of the ways,
+// or one by which that model cannot be offered; Permission and System from the kernel.
 [[nodiscard]] Result<void> run_simdev(const SimdevOptions& options);
 
 }  // namespace thimble::sim
