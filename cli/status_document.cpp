@@ -153,6 +153,14 @@ std::optional<api::SphereStatus> sphere(const json::value& value) {
   return out.radius_m > 0 && std::isfinite(sum + out.radius_m) ? std::optional(out) : std::nullopt;
 }
 
+std::optional<api::PiecesStatus> pieces(const json::value& value) {
+  const json::value* found = member(value, "pieces");
+  if (found == nullptr || !found->is_object()) return {};
+  return api::PiecesStatus{
+      static_cast<std::uint32_t>(std::min<std::uint64_t>(count(*found, "held"), 1000000)),
+      flag(*found, "is_free_motion")};
+}
+
 api::WorldStatus world(const json::value& value) {
   api::WorldStatus out;
   out.name = text(value, "name");
@@ -168,6 +176,7 @@ api::WorldStatus world(const json::value& value) {
   out.edits_applied = count(value, "edits_applied");
   out.edits_waiting = count(value, "edits_waiting");
   out.sphere = sphere(value);
+  out.pieces = pieces(value);
   return out;
 }
 

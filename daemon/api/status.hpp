@@ -96,6 +96,13 @@ struct SphereStatus {
   bool operator==(const SphereStatus&) const = default;
 };
 
+// Of a world with pieces, as its board has confirmed it.
+struct PiecesStatus {
+  std::uint32_t held{0};  // number of the held piece; 0: none
+  bool is_free_motion{false};
+  bool operator==(const PiecesStatus&) const = default;
+};
+
 struct WorldStatus {
   std::string name;
   std::string source;
@@ -106,6 +113,7 @@ struct WorldStatus {
   std::uint64_t edits_applied{0};  // since the start
   std::uint64_t edits_waiting{0};
   std::optional<SphereStatus> sphere{};  // of a world that is one
+  std::optional<PiecesStatus> pieces{};  // of a world that has some
   bool operator==(const WorldStatus&) const = default;
 };
 

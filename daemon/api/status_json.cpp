@@ -104,6 +104,10 @@ json::object to_value(const WorldStatus& world) {
                                  {"radius_m", world.sphere->radius_m},
                                  {"floor_m", world.sphere->floor_m}};
   }
+  if (world.pieces) {
+    out["pieces"] = json::object{{"held", world.pieces->held},
+                                 {"is_free_motion", world.pieces->is_free_motion}};
+  }
   return out;
 }
 

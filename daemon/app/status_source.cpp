@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "daemon/session/arm_instruction.hpp"
+#include "daemon/world/cam/piece_world.hpp"
 #include "drivers/falcon/find_model.hpp"
 
 namespace thimble::app {
@@ -74,20 +75,20 @@ api::ArmStatus arm_status(session::ArmRig& rig, const session::WorldHost* world,
   const session::AwaitedArm* const awaited = rig.awaited();
   if (awaited != nullptr && awaited->has_stand_in()) arm.stands_in_for = awaited->arm().device;
   arm.newton_per_count = newton_per_count_of(session);
+  arm.max_force_newton = session.loop().settings().limiter.max_force_newton;
   arm.model = session.device().capabilities().model;
   arm.state = to_string(frame.state);
   arm.calibration = to_string(frame.calibration);
   arm.instruction = session::instruction_for(rig);
-  arm.position_m = as_array(frame.tip);
-  arm.gimbal_rad = gimbal_of(session.device().capabilities(), snapshot);
   if (arm.instruction.empty() && world != nullptr && is_ready(frame)) {
     arm.instruction = session::way_into(world->world().info(), frame.tip + frame.offset);
   }
+  arm.position_m = as_array(frame.tip);
+  arm.gimbal_rad = gimbal_of(session.device().capabilities(), snapshot);
   arm.force_newton = as_array(frame.force);
   arm.peak_force_newton = snapshot.peak_force_newton;
   arm.offset_m = as_array(frame.offset);
   arm.peak_offset_m = snapshot.peak_offset_m;
-  arm.max_force_newton = session.loop().settings().limiter.max_force_newton;
   arm.contacts = snapshot.total_contacts;
   arm.faults = faults_of(snapshot, arm.name, context);
   arm.is_in_contact = frame.is_in_contact;
@@ -170,6 +171,10 @@ api::WorldStatus world_status(const session::WorldHost& host) {
   world.cell_m = info.cell_m;
   if (info.sphere) {
     world.sphere = {as_array(info.sphere->center), info.sphere->radius_m, info.sphere->floor_m};
+  }
+  if (const world::cam::PieceWorld* pieces = host.pieces()) {
+    const world::cam::PieceState& state = pieces->board().state();
+    world.pieces = {static_cast<std::uint32_t>(state.held), state.is_free_motion};
   }
   if (const world::EditQueue* edits = host.edits()) {
     world.occupied_cells = host.world().occupied_cells();

@@ -92,6 +92,10 @@ Result<std::unique_ptr<coupling::WorldCoupling>> WorldHost::make_world_half(
 
 Result<std::uint64_t> WorldHost::submit_edits(std::vector<world::CellEdit> edits) {
   const std::string name = "world '" + name_ + "'";
+  if (world_->pieces() != nullptr) {
+    return fail(Errc::Unsupported,
+                name + ": the cells of pieces are the board's: use thimble select, drop or delete");
+  }
   if (!edits_) {
     return fail(Errc::Unsupported, name + ": " + world_->info().source +
                                        " is made of no cells, so none can be edited");

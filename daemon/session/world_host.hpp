@@ -58,6 +58,7 @@ class WorldHost {
   std::optional<MonotonicTime> pump(MonotonicTime now);
   // Where there are pieces to select and drop; nullptr where there are none.
   [[nodiscard]] world::cam::PieceWorld* pieces() noexcept { return world_->pieces(); }
+  [[nodiscard]] const world::cam::PieceWorld* pieces() const noexcept { return world_->pieces(); }
   // The board of its pieces, to be pulled out; nullptr where it is on no simulated USB.
   [[nodiscard]] sim::cam::SimUsbCamBoard* usb_board() noexcept { return usb_board_.get(); }
   // What somebody who touches it does not feel, though the configuration says it: a sentence.

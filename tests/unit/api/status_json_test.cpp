@@ -52,6 +52,16 @@ TEST(StatusJson, TellsOfABallAndFloorWhereTheWorldIsOne) {
   EXPECT_EQ(sut.at("floor_m").to_number<double>(), -2);
 }
 
+TEST(StatusJson, TellsOfTheHeldPieceWhereTheWorldHasPieces) {
+  Status status = sample();
+  EXPECT_FALSE(json::parse(to_json(status)).at("worlds").at(0).as_object().contains("pieces"));
+  status.worlds[0].pieces = {5, true};
+  const auto sut = json::parse(to_json(status)).at("worlds").at(0).at("pieces");
+  EXPECT_EQ(keys_of(sut), (std::set<std::string>{"held", "is_free_motion"}));
+  EXPECT_EQ(sut.at("held").to_number<int>(), 5);
+  EXPECT_TRUE(sut.at("is_free_motion").as_bool());
+}
+
 TEST(StatusJson, TellsOfTheSafetyLinesWhereThereAreAny) {
   Status status = sample();
   EXPECT_FALSE(json::parse(to_json(status)).as_object().contains("safety"));
