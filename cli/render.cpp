@@ -16,18 +16,30 @@ constexpr double kFullBar_newton = 8.5;  // a PHANToM's peak (reference: its dat
 
 using Lines = std::vector<std::string>;
 
+// What has no room goes on in the next line, below what stands behind the label.
 void add(Lines& lines, const std::string& label, const std::string& text) {
-  lines.push_back(fit(fit("  " + label, kLabel) + text, kColumns));
-}
-
-void add_wrapped(Lines& lines, const std::string& label, const std::string& text) {
-  const std::string wrapped = wrap(plain(text), kColumns, kLabel);
+  if (text.empty()) return lines.push_back(fit("  " + label, kLabel));
+  const std::size_t first = lines.size();
+  const std::string wrapped = wrap(text, kColumns, kLabel);
   std::size_t begin = 0;
   for (std::size_t end = wrapped.find('\n'); end != std::string::npos;
        begin = end + 1, end = wrapped.find('\n', begin)) {
-    const std::string line = wrapped.substr(begin, end - begin);
-    add(lines, begin == 0 ? label : "", line.substr(std::min(kLabel, line.size())));
+    lines.push_back(wrapped.substr(begin, end - begin));
   }
+  lines[first].replace(0, kLabel, fit("  " + label, kLabel));
+}
+
+void add_plain(Lines& lines, const std::string& label, const std::string& text) {
+  add(lines, label, plain(text));
+}
+
+// One line, as a rule, that begins at the margin.
+void add_heading(Lines& lines, const std::string& text) {
+  const std::string first = wrap(text, kColumns, 0);
+  const std::size_t size = std::min(first.find('\n'), first.size());
+  lines.push_back(first.substr(0, size));
+  const std::size_t rest = std::min(text.find_first_not_of(' ', size), text.size());
+  if (rest < text.size()) add(lines, "", text.substr(rest));
 }
 
 std::string upper(std::string text) {
@@ -65,7 +77,7 @@ void add_gimbal(Lines& lines, const api::ArmStatus& arm) {
 void add_motion(Lines& lines, const api::ArmStatus& arm, Glyphs glyphs) {
   const double force_newton = norm(arm.force_newton);
   add(lines, "position",
-      fit(vector_text(arm.position_m, 1e3, 1, "mm"), 28) + "offset" +
+      fit(vector_text(arm.position_m, 1e3, 1, "mm"), 26) + "offset" +
           vector_text(arm.offset_m, 1e3, 1, "mm") + " peak " + fixed(arm.peak_offset_m * 1e3, 1));
   add_gimbal(lines, arm);
   add(lines, "force",
@@ -105,7 +117,7 @@ void add_link(Lines& lines, const api::LinkStatus& link, Glyphs glyphs) {
           "  lost " + std::to_string(link.lost) + "  rejected " + std::to_string(link.rejected) +
           "  stale " + std::to_string(link.stale));
   if (!link.is_up && !link.last_error.empty()) {
-    add_wrapped(lines, "", "last trouble: " + link.last_error);
+    add_plain(lines, "", "last trouble: " + link.last_error);
   }
 }
 
@@ -113,19 +125,18 @@ void add_faults(Lines& lines, const api::ArmStatus& arm) {
   if (arm.faults.empty()) return add(lines, "faults", "none");
   for (const api::FaultStatus& fault : arm.faults) {
     const std::string number = fault.number == 0 ? "" : std::to_string(fault.number) + " ";
-    add_wrapped(lines, "FAULT",
-                number + fault.code + " at " + fixed(fault.at_s, 1) + " s: " + fault.message);
-    if (!fault.recording.empty()) add_wrapped(lines, "", "recording " + fault.recording);
+    add_plain(lines, "FAULT",
+              number + fault.code + " at " + fixed(fault.at_s, 1) + " s: " + fault.message);
+    if (!fault.recording.empty()) add_plain(lines, "", "recording " + fault.recording);
   }
 }
 
 void add_arm(Lines& lines, const api::Status& status, const api::ArmStatus& arm, Glyphs glyphs) {
   const std::string lease = arm.lease.empty() || arm.lease == "none" ? "nobody" : arm.lease;
-  lines.push_back(fit("arm " + plain(arm.name) + "  " + upper(plain(arm.state)) + "  " +
-                          plain(arm.device) + "  calibration " + plain(arm.calibration) +
-                          "  held by " + plain(lease),
-                      kColumns));
-  if (!arm.instruction.empty()) add_wrapped(lines, "PLEASE", arm.instruction);
+  add_heading(lines, "arm " + plain(arm.name) + "  " + upper(plain(arm.state)) + "  " +
+                         plain(arm.device) + "  calibration " + plain(arm.calibration) +
+                         "  held by " + plain(lease));
+  if (!arm.instruction.empty()) add_plain(lines, "PLEASE", arm.instruction);
   add_motion(lines, arm, glyphs);
   for (const api::ServoStatus& servo : status.servos) {
     if (servo.arm == arm.name) add_servo(lines, servo, glyphs);
@@ -143,11 +154,17 @@ std::string cells_of(const api::WorldStatus& world) {
          std::to_string(world.cells[2]) + " cells of " + fixed(world.cell_m * 1e3, 2) + " mm";
 }
 
+std::string pieces_of(const api::WorldStatus& world) {
+  if (!world.pieces) return "";
+  const std::uint32_t held = world.pieces->held;
+  return (held == 0 ? "  holds no piece" : "  holds piece " + std::to_string(held)) +
+         (world.pieces->is_free_motion ? "  free motion" : "");
+}
+
 void add_worlds(Lines& lines, const api::Status& status, Glyphs glyphs) {
   for (const api::WorldStatus& world : status.worlds) {
-    lines.push_back(fit("world " + plain(world.name) + "  " + plain(world.source) +
-                            cells_of(world) + "  fingers " + std::to_string(world.probes),
-                        kColumns));
+    add_heading(lines, "world " + plain(world.name) + "  " + plain(world.source) + cells_of(world) +
+                           "  fingers " + std::to_string(world.probes) + pieces_of(world));
     for (const api::LinkStatus& link : status.links) {
       if (link.arm.empty() && link.world == world.name) add_link(lines, link, glyphs);
     }
@@ -157,19 +174,17 @@ void add_worlds(Lines& lines, const api::Status& status, Glyphs glyphs) {
 void add_safety(Lines& lines, const api::Status& status) {
   if (!status.safety) return;
   const api::SafetyStatus& safety = *status.safety;
-  lines.push_back(fit("safety " + plain(safety.chip) + "  " + upper(plain(safety.state)) +
-                          "  deadman " + (safety.is_deadman_held ? "held" : "OPEN") + "  enable " +
-                          (safety.is_enable_beating ? "beats" : "rests") + "  stops " +
-                          std::to_string(safety.stops),
-                      kColumns));
-  if (!safety.message.empty()) add_wrapped(lines, "", safety.message);
+  add_heading(lines, "safety " + plain(safety.chip) + "  " + upper(plain(safety.state)) +
+                         "  deadman " + (safety.is_deadman_held ? "held" : "OPEN") + "  enable " +
+                         (safety.is_enable_beating ? "beats" : "rests") + "  stops " +
+                         std::to_string(safety.stops));
+  if (!safety.message.empty()) add_plain(lines, "", safety.message);
 }
 
 Lines all_lines(const api::Status& status, Glyphs glyphs) {
   Lines lines;
-  lines.push_back(
-      fit("thimble " + plain(status.version) + "  up " + uptime_text(status.uptime_s), kColumns));
-  for (const std::string& sentence : status.degraded) add_wrapped(lines, "DEGRADED", sentence);
+  add_heading(lines, "thimble " + plain(status.version) + "  up " + uptime_text(status.uptime_s));
+  for (const std::string& sentence : status.degraded) add_plain(lines, "DEGRADED", sentence);
   add_safety(lines, status);
   for (const api::ArmStatus& arm : status.arms) add_arm(lines, status, arm, glyphs);
   add_worlds(lines, status, glyphs);
@@ -226,9 +241,9 @@ std::string render_line(const api::Status& status) {
 std::string render_report(const api::Status& status, Glyphs glyphs) {
   Lines lines;
   lines.push_back("session of " + fixed(status.uptime_s, 1) + " s");
-  for (const std::string& sentence : status.degraded) add_wrapped(lines, "DEGRADED", sentence);
+  for (const std::string& sentence : status.degraded) add_plain(lines, "DEGRADED", sentence);
   for (const api::ArmStatus& arm : status.arms) {
-    lines.push_back(fit("arm " + plain(arm.name) + "  " + plain(arm.device), kColumns));
+    add_heading(lines, "arm " + plain(arm.name) + "  " + plain(arm.device));
     add(lines, "contacts", std::to_string(arm.contacts));
     add(lines, "peak force", fixed(arm.peak_force_newton, 2) + " N");
     add(lines, "offset",

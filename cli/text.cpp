@@ -10,6 +10,15 @@ namespace {
 
 bool is_continuation(char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; }
 
+// Of the characters that take up to so many columns; never half of one.
+std::size_t bytes_within(std::string_view text, std::size_t columns) {
+  std::size_t seen = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (!is_continuation(text[i]) && ++seen > columns) return i;
+  }
+  return text.size();
+}
+
 std::string print(const char* format, int decimals, double value) {
   if (!std::isfinite(value)) return "-";
   std::array<char, 32> buffer{};
@@ -50,7 +59,7 @@ std::string wrap(std::string_view text, std::size_t width, std::size_t indent) {
   std::string out;
   const std::size_t room = width > indent ? width - indent : 1;
   while (!text.empty()) {
-    std::size_t size = std::min(text.size(), room);
+    std::size_t size = bytes_within(text, room);
     if (size < text.size()) {
       const std::size_t space = text.substr(0, size + 1).rfind(' ');
       if (space != std::string_view::npos && space > 0) size = space;

@@ -77,6 +77,30 @@ TEST(Render, KeepsWithinEightyColumnsWhateverItIsTold) {
   }
 }
 
+TEST(Render, CutsNothingOff) {
+  api::Status status = sample_status();
+  status.arms[0].name = "the-right-one-of-two";
+  status.arms[0].device = "serial:A-very-long-number-of-a-controller:1.2";
+  status.arms[0].offset_m = {-0.124, -0.124, 0.1};
+  status.arms[0].peak_offset_m = 0.1755;
+  status.worlds[0].source = "/home/somebody/volumes/a-scan-of-a-tooth.nhdr";
+  status.worlds[0].pieces = {3, true};
+  for (const Glyphs glyphs : {Glyphs::Ascii, Glyphs::Unicode}) {
+    const std::string text = render_status(status, glyphs);
+    expect_fits(text);
+    for (const char* end : {"held by configuration", "peak 175.5", "fingers 1", "holds piece 3",
+                            "free motion", "[###......"}) {
+      if (glyphs == Glyphs::Unicode && end[0] == '[') continue;
+      // A line may end between two words.
+      std::string joined = text;
+      for (std::size_t at = 0; (at = joined.find("\n             ", at)) != std::string::npos;) {
+        joined.replace(at, 14, " ");
+      }
+      EXPECT_THAT(joined, HasSubstr(end));
+    }
+  }
+}
+
 TEST(Render, UsesPlainCharactersWhereTheTerminalHasNoOthers) {
   for (const char c : render_watch(sample_status(), Glyphs::Ascii, 60)) EXPECT_GE(c, 0);
 }
