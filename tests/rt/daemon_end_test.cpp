@@ -19,16 +19,25 @@ namespace thimble::test {
 namespace {
 
 // A puck, which needs no guard, on a machine that is made up.
-struct DaemonEnd : testing::Test {
+struct PuckMachine {
   MockMachine machine;
   FakeHidWire wire;
+  PuckMachine() { wire.attach("/dev/hidraw0"); }
+  void plug() {
+    machine.plug_virtual(MockMachine::HidDevice{.ids = "0003:0000046D:0000C626",
+                                                .serial_number = "P1",
+                                                .report_descriptor = numbered_reports(6, 2)});
+  }
+};
+
+struct DaemonEnd : testing::Test {
+  PuckMachine puck;
   testing_support::TemporaryFolder folder;
   session::Plugins plugins;
   linux::RealtimeProcess process;
   app::Options options;
   std::unique_ptr<app::Daemon> sut;
 
-  DaemonEnd() { wire.attach("/dev/hidraw0"); }
   void start() {
     config::Config config;
     config.daemon.socket = (folder.path() / "socket").string();
@@ -44,11 +53,6 @@ struct DaemonEnd : testing::Test {
     const Result<void> started = sut->start(process);
     ASSERT_TRUE(started) << started.error().message;
   }
-  void plug() {
-    machine.plug_virtual(MockMachine::HidDevice{.ids = "0003:0000046D:0000C626",
-                                                .serial_number = "P1",
-                                                .report_descriptor = numbered_reports(6, 2)});
-  }
 };
 
 TEST_F(DaemonEnd, AsToldIsNoError) {
@@ -61,7 +65,7 @@ TEST_F(DaemonEnd, AsToldIsNoError) {
 TEST_F(DaemonEnd, ForAnArmThatCameAndCannotBeServedIsAnErrorThatNamesIt) {
   options.for_s = 60;
   start();
-  plug();
+  puck.plug();
   const RefusedThreads refused(RefusedThreads::Which::WithAttributes);
   const Result<void> ended = sut->run();
   ASSERT_FALSE(ended) << "an arm that nobody serves is no service";
@@ -72,7 +76,8 @@ TEST_F(DaemonEnd, ForAnArmThatCameAndCannotBeServedIsAnErrorThatNamesIt) {
 }
 
 // A HID device in whose opening the kernel hangs: by hand it would swallow every Ctrl-C.
-TEST_F(DaemonEnd, IsNotHeldUpByADeviceThatHangsForEver) {
+TEST(HangingDaemonEnd, IsNotHeldUpByADeviceThatHangsForEver) {
+  const testing_support::TemporaryFolder folder;
   const std::string file = folder.write("daemon.toml", R"(
 [[arm]]
 name = "left"
@@ -82,6 +87,7 @@ world = "box"
 name = "box"
 source = "box:3"
 )");
+  app::Options options;
   options.config = file;
   options.overrides = {"daemon.socket=" + (folder / "socket").string(),
                        "daemon.flight_directory=" + folder.path().string()};
@@ -90,8 +96,10 @@ source = "box:3"
   const std::string log = folder.write("log", "");
   const std::string ended = in_child_process(Rights::AsTheTest, [&]() -> std::string {
     if (std::freopen(log.c_str(), "w", stderr) == nullptr) return "no log";
-    wire.at_next_opening([] { std::promise<void>().get_future().wait(); });
-    plug();
+    // The machine has threads, and locks that one of them may hold during a fork: made here.
+    PuckMachine puck;
+    puck.wire.at_next_opening([] { std::promise<void>().get_future().wait(); });
+    puck.plug();
     ::_exit(app::run(options));
   });
   EXPECT_EQ(ended, "") << "as told is no failure";
