@@ -90,8 +90,8 @@ Result<void> Board::add(const CamStep& step, CamProgram& program) {
                           return {};
                         },
                         [&](const cam_step::Count& it) -> Result<void> {
-                          state_.events = it.what;
-                          program.count(it.what);
+                          state_.counted = it;
+                          program.count(it.what, it.layers);
                           return {};
                         },
                         [&](const cam_step::Run& it) { return add_run(it.options, program); },
@@ -146,7 +146,7 @@ Result<void> Board::add_cells(const CamCells* cells, CamProgram& program) {
   } else {
     read_cells(program);
   }
-  program.count(state_.events);
+  program.count(state_.counted.what, state_.counted.layers);
   return {};
 }
 

@@ -44,7 +44,7 @@ class Board final : public CamBoard {
   // What programs have set, as far as later ones depend on it.
   struct State {
     Kicked kicked{Kicked::Nothing};
-    CamEvents events{CamEvents::None};
+    cam_step::Count counted{};
   };
 
   [[nodiscard]] Result<void> add(const CamStep& step, CamProgram& program);

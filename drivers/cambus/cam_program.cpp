@@ -85,11 +85,15 @@ void CamProgram::fix(LayerMask fixed, std::uint16_t bits) {
   builder_.write(lut_source_);
 }
 
-void CamProgram::count(Events events) {
+void CamProgram::count(Events events, LayerMask layers) {
   const std::uint32_t map = events == Events::Site    ? kMapSite
                             : events == Events::Table ? kMapSource
                                                       : kMapZero;
-  set_source(Register::EventSrc, kSelectLutOrAddress, map);
+  const auto& source = field::kSource<Register::EventSrc>;
+  builder_.write(RegisterWords(Register::EventSrc)
+                     .set(source[0], kSelectLutOrAddress)
+                     .set(source[1], kMapZero)
+                     .set(source[1], map, layers));
 }
 
 void CamProgram::run(const RunOptions& options) {

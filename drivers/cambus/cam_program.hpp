@@ -39,7 +39,7 @@ class CamProgram {
   // The table is told these constants instead of the bits of some layers; the sites keep theirs.
   void fix(LayerMask fixed, std::uint16_t bits);
   using Events = CamEvents;
-  void count(Events events);
+  void count(Events events, LayerMask layers = kAllLayers);
   void run(const RunOptions& options = {});
   // One slot of 25 words for each module, in order: word k has bit k of the 16 counts, as of the
   // last run that took them.

@@ -77,6 +77,7 @@ struct Fix {
 };
 struct Count {
   CamEvents what{CamEvents::None};
+  CamLayers layers{0xffff};  // of others nothing is counted
 };
 struct Run {
   CamRun options;

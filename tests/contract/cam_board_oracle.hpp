@@ -46,7 +46,7 @@ class CamBoardOracle {
   }
   void take(const cam_step::LoadTable& it) { other_ = *it.table; }
   void take(const cam_step::Fix& it) { fix_ = it; }
-  void take(const cam_step::Count& it) { events_ = it.what; }
+  void take(const cam_step::Count& it) { count_ = it; }
   void take(const cam_step::ReadCounts&) { answer_.counts.push_back(latched_); }
   void take(const cam_step::WriteCells& it) {
     cells_ = *it.cells;
@@ -73,7 +73,9 @@ class CamBoardOracle {
       const auto seen =
           static_cast<std::uint16_t>((moved[i] & ~fix_.layers) | (fix_.bits & fix_.layers));
       cells_[i] = table_[seen];
-      if (events_ != CamEvents::None) count(events_ == CamEvents::Site ? moved[i] : cells_[i]);
+      if (count_.what != CamEvents::None) {
+        count(count_.what == CamEvents::Site ? moved[i] : cells_[i]);
+      }
     }
   }
   CamCells move() const {
@@ -104,6 +106,7 @@ class CamBoardOracle {
     return result;
   }
   void count(std::uint16_t bits) {
+    bits &= count_.layers;
     for (std::size_t layer = 0; layer < kCamLayers; ++layer) counts_[layer] += (bits >> layer) & 1U;
   }
 
@@ -114,7 +117,7 @@ class CamBoardOracle {
   cam_step::Kick kick_;
   bool is_waiting_{false};  // for its scan
   cam_step::Fix fix_;
-  CamEvents events_{CamEvents::None};
+  cam_step::Count count_;
   CamCounts counts_{};
   CamCounts latched_{};
   CamAnswer answer_;
@@ -133,7 +136,10 @@ inline CamSteps random_steps(std::mt19937& random, std::size_t cells) {
     if (what == 1)
       steps.emplace_back(
           Fix{static_cast<CamLayers>(random()), static_cast<std::uint16_t>(random())});
-    if (what == 2) steps.emplace_back(Count{static_cast<CamEvents>(below(3))});
+    if (what == 2) {
+      const auto layers = static_cast<CamLayers>(below(2) == 0 ? 0xffff : below(0x10000));
+      steps.emplace_back(Count{static_cast<CamEvents>(below(3)), layers});
+    }
     if (what == 3) steps.emplace_back(WriteCells{CamBoardOracle::random_words(random, cells)});
     const bool is_kicked = what == 4 || what == 5;
     if (is_kicked) {

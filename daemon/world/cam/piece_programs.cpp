@@ -45,7 +45,7 @@ void add_shift(CamSteps& steps, const PieceContext& context, CamAxes left) {
 }
 
 void add_count(CamSteps& steps, CamEvents what) {
-  steps.emplace_back(Count{what});
+  steps.emplace_back(Count{what, cell::kOverlap});
   steps.emplace_back(Run{kLatch});
   steps.emplace_back(Run{kScan});
   steps.emplace_back(Run{kLatch});
@@ -55,7 +55,7 @@ void add_count(CamSteps& steps, CamEvents what) {
 void add_with_table(CamSteps& steps, const std::shared_ptr<const CamTable>& table, int part) {
   steps.emplace_back(LoadTable{table});
   if (part >= 0) steps.emplace_back(Fix{cell::kSelect, cell::selecting(part)});
-  steps.emplace_back(Count{CamEvents::Table});
+  steps.emplace_back(Count{CamEvents::Table, cell::kSelect});
   steps.emplace_back(Run{kLatch});
   steps.emplace_back(Run{kScanWithTable});
   if (part >= 0) steps.emplace_back(Fix{});

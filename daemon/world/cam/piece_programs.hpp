@@ -15,10 +15,11 @@ namespace thimble::world::cam {
 void add_kick(CamSteps& steps, const CamAxes& cells);
 // Any way, each kick with its scan, and none longer than a module may be.
 void add_shift(CamSteps& steps, const PieceContext& context, CamAxes way);
-// A scan whose bits are counted before the table, as the thesis's were, or after it; and a reading.
+// A scan whose overlaps are counted before the table, as the thesis's were, or after it; and a
+// reading.
 void add_count(CamSteps& steps, CamEvents what);
-// A scan with another table, counted after it, and a reading; `part`: what the host says in
-// `select`, unless it is negative.
+// A scan with another table, whose `select` is counted after it, and a reading; `part`: what the
+// host says in `select`, unless it is negative.
 void add_with_table(CamSteps& steps, const std::shared_ptr<const CamTable>& table, int part);
 
 // What a reading of such a count says.

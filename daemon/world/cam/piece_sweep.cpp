@@ -97,7 +97,7 @@ class SweepMove final : public PieceTask {
     CamSteps steps;
     if (!context_.is_sweep_ready) steps.emplace_back(LoadTable{context_.tables.sweep});
     steps.emplace_back(Fix{cell::kBegins, cell::kBegins});
-    steps.emplace_back(Count{CamEvents::Table});
+    steps.emplace_back(Count{CamEvents::Table, cell::kHit});
     add_kick(steps, round.shift);
     steps.emplace_back(Run{is_sweeping_ ? kScan : kScanAndSwap});
     is_sweeping_ = true;

@@ -87,6 +87,11 @@ const Word* PlaneDram::fetch(std::size_t layer, const Placement& placement, cons
     return room;
   }
   const unsigned shift = placement.offset & kInWord;
+  const std::size_t row_words = (placement.row + 1) / kWordSites;
+  if (sites.are_aligned && row_words <= words.size()) {
+    fetch_rows(plane, placement, words, room);
+    return room;
+  }
   for (std::size_t k = 0; k < words.size(); ++k) {
     const std::uint32_t address = placement.address(words[k]);
     const Word low = plane[address / kWordSites];
@@ -94,6 +99,23 @@ const Word* PlaneDram::fetch(std::size_t layer, const Placement& placement, cons
     room[k] = shift == 0 ? low : low >> shift | plane[next / kWordSites] << (kWordSites - shift);
   }
   return room;
+}
+
+// Whole rows: only the first word of each has its address worked out.
+void PlaneDram::fetch_rows(const Word* plane, const Placement& placement,
+                           std::span<const std::uint32_t> words, Word* room) {
+  const unsigned shift = placement.offset & kInWord;
+  const std::size_t row_words = (placement.row + 1) / kWordSites;
+  for (std::size_t first = 0; first < words.size(); first += row_words) {
+    const std::uint32_t address = placement.address(words[first]);
+    const Word* const row = plane + (address & ~placement.row) / kWordSites;
+    std::size_t at = (address & placement.row) / kWordSites;
+    for (std::size_t k = 0; k < row_words; ++k) {
+      const std::size_t next = (at + 1) & (row_words - 1);
+      room[first + k] = shift == 0 ? row[at] : row[at] >> shift | row[next] << (kWordSites - shift);
+      at = next;
+    }
+  }
 }
 
 void PlaneDram::store(std::size_t layer, const Placement& placement, const SiteWords& sites,

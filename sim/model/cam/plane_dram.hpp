@@ -70,6 +70,8 @@ class PlaneDram {
   [[nodiscard]] std::size_t half_of(std::uint32_t address) const noexcept {
     return address >= sites_ / 2 ? 1 : 0;
   }
+  static void fetch_rows(const Word* plane, const Placement& placement,
+                         std::span<const std::uint32_t> words, Word* room);
   void store_long_rows(Word* plane, const Placement& placement, const SiteWords& sites,
                        const Word* old, const Word* words, HalfCounts& counts) const;
   void store_short_rows(Word* plane, const Placement& placement, const SiteWords& sites,
