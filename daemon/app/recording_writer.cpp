@@ -7,17 +7,6 @@
 #include "hal/base/contain.hpp"
 
 namespace thimble::app {
-namespace {
-
-Result<StoredRecording> store_safely(const RecordingWriter::Store& store,
-                                     const session::Recording& recording) {
-  Result<StoredRecording> stored;
-  const Result<void> done = contain([&] { stored = store(recording); });
-  if (!done) return tl::unexpected(done.error());
-  return stored;
-}
-
-}  // namespace
 
 struct RecordingWriter::Shared {
   Store store;
@@ -50,7 +39,7 @@ void RecordingWriter::write(session::Recording recording) {
   }
   auto kept = std::make_shared<const session::Recording>(std::move(recording));
   worker_.post([shared = shared_, kept = std::move(kept)] {
-    const Result<StoredRecording> stored = store_safely(shared->store, *kept);
+    const Result<StoredRecording> stored = contain([&] { return shared->store(*kept); });
     const servo::FlightHeader& header = kept->header;
     const std::lock_guard lock(shared->mutex);
     --shared->waiting;

@@ -29,11 +29,10 @@ OpenOutcome find_and_open(const OpenRequest& request) {
 }  // namespace
 
 OpenOutcome open_now(const OpenRequest& request) {
-  OpenOutcome outcome;
-  const Result<void> done = contain([&] { outcome = find_and_open(request); });
+  Result<OpenOutcome> outcome = contain([&] { return find_and_open(request); });
+  if (outcome) return *std::move(outcome);
   // Whether it is there is not known; to say that it is gone would send a person to its plug.
-  if (!done) return Refused{done.error().in(request.arm.device)};
-  return outcome;
+  return Refused{outcome.error().in(request.arm.device)};
 }
 
 Result<Opened> opened_of(OpenOutcome outcome) {

@@ -1,21 +1,36 @@
 #pragma once
 
 #include <exception>
+#include <type_traits>
 #include <utility>
 
 #include "hal/base/result.hpp"
 
 namespace thimble {
 
-// Does `work`, which may throw: an exception that left a thread would end the process, and with it
-// the servo of every arm.
+// What contain() makes of what a work returns: a Result stays the Result that it is.
+template <class T>
+struct Contained {
+  using type = Result<T>;
+};
+template <class T>
+struct Contained<Result<T>> {
+  using type = Result<T>;
+};
+
+// Does `work`, which may throw, and gives what it gives: an exception that left a thread would end
+// the process, and with it the servo of every arm.
 //
-// Thread: any. Not RT. Errors: System, with the words of what was thrown.
+// Thread: any. Not RT. Errors: those of `work`; System, with the words of what was thrown.
 template <class Work>
-Result<void> contain(Work&& work) {
+typename Contained<std::invoke_result_t<Work&>>::type contain(Work&& work) {
   try {
-    std::forward<Work>(work)();
-    return {};
+    if constexpr (std::is_void_v<std::invoke_result_t<Work&>>) {
+      work();
+      return {};
+    } else {
+      return work();
+    }
   } catch (const std::exception& error) {
     return fail(Errc::System, error.what());
   } catch (...) {

@@ -20,7 +20,7 @@ std::optional<ReadDevice> DeviceReadings::get(const std::string& identity, Read 
   if (!has_worker()) return last(identity);
   const auto slot = std::make_shared<Slot>();
   worker_->post([slot, read = std::move(read)] {
-    static_cast<void>(contain([&] { slot->value = read(); }));
+    slot->value = contain(read).value_or(std::nullopt);
     slot->is_done.store(true);
   });
   if (worker_->wait(patience)) return remember(identity, *slot);

@@ -59,10 +59,7 @@ bool DeviceWatch::begin_look() {
     return false;  // too many threads
   }
   look_ = std::make_shared<Result<Found>>();
-  worker_->post([look = look_, scan = scan_] {
-    const Result<void> done = contain([&] { *look = scan->devices(); });
-    if (!done) *look = tl::unexpected(done.error());
-  });
+  worker_->post([look = look_, scan = scan_] { *look = contain([&] { return scan->devices(); }); });
   return true;
 }
 
