@@ -39,9 +39,8 @@ Pattern cells_of(const Rule& rule, const SiteSpace& space,
     const std::size_t x = i % pattern.size[0];
     const std::size_t y = i / pattern.size[0];
     const std::uint32_t site = sites[(y >> half) << space.log2_cells[0] | x >> half];
-    const std::uint32_t of = rule.is_of_blocks
-                                 ? 1U << ((x & 1) | (y & 1) << 1)
-                                 : std::uint32_t{rule.crystal != 0 ? rule.crystal : rule.matter};
+    const std::uint32_t of =
+        rule.is_of_blocks ? 1U << ((x & 1) | (y & 1) << 1) : std::uint32_t{rule.visible_layers()};
     pattern.cells[i] = (site & of) != 0;
   }
   return pattern;

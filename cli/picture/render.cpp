@@ -4,6 +4,7 @@
 #include "cli/picture/picture.hpp"
 #include "hal/base/check.hpp"
 #include "sim/model/cam/engine/plane_engine.hpp"
+#include "sim/model/cam/rules/rule.hpp"
 
 namespace thimble::picture {
 namespace {
@@ -17,14 +18,6 @@ constexpr std::uint32_t kThreeBits = 7;
 constexpr std::uint32_t kMatter = kThreeBits << site::kMatterBit;
 
 std::uint32_t field(std::uint32_t site, int bit) { return site >> bit & kThreeBits; }
-
-std::vector<std::uint16_t> table() {
-  std::vector<std::uint16_t> entries(65536);
-  for (std::uint32_t n = 0; n < entries.size(); ++n) {
-    entries[n] = static_cast<std::uint16_t>(render_rule(n));
-  }
-  return entries;
-}
 
 // Room for the light beside the picture: what leaves it at one side must not come in at the other.
 SiteSpace plane_for(const ColorVolume& volume) {
@@ -85,7 +78,7 @@ Picture render(const ColorVolume& volume, std::size_t pixels) {
   const SiteSpace plane = plane_for(volume);
   auto engine = PlaneEngine::make(plane, sim::cam::TablePath::Auto);
   check(engine.has_value());
-  check((*engine)->load(0, table()).has_value());
+  check((*engine)->load(0, sim::cam::table_of(render_rule)).has_value());
   Sites sites(plane.sites());
   const std::vector<PlaneKick> no_kick;
   const std::vector<PlaneKick> light{

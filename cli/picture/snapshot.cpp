@@ -78,7 +78,7 @@ Result<Picture> take(cli::Client& client, const std::string& name) {
 Result<ColorVolume> volume_of(const world::cam::AutomatonState& state) {
   const sim::cam::Rule* const rule = sim::cam::find_rule(state.rule);
   if (rule == nullptr) return fail(Errc::Unsupported, "a world of a rule that is not known here");
-  const std::uint16_t matter = rule->crystal != 0 ? rule->crystal : rule->matter;
+  const std::uint16_t matter = rule->visible_layers();
   ColorVolume volume;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     volume.cells[axis] = std::size_t{1} << state.log2_cells[axis];

@@ -31,7 +31,7 @@ class RuleAutomaton final : public world::cam::Automaton {
     ++steps_;
   }
   void read(std::span<std::uint64_t> matter) override {
-    const auto layer = static_cast<std::size_t>(std::countr_zero(layers()));
+    const auto layer = static_cast<std::size_t>(std::countr_zero(rule_->visible_layers()));
     THIMBLE_CHECK(engine_->get_layer(layer, matter));
   }
   void write(std::span<const std::uint64_t> changed,
@@ -40,7 +40,8 @@ class RuleAutomaton final : public world::cam::Automaton {
     for (std::size_t i = 0; i < sites_.size(); ++i) {
       if ((changed[i / 64] >> (i % 64) & 1) == 0) continue;
       const bool is_matter = (matter[i / 64] >> (i % 64) & 1) != 0;
-      sites_[i] = static_cast<std::uint16_t>((sites_[i] & ~layers()) | (is_matter ? layers() : 0));
+      sites_[i] = static_cast<std::uint16_t>((sites_[i] & ~rule_->visible_layers()) |
+                                             (is_matter ? rule_->visible_layers() : 0));
     }
     THIMBLE_CHECK(engine_->put(sites_));
   }
@@ -64,10 +65,6 @@ class RuleAutomaton final : public world::cam::Automaton {
   }
 
  private:
-  [[nodiscard]] sim::cam::LayerBits layers() const noexcept {
-    return rule_->crystal != 0 ? rule_->crystal : rule_->matter;
-  }
-
   const Rule* rule_;
   std::unique_ptr<PlaneEngine> engine_;
   std::vector<std::uint16_t> sites_;  // room

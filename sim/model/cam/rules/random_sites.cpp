@@ -48,7 +48,7 @@ void set_cell(const Rule& rule, const SiteSpace& space, std::vector<std::uint16_
   if (rule.is_of_blocks) {
     set(site, static_cast<LayerBits>(1U << ((cell[0] & 1) | (cell[1] & 1) << 1)));
   } else {
-    set(site, rule.crystal != 0 ? rule.crystal : rule.matter);
+    set(site, rule.visible_layers());
   }
 }
 

@@ -29,12 +29,14 @@ const Rule* find_rule(std::string_view name) {
   return found == all.end() ? nullptr : &*found;
 }
 
-std::vector<std::uint16_t> table_of(const Rule& rule) {
+std::vector<std::uint16_t> table_of(SiteFunction function) {
   std::vector<std::uint16_t> table(65536);
   for (std::uint32_t site = 0; site < table.size(); ++site) {
-    table[site] = static_cast<std::uint16_t>(rule.function(site));
+    table[site] = static_cast<std::uint16_t>(function(site));
   }
   return table;
 }
+
+std::vector<std::uint16_t> table_of(const Rule& rule) { return table_of(rule.function); }
 
 }  // namespace thimble::sim::cam

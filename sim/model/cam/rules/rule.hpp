@@ -32,6 +32,12 @@ struct Rule {
   // Where matter grows from: the site in the middle, or a pattern.
   LayerBits crystal{0};
   bool is_of_blocks{false};  // a site is 2 x 2 cells: layers 0 to 3 are (0,0) (1,0) (0,1) (1,1)
+
+  // What is seen and felt of a site, where it is not of blocks: what grows rather than what it
+  // grows from.
+  [[nodiscard]] LayerBits visible_layers() const noexcept {
+    return crystal != 0 ? crystal : matter;
+  }
 };
 
 // All of them, by name.
@@ -39,6 +45,7 @@ struct Rule {
 // Null when there is none.
 [[nodiscard]] const Rule* find_rule(std::string_view name);
 
+[[nodiscard]] std::vector<std::uint16_t> table_of(SiteFunction function);
 [[nodiscard]] std::vector<std::uint16_t> table_of(const Rule& rule);
 
 // By what they are of, for rules().
