@@ -48,4 +48,22 @@ Result<std::string> only_arm(Client& client) {
               names.empty() ? "this daemon has no arm" : "say which arm: " + names);
 }
 
+Result<api::WorldStatus> find_world(const api::Status& status, const std::string& name) {
+  std::string names;
+  for (const api::WorldStatus& world : status.worlds) {
+    if (world.name == name || (name.empty() && status.worlds.size() == 1)) return world;
+    names += (names.empty() ? "" : ", ") + plain(world.name);
+  }
+  return fail(Errc::InvalidArgument, names.empty() ? "this daemon has no world"
+                                     : name.empty()
+                                         ? "say which world: " + names
+                                         : "there is no world " + plain(name) + ", but " + names);
+}
+
+Result<api::WorldStatus> ask_for_world(Client& client, const std::string& name) {
+  const auto status = ask_status(client);
+  if (!status) return tl::unexpected<Error>(status.error());
+  return find_world(*status, name);
+}
+
 }  // namespace thimble::cli

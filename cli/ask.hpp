@@ -23,5 +23,10 @@ int complain(const Error& error);
 [[nodiscard]] Result<api::Status> ask_status(Client& client);
 // The name of the only arm there is. Errors: InvalidArgument, naming those there are.
 [[nodiscard]] Result<std::string> only_arm(Client& client);
+// The world of that name; without one, the only one. Errors: InvalidArgument, naming those there
+// are.
+[[nodiscard]] Result<api::WorldStatus> find_world(const api::Status& status,
+                                                  const std::string& name);
+[[nodiscard]] Result<api::WorldStatus> ask_for_world(Client& client, const std::string& name);
 
 }  // namespace thimble::cli

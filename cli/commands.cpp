@@ -23,21 +23,6 @@ constexpr std::size_t kMaxReportBytes = std::size_t{1} << 22;
 // More than any state has; the daemon says so.
 constexpr std::size_t kMaxStateBytes = std::size_t{1} << 20;
 
-// The world that is meant, as the status tells it.
-Result<api::WorldStatus> find_world(Client& client, const std::string& name) {
-  const auto status = ask_status(client);
-  if (!status) return tl::unexpected<Error>(status.error());
-  std::string names;
-  for (const api::WorldStatus& world : status->worlds) {
-    if (world.name == name || (name.empty() && status->worlds.size() == 1)) return world;
-    names += (names.empty() ? "" : ", ") + plain(world.name);
-  }
-  return fail(Errc::InvalidArgument, names.empty() ? "this daemon has no world"
-                                     : name.empty()
-                                         ? "say which world: " + names
-                                         : "there is no world " + plain(name) + ", but " + names);
-}
-
 bool is_held_by_client(const api::Status& status, const std::string& name) {
   return std::any_of(status.arms.begin(), status.arms.end(), [&](const api::ArmStatus& arm) {
     return arm.name == name && arm.lease == "client";
@@ -136,7 +121,7 @@ int run_world_edit(const std::string& socket_path, const std::string& world,
                    const WorldEdit& edit) {
   auto client = connect_to_daemon(socket_path);
   if (!client) return complain(client.error());
-  const auto meant = find_world(**client, world);
+  const auto meant = ask_for_world(**client, world);
   if (!meant) return complain(meant.error());
   const auto body = ask(**client, "POST", "/v1/worlds/" + meant->name + "/edits",
                         body_of(edit, meant->cells), kEditTimeout);
@@ -152,7 +137,7 @@ int run_world_state(const std::string& socket_path, const std::string& world,
                     const WorldEdit& edit) {
   auto client = connect_to_daemon(socket_path);
   if (!client) return complain(client.error());
-  const auto meant = find_world(**client, world);
+  const auto meant = ask_for_world(**client, world);
   if (!meant) return complain(meant.error());
   const bool is_load = edit.verb == "load";
   const Result<std::string> state =
@@ -175,7 +160,7 @@ int run_piece_action(const std::string& socket_path, const std::string& verb,
                      const std::string& world) {
   auto client = Client::connect(socket_path);
   if (!client) return complain(client.error());
-  const auto meant = find_world(**client, world);
+  const auto meant = ask_for_world(**client, world);
   if (!meant) return complain(meant.error());
   const auto body = ask(**client, "POST", "/v1/worlds/" + meant->name + "/" + verb);
   if (!body) return complain(body.error());

@@ -55,13 +55,8 @@ void add_ball(ColorVolume& volume, const std::array<double, 3>& center) {
 Result<Picture> take(cli::Client& client, const std::string& name) {
   const auto status = cli::ask_status(client);
   if (!status) return tl::unexpected(status.error());
-  const auto& worlds = status->worlds;
-  const auto world = std::find_if(worlds.begin(), worlds.end(), [&](const auto& one) {
-    return one.name == name || (name.empty() && worlds.size() == 1);
-  });
-  if (world == worlds.end()) {
-    return fail(Errc::InvalidArgument, "say which world: thimble status names them");
-  }
+  const auto world = cli::find_world(*status, name);
+  if (!world) return tl::unexpected(world.error());
   const auto body = cli::ask(client, "GET", "/v1/worlds/" + world->name + "/state");
   if (!body) return tl::unexpected(body.error());
   const auto state = world::cam::parse_state(*body);
