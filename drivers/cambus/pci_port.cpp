@@ -8,11 +8,9 @@ namespace thimble::cambus {
 namespace {
 
 constexpr std::uint32_t kWordBytes = 4;
-constexpr std::size_t kIdentityWords = page::kIdentityBytes / kWordBytes;
 constexpr std::size_t kStatusWords = page::kStatusBytes / kWordBytes;
 // A board changes its words in less than a microsecond, and seldom.
 constexpr int kMostLooks = 8;
-constexpr Duration kBeatGivenUp = std::chrono::milliseconds(page::kBeatGivenUp_ms);
 
 }  // namespace
 
@@ -22,7 +20,7 @@ Result<std::unique_ptr<PciPort>> PciPort::open(std::unique_ptr<bus::MemoryWindow
     return fail(Errc::NotMine, "no CAM board answers: a BAR of " + std::to_string(window->bytes()) +
                                    " bytes has no page");
   }
-  std::array<std::uint32_t, kIdentityWords> words{};
+  IdentityWords words{};
   std::uint32_t rung = 0;
   if (window->read_block(0, words) != IoStatus::Ok ||
       window->read(page::kDoorbell, rung) != IoStatus::Ok) {
@@ -49,20 +47,11 @@ IoStatus PciPort::poll(MonotonicTime now, BoardStatus& out) {
 
 // Is it the one that was opened, and does it live?
 IoStatus PciPort::look_for_board(MonotonicTime now) {
-  if (gone_ != Gone::No) return IoStatus::Disconnected;
-  std::array<std::uint32_t, kIdentityWords> words{};
-  const IoStatus status = note(window_->read_block(0, words));
-  if (status != IoStatus::Ok) return status;
-  if (words[page::kMagic / kWordBytes] != page::kMagicValue) return give_up(Gone::Silent);
-  if (words[page::kIncarnation / kWordBytes] != facts_.incarnation) {
-    return give_up(Gone::NewIncarnation);
-  }
-  const std::uint32_t beat = words[page::kBeat / kWordBytes];
-  if (beat_ != beat) {
-    beat_ = beat;
-    beat_at_ = now;
-  }
-  return now - beat_at_ < kBeatGivenUp ? status : give_up(Gone::NoBeat);
+  if (watch_.is_gone()) return IoStatus::Disconnected;
+  IdentityWords words{};
+  IoStatus status = note(window_->read_block(0, words));
+  if (status == IoStatus::Ok) status = watch_.check_identity(words);
+  return status == IoStatus::Ok ? watch_.check_beat(words, now, now) : status;
 }
 
 std::optional<BoardStatus> PciPort::look_once(IoStatus& status) {
@@ -78,7 +67,7 @@ std::optional<BoardStatus> PciPort::look_once(IoStatus& status) {
 // The registers before the doorbell.
 IoStatus PciPort::ring(const std::array<std::uint32_t, page::kHostRegisters>& registers,
                        std::uint32_t meant) {
-  if (gone_ != Gone::No) return IoStatus::Disconnected;
+  if (watch_.is_gone()) return IoStatus::Disconnected;
   std::uint32_t acknowledged = 0;
   IoStatus status = note(window_->read(page::kAcknowledge, acknowledged));
   // As it stands, not as we left it: another one may have rung since, or our ring was lost.
@@ -105,7 +94,7 @@ bool PciPort::is_in_window(std::uint32_t offset, std::size_t bytes) const noexce
 }
 
 IoStatus PciPort::put(std::uint32_t offset, std::span<const std::uint8_t> bytes) {
-  if (gone_ != Gone::No) return IoStatus::Disconnected;
+  if (watch_.is_gone()) return IoStatus::Disconnected;
   if (!is_in_window(offset, bytes.size())) return IoStatus::ProtocolError;
   words_.resize(bytes.size() / kWordBytes);
   for (std::size_t i = 0; i < words_.size(); ++i) words_[i] = load32(bytes.subspan(4 * i));
@@ -113,7 +102,7 @@ IoStatus PciPort::put(std::uint32_t offset, std::span<const std::uint8_t> bytes)
 }
 
 IoStatus PciPort::get(std::uint32_t offset, std::span<std::uint8_t> bytes) {
-  if (gone_ != Gone::No) return IoStatus::Disconnected;
+  if (watch_.is_gone()) return IoStatus::Disconnected;
   if (!is_in_window(offset, bytes.size())) return IoStatus::ProtocolError;
   words_.resize(bytes.size() / kWordBytes);
   const IoStatus status = note(window_->read_block(facts_.window_offset + offset, words_));
@@ -123,12 +112,7 @@ IoStatus PciPort::get(std::uint32_t offset, std::span<std::uint8_t> bytes) {
 }
 
 IoStatus PciPort::note(IoStatus status) noexcept {
-  return status == IoStatus::Disconnected ? give_up(Gone::Unplugged) : status;
-}
-
-IoStatus PciPort::give_up(Gone why) noexcept {
-  gone_ = why;
-  return IoStatus::Disconnected;
+  return status == IoStatus::Disconnected ? watch_.give_up(Gone::Unplugged) : status;
 }
 
 }  // namespace thimble::cambus

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "drivers/cambus/board_port.hpp"
+#include "drivers/cambus/board_watch.hpp"
 #include "hal/bus/memory_window.hpp"
 
 namespace thimble::cambus {
@@ -33,27 +34,24 @@ class PciPort final : public BoardPort {
   IoStatus put(std::uint32_t offset, std::span<const std::uint8_t> bytes) override;
   IoStatus get(std::uint32_t offset, std::span<std::uint8_t> bytes) override;
 
-  [[nodiscard]] Gone why_gone() const noexcept override { return gone_; }
+  [[nodiscard]] Gone why_gone() const noexcept override { return watch_.why_gone(); }
   [[nodiscard]] const PortCounters& counters() const noexcept { return counters_; }
 
  private:
   PciPort(std::unique_ptr<bus::MemoryWindow> window, const BoardFacts& facts, std::uint32_t rung,
           MonotonicTime now)
-      : window_(std::move(window)), facts_(facts), rung_(rung), beat_at_(now) {}
+      : window_(std::move(window)), facts_(facts), rung_(rung), watch_(facts, now) {}
 
   [[nodiscard]] IoStatus look_for_board(MonotonicTime now);
   [[nodiscard]] std::optional<BoardStatus> look_once(IoStatus& status);
   [[nodiscard]] bool is_in_window(std::uint32_t offset, std::size_t bytes) const noexcept;
   // What the window says of a transfer; remembers that it is gone.
   IoStatus note(IoStatus status) noexcept;
-  IoStatus give_up(Gone why) noexcept;
 
   std::unique_ptr<bus::MemoryWindow> window_;
   BoardFacts facts_;
   std::uint32_t rung_;
-  std::optional<std::uint32_t> beat_;
-  MonotonicTime beat_at_;
-  Gone gone_{Gone::No};
+  BoardWatch watch_;
   std::vector<std::uint32_t> words_;  // on their way
   PortCounters counters_;
 };

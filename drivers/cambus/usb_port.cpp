@@ -10,7 +10,6 @@ namespace thimble::cambus {
 namespace {
 
 constexpr std::size_t kWordBytes = 4;
-constexpr Duration kBeatGivenUp = std::chrono::milliseconds(page::kBeatGivenUp_ms);
 // Nobody says how much memory there is behind the pipes; offsets have 32 bits.
 constexpr std::size_t kReach = std::numeric_limits<std::uint32_t>::max();
 
@@ -67,10 +66,10 @@ Result<std::unique_ptr<UsbPort>> UsbOpening::poll(MonotonicTime now) {
 }
 
 IoStatus UsbPort::pump(MonotonicTime now) {
-  if (gone_ != Gone::No) return IoStatus::Disconnected;
+  if (watch_.is_gone()) return IoStatus::Disconnected;
   now_ = now;
-  if (link_.pump(now) != IoStatus::Ok) return give_up(Gone::Unplugged);
-  return link_.is_silent() ? give_up(Gone::Silent) : IoStatus::Ok;
+  if (link_.pump(now) != IoStatus::Ok) return watch_.give_up(Gone::Unplugged);
+  return link_.is_silent() ? watch_.give_up(Gone::Silent) : IoStatus::Ok;
 }
 
 UsbPort::Fetch UsbPort::ask_for_identity() { return link_.read(0, page::kIdentityBytes); }
@@ -87,7 +86,10 @@ IoStatus UsbPort::poll(MonotonicTime now, BoardStatus& out) {
   if (pumped != IoStatus::Ok) return pumped;
   if (!look_->identity->is_here()) return IoStatus::NoData;
   const Look seen = *std::exchange(look_, std::nullopt);
-  if (!is_ours(*seen.identity) || !lives(seen, now)) return IoStatus::Disconnected;
+  const auto identity = words_of<page::kIdentityBytes>(*seen.identity);
+  IoStatus there = watch_.check_identity(identity);
+  if (there == IoStatus::Ok) there = watch_.check_beat(identity, seen.asked_at, now);
+  if (there != IoStatus::Ok) return there;
   const auto words = words_of<page::kStatusBytes>(*seen.status);
   if (words.back() % 2 != 0) {
     ++counters_.restless;
@@ -104,35 +106,12 @@ IoStatus UsbPort::poll(MonotonicTime now, BoardStatus& out) {
 
 IoStatus UsbPort::confirm(MonotonicTime /*now*/) {
   // What get() hands over has been confirmed by what came behind it.
-  return gone_ == Gone::No ? IoStatus::Ok : IoStatus::Disconnected;
-}
-
-bool UsbPort::is_ours(const UsbFetch& identity) {
-  const auto words = words_of<page::kIdentityBytes>(identity);
-  if (words[page::kMagic / kWordBytes] != page::kMagicValue) {
-    give_up(Gone::Silent);
-  } else if (words[page::kIncarnation / kWordBytes] != facts_.incarnation) {
-    give_up(Gone::NewIncarnation);
-  }
-  return gone_ == Gone::No;
-}
-
-// The beat was the same from when it was first seen to when it was asked for now, at least.
-bool UsbPort::lives(const Look& look, MonotonicTime now) {
-  const std::uint32_t beat =
-      words_of<page::kIdentityBytes>(*look.identity)[page::kBeat / kWordBytes];
-  if (beat_ != beat) {
-    beat_ = beat;
-    beat_at_ = now;
-  } else if (look.asked_at - beat_at_ >= kBeatGivenUp) {
-    give_up(Gone::NoBeat);
-  }
-  return gone_ == Gone::No;
+  return watch_.is_gone() ? IoStatus::Disconnected : IoStatus::Ok;
 }
 
 IoStatus UsbPort::ring(const std::array<std::uint32_t, page::kHostRegisters>& registers,
                        std::uint32_t meant) {
-  if (gone_ != Gone::No) return IoStatus::Disconnected;
+  if (watch_.is_gone()) return IoStatus::Disconnected;
   if (acknowledged_ != rung_) {
     ++counters_.held_back;
     return IoStatus::Backlogged;
@@ -158,7 +137,7 @@ bool UsbPort::is_in_window(std::uint32_t offset, std::size_t bytes) const noexce
 }
 
 IoStatus UsbPort::put(std::uint32_t offset, std::span<const std::uint8_t> bytes) {
-  if (gone_ != Gone::No) return IoStatus::Disconnected;
+  if (watch_.is_gone()) return IoStatus::Disconnected;
   if (!is_in_window(offset, bytes.size())) return IoStatus::ProtocolError;
   if (link_.unwritten_bytes() > facts_.window_bytes) return IoStatus::Backlogged;
   gots_.clear();
@@ -167,7 +146,7 @@ IoStatus UsbPort::put(std::uint32_t offset, std::span<const std::uint8_t> bytes)
 }
 
 IoStatus UsbPort::get(std::uint32_t offset, std::span<std::uint8_t> bytes) {
-  if (gone_ != Gone::No) return IoStatus::Disconnected;
+  if (watch_.is_gone()) return IoStatus::Disconnected;
   if (!is_in_window(offset, bytes.size())) return IoStatus::ProtocolError;
   const auto is_it = [&](const Got& got) {
     return got.offset == offset && got.bytes->bytes.size() == bytes.size();
@@ -180,15 +159,10 @@ IoStatus UsbPort::get(std::uint32_t offset, std::span<std::uint8_t> bytes) {
   if (pumped != IoStatus::Ok) return pumped;
   const auto got = std::find_if(gots_.begin(), gots_.end(), is_it);
   if (!got->identity->is_here()) return IoStatus::NoData;
-  if (!is_ours(*got->identity)) return IoStatus::Disconnected;
+  const IoStatus is_ours = watch_.check_identity(words_of<page::kIdentityBytes>(*got->identity));
+  if (is_ours != IoStatus::Ok) return is_ours;
   std::copy(got->bytes->bytes.begin(), got->bytes->bytes.end(), bytes.begin());
   gots_.erase(got);
   return IoStatus::Ok;
 }
-
-IoStatus UsbPort::give_up(Gone why) noexcept {
-  gone_ = why;
-  return IoStatus::Disconnected;
-}
-
 }  // namespace thimble::cambus

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "drivers/cambus/board_port.hpp"
+#include "drivers/cambus/board_watch.hpp"
 #include "drivers/cambus/usb_link.hpp"
 #include "hal/bus/bus_enumerator.hpp"
 
@@ -37,7 +38,7 @@ class UsbPort final : public BoardPort {
   // What was asked for is forgotten with the next put() or ring().
   IoStatus get(std::uint32_t offset, std::span<std::uint8_t> bytes) override;
 
-  [[nodiscard]] Gone why_gone() const noexcept override { return gone_; }
+  [[nodiscard]] Gone why_gone() const noexcept override { return watch_.why_gone(); }
   [[nodiscard]] const PortCounters& counters() const noexcept { return counters_; }
   [[nodiscard]] const UsbLinkCounters& link() const noexcept { return link_.counters(); }
 
@@ -59,17 +60,12 @@ class UsbPort final : public BoardPort {
   };
 
   UsbPort(UsbLink link, const BoardFacts& facts, std::uint32_t rung, MonotonicTime now)
-      : link_(std::move(link)), facts_(facts), rung_(rung), now_(now), beat_at_(now) {}
+      : link_(std::move(link)), facts_(facts), rung_(rung), now_(now), watch_(facts, now) {}
 
   IoStatus pump(MonotonicTime now);
   [[nodiscard]] Fetch ask_for_identity();
   void look(MonotonicTime now);
-  // Is it the one that was opened?
-  [[nodiscard]] bool is_ours(const UsbFetch& identity);
-  // Does it live?
-  [[nodiscard]] bool lives(const Look& look, MonotonicTime now);
   [[nodiscard]] bool is_in_window(std::uint32_t offset, std::size_t bytes) const noexcept;
-  IoStatus give_up(Gone why) noexcept;
 
   UsbLink link_;
   BoardFacts facts_;
@@ -78,9 +74,7 @@ class UsbPort final : public BoardPort {
   std::optional<Look> look_;
   std::vector<Got> gots_;
   MonotonicTime now_;  // of the last poll
-  std::optional<std::uint32_t> beat_;
-  MonotonicTime beat_at_;
-  Gone gone_{Gone::No};
+  BoardWatch watch_;
   PortCounters counters_;
 };
 
