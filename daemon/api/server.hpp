@@ -21,8 +21,7 @@ struct ServerSettings {
   // brushes with every digit of their numbers take 10 KB.
   std::size_t max_header_bytes{8192};
   std::size_t max_body_bytes{16384};
-  // Ours: as much as a saved state has (daemon/world/cam/automaton_file.hpp).
-  std::size_t max_state_bytes{(std::size_t{1} << 19) + 4096};
+  std::size_t max_state_bytes{16384};  // of a world's saved state; who has worlds knows their most
   std::size_t max_connections{32};
   std::chrono::milliseconds idle_timeout{30000};  // not for a connection that holds a lease
   std::chrono::milliseconds write_timeout{5000};  // a reader slower than that is dropped

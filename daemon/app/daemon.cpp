@@ -10,6 +10,7 @@
 #include "daemon/app/recording_folder.hpp"
 #include "daemon/app/status_source.hpp"
 #include "daemon/config/paths.hpp"
+#include "daemon/world/cam/automaton_file.hpp"
 #include "hal/linux/background_worker.hpp"
 
 namespace thimble::app {
@@ -32,6 +33,7 @@ api::ServerSettings server_settings(const config::Config& config) {
       config.daemon.socket.value_or(config::default_socket_path(config::process_environment()));
   settings.socket_mode = config.daemon.socket_mode;
   settings.group = config.daemon.group.value_or("");
+  settings.max_state_bytes = world::cam::kMaxStateBytes;
   return settings;
 }
 

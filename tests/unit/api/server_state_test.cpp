@@ -31,6 +31,7 @@ TEST_F(ServerTest, GivesTheStateOfAWorldAsItIs) {
 }
 
 TEST_F(ServerTest, TakesAStateWhichIsLongerThanOtherBodies) {
+  settings_.max_state_bytes = 4 * settings_.max_body_bytes;
   start();
   Client client(settings_.socket_path);
   const std::string large(settings_.max_state_bytes, '\xfe');
@@ -45,6 +46,7 @@ TEST_F(ServerTest, TakesAStateWhichIsLongerThanOtherBodies) {
 }
 
 TEST_F(ServerTest, RefusesAStateBeyondItsLimitByItsHeader) {
+  settings_.max_state_bytes = 4 * settings_.max_body_bytes;
   start();
   Client client(settings_.socket_path);
   const std::string request = put(std::string(settings_.max_state_bytes + 1, 'x'));
