@@ -85,10 +85,10 @@ TEST_F(ArmThreads, AnArmThatDiesAgainAndAgainIsOpenedAgainAndShared) {
   start();
   std::atomic<bool> is_over{false};
   std::thread servo([&] {
-    while (!is_over) {
+    EXPECT_TRUE(wait_until([&] {
       arm().loop().tick({});
-      std::this_thread::sleep_for(std::chrono::microseconds(100));
-    }
+      return is_over.load();
+    }));
   });
   for (int i = 0; i < 10; ++i) {
     const auto is_lost = [&] { return arm().snapshot().frame.state == OperatingState::Lost; };
