@@ -122,12 +122,10 @@ Result<void> HidConnection::open() {
   if (!nodes_.hiddev.empty()) {
     hiddev_ = Descriptor(::open(nodes_.hiddev.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   }
-  {
-    const std::lock_guard guard(*opening_);
-    auto transfers = HidTransfers::open(nodes_.hidraw, has_report_ids_, mail_, settings_->clock);
-    if (!transfers.has_value()) return tl::unexpected(transfers.error());
-    transfers_ = std::move(transfers.value());
-  }
+  auto transfers =
+      HidTransfers::open(nodes_.hidraw, has_report_ids_, mail_, settings_->clock, *opening_);
+  if (!transfers.has_value()) return tl::unexpected(transfers.error());
+  transfers_ = std::move(transfers.value());
   if (Result<void> shared = open_for_guard(); !shared.has_value()) return shared;
   auto reader = RealtimeThread::start(settings_->thread, settings_->process, [this] { read(); });
   if (!reader.has_value()) return tl::unexpected(reader.error());

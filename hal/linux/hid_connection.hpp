@@ -43,6 +43,8 @@ class HidConnection {
   HidConnection(const HidConnection&) = delete;
   HidConnection& operator=(const HidConnection&) = delete;
 
+  // Whether the kernel has let it be opened, or refused it.
+  [[nodiscard]] bool has_opened() const noexcept { return state_.load() != State::Opening; }
   // How the opening went; Timeout while it goes on after `patience`.
   [[nodiscard]] Result<void> opened(Duration patience);
   [[nodiscard]] bus::HidMailboxes& mail() noexcept { return mail_; }

@@ -5,6 +5,13 @@
 #include <utility>
 
 namespace thimble::linux {
+namespace {
+
+constexpr const char* kStillClosing = ": the kernel has not closed it yet";
+constexpr const char* kStillOpening =
+    ": the kernel has not opened it yet, since it or another HID device hangs";
+
+}  // namespace
 
 HidDevice::~HidDevice() { host_->close(std::move(connection_)); }
 
@@ -31,8 +38,7 @@ Result<std::unique_ptr<HidDevice>> HidHost::open(const HidNodes& nodes,
   if (opened.error().code != Errc::Timeout) {
     return tl::unexpected(opened.error().in(info.address.text));
   }
-  return fail(Errc::Busy,
-              info.address.text + ": no HID device can be opened while one takes no report");
+  return fail(Errc::Busy, info.address.text + kStillOpening);
 }
 
 Result<void> HidHost::await_end_of_older(const bus::DeviceAddress& address) {
@@ -41,9 +47,10 @@ Result<void> HidHost::await_end_of_older(const bus::DeviceAddress& address) {
   std::vector<std::unique_ptr<HidConnection>> older = take_closing(address);
   std::erase_if(older, [](const auto& old) { return old->has_ended(kPatience); });
   if (older.empty()) return {};
+  const bool is_closing = older.front()->has_opened();
   const std::lock_guard guard(closing_list_);
   std::move(older.begin(), older.end(), std::back_inserter(closing_));
-  return fail(Errc::Busy, address.text + ": the kernel has not closed it yet");
+  return fail(Errc::Busy, address.text + (is_closing ? kStillClosing : kStillOpening));
 }
 
 std::vector<std::unique_ptr<HidConnection>> HidHost::take_closing(

@@ -22,7 +22,8 @@ constexpr const char* kRefused = " cannot be opened";
 Result<std::unique_ptr<HidTransfers>> HidTransfers::open(const std::string& node,
                                                          bool has_report_ids,
                                                          bus::HidMailboxes& mail,
-                                                         const Clock& clock) {
+                                                         const Clock& clock, std::mutex& hidapi) {
+  // Ours before hidapi's, and alone: a node that hangs when it is opened hangs here.
   const int lock = ::open(node.c_str(), O_RDWR | O_CLOEXEC | O_NONBLOCK);
   if (lock < 0) return tl::unexpected(system_error(node + kRefused, errno));
   std::unique_ptr<HidTransfers> transfers(new HidTransfers(lock, has_report_ids, mail, clock));
@@ -30,6 +31,7 @@ Result<std::unique_ptr<HidTransfers>> HidTransfers::open(const std::string& node
     if (errno != EWOULDBLOCK) return tl::unexpected(system_error(node + kRefused, errno));
     return fail(Errc::Busy, node + " is held by another daemon");
   }
+  const std::lock_guard guard(hidapi);
   transfers->reading_ = ::hid_open_path(node.c_str());
   if (transfers->reading_ != nullptr) transfers->writing_ = ::hid_open_path(node.c_str());
   if (transfers->writing_ == nullptr) {

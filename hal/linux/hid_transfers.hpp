@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <string>
 
 #include "hal/base/result.hpp"
@@ -18,20 +19,23 @@ namespace thimble::linux {
 // The node is locked (flock) against another daemon. hidapi's words for errors are not used.
 //
 // Thread: open() and the destructor from one; receive() from one, send() from one: three threads
-// or fewer, and hidapi's own memory of errors wants one open() at a time in the process. Not RT:
-// the kernel (6.1, hidraw.c) holds one lock over all HID devices during a write, which may last
-// 5 s on one whose device takes nothing, and wants the same lock to open and to close any of them.
+// or fewer. hidapi's memory of errors wants one opening at a time in the process: one mutex for
+// all. Not RT: the kernel (6.1, hidraw.c) holds one lock over all HID devices during a write, which
+// may last 5 s on one whose device takes nothing, and wants the same lock to open and to close any
+// of them.
 // Ownership: the mailboxes and the clock must outlive it.
 // Errors: Result when opening; a device that is gone shows in the mailboxes.
 class HidTransfers {
  public:
   // `node` must be a hidraw node: libhidapi before 0.14 reads freed memory on others. A device
   // with numbered reports gets and gives their numbers as first byte: `has_report_ids`.
+  // `hidapi` is held only while hidapi opens the node, which it has been opened for before.
   // NotFound, Permission, Busy (another process has locked it) or System.
   [[nodiscard]] static Result<std::unique_ptr<HidTransfers>> open(const std::string& node,
                                                                   bool has_report_ids,
                                                                   bus::HidMailboxes& mail,
-                                                                  const Clock& clock);
+                                                                  const Clock& clock,
+                                                                  std::mutex& hidapi);
   ~HidTransfers();
   HidTransfers(const HidTransfers&) = delete;
   HidTransfers& operator=(const HidTransfers&) = delete;

@@ -2,6 +2,7 @@
 // kernel stands tests/support/fake_hidapi.cpp, in place of the threads the test, so that every run
 // is the same. Over a real kernel it is for the VM tier to run.
 #include <deque>
+#include <mutex>
 #include <utility>
 
 #include "hal/linux/hid_transfers.hpp"
@@ -21,7 +22,7 @@ constexpr std::size_t kOutputBytes = 8;
 class LinuxHidRig final : public HidRig {
  public:
   LinuxHidRig() {
-    auto opened = linux::HidTransfers::open(wire_.node(), false, mail_, clock_);
+    auto opened = linux::HidTransfers::open(wire_.node(), false, mail_, clock_, hidapi_);
     EXPECT_TRUE(opened.has_value());
     transfers_ = std::move(opened.value());
   }
@@ -57,6 +58,7 @@ class LinuxHidRig final : public HidRig {
 
  private:
   sim::VirtualClock clock_;
+  std::mutex hidapi_;
   FakeHidWire wire_;
   bus::HidMailboxes mail_{kOutputBytes};
   std::unique_ptr<linux::HidTransfers> transfers_;
@@ -70,12 +72,13 @@ INSTANTIATE_TEST_SUITE_P(Linux, HidDeviceContract,
 
 struct HidTransfersTest : testing::Test {
   sim::VirtualClock clock;
+  std::mutex hidapi;
   FakeHidWire wire;
   bus::HidMailboxes mail{kOutputBytes};
   const Report out = Report(kOutputBytes, 7);
 
   std::unique_ptr<linux::HidTransfers> open(bool has_report_ids = false) {
-    return linux::HidTransfers::open(wire.node(), has_report_ids, mail, clock).value();
+    return linux::HidTransfers::open(wire.node(), has_report_ids, mail, clock, hidapi).value();
   }
   ~HidTransfersTest() override {
     EXPECT_EQ(wire.breaches(), std::vector<std::string>{});
@@ -164,20 +167,20 @@ TEST_F(HidTransfersTest, AWriteIntoAnUnplugFailsAndReadingSaysThatItIsGone) {
 
 TEST_F(HidTransfersTest, TheNodeIsLockedUntilItIsClosed) {
   auto sut = open();
-  const auto second = linux::HidTransfers::open(wire.node(), false, mail, clock);
+  const auto second = linux::HidTransfers::open(wire.node(), false, mail, clock, hidapi);
   ASSERT_FALSE(second.has_value());
   EXPECT_EQ(second.error().code, Errc::Busy);
   EXPECT_NE(second.error().message.find(wire.node()), std::string::npos);
   sut.reset();
-  EXPECT_TRUE(linux::HidTransfers::open(wire.node(), false, mail, clock).has_value());
+  EXPECT_TRUE(linux::HidTransfers::open(wire.node(), false, mail, clock, hidapi).has_value());
 }
 
 TEST_F(HidTransfersTest, ARefusalLeaksNothing) {
-  const auto nowhere = linux::HidTransfers::open(wire.node() + "0", false, mail, clock);
+  const auto nowhere = linux::HidTransfers::open(wire.node() + "0", false, mail, clock, hidapi);
   ASSERT_FALSE(nowhere.has_value());
   EXPECT_EQ(nowhere.error().code, Errc::NotFound);
   wire.refuse_next_opening(1);
-  const auto refused = linux::HidTransfers::open(wire.node(), false, mail, clock);
+  const auto refused = linux::HidTransfers::open(wire.node(), false, mail, clock, hidapi);
   ASSERT_FALSE(refused.has_value());
   EXPECT_EQ(refused.error().code, Errc::System);
   EXPECT_EQ(FakeHidWire::alive(), 0);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "hal/linux/monotonic_clock.hpp"
+#include "tests/rt/held_opening.hpp"
 #include "tests/rt/wait_until.hpp"
 #include "tests/support/allocation_count.hpp"
 #include "tests/support/fake_hidapi.hpp"
@@ -146,6 +147,42 @@ TEST_F(HidDeviceTest, ToOpenASickDeviceAnewHoldsUpNoOtherOne) {
   EXPECT_TRUE(beside.get());
   EXPECT_TRUE(again.get());
   host.reset();
+}
+
+TEST_F(HidDeviceTest, ANodeThatHangsWhenItIsOpenedHoldsUpNoOtherOne) {
+  AskedClock still;
+  host = std::make_unique<HidHost>(BusSettings{still, {.name = "hid-test"}, {}});
+  FakeHidWire other_wire;
+  bus::BusDeviceInfo other = info;
+  other.address = {"hid:2"};
+  still.freeze();
+  test::HeldOpening held(wire.node());
+  auto sick = std::async(std::launch::async, [&] { return open().has_value(); });
+  EXPECT_TRUE(test::wait_until([&] { return held.waiting() > 0; }));
+  auto beside = std::async(std::launch::async, [&] {
+    return host->open({other_wire.node(), ""}, other).has_value();
+  });
+  EXPECT_EQ(beside.wait_for(std::chrono::seconds(20)), std::future_status::ready);
+  held.release();
+  EXPECT_TRUE(beside.get());
+  EXPECT_TRUE(sick.get());
+  host.reset();
+}
+
+TEST_F(HidDeviceTest, AnOpeningThatLastsIsCalledThatAndEndsByItself) {
+  test::HeldOpening held(wire.node());
+  for (int i = 0; i < 3; ++i) {
+    const auto sut = open();
+    ASSERT_FALSE(sut.has_value()) << i;
+    EXPECT_EQ(sut.error().code, Errc::Busy) << i;
+    EXPECT_NE(sut.error().message.find("hid:1: the kernel has not opened it yet"),
+              std::string::npos)
+        << sut.error().message;
+    EXPECT_EQ(host->lingering(), 1U) << "it is not tried beside the one that hangs";
+  }
+  held.release();
+  EXPECT_TRUE(test::wait_until([&] { return host->lingering() == 0; }));
+  EXPECT_TRUE(open().has_value());
 }
 
 TEST_F(HidDeviceTest, WhatWasSubmittedLastIsWrittenBeforeItCloses) {
