@@ -20,6 +20,7 @@ def repacked(package, version, folder):
 class Package(guest.GuestTest):
     """Numbered: each test goes on where the one before it ended."""
 
+    pace = guest.COUNTED
     installed = False
 
     @classmethod
@@ -40,7 +41,7 @@ class Package(guest.GuestTest):
                 data = link.read_bytes()
                 link.unlink()
                 link.write_bytes(data)
-        cls.guest = guest.Guest(share=share.name)
+        cls.guest = guest.Guest(share=share.name, pace=cls.pace)
         cls.addClassCleanup(cls.guest.close)
 
     def state(self, package="thimbled"):
