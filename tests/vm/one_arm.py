@@ -8,7 +8,6 @@ import json
 import guest
 import simdev
 
-NOTHING_NEWTON = 1e-6
 WALL_NEWTON = 0.25
 
 
@@ -42,12 +41,9 @@ class OneArm(guest.GuestTest):
         self.guest.run("sleep 0.5")
         return self.arm.felt(0.1)
 
-    def forces(self, seconds):
-        return [simdev.norm(entry["force_newton"]) for entry in self.arm.samples(seconds)]
-
     def test_2_brought_home_it_becomes_active(self):
         simdev.wait_for_state(self.guest, "calibrating")
-        self.assertLess(max(self.forces(1)), NOTHING_NEWTON)
+        self.assertLess(max(self.arm.forces(1)), simdev.NOTHING_NEWTON)
         self.arm.activate()
 
     def test_3_in_the_middle_of_the_box_nothing_is_felt(self):
@@ -72,7 +68,7 @@ class OneArm(guest.GuestTest):
         self.arm.say("plug")
         self.arm.plug()
         simdev.wait_for_state(self.guest, "calibrating")
-        self.assertLess(max(self.forces(0.2)), NOTHING_NEWTON)
+        self.assertLess(max(self.arm.forces(0.2)), simdev.NOTHING_NEWTON)
         self.arm.activate()
         self.arm.say("move 0 0 0 0.1")
         self.guest.run("sleep 0.2")
@@ -80,6 +76,6 @@ class OneArm(guest.GuestTest):
     def test_6_stopped_while_the_hand_pushes_the_daemon_leaves_no_force(self):
         self.assertGreater(simdev.norm(self.press()), WALL_NEWTON)
         self.guest.run("systemctl stop thimbled; sleep 0.2")
-        self.assertLess(max(self.forces(0.1)), NOTHING_NEWTON)
+        self.assertLess(max(self.arm.forces(0.1)), simdev.NOTHING_NEWTON)
 
 

@@ -7,6 +7,7 @@ import statistics
 
 PORT = "3240"  # that of USB/IP
 SECOND_PORT = "3241"  # of another device beside it
+NOTHING_NEWTON = 1e-6  # a force below it is none
 
 
 def attach_command(port=PORT):
@@ -62,6 +63,10 @@ class Simdev:
 
     def samples(self, seconds=1):
         return [entry for entry in self.log(seconds) if "tip_m" in entry]
+
+    def forces(self, seconds=1):
+        """The size of each sample's force."""
+        return [norm(entry["force_newton"]) for entry in self.samples(seconds)]
 
     def felt(self, seconds=0.5):
         """The force of its motors at the tip, the median of the last SECONDS in each axis."""

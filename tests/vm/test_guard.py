@@ -13,7 +13,6 @@ import simdev
 PID = "$(systemctl show thimbled -p MainPID --value)"
 SERVO = f"$(ps -L -o lwp=,comm= -p {PID} | awk '$2 == \"servo-right\" {{print $1}}')"
 LET_GO_S = 0.05
-NOTHING_NEWTON = 1e-6
 
 
 def signal(name):
@@ -49,10 +48,10 @@ class LetsGo:
         before = [force for at_s, force in samples if fell_s - 0.05 < at_s < fell_s]
         self.assertTrue(before and min(before) > 0.3, before)
         self.assertGreater(samples[-1][0], fell_s + 0.2)
-        return max(at_s for at_s, force in samples if force > NOTHING_NEWTON) - fell_s
+        return max(at_s for at_s, force in samples if force > simdev.NOTHING_NEWTON) - fell_s
 
     def assert_without_force(self, seconds=1):
-        self.assertLess(max(simdev.norm(entry["force_newton"]) for entry in self.arm.samples(seconds)), NOTHING_NEWTON)
+        self.assertLess(max(self.arm.forces(seconds)), simdev.NOTHING_NEWTON)
 
     def assert_started_anew_without_force(self):
         # In the guest, and seldom: each look is half as dear as the time that passes between.

@@ -43,5 +43,5 @@ class Usbip(Uhid):
         simdev.wait_for_state(self.guest, "calibrating")
         self.assertNotEqual(self.properties("MainPID"), before)
         self.assertEqual(self.properties("ActiveState", "NRestarts"), {"ActiveState": "active", "NRestarts": "0"})
-        self.assertLess(max(self.forces(0.2)), one_arm.NOTHING_NEWTON)
+        self.assertLess(max(self.arm.forces(0.2)), simdev.NOTHING_NEWTON)
         self.arm.activate()

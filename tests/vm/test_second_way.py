@@ -13,7 +13,6 @@ import simdev
 HUNG = "VM-HUNG"
 # 20 ms in which no report leaves, 20 ms in which the servo does not beat for that, and as much for a busy guest.
 LET_GO_S = 0.08
-NOTHING_NEWTON = 1e-6
 HELD_S = 2  # the kernel gives a write up after 5
 
 
@@ -51,10 +50,10 @@ class SecondWay(guest.GuestTest):
         before = [force for at_s, force in samples if held_s - 0.05 < at_s < held_s]
         self.assertTrue(before and min(before) > 0.3, before)
         self.assertGreater(samples[-1][0], held_s + 0.3)
-        self.assertLess(max(at_s for at_s, force in samples if force > NOTHING_NEWTON) - held_s, LET_GO_S)
+        self.assertLess(max(at_s for at_s, force in samples if force > simdev.NOTHING_NEWTON) - held_s, LET_GO_S)
 
     def test_3_when_hidraw_is_free_nothing_comes_back(self):
         arm = json.loads(simdev.wait_for_state(self.guest, "fault"))
         self.assertIn("command-timeout", [fault["code"] for fault in arm["faults"]])
         self.guest.run("sleep 1")
-        self.assertLess(max(simdev.norm(entry["force_newton"]) for entry in self.arm.samples()), NOTHING_NEWTON)
+        self.assertLess(max(self.arm.forces()), simdev.NOTHING_NEWTON)
