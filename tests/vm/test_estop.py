@@ -80,6 +80,7 @@ class Estop(guest.GuestTest):
         self.assertLess(self.arm.felt(0.1)[0], -0.3)
 
     def assert_no_force(self):
+        self.guest.run("sleep 0.3")  # until what was before is out of the log that is read
         self.assertLess(max(self.arm.forces(0.2)), simdev.NOTHING_NEWTON)
 
     def test_1_the_chips_node_is_the_daemons(self):
@@ -130,7 +131,7 @@ class Estop(guest.GuestTest):
         self.lean()
         self.adapter.say("press 2")
         self.wait_until("safety.is_deadman_held", "false")
-        self.guest.run("sleep 0.5")  # until it has faded, and the last of it is out of the log that is read
+        self.guest.run("sleep 0.3")  # until it has faded
         self.assert_no_force()
         self.assertEqual(self.status()["safety"]["state"], "free")
         self.assertEqual(self.status()["arms"][0]["state"], "active")
