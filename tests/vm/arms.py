@@ -17,19 +17,23 @@ name = "box"
 source = "box:3"
 workspace_m = 0.09
 """
+# What the servo can do with least, and a quarter less to emulate than 1,000 (decision 0390): for tests that look at no time.
+QUIET_HZ = 500
+FULL_HZ = 1000
 # How a HID arm comes to the kernel.
 WAYS = {"uhid": ("--uhid",), "usbip": ("--usbip", simdev.PORT)}
 
 
 class Arm(simdev.Simdev):
-    """`words`: in the configuration, that say which one it is; `daemon_words`: what else stands there, first of all."""
+    """`words`: in the configuration, that say which one it is; `daemon_words`: what else stands there, first of all; `rate_hz`: of the servo."""
 
     words = ""
     daemon_words = ""
+    rate_hz = QUIET_HZ
 
-    def configure(self, rate_hz=1000):
+    def configure(self, rate_hz=None):
         """The daemon starts anew with it alone."""
-        text = (f'{self.daemon_words}\n[servo]\nrate_hz = {rate_hz}\nrealtime = "best-effort"\n\n'
+        text = (f'{self.daemon_words}\n[servo]\nrate_hz = {rate_hz or self.rate_hz}\nrealtime = "best-effort"\n\n'
                 f'[[arm]]\nname = "right"\n{self.words}{BOX}')
         self.guest.run(f"cat > /etc/thimble/thimble.toml <<'E'\n{text}E\nudevadm settle; systemctl restart thimbled")
 
@@ -48,9 +52,10 @@ class HidArm(Arm):
 
     words = f'device = "hid:{SERIAL}"\nmodel = "phantom-vintage"\namplifier_max_a = 3.0'
 
-    def __init__(self, guest, way="uhid"):
+    def __init__(self, guest, way="uhid", rate_hz=QUIET_HZ):
         super().__init__(guest, "arm", *WAYS[way], "--serial", SERIAL, "phantom-vintage")
         self.way = way
+        self.rate_hz = rate_hz
         self.plug()
         self.configure()
 
@@ -66,8 +71,9 @@ class TextArm(Arm):
 
     words = f'device = "serial:{SERIAL}"\nmodel = "phantom-vintage"\namplifier_max_a = 3.0'
 
-    def __init__(self, guest):
+    def __init__(self, guest, rate_hz=QUIET_HZ):
         super().__init__(guest, "text-arm", "--usbip", simdev.PORT, "--serial", SERIAL, "--amplifier-max-a", "3", "phantom-vintage-serial")
+        self.rate_hz = rate_hz
         self.plug()
         self.configure()
 
@@ -109,10 +115,11 @@ def plugin(guest):
 class Falcon(Arm):
     """Nothing is in its memory yet; `address`: how the configuration names it. `plugin`: a driver from outside, a file of the guest."""
 
-    def __init__(self, guest, plugin=None):
+    def __init__(self, guest, plugin=None, rate_hz=QUIET_HZ):
         if plugin is not None:
             self.daemon_words = f'[daemon]\nplugins = ["{plugin}"]\n'
         super().__init__(guest, "falcon", "--usbip", simdev.PORT, "falcon")
+        self.rate_hz = rate_hz
         self.plug()
         port = guest.wait_for("basename $(dirname $(grep -lx cb48 /sys/bus/usb/devices/*/idProduct))").strip()
         self.address = f"usb:{port}"

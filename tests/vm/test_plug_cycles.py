@@ -69,7 +69,7 @@ class PlugCycles(guest.GuestTest):
         self.assertGreater(simdev.norm(arm.felt(0.2)), PRESSED_NEWTON)
 
     def test_1_through_uhid(self):
-        arm = arms.HidArm(self.guest)
+        arm = arms.HidArm(self.guest, rate_hz=arms.FULL_HZ)
         self.addCleanup(arm.stop)
         self.assert_works(arm)
         arm.stop()
@@ -99,11 +99,11 @@ class PlugCycles(guest.GuestTest):
         self.assert_works(arm)
 
     def test_2_a_hid_arm_on_the_usb_stack(self):
-        self.plug_often(arms.HidArm(self.guest, "usbip"))
+        self.plug_often(arms.HidArm(self.guest, "usbip", arms.FULL_HZ))
 
     def test_3_a_falcon(self):
         """Pulled out while it is given its firmware."""
-        self.plug_often(arms.Falcon(self.guest))
+        self.plug_often(arms.Falcon(self.guest, rate_hz=arms.FULL_HZ))
 
     def test_4_an_arm_on_a_serial_port(self):
-        self.plug_often(arms.TextArm(self.guest))
+        self.plug_often(arms.TextArm(self.guest, arms.FULL_HZ))

@@ -34,7 +34,7 @@ class Hidraw(guest.GuestTest):
 
     @classmethod
     def plug_in(cls):
-        return arms.HidArm(cls.guest, "usbip")
+        return arms.HidArm(cls.guest, "usbip", arms.FULL_HZ)
 
     def lean(self):
         """A hand leans on a wall, and feels it."""
@@ -85,4 +85,4 @@ class Usbfs(Hidraw):
 
     @classmethod
     def plug_in(cls):
-        return arms.Falcon(cls.guest)
+        return arms.Falcon(cls.guest, rate_hz=arms.FULL_HZ)

@@ -103,7 +103,7 @@ class FourArms(guest.GuestTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        right = arms.HidArm(cls.guest)
+        right = arms.HidArm(cls.guest, rate_hz=arms.FULL_HZ)
         cls.arms = [right]
         words = [right.words]
         for name in cls.names[1:]:

@@ -37,7 +37,7 @@ class TwoArms(guest.GuestTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.right = arms.HidArm(cls.guest, cls.way)
+        cls.right = arms.HidArm(cls.guest, cls.way, arms.FULL_HZ)
         beside = {"uhid": ("--uhid",), "usbip": ("--usbip", simdev.SECOND_PORT)}
         cls.left = simdev.Simdev(cls.guest, "left", *beside[cls.way], "--serial", BESIDE, "phantom-vintage")
         if cls.way == "usbip":
