@@ -6,6 +6,7 @@ import signal
 import socket
 import struct
 import subprocess
+import zlib
 
 from rig import BIN, TIMEOUT_S, ProcessTest, clean_environment, die_with_parent
 
@@ -95,6 +96,24 @@ class Simdev(ProcessTest):
         entries = self.say("log 10")[0]
         self.assertTrue(any("5b302c302c305d0a" in entry.get("out", "") for entry in entries))
         self.assertTrue(any(entry.get("request") == "00c20100000008" for entry in entries))
+
+    def ask_board(self, host, kind, number, words=0, offset=0, payload=b""):
+        """What a CAM board answers (docs/cambus.md, section 7), behind its 16 bytes."""
+        head = struct.pack("<HBBHHI", 0x4243, kind, 0, number, words, offset)
+        self.submit(host, endpoint=1, data=head + struct.pack("<I", zlib.crc32(head + payload)) + payload)
+        answer = self.submit(host, endpoint=1, length=64)
+        self.assertEqual(struct.unpack_from("<HBBH", answer), (0x4342, kind, 0, number))
+        self.assertEqual(struct.unpack_from("<I", answer, 12)[0], zlib.crc32(answer[:12] + answer[16:]))
+        return answer[16:]
+
+    def test_a_cam_board_shows_its_page_over_usb(self):
+        _, port = self.offer("cam-8")
+        host = self.attached(port)
+        self.assertEqual(struct.unpack_from("<HH", self.device_descriptor(host), 8), (0x1209, 0x0001))
+        self.ask_board(host, 3, 1)
+        self.assertEqual(self.ask_board(host, 1, 2, words=2)[:4], b"CAM8")
+        self.ask_board(host, 2, 3, words=2, offset=0x1000, payload=b"thimble!")
+        self.assertEqual(self.ask_board(host, 1, 4, words=2, offset=0x1000), b"thimble!")
 
     def test_its_verbs_are_answered_while_it_runs(self):
         self.offer("phantom-vintage", "--serial", "ABC")

@@ -23,6 +23,7 @@
 #include "sim/export/verb_server.hpp"
 #include "sim/model/arm/register_arm_models.hpp"
 #include "sim/model/arm/text_arm_model.hpp"
+#include "sim/model/cam/register_cam_model.hpp"
 #include "sim/model/cp2112/cp2112_model.hpp"
 #include "sim/model/falcon/register_falcon_model.hpp"
 #include "sim/model/spacemouse/register_spacemouse_models.hpp"
@@ -38,6 +39,7 @@ Result<plugin::SimModel> make_model(const SimdevOptions& options) {
   register_text_arm_models(models);
   register_falcon_model(models);
   register_spacemouse_models(models);
+  register_cam_model(models);
   models.add({"cp2112", "Silicon Labs CP2112, eight lines (HID)",
               [](const plugin::SimModelSettings&) { return std::make_unique<Cp2112Model>(); }});
   const plugin::SimModelEntry* entry = models.find(options.model);
