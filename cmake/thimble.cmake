@@ -12,6 +12,9 @@ target_compile_options(thimble_options INTERFACE
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   target_compile_options(thimble_options INTERFACE -Wno-restrict)
 endif()
+if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+  target_compile_options(thimble_options INTERFACE -Wreserved-identifier)
+endif()
 target_include_directories(thimble_options INTERFACE ${CMAKE_SOURCE_DIR})
 target_link_libraries(thimble_options INTERFACE Threads::Threads)
 if(THIMBLE_SANITIZE)
@@ -29,13 +32,25 @@ if(THIMBLE_FUZZ)
   target_compile_options(thimble_options INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
-# thimble_library(<folder/with/slashes> SOURCES … LINKS …): one static library per folder,
-# named thimble_<folder_with_underscores>. Without SOURCES it is header-only.
+# Files compiled six at a time: half of what one costs, and more in a test, is the reading of the same
+# headers and the making of the same templates. ALONE are the files whose names in the unnamed
+# namespace, or whose using-declarations, mean another thing than in another file of theirs. The
+# product's files are compiled one by one in release, since each has to include what it needs.
+option(THIMBLE_UNITY_PRODUCT "Compile several files of a library at once" OFF)
+option(THIMBLE_UNITY_TESTS "Compile several files of a test program at once" ON)
+function(thimble_unity target is_wanted alone)
+  set_source_files_properties(${alone} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${is_wanted} UNITY_BUILD_BATCH_SIZE 6)
+endfunction()
+
+# thimble_library(<folder/with/slashes> SOURCES … [ALONE …] LINKS …): one static library per folder,
+# named thimble_<folder_with_underscores>. Without SOURCES it is header-only. ALONE: see below.
 function(thimble_library folder)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;ALONE;LINKS;PRIVATE_LINKS" ${ARGN})
   string(REPLACE "/" "_" name ${folder})
-  if(ARG_SOURCES)
-    add_library(thimble_${name} STATIC ${ARG_SOURCES})
+  if(ARG_SOURCES OR ARG_ALONE)
+    add_library(thimble_${name} STATIC ${ARG_SOURCES} ${ARG_ALONE})
+    thimble_unity(thimble_${name} ${THIMBLE_UNITY_PRODUCT} "${ARG_ALONE}")
     target_link_libraries(thimble_${name} PUBLIC thimble_options ${ARG_LINKS}
                           PRIVATE ${ARG_PRIVATE_LINKS})
   else()
@@ -44,14 +59,18 @@ function(thimble_library folder)
   endif()
 endfunction()
 
-# thimble_test(<name> LABEL <tier> [THREADED] SOURCES … LINKS …): one GoogleTest program, one
+# thimble_test(<name> LABEL <tier> [THREADED] SOURCES … [ALONE …] LINKS …): one GoogleTest program, one
 # ctest entry per test case. THREADED: more than one thread takes part, so ThreadSanitizer has
 # something to see; with THIMBLE_ONLY_THREADED the others are left out. ENVIRONMENT: NAME=VALUE for
-# its runs.
+# its runs. THIMBLE_TEST_OPTIONS are for the code of tests alone; a
+# folder whose tests reckon much appends -O1.
 set(THIMBLE_TEST_TIMEOUT 300 CACHE STRING "Seconds after which a test case is ended")
+set(THIMBLE_TEST_OPTIONS "" CACHE STRING "Compiler options for the code of tests")
 function(thimble_test name)
-  cmake_parse_arguments(ARG "THREADED" "LABEL;ENVIRONMENT" "SOURCES;LINKS" ${ARGN})
-  add_executable(${name} ${ARG_SOURCES})
+  cmake_parse_arguments(ARG "THREADED" "LABEL;ENVIRONMENT" "SOURCES;ALONE;LINKS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES} ${ARG_ALONE})
+  thimble_unity(${name} ${THIMBLE_UNITY_TESTS} "${ARG_ALONE}")
+  target_compile_options(${name} PRIVATE ${THIMBLE_TEST_OPTIONS})
   target_link_libraries(${name} PRIVATE thimble_options ${ARG_LINKS} GTest::gtest_main)
   if(THIMBLE_ONLY_THREADED AND NOT ARG_THREADED)
     set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)

@@ -11,11 +11,11 @@ namespace thimble {
 // What contain() makes of what a work returns: a Result stays the Result that it is.
 template <class T>
 struct Contained {
-  using type = Result<T>;
+  using Type = Result<T>;
 };
 template <class T>
 struct Contained<Result<T>> {
-  using type = Result<T>;
+  using Type = Result<T>;
 };
 
 // Does `work`, which may throw, and gives what it gives: an exception that left a thread would end
@@ -23,7 +23,7 @@ struct Contained<Result<T>> {
 //
 // Thread: any. Not RT. Errors: those of `work`; System, with the words of what was thrown.
 template <class Work>
-typename Contained<std::invoke_result_t<Work&>>::type contain(Work&& work) {
+typename Contained<std::invoke_result_t<Work&>>::Type contain(Work&& work) {
   try {
     if constexpr (std::is_void_v<std::invoke_result_t<Work&>>) {
       work();

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """clang-tidy 14 with the tree's .clang-tidy over every product file of a compile database.
 
+Files that are compiled together are read together: most of its time goes to the headers they share.
 A file whose text, headers of this tree, flags and settings are those of an earlier clean run is
 not read again: build/lint-cache holds one empty file per clean content hash.
 """
@@ -22,16 +23,20 @@ PROGRAM = "clang-tidy-14"
 _INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*"([^"\n]+)"', re.MULTILINE)
 
 
+def is_product(root, build, source):
+    """Whether that is a file of the product, or one made by CMake that includes several of them."""
+    place = next((place for place in (build, root) if source.is_relative_to(place)), None)
+    return place is not None and source.relative_to(place).parts[0] in cpp_source.PRODUCT_FOLDERS
+
+
 def product_commands(root, build):
-    """(source, command line) of every compiled product file."""
+    """(source, command line) of everything compiled of the product."""
     database = json.loads(pathlib.Path(build, "compile_commands.json").read_text(encoding="utf-8"))
     found = {}
     for entry in database:
         source = pathlib.Path(entry["directory"], entry["file"]).resolve()
-        if source.is_relative_to(root):
-            relative = source.relative_to(root)
-            if relative.parts[0] in cpp_source.PRODUCT_FOLDERS:
-                found[str(relative)] = entry["command"]
+        if is_product(root, build, source):
+            found[str(source.relative_to(root))] = entry["command"]
     return sorted(found.items())
 
 

@@ -71,6 +71,24 @@ class CheckTidy(PlantedTreeTest):
         self.check(text)
         self.assertEqual(len(runs), 2)
 
+    def test_reads_files_that_are_compiled_together_as_one_and_names_each(self):
+        together = self.root / "build/x/hal/a.dir/Unity/unity_0_cxx.cxx"
+        self.plant("hal/base/b.cpp", "int GoodName() { return 2; }\n")
+        self.plant(str(together.relative_to(self.root)),
+                   f'#include "{self.root}/hal/base/a.cpp"\n#include "{self.root}/hal/base/b.cpp"\n')
+        self.plant("build/x/compile_commands.json", json.dumps([{
+            "directory": str(self.root / "build/x"), "file": str(together),
+            "command": f"clang++-14 -std=c++20 -I{self.root} -c {together}"}]))
+
+        breaches = self.check("int BadName() { return 1; }\n")
+
+        self.assertIn("hal/base/a.cpp:1:5", breaches[0])
+        self.assertIn("hal/base/b.cpp:1:5", breaches[0])
+        self.plant("hal/base/b.cpp", "int b() { return 2; }\n")
+        self.assertEqual(self.check("int a() { return 1; }\n"), [])
+        self.plant("hal/base/b.cpp", "int B() { return 2; }\n")
+        self.assertTrue(self.check("int a() { return 1; }\n"))
+
     def test_reads_a_file_with_breaches_again(self):
         self.assertTrue(self.check("int BadName() { return 1; }\n"))
         self.assertTrue(self.check("int BadName() { return 1; }\n"))

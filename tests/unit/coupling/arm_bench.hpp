@@ -3,10 +3,10 @@
 #include <vector>
 
 #include "daemon/coupling/ghost_point_arm.hpp"
+#include "hand_samples.hpp"
 
 namespace thimble::coupling::testing {
 
-inline constexpr Duration kTick = std::chrono::milliseconds(1);
 inline constexpr Direction3 kPlusX{1, 0, 0};
 inline constexpr Direction3 kMinusX{-1, 0, 0};
 inline constexpr Direction3 kPlusY{0, 1, 0};

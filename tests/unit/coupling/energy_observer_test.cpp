@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include "hand_samples.hpp"
+
 namespace thimble::coupling {
 namespace {
 
-constexpr Duration kTick = std::chrono::milliseconds(1);
+using testing::kTick;
 
 TEST(EnergyObserver, SpringGivesBackWhatItTookAndGeneratesNothing) {
   EnergyObserver sut;

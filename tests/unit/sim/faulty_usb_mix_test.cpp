@@ -135,7 +135,7 @@ RandomRun run_random(std::uint64_t seed) {
   EXPECT_EQ(out.packets_out + out.writes_superseded + out.stalls, submitted);
   const bus::UsbCounters in = bench.sut->counters(kIn);
   EXPECT_EQ(in.packets_in, read + in.packets_skipped);
-  return {trace.value(), bench.faulty.injected(kAddress)};
+  return {trace.value(), bench.faulty.injected(kUsbAddress)};
 }
 
 TEST(FaultyUsb, EveryFaultByChanceKeepsTheCountersInBalance) {

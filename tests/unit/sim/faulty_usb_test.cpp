@@ -205,7 +205,7 @@ TEST(FaultyUsb, ADisconnectLatchesForTheHandleOnly) {
 TEST(FaultyUsb, AnUnplugStaysEvenWhereAStallHidesIt) {
   UsbBench bench(plan_during(FaultKind::Stall, 3, 100));
   bench.clock.run_for(milliseconds(2));
-  ASSERT_TRUE(bench.buses.unplug(kAddress).has_value());
+  ASSERT_TRUE(bench.buses.unplug(kUsbAddress).has_value());
   bus::UsbPacket packet;
   EXPECT_EQ(bench.sut->read(kIn, packet), IoStatus::Disconnected);
   bench.clock.run_for(milliseconds(2));
@@ -217,7 +217,7 @@ TEST(FaultyUsb, RefusesToOpenWhileSomebodyElseHoldsTheDevice) {
   UsbBench bench(plan_during(FaultKind::RefuseOpen, 1, 2));
   bench.sut.reset();
   bench.clock.run_for(milliseconds(1));
-  EXPECT_EQ(bench.faulty.open_usb(kAddress, {}).error().code, Errc::Busy);
+  EXPECT_EQ(bench.faulty.open_usb(kUsbAddress, {}).error().code, Errc::Busy);
   bench.clock.run_for(milliseconds(2));
   bench.open();
 }

@@ -21,7 +21,7 @@ using Packet = UsbModelScript::Packet;
 inline constexpr std::uint8_t kIn = ScriptedUsbModel::kBulkIn;
 inline constexpr std::uint8_t kNewestIn = ScriptedUsbModel::kInterruptIn;
 inline constexpr std::uint8_t kOut = ScriptedUsbModel::kBulkOut;
-inline const bus::DeviceAddress kAddress{"sim:scripted"};
+inline const bus::DeviceAddress kUsbAddress{"sim:scripted"};
 
 // A device behind a cable with a plan.
 struct UsbBench {
@@ -32,8 +32,8 @@ struct UsbBench {
   std::unique_ptr<bus::UsbDevice> sut;
 
   explicit UsbBench(FaultPlan plan) {
-    EXPECT_TRUE(buses.plug(kAddress, std::make_unique<ScriptedUsbModel>(script)).has_value());
-    faulty.set_plan(kAddress, std::move(plan));
+    EXPECT_TRUE(buses.plug(kUsbAddress, std::make_unique<ScriptedUsbModel>(script)).has_value());
+    faulty.set_plan(kUsbAddress, std::move(plan));
     open();
   }
   void open() {
@@ -41,7 +41,7 @@ struct UsbBench {
     claim.pipes.push_back({kIn, bus::UsbDelivery::Every});
     claim.pipes.push_back({kNewestIn, bus::UsbDelivery::Newest});
     claim.pipes.push_back({kOut, bus::UsbDelivery::Newest});
-    sut = faulty.open_usb(kAddress, claim).value();
+    sut = faulty.open_usb(kUsbAddress, claim).value();
   }
   // The first byte of all that waits on a pipe; 0 for an empty packet.
   std::vector<int> read_all(std::uint8_t endpoint) {
@@ -75,7 +75,7 @@ struct UsbBench {
     clock.run_for(std::chrono::milliseconds(1));
     return sut->read_control(reply);
   }
-  std::uint64_t injected(FaultKind kind) const { return faulty.injected(kAddress).of(kind); }
+  std::uint64_t injected(FaultKind kind) const { return faulty.injected(kUsbAddress).of(kind); }
 };
 
 inline FaultPlan plan_of(FaultKind kind, std::uint64_t first, std::uint64_t reports = 1) {
