@@ -5,7 +5,15 @@
 #include <string>
 #include <vector>
 
+// umockdev's own name.
+#ifdef __clang__
+#pragma clang diagnostic push
+#pragma clang diagnostic ignored "-Wreserved-identifier"
+#endif
 struct _UMockdevTestbed;
+#ifdef __clang__
+#pragma clang diagnostic pop
+#endif
 
 namespace thimble::test {
 
