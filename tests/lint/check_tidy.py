@@ -36,7 +36,7 @@ def product_commands(root, build):
     for entry in database:
         source = pathlib.Path(entry["directory"], entry["file"]).resolve()
         if is_product(root, build, source):
-            found[str(source.relative_to(root))] = entry["command"]
+            found[os.path.relpath(source, root)] = entry["command"]
     return sorted(found.items())
 
 
@@ -62,7 +62,8 @@ def content_hash(root, build, source, command):
 
 def tidy(root, build, source):
     """What clang-tidy says about one file; empty when it is clean."""
-    result = subprocess.run([PROGRAM, "-p", str(build), "--quiet", source], cwd=root,
+    result = subprocess.run([PROGRAM, "-p", str(build), "--quiet",
+                             f"--config-file={root}/.clang-tidy", source], cwd=root,
                             capture_output=True, text=True, check=False)
     if result.returncode == 0:
         return ""

@@ -1,4 +1,6 @@
 import json
+import pathlib
+import tempfile
 
 import check_tidy
 from planted_tree import PlantedTreeTest
@@ -88,6 +90,21 @@ class CheckTidy(PlantedTreeTest):
         self.assertEqual(self.check("int a() { return 1; }\n"), [])
         self.plant("hal/base/b.cpp", "int B() { return 2; }\n")
         self.assertTrue(self.check("int a() { return 1; }\n"))
+
+    def test_takes_a_build_folder_that_lies_elsewhere(self):
+        with tempfile.TemporaryDirectory() as folder:
+            build = pathlib.Path(folder).resolve()
+            together = build / "hal/unity_0_cxx.cxx"
+            together.parent.mkdir()
+            together.write_text(f'#include "{self.root}/hal/base/a.cpp"\n', encoding="utf-8")
+            (build / "compile_commands.json").write_text(json.dumps([{
+                "directory": str(build), "file": str(together),
+                "command": f"clang++-14 -std=c++20 -I{self.root} -c {together}"}]))
+            self.plant("hal/base/a.cpp", "int BadName() { return 1; }\n")
+
+            breaches = check_tidy.check(self.root, build, self.root / "build" / "c")
+
+            self.assertIn("hal/base/a.cpp:1:5", breaches[0])
 
     def test_reads_a_file_with_breaches_again(self):
         self.assertTrue(self.check("int BadName() { return 1; }\n"))
