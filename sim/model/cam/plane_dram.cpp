@@ -86,12 +86,11 @@ const Word* PlaneDram::fetch(std::size_t layer, const Placement& placement, cons
     }
     return room;
   }
-  const unsigned shift = placement.offset & kInWord;
-  const std::size_t row_words = (placement.row + 1) / kWordSites;
-  if (sites.are_aligned && row_words <= words.size()) {
+  if (sites.are_aligned && placement.row_words() <= words.size()) {
     fetch_rows(plane, placement, words, room);
     return room;
   }
+  const unsigned shift = placement.offset & kInWord;
   for (std::size_t k = 0; k < words.size(); ++k) {
     const std::uint32_t address = placement.address(words[k]);
     const Word low = plane[address / kWordSites];
@@ -105,7 +104,7 @@ const Word* PlaneDram::fetch(std::size_t layer, const Placement& placement, cons
 void PlaneDram::fetch_rows(const Word* plane, const Placement& placement,
                            std::span<const std::uint32_t> words, Word* room) {
   const unsigned shift = placement.offset & kInWord;
-  const std::size_t row_words = (placement.row + 1) / kWordSites;
+  const std::size_t row_words = placement.row_words();
   for (std::size_t first = 0; first < words.size(); first += row_words) {
     const std::uint32_t address = placement.address(words[first]);
     const Word* const row = plane + (address & ~placement.row) / kWordSites;

@@ -33,7 +33,9 @@ struct Placement {
   [[nodiscard]] std::uint32_t address(std::uint32_t site) const noexcept {
     return add_within(site, offset, tops) & last;
   }
-  // Of a row that is a word long at least: the address one word on, around its end.
+  // Of a row that is a word long at least.
+  [[nodiscard]] std::size_t row_words() const noexcept { return (row + 1) / kWordSites; }
+  // Of such a row: the address one word on, around its end.
   [[nodiscard]] std::uint32_t next_word(std::uint32_t address) const noexcept {
     return (address & ~row) | ((address + static_cast<std::uint32_t>(kWordSites)) & row);
   }
