@@ -119,6 +119,7 @@ api::ArmStatus arm(const json::value& value) {
   out.faults = list(value, "faults", fault);
   out.is_in_contact = flag(value, "is_in_contact");
   out.lease = text(value, "lease");
+  out.lease_number = count(value, "lease_number");
   out.constraint_state = text(value, "constraint_state");
   out.world = text(value, "world");
   return out;

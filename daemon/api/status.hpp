@@ -42,9 +42,10 @@ struct ArmStatus {
   double newton_per_count{0};  // by which it is told its force; 0: it is told amperes
   double max_force_newton{0};  // the strongest that the limiter lets through; 0: it makes none
   bool is_in_contact{false};
-  std::string lease;             // "configuration", "client" or "none": who keeps it active
-  std::string constraint_state;  // "fresh", "frozen", "fading" …
-  std::string world;             // name of its world, or the peer that has it
+  std::string lease;              // "configuration", "client" or "none": who keeps it active
+  std::uint64_t lease_number{0};  // of a client's lease, another one for each; 0: no client has it
+  std::string constraint_state;   // "fresh", "frozen", "fading" …
+  std::string world;              // name of its world, or the peer that has it
   bool operator==(const ArmStatus&) const = default;
 };
 

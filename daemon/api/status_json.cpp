@@ -40,6 +40,7 @@ json::object to_value(const ArmStatus& arm) {
           {"calibration", arm.calibration},
           {"instruction", arm.instruction},
           {"lease", arm.lease},
+          {"lease_number", arm.lease_number},
           {"position_m", vector_of(arm.position_m)},
           {"gimbal_rad", list_of(arm.gimbal_rad, [](double angle_rad) { return angle_rad; })},
           {"force_newton", vector_of(arm.force_newton)},

@@ -16,7 +16,8 @@ std::string_view to_string(Leases::Holder holder) noexcept {
 
 Leases::Leases(const std::vector<Arm>& arms) {
   for (const Arm& arm : arms) {
-    entries_.push_back({arm, arm.is_configured_active ? Holder::Configuration : Holder::Nobody, 0});
+    entries_.push_back(
+        {arm, arm.is_configured_active ? Holder::Configuration : Holder::Nobody, 0, 0});
   }
 }
 
@@ -44,6 +45,7 @@ Result<Leases::Grant> Leases::acquire(std::string_view arm, Client client) {
   if (entry.holder == Holder::Client && entry.client != client) {
     return fail(Errc::Busy, "arm '" + entry.arm.name + "' is held by another connection");
   }
+  if (entry.holder != Holder::Client) entry.number = ++granted_;
   entry.holder = Holder::Client;
   entry.client = client;
   return Grant{true};
@@ -52,8 +54,7 @@ Result<Leases::Grant> Leases::acquire(std::string_view arm, Client client) {
 Result<void> Leases::release(std::string_view arm) {
   const Result<std::size_t> index = find(arm);
   if (!index) return tl::unexpected(index.error());
-  entries_[*index].holder = Holder::Nobody;
-  entries_[*index].client = 0;
+  end(entries_[*index]);
   return {};
 }
 
@@ -61,11 +62,16 @@ std::vector<std::string> Leases::drop_client(Client client) {
   std::vector<std::string> lost;
   for (Entry& entry : entries_) {
     if (entry.holder != Holder::Client || entry.client != client) continue;
-    entry.holder = Holder::Nobody;
-    entry.client = 0;
+    end(entry);
     lost.push_back(entry.arm.name);
   }
   return lost;
+}
+
+void Leases::end(Entry& entry) noexcept {
+  entry.holder = Holder::Nobody;
+  entry.client = 0;
+  entry.number = 0;
 }
 
 }  // namespace thimble::app

@@ -37,6 +37,8 @@ class Leases {
   [[nodiscard]] std::vector<std::string> drop_client(Client client);
   // Index order of the constructor.
   [[nodiscard]] Holder holder(std::size_t index) const { return entries_.at(index).holder; }
+  // Of a client's lease: no later one has it while the daemon runs. 0: no client holds the arm.
+  [[nodiscard]] std::uint64_t number(std::size_t index) const { return entries_.at(index).number; }
   // By the configuration or by this very client.
   [[nodiscard]] bool is_held_for(std::size_t index, Client client) const;
   // NotFound: no such arm.
@@ -47,7 +49,11 @@ class Leases {
     Arm arm;
     Holder holder{Holder::Nobody};
     Client client{0};
+    std::uint64_t number{0};
   };
+  static void end(Entry& entry) noexcept;
+
+  std::uint64_t granted_{0};  // leases of clients
   std::vector<Entry> entries_;
 };
 

@@ -93,6 +93,7 @@ api::ArmStatus arm_status(session::ArmRig& rig, const session::WorldHost* world,
   arm.faults = faults_of(snapshot, arm.name, context);
   arm.is_in_contact = frame.is_in_contact;
   arm.lease = to_string(context.leases.holder(index));
+  arm.lease_number = context.leases.number(index);
   arm.constraint_state = constraint_state(frame);
   arm.world = session.config().world.value_or(rig.link_status().peer);
   return arm;

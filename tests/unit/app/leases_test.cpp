@@ -57,6 +57,29 @@ TEST(Leases, AnUnknownArmIsNamed) {
   EXPECT_EQ(sut.release("middle").error().code, Errc::NotFound);
 }
 
+TEST(Leases, NoTwoLeasesOfClientsHaveTheSameNumberAndOneKeepsIts) {
+  std::mt19937 random(5);
+  Leases sut({{"a", false}, {"b", false}, {"c", true}});
+  std::map<std::string, std::uint64_t> oracle;
+  std::uint64_t last = 0;
+  for (int step = 0; step < 20'000; ++step) {
+    const std::string arm(1, static_cast<char>('a' + random() % 3));
+    const std::size_t index = sut.find(arm).value();
+    const Leases::Client client = 1 + random() % 3;
+    if (random() % 3 == 0) {
+      ASSERT_TRUE(sut.release(arm));
+      oracle.erase(arm);
+    } else if (sut.acquire(arm, client) && arm != "c" && oracle.count(arm) == 0) {
+      ASSERT_GT(sut.number(index), last);
+      oracle[arm] = last = sut.number(index);
+    }
+    for (const std::string name : {"a", "b", "c"}) {
+      const std::uint64_t expected = oracle.count(name) == 0 ? 0 : oracle[name];
+      ASSERT_EQ(sut.number(sut.find(name).value()), expected) << step << ' ' << name;
+    }
+  }
+}
+
 TEST(Leases, RandomProgramsNeverLeaveAnArmWithAClientThatIsGone) {
   std::mt19937 random(4);
   Leases sut({{"a", false}, {"b", false}});
