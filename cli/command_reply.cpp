@@ -1,5 +1,7 @@
 #include "cli/command_reply.hpp"
 
+#include <algorithm>
+
 #include "cli/status_document.hpp"
 #include "cli/text.hpp"
 
@@ -31,12 +33,14 @@ tl::unexpected<Error> not_the_daemons(const std::string& missed) {
 Result<CommandReply> parse_command_reply(std::string_view json, std::string_view arm) {
   const auto name = parse_member(json, "arm");
   const auto lease = parse_member(json, "lease");
+  const auto lease_number = parse_count(json, "lease_number");
   const auto state = parse_member(json, "state");
   const auto instruction = parse_member(json, "instruction");
-  if (name != arm || !lease || !state || !instruction) {
+  if (name != arm || !lease || !lease_number || !state || !instruction) {
     return not_the_daemons("arm " + plain(arm) + " with its lease and state");
   }
-  return CommandReply{plain(*name), plain(*lease), plain(*state), plain(*instruction)};
+  return CommandReply{plain(*name), plain(*lease), *lease_number, plain(*state),
+                      plain(*instruction)};
 }
 
 Result<std::uint64_t> parse_changed_cells(std::string_view json, std::string_view world) {
@@ -54,6 +58,12 @@ Result<PieceReply> parse_piece_reply(std::string_view json, std::string_view wor
     return not_the_daemons("what was done to the pieces of world " + plain(world));
   }
   return PieceReply{plain(*outcome), *is_done};
+}
+
+bool still_stands(const CommandReply& reply, const api::Status& status) {
+  return std::any_of(status.arms.begin(), status.arms.end(), [&](const api::ArmStatus& arm) {
+    return arm.name == reply.arm && arm.lease == "client" && arm.lease_number == reply.lease_number;
+  });
 }
 
 std::string render_reply(std::string_view verb, const CommandReply& reply) {

@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "daemon/api/status.hpp"
 #include "hal/base/result.hpp"
 
 namespace thimble::cli {
@@ -12,6 +13,7 @@ namespace thimble::cli {
 struct CommandReply {
   std::string arm;
   std::string lease;
+  std::uint64_t lease_number{0};  // 0: no client's
   std::string state;
   std::string instruction;
 };
@@ -28,6 +30,8 @@ struct PieceReply {
   bool is_done{false};
 };
 [[nodiscard]] Result<PieceReply> parse_piece_reply(std::string_view json, std::string_view world);
+// Whether the lease that `reply` tells of still stands, as a client's.
+[[nodiscard]] bool still_stands(const CommandReply& reply, const api::Status& status);
 // What came of `verb` ("activate", "deactivate" or "clear-fault"), for a person: no line break.
 [[nodiscard]] std::string render_reply(std::string_view verb, const CommandReply& reply);
 

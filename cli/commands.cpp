@@ -1,6 +1,5 @@
 #include "cli/commands.hpp"
 
-#include <algorithm>
 #include <cstdio>
 #include <iostream>
 #include <iterator>
@@ -23,12 +22,6 @@ constexpr std::size_t kMaxReportBytes = std::size_t{1} << 22;
 // More than any state has; the daemon says so.
 constexpr std::size_t kMaxStateBytes = std::size_t{1} << 20;
 
-bool is_held_by_client(const api::Status& status, const std::string& name) {
-  return std::any_of(status.arms.begin(), status.arms.end(), [&](const api::ArmStatus& arm) {
-    return arm.name == name && arm.lease == "client";
-  });
-}
-
 int hold_lease(Client& client, const CommandReply& reply) {
   Interrupts interrupts;  // before the words: who reads them may interrupt at once
   std::cout << render_reply("activate", reply) << "; Ctrl-C releases it" << std::endl;
@@ -44,7 +37,7 @@ int hold_lease(Client& client, const CommandReply& reply) {
       return complain(
           {status.error().code, status.error().message + "; arm " + reply.arm + " is released"});
     }
-    if (!is_held_by_client(*status, reply.arm)) {
+    if (!still_stands(reply, *status)) {
       return complain({Errc::Busy, "arm " + reply.arm + " was deactivated"});
     }
   }

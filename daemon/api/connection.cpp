@@ -46,8 +46,8 @@ void Connection::close() {
 
 bool Connection::holds_lease() const {
   // Somebody else may have ended it since.
-  for (const std::string& arm : leases_) {
-    if (lease_of(arm) == "client") return true;
+  for (const auto& [arm, number] : leases_) {
+    if (lease_of(arm).number == number) return true;
   }
   return false;
 }
@@ -189,11 +189,14 @@ void Connection::command(const Action& action, bool is_kept) {
 void Connection::on_done(const Action& action, const Result<Done>& done, bool is_kept) {
   if (is_closed_) return;  // the command ended the server
   if (!done) return respond(tl::unexpected(to_request_error(done.error())), is_kept);
-  const std::string lease = lease_of(action.name);
-  if (action.kind == ActionKind::Activate && lease == "client") leases_.insert(action.name);
+  const Lease lease = lease_of(action.name);
+  if (action.kind == ActionKind::Activate && lease.holder == "client") {
+    leases_[action.name] = lease.number;
+  }
   if (action.kind == ActionKind::Deactivate) leases_.erase(action.name);
   respond(to_text(boost::json::object{{"arm", action.name},
-                                      {"lease", lease},
+                                      {"lease", lease.holder},
+                                      {"lease_number", lease.number},
                                       {"state", done->state},
                                       {"instruction", done->instruction}}),
           is_kept);
@@ -216,11 +219,11 @@ void Connection::on_pieces(const std::string& world, const Result<PieceDone>& do
           is_kept);
 }
 
-std::string Connection::lease_of(const std::string& arm) const {
+Connection::Lease Connection::lease_of(const std::string& arm) const {
   for (const ArmStatus& status : context_.view.status().arms) {
-    if (status.name == arm) return status.lease;
+    if (status.name == arm) return {status.lease, status.lease_number};
   }
-  return "none";
+  return {};
 }
 
 }  // namespace thimble::api

@@ -4,10 +4,11 @@
 #include <boost/beast/core/basic_stream.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http.hpp>
+#include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <string_view>
 
@@ -41,6 +42,12 @@ class Connection : public std::enable_shared_from_this<Connection> {
   using Parser = boost::beast::http::request_parser<boost::beast::http::string_body>;
   using Response = boost::beast::http::response<boost::beast::http::string_body>;
 
+  // As the status tells it.
+  struct Lease {
+    std::string holder{"none"};
+    std::uint64_t number{0};
+  };
+
   void read();
   void on_header(boost::beast::error_code error);
   void on_read(boost::beast::error_code error);
@@ -57,7 +64,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void move_state(const Action& action, bool is_kept);
   void respond(tl::expected<std::string, RequestError> body, bool is_kept,
                std::string_view content_type = "application/json");
-  [[nodiscard]] std::string lease_of(const std::string& arm) const;
+  [[nodiscard]] Lease lease_of(const std::string& arm) const;
   void prepare(unsigned status, std::string body, bool is_kept, std::string_view content_type);
 
   Stream stream_;
@@ -66,7 +73,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   boost::beast::flat_buffer buffer_;
   std::optional<Parser> parser_;
   Response response_;
-  std::set<std::string> leases_;  // arms that this client activated
+  std::map<std::string, std::uint64_t> leases_;  // of the arms that this client activated: number
   bool has_commanded_{false};
   bool is_closed_{false};
 };

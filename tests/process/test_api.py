@@ -124,6 +124,23 @@ class Leases(ProcessTest):
         self.assertEqual((holder.returncode, out), (1, ""))
         self.assert_one_sentence(err, "arm right was deactivated")
 
+    def test_thimble_activate_ends_when_somebody_else_takes_the_arm_over_at_once(self):
+        daemon = self.start(config=IDLE)
+        holder = subprocess.Popen([str(BIN / "thimble"), "activate", "--socket", daemon.socket],
+                                  stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                  text=True, env=clean_environment(), preexec_fn=die_with_parent)
+        self.addCleanup(holder.kill)
+        self.assertIn("Ctrl-C releases it", holder.stdout.readline())
+        with unix_connection(daemon.socket) as connection:
+            for verb in ("deactivate", "activate"):
+                code, _, body = http_request(connection, "POST", f"/v1/arms/right/{verb}")
+                self.assertEqual(code, 200, body)
+            out, err = holder.communicate(timeout=TIMEOUT_S)
+            self.assertEqual((holder.returncode, out), (1, ""))
+            self.assert_one_sentence(err, "arm right was deactivated")
+            arm = daemon.status_when(state_is("active"))["arms"][0]
+            self.assertEqual((arm["lease"], arm["lease_number"]), ("client", json.loads(body)["lease_number"]))
+
     def test_anybody_may_stop_an_arm_and_start_it_again(self):
         daemon = self.start(config=HELLO)
         daemon.status_when(state_is("active"))

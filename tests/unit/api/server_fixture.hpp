@@ -28,6 +28,7 @@ class FakeDaemon : public StatusView, public Commands {
     out.arms.resize(2);
     out.arms[0].name = "right";
     out.arms[0].lease = lease;
+    out.arms[0].lease_number = lease == "client" ? granted : 0;
     out.arms[1].name = "left";
     out.arms[1].lease = "configuration";
     return out;
@@ -37,7 +38,10 @@ class FakeDaemon : public StatusView, public Commands {
       return answer(fail(Errc::NotFound, "there is no such arm"));
     }
     if (arm == "right" && lease == "client") return answer(fail(Errc::Busy, "held by another"));
-    if (arm == "right") lease = "client";
+    if (arm == "right") {
+      lease = "client";
+      ++granted;
+    }
     log.push_back("activate " + std::string(arm));
     holder = client;
     answer(Done{"active", ""});
@@ -80,6 +84,7 @@ class FakeDaemon : public StatusView, public Commands {
   std::vector<std::string> log;
   std::string state{"\xff\0{}\n", 5};
   std::string lease{"none"};
+  std::uint64_t granted{0};  // leases of clients
   ClientId holder{};
   std::size_t padding{1};
   mutable int statuses{0};  // asked for

@@ -203,6 +203,20 @@ TEST_F(ServerTest, DropsAnIdleConnectionUnlessItHoldsALease) {
   EXPECT_TRUE(ends(holder));
 }
 
+TEST_F(ServerTest, TellsTheNumberOfALeaseAndAnotherOnesDoesNotKeepAConnection) {
+  settings_.idle_timeout = std::chrono::milliseconds(20);
+  start();
+  Client first(settings_.socket_path);
+  EXPECT_THAT(ask(first, post("/v1/arms/right/activate")), HasSubstr("\"lease_number\": 1,"));
+  Client second(settings_.socket_path);
+  EXPECT_THAT(ask(second, post("/v1/arms/right/deactivate")), HasSubstr("\"lease_number\": 0,"));
+  EXPECT_THAT(ask(second, post("/v1/arms/right/activate")), HasSubstr("\"lease_number\": 2,"));
+  EXPECT_THAT(ask(first, kGetStatus), HasSubstr("\"lease_number\": 2,"));
+  EXPECT_TRUE(ends(first));
+  EXPECT_EQ(daemon_.lease, "client") << "of the second";
+  EXPECT_TRUE(until([&] { return sut_->connections() == 1; }));
+}
+
 TEST_F(ServerTest, DropsAReaderThatNeverReads) {
   daemon_.padding = 1U << 20U;  // more than a socket buffer takes
   settings_.write_timeout = std::chrono::milliseconds(20);

@@ -2,27 +2,30 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/unit/cli/sample_status.hpp"
+
 namespace thimble::cli {
 namespace {
 
 TEST(CommandReply, ReadsWhatTheDaemonSaysAndLetsNoControlBytesThrough) {
   const auto sut = parse_command_reply(
-      "{\"arm\": \"right\", \"lease\": \"client\", \"state\": \"active\", "
+      "{\"arm\": \"right\", \"lease\": \"client\", \"lease_number\": 7, \"state\": \"active\", "
       "\"instruction\": \"a\\u001b[31m\"}",
       "right");
   ASSERT_TRUE(sut) << sut.error().message;
   EXPECT_EQ(sut->arm, "right");
   EXPECT_EQ(sut->lease, "client");
+  EXPECT_EQ(sut->lease_number, 7U);
   EXPECT_EQ(sut->state, "active");
   EXPECT_EQ(sut->instruction, "a?[31m");
 }
 
 TEST(CommandReply, TakesNoAnswerForSuccessThatIsNotToTheCommand) {
   const std::string good =
-      R"({"arm": "right", "lease": "none", "state": "active", "instruction": ""})";
+      R"({"arm": "right", "lease": "none", "lease_number": 0, "state": "active", "instruction": ""})";
   ASSERT_TRUE(parse_command_reply(good, "right"));
   EXPECT_FALSE(parse_command_reply(good, "left"));
-  for (const std::string key : {"arm", "lease", "state", "instruction"}) {
+  for (const std::string key : {"arm", "lease\"", "lease_number", "state", "instruction"}) {
     std::string other = good;
     other.replace(good.find(key), 1, "X");
     const auto sut = parse_command_reply(other, "right");
@@ -32,10 +35,32 @@ TEST(CommandReply, TakesNoAnswerForSuccessThatIsNotToTheCommand) {
               "the answer is not the daemon's: it does not tell of arm right with its lease and "
               "state");
   }
-  for (const char* other : {"", "{}", "[]", "nonsense", R"({"arm": "right"})",
-                            R"({"arm": "right", "lease": 1, "state": "", "instruction": ""})"}) {
+  for (
+      const char* other :
+      {"", "{}", "[]", "nonsense", R"({"arm": "right"})",
+       R"({"arm": "right", "lease": 1, "lease_number": 1, "state": "", "instruction": ""})",
+       R"({"arm": "right", "lease": "client", "lease_number": -1, "state": "", "instruction": ""})"}) {
     EXPECT_FALSE(parse_command_reply(other, "right")) << other;
   }
+}
+
+TEST(CommandReply, ALeaseStillStandsWhileItsOwnNumberIsAClients) {
+  const CommandReply reply{"right", "client", 7, "active", ""};
+  api::Status status = sample_status();
+  api::ArmStatus& arm = status.arms.front();
+  arm.lease = "client";
+  arm.lease_number = 7;
+  EXPECT_TRUE(still_stands(reply, status));
+  arm.lease_number = 8;
+  EXPECT_FALSE(still_stands(reply, status)) << "somebody else's, a moment later";
+  arm.lease_number = 7;
+  arm.name = "left";
+  EXPECT_FALSE(still_stands(reply, status));
+  arm.name = "right";
+  arm.lease = "none";
+  EXPECT_FALSE(still_stands(reply, status));
+  status.arms.clear();
+  EXPECT_FALSE(still_stands(reply, status));
 }
 
 TEST(ChangedCells, AreKnownOnlyFromAnAnswerThatTellsOfTheWorld) {
@@ -76,23 +101,23 @@ TEST(PieceReply, IsKnownOnlyFromAnAnswerThatTellsOfTheWorld) {
 }
 
 TEST(CommandReply, SaysActiveOnlyOfAnArmThatIs) {
-  EXPECT_EQ(render_reply("activate", {"right", "client", "active", ""}),
+  EXPECT_EQ(render_reply("activate", {"right", "client", 7, "active", ""}),
             "arm right is active while this runs");
-  EXPECT_EQ(render_reply("activate", {"right", "configuration", "active", ""}),
+  EXPECT_EQ(render_reply("activate", {"right", "configuration", 0, "active", ""}),
             "arm right is kept active by the configuration");
-  EXPECT_EQ(render_reply("activate", {"right", "client", "calibrating", "press the button"}),
+  EXPECT_EQ(render_reply("activate", {"right", "client", 7, "calibrating", "press the button"}),
             "arm right is held while this runs, but not active yet (calibrating): press the "
             "button");
-  EXPECT_EQ(render_reply("activate", {"right", "configuration", "calibrating", "press"}),
+  EXPECT_EQ(render_reply("activate", {"right", "configuration", 0, "calibrating", "press"}),
             "arm right is held by the configuration, but not active yet (calibrating): press");
 }
 
 TEST(CommandReply, SaysHowTheArmStandsAfterAFault) {
-  EXPECT_EQ(render_reply("clear-fault", {"right", "none", "inactive", ""}),
+  EXPECT_EQ(render_reply("clear-fault", {"right", "none", 0, "inactive", ""}),
             "arm right: the fault is cleared, the arm is inactive");
-  EXPECT_EQ(render_reply("clear-fault", {"right", "none", "calibrating", "press"}),
+  EXPECT_EQ(render_reply("clear-fault", {"right", "none", 0, "calibrating", "press"}),
             "arm right: the fault is cleared, the arm is calibrating: press");
-  EXPECT_EQ(render_reply("deactivate", {"right", "none", "active", ""}),
+  EXPECT_EQ(render_reply("deactivate", {"right", "none", 0, "active", ""}),
             "arm right: deactivate done");
 }
 
