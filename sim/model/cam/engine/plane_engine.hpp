@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "hal/rt/static_vector.hpp"
+#include "sim/model/cam/engine/block_team.hpp"
 #include "sim/model/cam/engine/engine.hpp"
 #include "sim/model/cam/engine/plane_rule.hpp"
 #include "sim/model/cam/engine/site_planes.hpp"
@@ -24,15 +25,20 @@ enum class TablePath : std::uint8_t { General, Compiled, Auto };
 // 4096 sites at a time, by the instruction set of `kernels`. Tables that compile are checked
 // against all of their entries when they are loaded.
 //
-// Two bytes a site, at most as much again, and half a MiB. load() may take 50 ms, a step is bound
-// by the number of sites. Errors of load(): Unsupported for a table that does not compile, when
-// nothing else is allowed.
+// Two bytes a site, at most as much again, and half a MiB for each thread. load() may take 50 ms, a
+// step is bound by the number of sites. Errors of load(): Unsupported for a table that does not
+// compile, when nothing else is allowed.
 class PlaneEngine final : public Engine {
  public:
-  // Errors: InvalidArgument for a space that cannot be.
+  // SOURCE: ours; far more than share one memory with profit.
+  static constexpr std::size_t kMostThreads = 64;
+
+  // Scans that are long enough for it are shared by so many threads, the caller's included: the
+  // same bits and counts, whoever did which block. Errors: InvalidArgument for a space or a number
+  // of threads that cannot be, System where the system has no thread left.
   [[nodiscard]] static Result<std::unique_ptr<PlaneEngine>> make(
       const SiteSpace& space, TablePath path,
-      const VectorKernels& kernels = *usable_kernels().front());
+      const VectorKernels& kernels = *usable_kernels().front(), std::size_t threads = 1);
 
   [[nodiscard]] const SiteSpace& space() const noexcept override { return planes_.space(); }
   Result<void> put(std::span<const std::uint16_t> sites) override;
@@ -66,26 +72,33 @@ class PlaneEngine final : public Engine {
     std::array<std::optional<SitePlanes::Plane>, kPlanes> planes{};  // where an output goes
     rt::StaticVector<std::uint8_t, kPlanes> fetched{};  // layers that are looked at, block by block
     rt::StaticVector<std::uint8_t, kPlanes> worked_out{};  // as `made`
-    PlaneCounts ones{};
   };
-  // Where a block's inputs and outputs are, and what a rule needs besides.
-  using Places = std::vector<Word*>;
+  // What one thread has of its own.
+  struct alignas(64) Hand {
+    std::vector<Block> rooms{};
+    std::vector<Word*> places{};  // a block's inputs and outputs, and what a rule needs besides
+    PlaneCounts ones{};           // in the blocks that it did
+  };
 
-  PlaneEngine(const SiteSpace& space, TablePath path, const VectorKernels& kernels);
+  PlaneEngine(const SiteSpace& space, TablePath path, const VectorKernels& kernels,
+              std::size_t threads);
   [[nodiscard]] Plan make_plan(const StepOptions& options);
-  void place_the_rest(Plan& plan);
-  void place_block(const Plan& plan, std::size_t block);
-  void work(Plan& plan, std::size_t block);
-  [[nodiscard]] PlaneCounts counts_of(const Plan& plan);
-  void finish(const Plan& plan);
+  void choose_layers(Plan& plan) const;
+  void place_the_rest(const Plan& plan, Hand& hand);
+  void place_block(const Plan& plan, std::size_t block, Hand& hand);
+  void work_all(const Plan& plan);
+  void work(const Plan& plan, std::size_t block, Hand& hand);
+  [[nodiscard]] PlaneCounts made_ones() const;
+  [[nodiscard]] PlaneCounts counts_of(const Plan& plan, const PlaneCounts& ones);
+  void finish(const Plan& plan, const PlaneCounts& ones);
 
   TablePath path_;
   const VectorKernels* kernels_;
   SitePlanes planes_;
   std::array<Table, kBanks> tables_{};
-  std::vector<Block> rooms_;
-  Places places_;
+  std::vector<Hand> hands_;  // by member of the team
   std::array<Block, 2> constants_{};
+  BlockTeam team_;
 };
 
 }  // namespace thimble::sim::cam
