@@ -1,5 +1,5 @@
-// A CAM's step on one core: by a table without structure beside looking up as many entries and
-// beside plain code, the overlap test of a moving piece, and Life.
+// A CAM's step on one core, and on two: by a table without structure beside looking up as many
+// entries and beside plain code, the overlap test of a moving piece, and Life.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -74,6 +74,20 @@ std::vector<PlaneKick> planes_of(const ReferenceCam& cam) {
   return kicks;
 }
 
+// The same on two threads beside one.
+bool measure_two_threads(const std::string& name, PlaneEngine& one, PlaneEngine& two,
+                         std::span<const PlaneKick> kicks) {
+  constexpr sim::cam::StepOptions kOptions{.counting = Counting::Outputs};
+  if (one.step(kicks, kOptions) != two.step(kicks, kOptions)) return false;
+  bench::Slices ours, alone;
+  const auto step_of = [&](PlaneEngine& engine, bench::Slices& slices) {
+    return [&] { slices.push_back(time_us(50, [&] { (void)engine.step(kicks, kOptions); })); };
+  };
+  bench::alternate(bench::kSlices, step_of(two, ours), step_of(one, alone));
+  bench::print(bench::compare(name + ", two threads", "us", {Goal::Of::Value, 105}, ours, alone));
+  return true;
+}
+
 // The general path: 16 kicks, a table that is a permutation, 16 counters.
 bool measure_table(const std::string& name, const SiteSpace& space) {
   std::mt19937 random(91);
@@ -119,7 +133,10 @@ bool measure_table(const std::string& name, const SiteSpace& space) {
   });
   bench::print(
       bench::compare(name + ", beside plain code", "us", {Goal::Of::Ratio, 0.1}, ours, plain));
-  return true;
+  const auto two =
+      PlaneEngine::make(space, TablePath::General, *sim::cam::usable_kernels().front(), 2).value();
+  if (!two->load(0, entries) || !engine->get(sites) || !two->put(sites)) return false;
+  return measure_two_threads(name, *engine, *two, kicks);
 }
 
 // A shape of layer 0 is moved by a cell and meets parts, which have numbers in layers 4 to 9: how

@@ -26,6 +26,7 @@
 #include "hal/linux/standard_streams.hpp"
 #include "lab/cam_latency.hpp"
 #include "lab/piece_separator.hpp"
+#include "sim/model/cam/engine/plane_engine.hpp"
 
 namespace {
 
@@ -173,6 +174,9 @@ void add_cam_world_commands(CLI::App& cam, Arguments& arguments, int& code) {
       ->type_name("FILE");
   run->add_option("--engine", options.engine, "Which does the work; all do the same")
       ->check(CLI::IsMember({"reference", "general", "compiled", "auto"}))
+      ->capture_default_str();
+  run->add_option("--threads", options.threads, "Of this machine: they share a scan that is large")
+      ->check(CLI::Range(std::size_t{1}, thimble::sim::cam::PlaneEngine::kMostThreads))
       ->capture_default_str();
   run->add_option("--modules", options.modules, "Of the board whose clocks are counted")
       ->check(CLI::IsMember({1, 2, 4, 8, 16, 32, 64}))

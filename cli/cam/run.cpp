@@ -46,6 +46,9 @@ Result<std::uint64_t> clocks_of(const Rule& rule, const SiteSpace& space,
 
 Result<std::unique_ptr<Engine>> make_engine(const SiteSpace& space, const RunOptions& options) {
   if (options.engine == "reference") {
+    if (options.threads != 1) {
+      return fail(Errc::InvalidArgument, "the reference engine has one thread");
+    }
     auto board = BoardEngine::make(space, options.modules);
     if (!board) return tl::unexpected(board.error());
     return std::unique_ptr<Engine>(std::move(*board));
@@ -53,7 +56,8 @@ Result<std::unique_ptr<Engine>> make_engine(const SiteSpace& space, const RunOpt
   const TablePath path = options.engine == "general"    ? TablePath::General
                          : options.engine == "compiled" ? TablePath::Compiled
                                                         : TablePath::Auto;
-  auto planes = PlaneEngine::make(space, path);
+  auto planes =
+      PlaneEngine::make(space, path, *sim::cam::usable_kernels().front(), options.threads);
   if (!planes) return tl::unexpected(planes.error());
   return std::unique_ptr<Engine>(std::move(*planes));
 }

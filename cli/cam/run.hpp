@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -26,7 +27,8 @@ struct RunOptions {
   std::string pattern{};  // a file; empty: at random
   std::string engine{"auto"};
   int modules{1};
-  std::string write{};  // a file; empty: none
+  std::size_t threads{1};  // of this machine, that share a scan
+  std::string write{};     // a file; empty: none
   bool is_json{false};
 };
 

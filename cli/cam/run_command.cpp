@@ -28,6 +28,7 @@ void print_json(const RunOptions& options, const RunReport& report) {
                         {"steps", options.steps},
                         {"seed", options.seed},
                         {"engine", report.path},
+                        {"threads", options.threads},
                         {"population", list_of(report.population)},
                         {"counters", list_of(report.counters)},
                         {"host_s", report.host_s},
@@ -44,6 +45,7 @@ void print_json(const RunOptions& options, const RunReport& report) {
 void print_text(const RunOptions& options, const RunReport& report) {
   std::cout << options.world << ", " << options.size << " sites, " << options.steps << " steps by "
             << report.path << (report.kernels.empty() ? "" : " (" + report.kernels + ")")
+            << (options.threads == 1 ? "" : " on " + std::to_string(options.threads) + " threads")
             << "\nlayer  population  counter of the last step\n";
   for (std::size_t layer = 0; layer < report.population.size(); ++layer) {
     if (report.population[layer] == 0 && report.counters[layer] == 0) continue;

@@ -42,7 +42,7 @@ _thimble() {
       elif [[ $before == --pattern || $before == --write ]]; then
         mapfile -t COMPREPLY < <(compgen -f -- "$word"); return
       elif [[ $word == -* && " ${COMP_WORDS[*]:0:COMP_CWORD} " == *" run "* ]]; then
-        options+=" --size --steps --seed --pattern --engine --modules --write --json"
+        options+=" --size --steps --seed --pattern --engine --threads --modules --write --json"
       elif [[ $word == -* && " ${COMP_WORDS[*]:0:COMP_CWORD} " == *" list "* ]]; then
         options+=" --json"
       elif [[ $word == -* ]]; then

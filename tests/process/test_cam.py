@@ -101,6 +101,21 @@ class Worlds(ProcessTest):
         self.assertRegex(shown.stdout, r"(?m)^hpp, 32x32 sites, 10 steps by compiled")
         self.assertRegex(shown.stdout, r"(?m)^board  \d+ clocks, .* at 25 MHz on 2 modules$")
 
+    def test_threads_share_a_world_and_come_to_the_same(self):
+        worlds = []
+        for threads in "1", "3":
+            shown = self.run_world("fhp", "--size", "512x256", "--steps", "20", "--engine", "general",
+                                   "--threads", threads, "--json")
+            self.assertEqual((shown.returncode, shown.stderr), (0, ""))
+            worlds.append(json.loads(shown.stdout))
+            self.assertEqual(worlds[-1]["threads"], int(threads))
+        self.assertEqual(worlds[0]["population"], worlds[1]["population"])
+        shown = self.run_world("life", "--size", "8x8", "--steps", "1", "--threads", "2")
+        self.assertIn(") on 2 threads\n", shown.stdout)
+        shown = self.run_world("life", "--size", "8x8", "--steps", "1", "--threads", "2", "--engine", "reference")
+        self.assert_one_sentence(shown.stderr, "the reference engine has one thread")
+        self.assertEqual(self.run_world("life", "--size", "8x8", "--steps", "1", "--threads", "0").returncode, 2)
+
     def test_what_cannot_be_is_one_sentence(self):
         for world, options, said in (("no-such", ("--size", "8x8", "--steps", "1"), "cam list"),
                                      ("life", ("--size", "9x8", "--steps", "1"), "powers of two"),

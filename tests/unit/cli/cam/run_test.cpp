@@ -63,6 +63,18 @@ TEST_F(RunWorldTest, EveryEngineComesToTheSame) {
   }
 }
 
+TEST_F(RunWorldTest, OnlyFastEnginesHaveSeveralThreads) {
+  RunOptions options{.world = "fhp", .size = "512x256", .steps = 2, .seed = 5, .engine = "general"};
+  const auto one = run(options).value();
+  options.threads = 3;
+  EXPECT_EQ(run(options).value().sites, one.sites);
+  options.threads = 0;
+  EXPECT_EQ(run(options).error().code, Errc::InvalidArgument);
+  options.threads = 2;
+  options.engine = "reference";
+  EXPECT_EQ(run(options).error().message, "the reference engine has one thread");
+}
+
 TEST_F(RunWorldTest, TheSeedDecides) {
   RunOptions options{.world = "life", .size = "64x64", .steps = 3, .seed = 1};
   const auto first = run(options).value().sites;
