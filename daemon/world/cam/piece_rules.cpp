@@ -23,6 +23,28 @@ std::shared_ptr<const CamTable> table_of(Rule rule) {
   return std::make_shared<const CamTable>(std::move(table));
 }
 
+// Layers in which dynamic pieces have no number, and show none.
+constexpr std::uint16_t kBeside = kParticles | kDice;
+constexpr std::uint16_t kDynamicNumber = kMostDynamicPieces << kPartLayer;
+constexpr std::uint16_t kNotShown = kSelect & ~selecting(kMostDynamicPieces);
+
+// A rule of static pieces, which neither sees nor changes particles and dice.
+template <std::uint16_t (*rule)(std::uint16_t) noexcept>
+std::uint16_t beside_particles(std::uint16_t bits) noexcept {
+  const std::uint16_t after = rule(static_cast<std::uint16_t>(bits & ~kBeside));
+  return static_cast<std::uint16_t>((after & ~(kBeside | kNotShown)) | (bits & kBeside));
+}
+
+std::uint16_t dynamic_overlap_rule(std::uint16_t bits) noexcept {
+  return beside_particles<overlap_rule>((bits & kDrift) != 0 ? drift_rule(bits) : bits);
+}
+
+std::uint16_t dynamic_deposit_rule(std::uint16_t bits) noexcept {
+  const bool is_deleted = (bits & kShape) != 0 && selected_by(bits) == 0;
+  return static_cast<std::uint16_t>(beside_particles<deposit_rule>(bits) |
+                                    (is_deleted ? kParticles : 0));
+}
+
 }  // namespace
 
 std::uint16_t overlap_rule(std::uint16_t bits) noexcept {
@@ -61,7 +83,21 @@ std::uint16_t sweep_rule(std::uint16_t bits) noexcept {
   return static_cast<std::uint16_t>(others | kTrail | kAhead | (part_of(bits) != 0 ? kHit : 0));
 }
 
-PieceTables make_piece_tables() {
+std::uint16_t drift_rule(std::uint16_t bits) noexcept {
+  const bool is_dice = (bits & kDice) != 0;
+  const bool is_matter = ((bits & kPart) & kDynamicNumber) != 0;
+  if (is_matter) return static_cast<std::uint16_t>(bits & ~kParticles);
+  if (is_dice && (bits & kEmit) != 0 && (bits & kShape) != 0) bits |= kParticles;
+  const bool is_one = ((bits & kForth) != 0) != ((bits & kBack) != 0);
+  return static_cast<std::uint16_t>(is_dice && is_one ? bits ^ kParticles : bits);
+}
+
+PieceTables make_piece_tables(bool is_dynamic) {
+  if (is_dynamic) {
+    return {table_of(dynamic_overlap_rule), table_of(beside_particles<grasp_rule>),
+            table_of(beside_particles<select_rule>), table_of(dynamic_deposit_rule),
+            table_of(beside_particles<sweep_rule>)};
+  }
   return {table_of(overlap_rule), table_of(grasp_rule), table_of(select_rule),
           table_of(deposit_rule), table_of(sweep_rule)};
 }

@@ -8,10 +8,13 @@
 #include "hal/device/cam_board.hpp"
 
 // The rules of static pieces (thesis 4.2.1 and appendix C) as tables of a CAM board: up to 63
-// pieces rest in the cells; one of them, or the grasp point alone, moves as a shape.
+// pieces rest in the cells; one of them, or the grasp point alone, moves as a shape. Those of
+// dynamic pieces (4.2.4) are the same for the seven whose numbers leave three layers free, in which
+// particles drift.
 namespace thimble::world::cam {
 
 inline constexpr int kMostPieces = 63;
+inline constexpr int kMostDynamicPieces = 7;
 
 // What the bits of a cell are. Thesis, appendix C; `origin` is ours.
 namespace cell {
@@ -28,6 +31,13 @@ inline constexpr int kAheadLayer = 11;   // the same, to be kicked ahead
 inline constexpr int kHitLayer = 12;     // of the trail, what lies on a resting piece
 inline constexpr int kBeginsLayer = 15;  // fixed by the host: the trail begins anew at the shape
 
+// Of dynamic pieces, ours: layers of numbers above 7, and of what is said of them.
+inline constexpr int kForthLayer = 7;   // a particle that goes forth with the next drift
+inline constexpr int kBackLayer = 8;    // one that goes back
+inline constexpr int kDiceLayer = 9;    // half of the cells; whoever meets one turns around
+inline constexpr int kDriftLayer = 13;  // fixed by the host: this scan is a drift
+inline constexpr int kEmitLayer = 14;   // likewise: the shape gives off particles
+
 inline constexpr std::uint16_t kOrigin = 1U << kOriginLayer;
 inline constexpr std::uint16_t kShape = 1U << kShapeLayer;
 inline constexpr std::uint16_t kGrasp = 1U << kGraspLayer;
@@ -37,6 +47,12 @@ inline constexpr std::uint16_t kTrail = 1U << kTrailLayer;
 inline constexpr std::uint16_t kAhead = 1U << kAheadLayer;
 inline constexpr std::uint16_t kHit = 1U << kHitLayer;
 inline constexpr std::uint16_t kBegins = 1U << kBeginsLayer;
+inline constexpr std::uint16_t kForth = 1U << kForthLayer;
+inline constexpr std::uint16_t kBack = 1U << kBackLayer;
+inline constexpr std::uint16_t kDice = 1U << kDiceLayer;
+inline constexpr std::uint16_t kParticles = kForth | kBack;
+inline constexpr std::uint16_t kDrift = 1U << kDriftLayer;
+inline constexpr std::uint16_t kEmit = 1U << kEmitLayer;
 inline constexpr std::uint16_t kPart = kMostPieces << kPartLayer;
 inline constexpr std::uint16_t kSelect = kMostPieces << kSelectLayer;
 
@@ -66,10 +82,17 @@ inline constexpr std::uint16_t kSelect = kMostPieces << kSelectLayer;
 // The trail grows by what ran ahead of it, and is marked where it lies on a piece.
 [[nodiscard]] std::uint16_t sweep_rule(std::uint16_t bits) noexcept;
 
+// Dynamic pieces, in a drift, after particles and dice have moved: a particle in a piece is lost to
+// it, the shape gives off two where the dice say so if the host does, and where they say so again
+// particles turn around. Other bits stay.
+[[nodiscard]] std::uint16_t drift_rule(std::uint16_t bits) noexcept;
+
 // All of them as tables, made once and shared.
 struct PieceTables {
   std::shared_ptr<const CamTable> overlap, grasp, select, deposit, sweep;
 };
-[[nodiscard]] PieceTables make_piece_tables();
+// Dynamic: motion drifts where the host says kDrift, what is deleted becomes particles, two a cell,
+// and no rule shows a number above 7, so that kDrift is 0 where it is not said.
+[[nodiscard]] PieceTables make_piece_tables(bool is_dynamic = false);
 
 }  // namespace thimble::world::cam
