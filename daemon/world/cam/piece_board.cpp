@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "daemon/world/cam/piece_drift.hpp"
 #include "daemon/world/cam/piece_repair.hpp"
 #include "hal/base/check.hpp"
 
@@ -40,7 +41,8 @@ PieceBoard::PieceBoard(Opener opener, const PieceSettings& settings, PieceLayout
     : opener_(std::move(opener)),
       settings_(settings),
       layout_(std::move(layout)),
-      first_grasp_(grasp) {
+      first_grasp_(grasp),
+      tables_(make_piece_tables(settings.is_dynamic)) {
   start_over();
 }
 
@@ -90,6 +92,7 @@ bool PieceBoard::open(MonotonicTime now) {
 bool PieceBoard::go_on(const CamAnswer* answer, MonotonicTime now) {
   if (phase_ == Phase::Reading) {
     CamCells cells = answer->cells.at(0);
+    if (settings_.is_dynamic) take_particles(cells);  // they are no numbers of pieces
     if (repair(cells, state_, settings_)) {
       ++counters_.repairs;
       fill(std::move(cells));
@@ -116,9 +119,12 @@ void PieceBoard::end_task() {
     if (is_action_) outcome_ = PieceOutcome::WasReset;
   } else if (is_action_) {
     outcome_ = outcome;
+  } else if (is_drift_) {
+    ++counters_.drifts;
   } else {
     ++counters_.moves;
   }
+  is_drift_ = false;
   if (std::exchange(is_action_, false)) ++counters_.actions;
 }
 
@@ -133,12 +139,14 @@ bool PieceBoard::fail_with(const Error& why, MonotonicTime now) {
   retry_at_ = now + kRetry;
   phase_ = Phase::Closed;
   task_.reset();
+  is_drift_ = false;
   if (std::exchange(is_action_, false)) outcome_ = PieceOutcome::BoardFailed;
   if (why.code == Errc::Disconnected) board_.reset();
   return false;
 }
 
 void PieceBoard::fill(CamCells cells) {
+  if (settings_.is_dynamic) put_dice(cells);
   phase_ = Phase::Filling;
   is_sweep_ready_ = false;
   task_ = make_fill(context(), std::make_shared<const CamCells>(std::move(cells)));
@@ -178,6 +186,12 @@ void PieceBoard::act(PieceAction action, const CamAxes& pressed) {
       break;
   }
   is_action_ = true;
+}
+
+void PieceBoard::drift() {
+  THIMBLE_CHECK(is_ready() && settings_.is_dynamic);
+  is_drift_ = true;
+  task_ = make_drift(context(), counters_.drifts);
 }
 
 std::optional<PieceOutcome> PieceBoard::take_outcome() noexcept {

@@ -15,6 +15,7 @@ namespace thimble::world::cam {
 struct PieceBoardCounters {
   std::uint64_t programs{0};  // that are over
   std::uint64_t moves{0};     // likewise
+  std::uint64_t drifts{0};    // likewise
   std::uint64_t actions{0};
   std::uint64_t failures{0};  // of the board
   std::uint64_t repairs{0};   // after which all pieces were there
@@ -40,7 +41,8 @@ class PieceBoard {
   static constexpr int kMostPrograms = 1024;
   static constexpr Duration kMostAtOnce = std::chrono::microseconds(500);
 
-  // `grasp`: where the grasp point is at first. Sizes as random_layout() has them.
+  // `grasp`: where the grasp point is at first. Sizes as random_layout() has them; dynamic pieces
+  // have numbers up to kMostDynamicPieces.
   PieceBoard(Opener opener, const PieceSettings& settings, PieceLayout layout,
              const CamAxes& grasp);
 
@@ -53,6 +55,8 @@ class PieceBoard {
   // The same, whatever lies on the way; nowhere: only looks whether the board is there.
   void place(const CamAxes& desired);
   void act(PieceAction action, const CamAxes& pressed);
+  // A step of all particles. Only of dynamic pieces.
+  void drift();
   // Of an action, once.
   [[nodiscard]] std::optional<PieceOutcome> take_outcome() noexcept;
 
@@ -82,7 +86,7 @@ class PieceBoard {
   PieceSettings settings_;
   PieceLayout layout_;
   CamAxes first_grasp_;
-  PieceTables tables_ = make_piece_tables();
+  PieceTables tables_;
   std::unique_ptr<CamBoard> board_;
   Phase phase_{Phase::Closed};
   bool has_cells_{false};  // of ours, on the board or one before it
@@ -90,6 +94,7 @@ class PieceBoard {
   std::unique_ptr<PieceTask> task_;
   bool is_sweep_ready_{false};  // as PieceContext
   bool is_action_{false};
+  bool is_drift_{false};
   std::optional<PieceOutcome> outcome_;
   std::optional<MonotonicTime> retry_at_;
   std::optional<Error> trouble_;

@@ -42,6 +42,9 @@ struct PieceSettings {
   SearchKind search{SearchKind::Leap};
   // Thesis, appendix C: a scan to shift and one to count. Else the scan that shifts counts, too.
   bool counts_apart{false};
+  // Thesis 4.2.4: the held piece gives off particles, a deleted one becomes a cloud of them; at
+  // most kMostDynamicPieces. They are seen, not felt.
+  bool is_dynamic{false};
   // For one program. Ours: the longest, 512 x 512 cells there and a table, takes 20 ms at 25 MHz.
   Duration patience{std::chrono::seconds(1)};
 };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 
@@ -45,6 +46,8 @@ struct PieceContext {
 [[nodiscard]] std::unique_ptr<PieceTask> make_delete(const PieceContext& context);
 // Free motion on, or off; then the shape is embedded where it lies on a piece.
 [[nodiscard]] std::unique_ptr<PieceTask> make_toggle(const PieceContext& context);
+// A step of all particles, the nth. Only of dynamic pieces.
+[[nodiscard]] std::unique_ptr<PieceTask> make_drift(const PieceContext& context, std::uint64_t n);
 // Puts cells onto a board that has been laid out, and the rules in force. The cells show what the
 // state says.
 [[nodiscard]] std::unique_ptr<PieceTask> make_fill(const PieceContext& context,
