@@ -175,7 +175,8 @@ struct PiecesConfig {
   PieceBoardKind board{PieceBoardKind::Sim};
   int axes{2};  // x and y, or all three
   std::optional<std::string>
-      layout{};  // path of a volume file, instead of cells, axes, count, seed
+      layout{};            // path of a volume file, instead of cells, axes, count, seed
+  bool is_dynamic{false};  // the held piece gives off particles; up to 7 pieces
   bool operator==(const PiecesConfig&) const = default;
 };
 

@@ -30,15 +30,29 @@ void read_layout(TableReader& reader, const std::filesystem::path& folder, Piece
   }
 }
 
+// Ours: as many as numbers of three bits are; the other layers are the particles'.
+constexpr int kMostDynamic = 7;
+
+// `is_counted`: `count` is there and good by itself.
+void limit_dynamic(TableReader& reader, bool is_counted, PiecesConfig& out) {
+  if (!is_counted) out.count = kMostDynamic;
+  if (out.count <= kMostDynamic) return;
+  reader.reject("count", "expected at most " + std::to_string(kMostDynamic) +
+                             " with dynamic = true, found " + std::to_string(out.count));
+}
+
 PiecesConfig read_pieces_table(TableReader reader, const std::filesystem::path& folder) {
   PiecesConfig out;
   read_power(reader, "cells", {32, 512}, out.cells);
   std::int64_t number = 0;
-  if (reader.read_integer("count", {1, 63}, number)) out.count = static_cast<int>(number);
+  const bool is_counted = reader.read_integer("count", {1, 63}, number);
+  if (is_counted) out.count = static_cast<int>(number);
   if (reader.read_integer("seed", {0, 9007199254740992.0}, number)) {
     out.seed = static_cast<std::uint64_t>(number);
   }
   reader.read("search", std::span<const Choice<PieceSearch>>(kSearches), out.search);
+  reader.read("dynamic", out.is_dynamic);
+  if (out.is_dynamic) limit_dynamic(reader, is_counted, out);
   read_power(reader, "boards", {1, 8}, out.boards);
   reader.read("board", std::span<const Choice<PieceBoardKind>>(kBoardKinds), out.board);
   if (reader.read_integer("axes", {2, 3}, number)) out.axes = static_cast<int>(number);

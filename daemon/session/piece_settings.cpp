@@ -1,5 +1,6 @@
 #include "daemon/session/piece_settings.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <string>
 #include <utility>
@@ -59,12 +60,19 @@ Result<MadeWorld> make_piece_world(const config::WorldConfig& said, const Clock*
   pieces::PieceWorldSettings settings;
   auto file = layout_of(of);
   if (!file) return tl::unexpected(file.error());
+  const int most = of.is_dynamic ? pieces::kMostDynamicPieces : pieces::kMostPieces;
+  const auto& numbers = file->layout;
+  if (std::any_of(numbers.begin(), numbers.end(), [&](int number) { return number > most; })) {
+    return fail(Errc::InvalidArgument, said.source + ": dynamic: pieces are numbered 1 to " +
+                                           std::to_string(most) + " then");
+  }
   if (file->log2_cells[1] <= log2_of(of.boards)) {
     return fail(Errc::InvalidArgument, said.source +
                                            ": boards: each takes two rows of cells at least, " +
                                            std::to_string(of.boards) + " of them " +
                                            std::to_string(2 * of.boards) + " along y");
   }
+  settings.pieces.is_dynamic = of.is_dynamic;
   settings.pieces.space = {file->log2_cells, CamDivision::StripY};
   settings.pieces.search = search_of(of);
   settings.workspace_m = said.workspace_m;

@@ -98,10 +98,10 @@ void PieceWorld::pump() {
     if (!board_.is_ready()) return;
     if (!waiting_.empty()) {
       begin_action();
-    } else if (has_moved || !begin_move(clock_->now())) {
-      return;
-    } else {
+    } else if (!has_moved && begin_move(clock_->now())) {
       has_moved = true;
+    } else if (!begin_drift(clock_->now())) {
+      return;
     }
   }
 }
@@ -151,6 +151,14 @@ bool PieceWorld::begin_move(MonotonicTime now) {
   } else {
     board_.move(way);
   }
+  return true;
+}
+
+// What was missed while the board was busy or away is not made up for.
+bool PieceWorld::begin_drift(MonotonicTime now) {
+  if (!board_.settings().is_dynamic || (drift_at_ && now < *drift_at_)) return false;
+  drift_at_ = now + kDriftEvery;
+  board_.drift();
   return true;
 }
 

@@ -34,6 +34,10 @@ class PieceWorld final : public World {
   // Ours: how soon a board is missed that nothing is asked of.
   static constexpr Duration kLookEvery = std::chrono::milliseconds(100);
 
+  // Ours, of dynamic pieces: a particle gets a cell along each axis of a space within 60 ms, and a
+  // drift is one scan.
+  static constexpr Duration kDriftEvery = std::chrono::milliseconds(20);
+
   struct Finished {
     std::uint64_t number{0};
     PieceOutcome outcome{};
@@ -84,6 +88,7 @@ class PieceWorld final : public World {
   void begin_action();
   // Whether one was begun.
   [[nodiscard]] bool begin_move(MonotonicTime now);
+  [[nodiscard]] bool begin_drift(MonotonicTime now);
   // One beyond the space where the hand is beyond it.
   [[nodiscard]] CamAxes cell_of(Position3 hand) const noexcept;
   [[nodiscard]] CamAxes nearest_within(CamAxes cell) const noexcept;
@@ -103,6 +108,7 @@ class PieceWorld final : public World {
   CamAxes pressed_{};            // by the hand, as the last answer has it: -1, 0, 1
   std::optional<Try> last_try_;
   MonotonicTime looked_at_{};
+  std::optional<MonotonicTime> drift_at_;
   std::deque<Waiting> waiting_;
   std::optional<std::uint64_t> under_way_;
   std::vector<Finished> finished_;

@@ -44,6 +44,18 @@ TEST(ConfigPieces, InSpaceThereAreFewerCellsAlongAnAxis) {
       32);
 }
 
+TEST(ConfigPieces, ThereAreSevenAtMostWhenTheyAreDynamic) {
+  const auto sut = parse_text(pieces_with("pieces.dynamic = true\n"));
+  ASSERT_TRUE(sut);
+  EXPECT_TRUE(sut->worlds.at(0).pieces->is_dynamic);
+  EXPECT_EQ(sut->worlds.at(0).pieces->count, 7);
+  EXPECT_EQ(parse_text(pieces_with("pieces.dynamic = true\npieces.count = 2\n"))
+                ->worlds.at(0)
+                .pieces->count,
+            2);
+  EXPECT_TRUE(parse_text(pieces_with("pieces.dynamic = false\npieces.count = 8\n")));
+}
+
 TEST(ConfigPieces, ALayoutLiesBesideTheConfiguration) {
   const auto sut = parse_text(pieces_with("pieces.layout = \"parts/puzzle.npy\"\n"));
   ASSERT_TRUE(sut);
@@ -74,6 +86,9 @@ INSTANTIATE_TEST_SUITE_P(
                     BadPieces{"pieces.board = \"usb\"\n", "\"sim-usb\""},
                     BadPieces{"pieces.count = 64\n", "1 to 63"},
                     BadPieces{"pieces.count = 0\n", "1 to 63"},
+                    BadPieces{"pieces.dynamic = true\npieces.count = 8\n", "at most 7"},
+                    BadPieces{"pieces.dynamic = true\npieces.count = 64\n", "1 to 63"},
+                    BadPieces{"pieces.dynamic = 1\n", "pieces.dynamic"},
                     BadPieces{"pieces.seed = -1\n", "pieces.seed"},
                     BadPieces{"pieces.search = \"fast\"\n", "\"leap\""},
                     BadPieces{"pieces.axes = 1\n", "2 to 3"},

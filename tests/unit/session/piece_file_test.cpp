@@ -94,6 +94,24 @@ TEST_F(PieceFiles, AreTheWorldOfAConfiguration) {
   EXPECT_THAT(narrow.error().message, HasSubstr("8 of them 16 along y"));
 }
 
+TEST_F(PieceFiles, OfDynamicPiecesHaveNumbersUpToSeven) {
+  const sim::VirtualClock clock;
+  config::WorldConfig said;
+  said.source = "pieces";
+  said.pieces = config::PiecesConfig{};
+  said.pieces->is_dynamic = true;
+  said.pieces->layout = npy("(64, 16, 2)", std::string(64 * 16 * 2, '\7'));
+  const auto made = make_piece_world(said, &clock);
+  ASSERT_TRUE(made) << made.error().message;
+  EXPECT_TRUE(made->world->pieces()->board().settings().is_dynamic);
+  said.pieces->layout = npy("(64, 16, 2)", std::string(64 * 16 * 2 - 1, '\7') + '\10');
+  const auto eighth = make_piece_world(said, &clock);
+  ASSERT_FALSE(eighth);
+  EXPECT_THAT(eighth.error().message, HasSubstr("dynamic: pieces are numbered 1 to 7"));
+  said.pieces->is_dynamic = false;
+  EXPECT_TRUE(make_piece_world(said, &clock));
+}
+
 TEST(PieceWorldOfAConfiguration, HasAsManyAxesAsItSays) {
   const sim::VirtualClock clock;
   config::WorldConfig said;

@@ -58,11 +58,14 @@ class PieceWorldTest : public testing::Test {
     if (finished.size() != 1 || finished[0].number != *number) return std::nullopt;
     return finished[0].outcome;
   }
-  void SetUp() override {
+  void SetUp() override { begin({.space = kSpace}); }
+  void begin(const PieceSettings& settings) {
+    begin({.pieces = settings, .source = "pieces"}, one_square());
+  }
+  void begin(const PieceWorldSettings& settings, PieceLayout layout) {
     plug_in();
     auto world = PieceWorld::create(
-        {.pieces = {.space = kSpace}, .source = "pieces"},
-        [this](MonotonicTime now) { return open(now); }, one_square(), clock_);
+        settings, [this](MonotonicTime now) { return open(now); }, std::move(layout), clock_);
     ASSERT_TRUE(world) << world.error().message;
     world_ = *std::move(world);
     probe_ = world_->add_probe(at(16, 16)).value();
@@ -103,6 +106,36 @@ TEST_F(PieceWorldTest, TheWorldHasWalls) {
   EXPECT_EQ(motion.planes[1].normal, (Direction3{0, -1, 0}));
   EXPECT_NEAR(motion.planes[1].offset_m, 0.045, 1e-12);
   EXPECT_TRUE(hold(at(30, 1)).planes.empty());
+}
+
+TEST_F(PieceWorldTest, ParticlesDriftFiftyTimesASecondHandOrNot) {
+  hold(at(16, 16), milliseconds(200));
+  EXPECT_EQ(world_->board().counters().drifts, 0U) << "static pieces have none";
+  begin({.space = kSpace, .is_dynamic = true});
+  hold(at(16, 16), milliseconds(200));
+  const std::uint64_t with_hand = world_->board().counters().drifts;
+  EXPECT_GE(with_hand, 8U);
+  EXPECT_LE(with_hand, 11U);
+  world_->remove_probe(probe_);
+  for (int i = 0; i < 200; ++i) {
+    clock_.run_for(milliseconds(1));
+    world_->pump();
+  }
+  const std::uint64_t without = world_->board().counters().drifts - with_hand;
+  EXPECT_GE(without, 8U);
+  EXPECT_LE(without, 11U);
+}
+
+TEST_F(PieceWorldTest, PiecesAmongParticlesAreFeltAndMovedAsEver) {
+  begin({.space = kSpace, .is_dynamic = true});
+  hold(at(16, 16));
+  EXPECT_EQ(hold(at(9, 15)).planes.size(), 1U);
+  EXPECT_EQ(act(PieceAction::Select, at(9, 15)), PieceOutcome::Selected);
+  const ProbeMotion motion = hold(at(20, 15), milliseconds(100));
+  EXPECT_TRUE(motion.planes.empty()) << "particles stop nobody";
+  EXPECT_EQ(motion.ghost.x, at(20, 15).x);
+  EXPECT_EQ(act(PieceAction::Drop, at(20, 15)), PieceOutcome::Dropped);
+  EXPECT_GT(world_->board().counters().drifts, 5U);
 }
 
 TEST_F(PieceWorldTest, AWallIsLearnedOfLate) {
