@@ -3,24 +3,17 @@
 
 #include "cli/cam/pattern.hpp"
 #include "cli/cam/run.hpp"
+#include "daemon/world/io/npy_write.hpp"
 
 namespace thimble::cam {
 namespace {
 
 using sim::cam::SiteSpace;
 
-constexpr std::size_t kNpyAlignment = 64;  // of what is behind the header (NumPy's own)
-
 std::string to_npy(const SiteSpace& space, const std::vector<std::uint16_t>& sites) {
-  std::string head = "{'descr': '<u2', 'fortran_order': True, 'shape': (";
-  for (const int log2 : space.log2_cells) head += std::to_string(std::size_t{1} << log2) + ", ";
-  head += "), }";
-  std::string file("\x93NUMPY\x01\x00", 8);
-  while ((file.size() + 2 + head.size() + 1) % kNpyAlignment != 0) head += ' ';
-  head += '\n';
-  file += static_cast<char>(head.size() & 0xff);
-  file += static_cast<char>(head.size() >> 8);
-  file += head;
+  std::array<std::uint32_t, 3> sizes{};
+  for (std::size_t axis = 0; axis < 3; ++axis) sizes[axis] = 1U << space.log2_cells[axis];
+  std::string file = world::npy_head("<u2", sizes);
   for (const std::uint16_t site : sites) {
     file += static_cast<char>(site & 0xff);
     file += static_cast<char>(site >> 8);

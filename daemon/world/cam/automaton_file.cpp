@@ -1,11 +1,13 @@
 #include "daemon/world/cam/automaton_file.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <charconv>
 #include <optional>
 
 #include "daemon/world/io/nrrd_header.hpp"
+#include "daemon/world/io/nrrd_write.hpp"
 
 namespace thimble::world::cam {
 namespace {
@@ -80,12 +82,11 @@ constexpr std::size_t kMaxRuleBytes = 32;
 }  // namespace
 
 std::string to_nrrd(const AutomatonState& state) {
-  std::string file =
-      "NRRD0004\n# a live world, saved by thimble\ntype: uint16\ndimension: 3\nsizes:";
-  for (const int log2 : state.log2_cells) file += " " + std::to_string(1U << log2);
-  file += "\nencoding: raw\nendian: little\n";
-  file += std::string(kRuleKey) + state.rule + "\n";
-  file += std::string(kStepsKey) + std::to_string(state.steps) + "\n\n";
+  std::array<std::uint32_t, 3> sizes{};
+  for (std::size_t axis = 0; axis < 3; ++axis) sizes[axis] = 1U << state.log2_cells[axis];
+  std::string keys = std::string(kRuleKey) + state.rule + "\n";
+  keys += std::string(kStepsKey) + std::to_string(state.steps) + "\n";
+  std::string file = nrrd_head("uint16", sizes, keys);
   for (const std::uint16_t site : state.sites) {
     file += static_cast<char>(site & 0xff);
     file += static_cast<char>(site >> 8);

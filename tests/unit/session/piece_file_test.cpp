@@ -8,6 +8,7 @@
 
 #include "daemon/session/piece_settings.hpp"
 #include "daemon/world/cam/piece_world.hpp"
+#include "daemon/world/io/nrrd_write.hpp"
 #include "sim/time/virtual_clock.hpp"
 #include "tests/unit/world/npy_bytes.hpp"
 #include "tests/unit/world/volume_files.hpp"
@@ -49,6 +50,16 @@ TEST_F(PieceFiles, EachNumberIsThatOfItsCellsPiece) {
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     ASSERT_EQ(read->layout[i], static_cast<std::uint8_t>(numbers[i])) << i;
   }
+}
+
+TEST_F(PieceFiles, WhatWasWrittenIsReadBack) {
+  const CamGeometry space{{6, 5, 4}, CamDivision::StripY};
+  const auto layout = world::cam::random_layout(space, 6, 3).value();
+  const auto read =
+      read_piece_file(write("saved.nrrd", world::nrrd_of_bytes({64, 32, 16}, layout)));
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->log2_cells, space.log2_cells);
+  EXPECT_EQ(read->layout, layout);
 }
 
 TEST_F(PieceFiles, WhatIsBelowZeroIsNoPiece) {
