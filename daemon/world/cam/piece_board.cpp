@@ -22,6 +22,8 @@ std::string_view to_string(PieceOutcome outcome) noexcept {
       return "free motion is off";
     case PieceOutcome::WasReset:
       return "all pieces are as they were at first";
+    case PieceOutcome::Looked:
+      return "looked";
     case PieceOutcome::NothingThere:
       return "nothing there";
     case PieceOutcome::NoRoom:
@@ -166,7 +168,7 @@ void PieceBoard::place(const CamAxes& desired) {
 
 void PieceBoard::act(PieceAction action, const CamAxes& pressed) {
   THIMBLE_CHECK(is_ready());
-  is_sweep_ready_ = false;  // its room is needed
+  if (action != PieceAction::Look) is_sweep_ready_ = false;  // its room is needed
   switch (action) {
     case PieceAction::Select:
       task_ = make_select(context(), pressed);
@@ -179,6 +181,9 @@ void PieceBoard::act(PieceAction action, const CamAxes& pressed) {
       break;
     case PieceAction::ToggleFree:
       task_ = make_toggle(context());
+      break;
+    case PieceAction::Look:
+      task_ = make_look(context(), picture_);
       break;
     case PieceAction::Reset:
       start_over();

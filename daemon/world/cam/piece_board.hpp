@@ -60,6 +60,9 @@ class PieceBoard {
   // Of an action, once.
   [[nodiscard]] std::optional<PieceOutcome> take_outcome() noexcept;
 
+  // Where pieces were when somebody looked last, the held one with them; empty before. What it lies
+  // on is hidden. kParticleSeen where there are particles.
+  [[nodiscard]] const PieceLayout& picture() const noexcept { return picture_; }
   [[nodiscard]] const PieceState& state() const noexcept { return state_; }
   [[nodiscard]] const PieceSettings& settings() const noexcept { return settings_; }
   // Why there is nothing to be felt; nothing: it works, or has not been begun.
@@ -96,6 +99,7 @@ class PieceBoard {
   bool is_action_{false};
   bool is_drift_{false};
   std::optional<PieceOutcome> outcome_;
+  PieceLayout picture_;
   std::optional<MonotonicTime> retry_at_;
   std::optional<Error> trouble_;
   PieceBoardCounters counters_;

@@ -18,6 +18,7 @@ enum class PieceAction : std::uint8_t {
   Delete,      // the held piece
   ToggleFree,  // free motion: the shape passes through everything, or no longer
   Reset,       // all pieces as they were at first
+  Look,        // reads where they are; nothing changes
 };
 
 // What became of it.
@@ -28,6 +29,7 @@ enum class PieceOutcome : std::uint8_t {
   FreeMotionOn,
   FreeMotionOff,
   WasReset,
+  Looked,        // PieceBoard::picture() is as they are now
   NothingThere,  // to select
   NoRoom,        // to drop it
   NothingHeld,   // to drop or delete
@@ -35,6 +37,9 @@ enum class PieceOutcome : std::uint8_t {
   BoardFailed,   // and it is not known whether it was done; the world says how it is now
 };
 [[nodiscard]] std::string_view to_string(PieceOutcome outcome) noexcept;
+
+// In a picture of dynamic pieces, of a free cell with particles.
+inline constexpr std::uint8_t kParticleSeen = kMostPieces + 1;
 
 // How it uses the board.
 struct PieceSettings {

@@ -90,7 +90,40 @@ class Fill final : public PieceTask {
   std::shared_ptr<const CamCells> cells_;
 };
 
+class Look final : public PieceTask {
+ public:
+  Look(const PieceContext& context, PieceLayout& picture) : context_(context), picture_(picture) {}
+  [[nodiscard]] std::optional<CamSteps> next(const CamAnswer* before) override {
+    if (before == nullptr) return CamSteps{cam_step::ReadCells{}};
+    const CamCells& cells = before->cells.at(0);
+    const int held = context_.state.held;
+    const bool is_dynamic = context_.settings.is_dynamic;
+    const unsigned particles = is_dynamic ? cell::kParticles : 0U;
+    const unsigned beside = is_dynamic ? particles | cell::kDice : 0U;
+    picture_.resize(cells.size());
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      const bool is_held = held != 0 && (cells[i] & cell::kShape) != 0;
+      const auto bits = static_cast<std::uint16_t>(cells[i] & ~beside);
+      const int seen = is_held ? held : cell::part_of(bits);
+      const bool is_particle = seen == 0 && (cells[i] & particles) != 0;
+      picture_[i] = is_particle ? kParticleSeen : static_cast<std::uint8_t>(seen);
+    }
+    return std::nullopt;
+  }
+  [[nodiscard]] std::optional<PieceOutcome> outcome() const override {
+    return PieceOutcome::Looked;
+  }
+
+ private:
+  PieceContext context_;
+  PieceLayout& picture_;
+};
+
 }  // namespace
+
+std::unique_ptr<PieceTask> make_look(const PieceContext& context, PieceLayout& picture) {
+  return std::make_unique<Look>(context, picture);
+}
 
 std::unique_ptr<PieceTask> make_move(const PieceContext& context, const CamAxes& desired) {
   const bool is_far = context.state.is_free_motion || context.state.is_embedded;

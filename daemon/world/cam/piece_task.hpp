@@ -48,6 +48,9 @@ struct PieceContext {
 [[nodiscard]] std::unique_ptr<PieceTask> make_toggle(const PieceContext& context);
 // A step of all particles, the nth. Only of dynamic pieces.
 [[nodiscard]] std::unique_ptr<PieceTask> make_drift(const PieceContext& context, std::uint64_t n);
+// Reads where pieces are into `picture`, which must outlive it.
+[[nodiscard]] std::unique_ptr<PieceTask> make_look(const PieceContext& context,
+                                                   PieceLayout& picture);
 // Puts cells onto a board that has been laid out, and the rules in force. The cells show what the
 // state says.
 [[nodiscard]] std::unique_ptr<PieceTask> make_fill(const PieceContext& context,

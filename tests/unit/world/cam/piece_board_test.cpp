@@ -49,6 +49,20 @@ class PiecesOnABoard : public testing::TestWithParam<Setting> {
     bench.board().drift();
     bench.pump();
   }
+  // Looks, which changes nothing.
+  static void look(PieceBench& bench, const PieceOracle& oracle) {
+    const PieceState before = bench.board().state();
+    bench.board().act(PieceAction::Look, {});
+    bench.pump();
+    EXPECT_EQ(bench.board().take_outcome(), PieceOutcome::Looked);
+    EXPECT_EQ(bench.board().state(), before);
+    PieceLayout expected = oracle.picture();
+    const CamCells cells = bench.cells();
+    for (std::size_t i = 0; GetParam().is_dynamic && i < cells.size(); ++i) {
+      if (expected[i] == 0 && (cells[i] & cell::kParticles) != 0) expected[i] = kParticleSeen;
+    }
+    EXPECT_EQ(bench.board().picture(), expected);
+  }
   static void compare(PieceBench& bench, const PieceOracle& oracle) {
     const PieceState& state = bench.board().state();
     EXPECT_EQ(state.grasp, oracle.grasp());
@@ -104,6 +118,7 @@ TEST_P(PiecesOnABoard, AgreeWithAPlainArray) {
         ++outcomes[static_cast<std::size_t>(expected)];
       }
       if (setting.is_dynamic) drift(bench);
+      if (i % 3 == 0) look(bench, oracle);
       compare(bench, oracle);
       ASSERT_FALSE(HasFailure()) << seed << ' ' << i;
     }

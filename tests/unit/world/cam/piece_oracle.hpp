@@ -44,6 +44,8 @@ class PieceOracle {
       case PieceAction::Reset:
         reset();
         return PieceOutcome::WasReset;
+      case PieceAction::Look:
+        return PieceOutcome::Looked;
     }
     return PieceOutcome::BoardFailed;
   }
@@ -55,6 +57,15 @@ class PieceOracle {
     for (const CamAxes& part : shape_) cells[wrapped(sum(grasp_, part))] |= cell::kShape;
     cells[wrapped(grasp_)] |= cell::kGrasp;
     return cells;
+  }
+  // What somebody who looks must see: a held piece where it is held, on top.
+  [[nodiscard]] PieceLayout picture() const {
+    PieceLayout picture = parts_;
+    if (held_ == 0) return picture;
+    for (const CamAxes& part : shape_) {
+      picture[wrapped(sum(grasp_, part))] = static_cast<std::uint8_t>(held_);
+    }
+    return picture;
   }
   [[nodiscard]] const CamAxes& grasp() const noexcept { return grasp_; }
   [[nodiscard]] int held() const noexcept { return held_; }
