@@ -58,6 +58,9 @@ struct PieceDone {
 };
 using PieceAnswer = std::function<void(const Result<PieceDone>&)>;
 
+// A world's cells as an NRRD file.
+using CellsAnswer = std::function<void(const Result<std::string>&)>;
+
 // What a client may ask of the daemon. An arm that a client activated is that client's lease:
 // client_gone() must release it.
 //
@@ -90,6 +93,8 @@ class Commands {
   // error.
   virtual void act_on_pieces(std::string_view world, PieceVerb verb, ClientId client,
                              PieceAnswer answer) = 0;
+  // What its cells are now, in bytes: 1 where there is matter, of pieces their numbers. No lease.
+  virtual void read_cells(std::string_view world, ClientId client, CellsAnswer answer) = 0;
   // The state of a world that runs by itself, as a file (docs/worlds/live.md); and one put back:
   // how many steps it had taken. Neither needs a lease; both are done at once. Errors: also
   // Malformed for bytes that are no state.

@@ -12,6 +12,7 @@ namespace http = boost::beast::http;
 
 constexpr unsigned kHttp11 = 11;
 constexpr std::string_view kJson = "application/json";
+constexpr std::string_view kBytes = "application/octet-stream";
 
 RequestError refusal_of(boost::beast::error_code error) {
   if (error == http::error::header_limit) {
@@ -139,7 +140,7 @@ void Connection::move_state(const Action& action, bool is_kept) {
   if (action.kind == ActionKind::SaveWorld) {
     auto state = context_.commands.save_world(action.name);
     if (!state) return respond(tl::unexpected(to_request_error(state.error())), is_kept);
-    return respond(*std::move(state), is_kept, "application/octet-stream");
+    return respond(*std::move(state), is_kept, kBytes);
   }
   const auto steps = context_.commands.load_world(action.name, action.state);
   if (!steps) return respond(tl::unexpected(to_request_error(steps.error())), is_kept);
@@ -163,6 +164,15 @@ void Connection::command(const Action& action, bool is_kept) {
         action.name, action.edits, id_,
         [self = shared_from_this(), world = action.name, is_kept](const Result<Edited>& edited) {
           self->on_edited(world, edited, is_kept);
+        });
+  }
+  if (action.kind == ActionKind::ReadCells) {
+    return context_.commands.read_cells(
+        action.name, id_, [self = shared_from_this(), is_kept](const Result<std::string>& cells) {
+          if (self->is_closed_) return;
+          if (!cells)
+            return self->respond(tl::unexpected(to_request_error(cells.error())), is_kept);
+          self->respond(*cells, is_kept, kBytes);
         });
   }
   if (action.kind == ActionKind::ActOnPieces) {

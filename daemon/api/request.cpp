@@ -24,13 +24,14 @@ struct Verb {
   ActionKind kind;
   PieceVerb piece_verb{};
 };
-constexpr std::array<Verb, 11> kVerbs{{
+constexpr std::array<Verb, 12> kVerbs{{
     {kArms, "activate", ActionKind::Activate},
     {kArms, "deactivate", ActionKind::Deactivate},
     {kArms, "clear-fault", ActionKind::ClearFault},
     {kArms, "steady-force", ActionKind::SteadyForce},
     {kWorlds, "edits", ActionKind::EditWorld},
     {kWorlds, "state", ActionKind::SaveWorld},
+    {kWorlds, "cells", ActionKind::ReadCells},
     {kWorlds, "select", ActionKind::ActOnPieces, PieceVerb::Select},
     {kWorlds, "drop", ActionKind::ActOnPieces, PieceVerb::Drop},
     {kWorlds, "delete", ActionKind::ActOnPieces, PieceVerb::Delete},
@@ -124,7 +125,7 @@ tl::expected<Action, RequestError> read_parameters(Action action,
 
 // What a method does with what the target names; nothing where it does not go with it.
 std::string_view allowed_methods(ActionKind kind) {
-  if (kind == ActionKind::Status) return "GET";
+  if (kind == ActionKind::Status || kind == ActionKind::ReadCells) return "GET";
   return kind == ActionKind::SaveWorld ? "GET, PUT" : "POST";
 }
 
@@ -168,12 +169,12 @@ tl::expected<Action, RequestError> parse_request(std::string_view method, std::s
                                                  std::string_view body) {
   auto action = parse_target(target);
   if (!action) {
-    return tl::unexpected(RequestError{
-        404, "not-found",
-        "there is only /v1/status, /v1/arms/NAME/activate, "
-        "deactivate, clear-fault and steady-force, and /v1/worlds/NAME/edits, state, select, "
-        "drop, delete, free and reset",
-        ""});
+    return tl::unexpected(RequestError{404, "not-found",
+                                       "there is only /v1/status, /v1/arms/NAME/activate, "
+                                       "deactivate, clear-fault and steady-force, and "
+                                       "/v1/worlds/NAME/edits, state, cells, select, "
+                                       "drop, delete, free and reset",
+                                       ""});
   }
   const std::string_view allowed = allowed_methods(action->kind);
   if (action->kind == ActionKind::SaveWorld && method == "PUT") {

@@ -20,7 +20,8 @@ enum class ActionKind : std::uint8_t {
   EditWorld,
   ActOnPieces,
   SaveWorld,
-  LoadWorld
+  LoadWorld,
+  ReadCells
 };
 
 // What a request asks for.

@@ -138,6 +138,14 @@ void ArmCommands::end_steady_forces() {
   });
 }
 
+void ArmCommands::read_cells(std::string_view world, api::ClientId client,
+                             api::CellsAnswer answer) {
+  session::WorldHost* host = runtime_.find_world(world);
+  if (host == nullptr) return answer(has_no_world(world));
+  if (host->pieces() != nullptr) return pieces_.look(*host, client, std::move(answer));
+  answer(host->cells());
+}
+
 Result<std::string> ArmCommands::save_world(std::string_view world) {
   session::WorldHost* host = runtime_.find_world(world);
   if (host == nullptr) return has_no_world(world);

@@ -51,6 +51,7 @@ class ArmCommands final : public api::Commands {
                      api::PieceAnswer answer) override {
     pieces_.submit(world, verb, client, std::move(answer));
   }
+  void read_cells(std::string_view world, api::ClientId client, api::CellsAnswer answer) override;
   Result<std::string> save_world(std::string_view world) override;
   Result<std::uint64_t> load_world(std::string_view world, std::string_view state) override;
   void client_gone(api::ClientId client) override;

@@ -22,6 +22,8 @@ class PieceActions {
 
   void submit(std::string_view world, api::PieceVerb verb, api::ClientId client,
               api::PieceAnswer answer);
+  // Where pieces are now, as WorldHost::cells(). A world without pieces is a mistake of the caller.
+  void look(session::WorldHost& host, api::ClientId client, api::CellsAnswer answer);
   // Its answers do not come; what it asked for is done all the same.
   void client_gone(api::ClientId client);
   // Answers what has been done. Call it every few ms.

@@ -10,6 +10,7 @@
 #include "daemon/world/cam/automaton_file.hpp"
 #include "daemon/world/cam/live_world.hpp"
 #include "daemon/world/cam/piece_world.hpp"
+#include "daemon/world/io/nrrd_write.hpp"
 
 namespace thimble::session {
 
@@ -103,6 +104,17 @@ Result<std::uint64_t> WorldHost::submit_edits(std::vector<world::CellEdit> edits
   Result<std::uint64_t> number = edits_->submit(std::move(edits));
   if (!number) return tl::unexpected(number.error().in(name));
   return number;
+}
+
+Result<std::string> WorldHost::cells() {
+  if (const auto* pieces = world_->pieces()) {
+    return world::nrrd_of_bytes(world_->info().cells, pieces->board().picture());
+  }
+  const world::VoxelWorld* const voxels = world_->editable();
+  if (voxels == nullptr) {
+    return fail(Errc::Unsupported, "world '" + name_ + "': it is made of no cells");
+  }
+  return world::nrrd_of_grid(*voxels->grid(), kMostShownCells);
 }
 
 Result<std::string> WorldHost::save_state() {

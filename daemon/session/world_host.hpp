@@ -42,6 +42,11 @@ class WorldHost {
   // Edits of its cells; they wait for their turn. The number of the batch. Errors: Unsupported
   // where nothing can be edited, else as EditQueue::submit(); named by world.
   [[nodiscard]] Result<std::uint64_t> submit_edits(std::vector<world::CellEdit> edits);
+  // Its cells as an NRRD volume of bytes: 1 where there is matter (nrrd_of_grid()); of pieces their
+  // numbers, as they were when somebody looked last. Errors: Unsupported where there are none.
+  // Ours: as many as pieces may have; a millisecond or two of the world's thread.
+  static constexpr std::size_t kMostShownCells = std::size_t{1} << 18;
+  [[nodiscard]] Result<std::string> cells();
   // The state of a world that runs by itself, as a file; and one put back: how many steps it had
   // taken. Errors: Unsupported where it does not run, else as parse_state() and LiveWorld::load();
   // named by world.

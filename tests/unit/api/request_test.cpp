@@ -69,6 +69,19 @@ TEST(ApiRequest, KnowsWhatIsDoneToPieces) {
   }
 }
 
+TEST(ApiRequest, TakesAQuestionForCells) {
+  const auto cells = parse_request("GET", "/v1/worlds/dish/cells", "");
+  ASSERT_TRUE(cells);
+  EXPECT_EQ(cells->kind, ActionKind::ReadCells);
+  EXPECT_EQ(cells->name, "dish");
+  for (const char* method : {"POST", "PUT"}) {
+    const auto other = parse_request(method, "/v1/worlds/dish/cells", "");
+    EXPECT_EQ(other.error().http_status, 405U);
+    EXPECT_EQ(other.error().allow, "GET");
+  }
+  EXPECT_FALSE(parse_request("GET", "/v1/arms/dish/cells", ""));
+}
+
 TEST(ApiRequest, TakesAnyBytesForAState) {
   const auto save = parse_request("GET", "/v1/worlds/dish/state", "");
   ASSERT_TRUE(save);

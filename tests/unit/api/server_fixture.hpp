@@ -68,6 +68,10 @@ class FakeDaemon : public StatusView, public Commands {
     answer(Edited{edits.size(), 5});
   }
   void act_on_pieces(std::string_view, PieceVerb, ClientId, PieceAnswer) override {}
+  void read_cells(std::string_view world, ClientId, CellsAnswer answer) override {
+    if (world != "dish") return answer(fail(Errc::Unsupported, "it is made of no cells"));
+    answer(std::string("NRRD{}\n"));
+  }
   Result<std::string> save_world(std::string_view world) override {
     if (world != "dish") return fail(Errc::Unsupported, "it does not run");
     return state;

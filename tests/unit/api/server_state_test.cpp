@@ -30,6 +30,16 @@ TEST_F(ServerTest, GivesTheStateOfAWorldAsItIs) {
               AllOf(StartsWith("HTTP/1.1 501"), HasSubstr("does not run")));
 }
 
+TEST_F(ServerTest, GivesTheCellsOfAWorld) {
+  start();
+  Client client(settings_.socket_path);
+  EXPECT_THAT(ask(client, "GET /v1/worlds/dish/cells HTTP/1.1\r\nHost: x\r\n\r\n"),
+              AllOf(StartsWith("HTTP/1.1 200"), HasSubstr("application/octet-stream"),
+                    HasSubstr("\r\n\r\nNRRD{}\n")));
+  EXPECT_THAT(ask(client, "GET /v1/worlds/ball/cells HTTP/1.1\r\nHost: x\r\n\r\n"),
+              AllOf(StartsWith("HTTP/1.1 501"), HasSubstr("made of no cells")));
+}
+
 TEST_F(ServerTest, TakesAStateWhichIsLongerThanOtherBodies) {
   settings_.max_state_bytes = 4 * settings_.max_body_bytes;
   start();
