@@ -8,8 +8,6 @@
 #include "cli/commands.hpp"
 #include "cli/file_text.hpp"
 #include "cli/text.hpp"
-#include "daemon/world/cam/automaton_file.hpp"
-#include "sim/model/cam/rules/rule.hpp"
 
 namespace thimble::picture {
 namespace {
@@ -17,11 +15,34 @@ namespace {
 constexpr std::size_t kLeastPixels = 512;  // of the picture's longer edge, if whole cells make it
 constexpr std::uint8_t kFinger = 7;
 
-constexpr std::uint8_t kMatterColor = 6;
+// White is the fingers', and that of particles, which are specks. Matter without a number is 1, and
+// has the color of piece 1.
+std::uint8_t color_of(std::uint8_t value) {
+  constexpr std::array<std::uint8_t, 6> kColors{6, 3, 2, 5, 1, 4};
+  if (value == cli::kParticleValue) return kFinger;
+  return value == 0 ? 0 : kColors[(value - 1U) % kColors.size()];
+}
 
-// Of the cell that a coordinate is in, and beyond the ends where it is.
-double place_of(double at_m, const api::WorldStatus& world, std::size_t axis) {
-  return at_m / world.cell_m + 0.5 * world.cells[axis] - 0.5;
+// So many times is each cell of a small world drawn along each axis: a finger is a small ball in
+// it. An axis of one cell stays flat.
+std::size_t times_of(const std::array<std::uint32_t, 3>& sizes) {
+  constexpr std::uint32_t kLeastCells = 64;  // as the thesis's worlds in space
+  return std::max(1U, kLeastCells / *std::max_element(sizes.begin(), sizes.end()));
+}
+
+// A closed front would be all that is seen, as of a box: such a world is cut in the middle.
+void cut_open(ColorVolume& volume) {
+  const auto slice = static_cast<std::ptrdiff_t>(volume.cells[0] * volume.cells[1]);
+  auto& colors = volume.colors;
+  if (std::find(colors.end() - slice, colors.end(), 0) != colors.end()) return;
+  if (volume.cells[2] == 1) return;
+  const auto kept = slice * static_cast<std::ptrdiff_t>((volume.cells[2] + 1) / 2);
+  std::fill(colors.begin() + kept, colors.end(), std::uint8_t{0});
+}
+
+// Of the volume's cell that a coordinate is in, and beyond the ends where it is.
+double place_of(double at_m, const api::WorldStatus& world, double times, std::size_t axis) {
+  return (at_m / world.cell_m + 0.5 * world.cells[axis]) * times - 0.5;
 }
 
 void add_ball(ColorVolume& volume, const std::array<double, 3>& center) {
@@ -57,42 +78,55 @@ Result<Picture> take(cli::Client& client, const std::string& name) {
   if (!status) return tl::unexpected(status.error());
   const auto world = cli::find_world(*status, name);
   if (!world) return tl::unexpected(world.error());
-  const auto body = cli::ask(client, "GET", "/v1/worlds/" + world->name + "/state");
+  const auto body = cli::ask(client, "GET", "/v1/worlds/" + world->name + "/cells");
   if (!body) return tl::unexpected(body.error());
-  const auto state = world::cam::parse_state(*body);
-  if (!state) return tl::unexpected(state.error());
-  auto volume = volume_of(*state);
-  if (!volume) return tl::unexpected(volume.error());
-  add_fingers(*volume, *world, *status);
-  const std::size_t longer = std::max(volume->cells[0], volume->cells[1]);
-  return render(*volume, std::max<std::size_t>(1, kLeastPixels / longer));
+  const auto cells = cli::parse_cells(*body);
+  if (!cells) return tl::unexpected(cells.error());
+  ColorVolume volume = volume_of(*cells);
+  add_fingers(volume, cells->every, *world, *status);
+  const std::size_t longer = std::max(volume.cells[0], volume.cells[1]);
+  return render(volume, std::max<std::size_t>(1, kLeastPixels / longer));
 }
 
 }  // namespace
 
-Result<ColorVolume> volume_of(const world::cam::AutomatonState& state) {
-  const sim::cam::Rule* const rule = sim::cam::find_rule(state.rule);
-  if (rule == nullptr) return fail(Errc::Unsupported, "a world of a rule that is not known here");
-  const std::uint16_t matter = rule->visible_layers();
+ColorVolume volume_of(const cli::WorldCells& cells) {
+  const std::size_t times = times_of(cells.sizes);
   ColorVolume volume;
+  std::size_t count = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    volume.cells[axis] = std::size_t{1} << state.log2_cells[axis];
+    volume.cells[axis] = cells.sizes[axis] > 1 ? cells.sizes[axis] * times : 1;
+    count *= volume.cells[axis];
   }
-  volume.colors.reserve(state.sites.size());
-  for (const std::uint16_t site : state.sites) {
-    volume.colors.push_back((site & matter) != 0 ? kMatterColor : 0);
+  volume.colors.reserve(count);
+  for (std::size_t z = 0; z < volume.cells[2]; ++z) {
+    for (std::size_t y = 0; y < volume.cells[1]; ++y) {
+      for (std::size_t x = 0; x < volume.cells[0]; ++x) {
+        const std::size_t from =
+            x / times + cells.sizes[0] * (y / times + cells.sizes[1] * (z / times));
+        volume.colors.push_back(color_of(static_cast<std::uint8_t>(cells.values[from])));
+      }
+    }
   }
+  cut_open(volume);
   return volume;
 }
 
-void add_fingers(ColorVolume& volume, const api::WorldStatus& world, const api::Status& status) {
-  if (!(world.cell_m > 0)) return;
+void add_fingers(ColorVolume& volume, std::uint32_t every, const api::WorldStatus& world,
+                 const api::Status& status) {
+  if (!(world.cell_m > 0) || every == 0) return;
+  const auto longest = static_cast<std::size_t>(
+      std::max_element(world.cells.begin(), world.cells.end()) - world.cells.begin());
+  // What each of its cells is drawn as, or the other way around.
+  const std::size_t shown = (world.cells[longest] + every - 1) / every;
+  if (shown == 0) return;
+  const double times = static_cast<double>(volume.cells[longest] / shown) / every;
   for (const api::ArmStatus& arm : status.arms) {
     if (arm.world != world.name) continue;
     std::array<double, 3> center{};
     bool is_somewhere = true;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      center[axis] = place_of(arm.position_m[axis] + arm.offset_m[axis], world, axis);
+      center[axis] = place_of(arm.position_m[axis] + arm.offset_m[axis], world, times, axis);
       is_somewhere = is_somewhere && std::isfinite(center[axis]);
     }
     if (is_somewhere) add_ball(volume, center);

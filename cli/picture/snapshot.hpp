@@ -3,22 +3,24 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
+#include "cli/cells.hpp"
 #include "cli/picture/picture.hpp"
 #include "daemon/api/status.hpp"
-#include "daemon/world/cam/automaton.hpp"
 #include "hal/base/result.hpp"
 
 namespace thimble::picture {
 
-// The cells of a world that are matter, in one color; its gas is not drawn. Errors: Unsupported for
-// a rule that is not known here.
-[[nodiscard]] Result<ColorVolume> volume_of(const world::cam::AutomatonState& state);
+// The cells of a world, pieces in colors by their numbers; those of a small world many times as
+// large. One whose front is full is cut in the middle: its front half is left away.
+[[nodiscard]] ColorVolume volume_of(const cli::WorldCells& cells);
 
 // Draws the fingers of arms in `world` as white balls: where the hand is with its coordinate
 // offset, as each arm had it last.
-void add_fingers(ColorVolume& volume, const api::WorldStatus& world, const api::Status& status);
+// `every` as WorldCells has it.
+void add_fingers(ColorVolume& volume, std::uint32_t every, const api::WorldStatus& world,
+                 const api::Status& status);
 
-// `thimble snapshot`: a picture of a world that runs by itself, to a PNG file; the exit code.
+// `thimble snapshot`: a picture of a world of cells, to a PNG file; the exit code.
 int run_snapshot(const std::string& socket_path, const std::string& world, const std::string& file);
 // The command, told of by `app`; both references must outlive it.
 void add_snapshot_command(CLI::App& app, const std::string& socket_path, int& code);

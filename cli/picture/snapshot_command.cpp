@@ -11,7 +11,7 @@ void add_snapshot_command(CLI::App& app, const std::string& socket_path, int& co
   };
   const auto said = std::make_shared<Said>();
   CLI::App* command =
-      app.add_subcommand("snapshot", "Draw a world that runs by itself, and the fingers in it");
+      app.add_subcommand("snapshot", "Draw a world of cells, and the fingers in it");
   command->add_option("WORLD", said->world, "Name of the world; not needed when there is one");
   command->add_option("--file", said->file, "The picture, PNG")->required();
   command->callback(

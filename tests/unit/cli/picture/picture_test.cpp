@@ -100,14 +100,71 @@ TEST(Render, ColorsAreToldApartInLightAndInShadow) {
   }
 }
 
-TEST(Snapshot, MatterIsDrawnAndGasIsNot) {
-  // Gas in layers 0 to 3 and noise in 9 to 12 of a crystal's cells; crystal is 4 to 8.
-  const auto volume =
-      volume_of({"dla", {1, 1, 1}, 3, {0, 0x1f0, 0xf, 0x1e00, 0x1ff, 0, 0x8000, 0x10}});
-  ASSERT_TRUE(volume);
-  EXPECT_EQ(volume->cells, (std::array<std::size_t, 3>{2, 2, 2}));
-  EXPECT_EQ(volume->colors, (std::vector<std::uint8_t>{0, 6, 0, 0, 6, 0, 0, 6}));
-  EXPECT_EQ(volume_of({"no such", {0, 0, 0}, 0, {0}}).error().code, Errc::Unsupported);
+TEST(Snapshot, ParticlesAreWhiteSpecks) {
+  cli::WorldCells cells{{64, 1, 1}, 1, std::string(64, '\0')};
+  cells.values[9] = cli::kParticleValue;
+  const ColorVolume volume = volume_of(cells);
+  EXPECT_EQ(std::count(volume.colors.begin(), volume.colors.end(), 0), 63);
+  EXPECT_EQ(volume.colors[9], 7);
+}
+
+TEST(Snapshot, EachPieceHasAColorAndNoneIsAFingersWhite) {
+  cli::WorldCells cells{{64, 2, 1}, 1, std::string(128, '\0')};
+  for (int i = 0; i < 64; ++i) cells.values[static_cast<std::size_t>(i)] = static_cast<char>(i);
+  const ColorVolume volume = volume_of(cells);
+  EXPECT_EQ(volume.cells, (std::array<std::size_t, 3>{64, 2, 1}));
+  ASSERT_EQ(volume.colors.size(), 128U);
+  for (std::size_t i = 0; i < 128; ++i) {
+    const bool is_matter = i > 0 && i < 64;
+    EXPECT_EQ(volume.colors[i] != 0, is_matter) << i;
+    EXPECT_LT(volume.colors[i], 7) << i;
+    if (!is_matter || i == 1) continue;
+    EXPECT_NE(volume.colors[i], volume.colors[i - 1]) << i;
+  }
+}
+
+TEST(Snapshot, CellsOfASmallWorldAreDrawnLargeAndThoseOfAPlaneFlat) {
+  std::mt19937 random(8);
+  for (const auto& [sizes, times] :
+       {std::pair<std::array<std::uint32_t, 3>, std::uint32_t>{{3, 2, 3}, 21},
+        {{32, 16, 1}, 2},
+        {{65, 2, 2}, 1}}) {
+    cli::WorldCells cells{sizes, 1, std::string(sizes[0] * sizes[1] * sizes[2], '\0')};
+    for (auto& value : cells.values) value = static_cast<char>(random() % 3);
+    cells.values.back() = 0;  // the front is open
+    const ColorVolume volume = volume_of(cells);
+    const std::uint32_t deep = sizes[2] == 1 ? 1 : times;
+    EXPECT_EQ(volume.cells,
+              (std::array<std::size_t, 3>{sizes[0] * times, sizes[1] * times, sizes[2] * deep}));
+    constexpr std::array<std::uint8_t, 3> kColors{0, 6, 3};
+    for (std::size_t i = 0; i < volume.colors.size(); ++i) {
+      const std::size_t x = i % volume.cells[0] / times;
+      const std::size_t y = i / volume.cells[0] % volume.cells[1] / times;
+      const std::size_t z = i / volume.cells[0] / volume.cells[1] / deep;
+      const auto value = static_cast<std::size_t>(cells.values[x + sizes[0] * (y + sizes[1] * z)]);
+      ASSERT_EQ(volume.colors[i], kColors.at(value)) << i;
+    }
+  }
+}
+
+TEST(Snapshot, AClosedBoxIsCutInTheMiddle) {
+  const std::size_t slice = 64 * 64;
+  for (const std::uint32_t deep : {1U, 2U, 7U}) {
+    cli::WorldCells box{{64, 64, deep}, 1, std::string(slice * deep, '\1')};
+    box.values[70] = 0;
+    const bool is_closed = deep > 1;
+    const std::size_t kept = is_closed ? (deep + 1) / 2 : 1;
+    const ColorVolume volume = volume_of(box);
+    ASSERT_EQ(volume.colors.size(), slice * deep);
+    for (std::size_t i = 0; i < volume.colors.size(); ++i) {
+      ASSERT_EQ(volume.colors[i] != 0, i < kept * slice && i != 70) << i;
+    }
+    box.values.back() = 0;  // open, if only there
+    const auto& open = volume_of(box).colors;
+    EXPECT_EQ(std::count(open.begin(), open.end(), 0), 2);
+  }
+  const cli::WorldCells plane{{64, 64, 1}, 1, std::string(slice, '\1')};
+  EXPECT_EQ(volume_of(plane).colors, std::vector<std::uint8_t>(slice, 6)) << "has no middle";
 }
 
 TEST(Snapshot, FingersAreWhereTheirHandsAreWithTheirOffsets) {
@@ -121,20 +178,40 @@ TEST(Snapshot, FingersAreWhereTheirHandsAreWithTheirOffsets) {
   status.arms[2].world = "w";
   status.arms[2].position_m = {std::nan(""), 0, 0};
   ColorVolume volume{{8, 8, 8}, std::vector<std::uint8_t>(512)};
-  add_fingers(volume, status.worlds[0], status);
+  add_fingers(volume, 1, status.worlds[0], status);
   EXPECT_EQ(std::count(volume.colors.begin(), volume.colors.end(), 7), 1 + 5);
   EXPECT_EQ(volume.colors[6 + 8 * 4], 7);
   EXPECT_EQ(volume.colors[6 + 8 * (4 + 8)], 7);
   status.arms[0].position_m = {1e300, 1e300, 1e300};
   ColorVolume far{{8, 8, 8}, std::vector<std::uint8_t>(512)};
-  add_fingers(far, status.worlds[0], status);
+  add_fingers(far, 1, status.worlds[0], status);
   EXPECT_EQ(std::count(far.colors.begin(), far.colors.end(), 7), 0);
   // In a plane the third axis is free.
   ColorVolume plane{{8, 8, 1}, std::vector<std::uint8_t>(64)};
   status.worlds[0].cells = {8, 8, 1};
   status.arms[0].position_m = {0.015, 0.005, 0.4};
-  add_fingers(plane, status.worlds[0], status);
+  add_fingers(plane, 1, status.worlds[0], status);
   EXPECT_EQ(plane.colors[6 + 8 * 4], 7);
+}
+
+TEST(Snapshot, FingersAreWhereTheyAreAmongCellsDrawnLargeAndAmongThinnedOnes) {
+  api::Status status;
+  status.worlds.push_back({.name = "w", .source = "box", .cells = {4, 4, 4}, .cell_m = 0.01});
+  status.arms.resize(1);
+  status.arms[0].world = "w";
+  status.arms[0].position_m = {0.015, -0.015, 0.0};
+  ColorVolume large{{64, 64, 64}, std::vector<std::uint8_t>(64 * 64 * 64)};
+  add_fingers(large, 1, status.worlds[0], status);
+  EXPECT_EQ(large.colors[56 + 64 * (8 + 64 * 32)], 7);
+  EXPECT_EQ(large.colors[56 + 64 * (8 + 64 * 36)], 0);
+  // Every third of 190 cells: 64, of which the last stands for one cell beyond.
+  status.worlds[0].cells = {190, 190, 190};
+  status.arms[0].position_m = {0.01 * (3 * 50 + 1.5 - 95), 0.01 * (3 * 20 + 1.5 - 95),
+                               0.01 * (3 * 10 + 1.5 - 95)};
+  ColorVolume thin{{64, 64, 64}, std::vector<std::uint8_t>(64 * 64 * 64)};
+  add_fingers(thin, 3, status.worlds[0], status);
+  EXPECT_EQ(std::count(thin.colors.begin(), thin.colors.end(), 7), 7);
+  EXPECT_EQ(thin.colors[50 + 64 * (20 + 64 * 10)], 7);
 }
 
 std::size_t big_endian(const std::string& file, std::size_t at) {
