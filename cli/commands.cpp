@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "cli/ask.hpp"
+#include "cli/cells.hpp"
 #include "cli/client.hpp"
 #include "cli/command_reply.hpp"
 #include "cli/file_text.hpp"
@@ -126,6 +127,25 @@ int run_world_edit(const std::string& socket_path, const std::string& world,
   return kExitOk;
 }
 
+namespace {
+
+// Where pieces are, as a layout that `world.pieces.layout` reads.
+int save_layout(Client& client, const api::WorldStatus& world, const std::string& file) {
+  const auto body = ask(client, "GET", "/v1/worlds/" + world.name + "/cells");
+  if (!body) return complain(body.error());
+  const auto layout = parse_cells(*body).map(without_particles);
+  if (!layout) return complain(layout.error());
+  const auto written =
+      write_whole(file, file.ends_with(".npy") ? to_npy(*layout) : to_nrrd(*layout));
+  if (!written) {
+    return complain(written.error().in(file));
+  }
+  std::cout << "world " << plain(world.name) << ": layout saved to " << plain(file) << '\n';
+  return kExitOk;
+}
+
+}  // namespace
+
 int run_world_state(const std::string& socket_path, const std::string& world,
                     const WorldEdit& edit) {
   auto client = connect_to_daemon(socket_path);
@@ -133,6 +153,7 @@ int run_world_state(const std::string& socket_path, const std::string& world,
   const auto meant = ask_for_world(**client, world);
   if (!meant) return complain(meant.error());
   const bool is_load = edit.verb == "load";
+  if (!is_load && meant->pieces) return save_layout(**client, *meant, edit.file);
   const Result<std::string> state =
       is_load ? read_at_most(edit.file, kMaxStateBytes) : Result<std::string>("");
   if (!state) return complain(state.error().in(edit.file));

@@ -273,7 +273,7 @@ void add_world_command(CLI::App& app, Arguments& arguments, int& code) {
   command
       ->add_option("EDIT", edit.verb,
                    "fill, clear, box (its six sides) or paint (a ball); save or load, of "
-                   "a world that runs by itself")
+                   "a world that runs by itself; save, of pieces: their layout")
       ->required()
       ->check(CLI::IsMember({"fill", "clear", "box", "paint", "save", "load"}));
   command->add_option("WORLD", arguments.world, "Name of the world; not needed when there is one")

@@ -2,6 +2,7 @@
 
 import json
 import random
+import re
 
 from rig import EXAMPLES, HELLO, ProcessTest, http_over, http_request, unix_connection
 
@@ -55,6 +56,25 @@ class Pieces(ProcessTest):
         self.assertEqual(http_over(daemon.socket, "POST", "/v1/worlds/elsewhere/select")[0], 404)
         self.assertEqual(daemon.status()["arms"][0]["faults"], [])
         self.assertEqual(daemon.stop(), 0)
+
+    def test_their_layout_is_written_and_read_again(self):
+        said = ("--config", EXAMPLES / "pieces-3d.toml", "--set", "world.pieces.cells=32", "--set", "world.pieces.count=3")
+        daemon = self.start(*said)
+        first, array = self.folder / "first.nrrd", self.folder / "first.npy"
+        for file in (first, array):
+            told = self.thimble(daemon, "world", "save", "--file", file)
+            self.assertEqual((told.returncode, told.stderr), (0, ""))
+            self.assertEqual(told.stdout, f"world {daemon.status()['worlds'][0]['name']}: layout saved to {file}\n")
+        self.assertEqual(daemon.stop(), 0)
+        self.assertEqual(array.read_bytes()[-32 ** 3:], first.read_bytes()[-32 ** 3:])
+        self.assertEqual(set(first.read_bytes()[-32 ** 3:]), {0, 1, 2, 3})
+        for file in (first, array):
+            text = re.sub("(?m)^(axes|cells|count) =.*$", "", (EXAMPLES / "pieces-3d.toml").read_text())
+            daemon = self.start("--set", f"world.pieces.layout={file}", name=file.suffix[1:], config=text)
+            again = self.folder / "again.nrrd"
+            self.assertEqual(self.thimble(daemon, "world", "save", "--file", again).returncode, 0)
+            self.assertEqual(again.read_bytes(), first.read_bytes())
+            self.assertEqual(daemon.stop(), 0)
 
     def test_a_world_without_pieces_says_so(self):
         daemon = self.start(config=HELLO)
