@@ -63,8 +63,8 @@ void add_with_table(CamSteps& steps, const std::shared_ptr<const CamTable>& tabl
   steps.emplace_back(ReadCounts{});
 }
 
-bool overlaps(const CamAnswer& answer) noexcept {
-  return answer.counts.at(0)[cell::kOverlapLayer] != 0;
+int overlapping(const CamAnswer& answer) noexcept {
+  return static_cast<int>(answer.counts.at(0)[cell::kOverlapLayer]);
 }
 
 int grasped_part(const CamAnswer& answer) noexcept {

@@ -23,7 +23,10 @@ void add_count(CamSteps& steps, CamEvents what);
 void add_with_table(CamSteps& steps, const std::shared_ptr<const CamTable>& table, int part);
 
 // What a reading of such a count says.
-[[nodiscard]] bool overlaps(const CamAnswer& answer) noexcept;
+[[nodiscard]] int overlapping(const CamAnswer& answer) noexcept;
+[[nodiscard]] inline bool overlaps(const CamAnswer& answer) noexcept {
+  return overlapping(answer) != 0;
+}
 [[nodiscard]] int grasped_part(const CamAnswer& answer) noexcept;
 
 }  // namespace thimble::world::cam

@@ -20,9 +20,18 @@ std::optional<PieceSearch::Shift> PieceSearch::next() noexcept {
   }
 }
 
-void PieceSearch::take(bool overlaps) noexcept {
-  if (overlaps) {
+CamAxes PieceSearch::touching() const noexcept {
+  CamAxes touching{};
+  for (std::size_t axis = 0; axis < touching.size(); ++axis) {
+    if (actual_[axis] != desired_[axis]) touching[axis] = touching_[axis];
+  }
+  return touching;
+}
+
+void PieceSearch::take(int overlapping) noexcept {
+  if (overlapping > 0) {
     blocked_ = at_;
+    overlapping_ = overlapping;
   } else {
     free_ = at_;
   }
@@ -55,7 +64,9 @@ PieceSearch::Shift PieceSearch::shift_to(int distance, bool is_looked_at) noexce
 void PieceSearch::end_attempt() noexcept {
   is_trying_ = false;
   actual_[axis_] += way_ * free_;
-  if (free_ == 0) stuck_[axis_] = actual_;
+  if (free_ > 0) return;
+  stuck_[axis_] = actual_;
+  touching_[axis_] = overlapping_;
 }
 
 }  // namespace thimble::world::cam

@@ -33,9 +33,13 @@ class PieceSearch {
 
   // Nothing: it is over.
   [[nodiscard]] std::optional<Shift> next() noexcept;
-  void take(bool overlaps) noexcept;
+  // `overlapping`: how many cells of the shape lie on pieces there.
+  void take(int overlapping) noexcept;
   // How far it has got without overlap; nowhere else when it is over.
   [[nodiscard]] const CamAxes& actual() const noexcept { return actual_; }
+  // When it is over: along each axis that it has not come to the end of, how many cells would
+  // overlap one cell further; else 0.
+  [[nodiscard]] CamAxes touching() const noexcept;
 
  private:
   // The next attempt, if there is one. False: it is over.
@@ -50,10 +54,12 @@ class PieceSearch {
   std::array<std::optional<CamAxes>, 3> stuck_{};  // where it was when it could not go on
   // The attempt: cells from actual_ on along axis_.
   bool is_trying_{false};
-  int way_{0};      // -1, +1
-  int at_{0};       // where the shape is
-  int free_{0};     // known not to overlap
-  int blocked_{0};  // known to, or beyond what is tried
+  int way_{0};          // -1, +1
+  int at_{0};           // where the shape is
+  int free_{0};         // known not to overlap
+  int blocked_{0};      // known to, or beyond what is tried
+  int overlapping_{0};  // where it is known to
+  CamAxes touching_{};  // likewise, where it was stuck
 };
 
 }  // namespace thimble::world::cam

@@ -61,6 +61,7 @@ struct PieceState {
   CamAxes held_from{};  // the grasp point when it was selected: the shape has moved as far
   bool is_free_motion{false};
   bool is_embedded{false};  // the shape lies on a piece; it may move until it does not
+  CamAxes touching{};       // as the last move left it: PieceSearch::touching()
   PieceSizes sizes{};       // of the pieces that there are; 0: deleted
   // A program under way that changes which piece is held: what it will be. Its failure leaves open
   // whether it was done.

@@ -23,10 +23,21 @@ std::optional<SweepSearch::Round> SweepSearch::next() {
   return round;
 }
 
-void SweepSearch::take(std::optional<std::size_t> first_hit) {
-  const int free = !first_hit ? reaches_.back() : *first_hit == 0 ? 0 : reaches_[*first_hit - 1];
-  if (first_hit) has_met_ = true;
-  beyond_ = (first_hit ? reaches_[*first_hit] : beyond_) - free;
+CamAxes SweepSearch::touching() const noexcept {
+  CamAxes touching{};
+  for (std::size_t axis = 0; axis < touching.size(); ++axis) {
+    if (free_[axis] != desired_[axis]) touching[axis] = touching_[axis];
+  }
+  return touching;
+}
+
+void SweepSearch::take(std::optional<Hit> hit) {
+  const int free = !hit ? reaches_.back() : hit->kick == 0 ? 0 : reaches_[hit->kick - 1];
+  if (hit) {
+    has_met_ = true;
+    cells_ = hit->cells;
+  }
+  beyond_ = (hit ? reaches_[hit->kick] : beyond_) - free;
   free_[axis_] += way_ * free;
   if (beyond_ == 1) end_attempt();
 }
@@ -53,7 +64,10 @@ bool SweepSearch::begin_attempt() noexcept {
 
 void SweepSearch::end_attempt() noexcept {
   is_trying_ = false;
-  if (has_met_) stuck_[axis_] = free_;
+  if (!has_met_) return;
+  stuck_[axis_] = free_;
+  // Of all that the last hit's trail ran over, only its end is not free.
+  touching_[axis_] = cells_;
 }
 
 namespace {
@@ -81,14 +95,16 @@ class SweepMove final : public PieceTask {
       search_.take(first_hit(*before));
     }
     if (const auto round = search_.next()) return sweep(*round);
+    context_.state.touching = search_.touching();
     if (!is_sweeping_) return std::nullopt;
     return end();
   }
 
  private:
-  [[nodiscard]] static std::optional<std::size_t> first_hit(const CamAnswer& answer) {
+  [[nodiscard]] static std::optional<SweepSearch::Hit> first_hit(const CamAnswer& answer) {
     for (std::size_t i = 0; i < answer.counts.size(); ++i) {
-      if (answer.counts[i][cell::kHitLayer] != 0) return i;
+      const auto cells = answer.counts[i][cell::kHitLayer];
+      if (cells != 0) return SweepSearch::Hit{i, static_cast<int>(cells)};
     }
     return std::nullopt;
   }

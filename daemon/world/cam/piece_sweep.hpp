@@ -28,12 +28,19 @@ class SweepSearch {
 
   // Nothing: it is over, but for owed().
   [[nodiscard]] std::optional<Round> next();
-  // The first of the kicks by which the trail met something, counted from 0.
-  void take(std::optional<std::size_t> first_hit);
+  // The first of the kicks by which the trail met something, counted from 0, and how many cells of
+  // it lay on pieces then.
+  struct Hit {
+    std::size_t kick{0};
+    int cells{0};
+  };
+  void take(std::optional<Hit> hit);
   // Where the shape stands, with the rounds that were given.
   [[nodiscard]] const CamAxes& stands() const noexcept { return stands_; }
   // How far it may still go from there.
   [[nodiscard]] CamAxes owed() const noexcept;
+  // As PieceSearch::touching().
+  [[nodiscard]] CamAxes touching() const noexcept;
 
  private:
   [[nodiscard]] bool begin_attempt() noexcept;
@@ -50,6 +57,8 @@ class SweepSearch {
   bool has_met_{false};  // what it cannot pass, `beyond_` cells away
   int way_{0};           // -1, +1
   int beyond_{0};
+  int cells_{0};              // of the trail that lie on it
+  CamAxes touching_{};        // likewise, where it was stuck
   std::vector<int> reaches_;  // of the round's kicks: cells from free_
 };
 

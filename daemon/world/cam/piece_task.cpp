@@ -16,6 +16,7 @@ class FarMove final : public PieceTask {
     if (before != nullptr) {
       state.grasp = sum(state.grasp, desired_);
       state.is_embedded = overlaps(*before);
+      state.touching = {};
       return std::nullopt;
     }
     CamSteps steps;
@@ -42,13 +43,16 @@ class SearchMove final : public PieceTask {
       return count;
     }
     if (phase_ == Phase::Counted) {
-      search_.take(overlaps(*before));
+      search_.take(overlapping(*before));
       context_.state.grasp = sum(start_, search_.actual());
     }
     phase_ = Phase::Unseen;
     const auto shift = search_.next();
     context_.state.grasp = sum(start_, search_.actual());
-    if (!shift) return std::nullopt;
+    if (!shift) {
+      context_.state.touching = search_.touching();
+      return std::nullopt;
+    }
     CamSteps steps;
     if (shift->is_looked_at && !context_.settings.counts_apart) {
       phase_ = Phase::Counted;

@@ -67,6 +67,7 @@ class PiecesOnABoard : public testing::TestWithParam<Setting> {
     const PieceState& state = bench.board().state();
     EXPECT_EQ(state.grasp, oracle.grasp());
     EXPECT_EQ(state.held, oracle.held());
+    EXPECT_EQ(state.touching, oracle.touching());
     EXPECT_EQ(state.is_embedded, oracle.is_embedded());
     EXPECT_EQ(state.is_free_motion, oracle.is_free());
     CamCells cells = bench.cells();

@@ -23,11 +23,17 @@ class PieceOracle {
     if (is_free_ || is_embedded_) {
       grasp_ = sum(grasp_, desired);
       is_embedded_ = overlaps({});
+      touching_ = {};
       return;
     }
     const CamAxes by =
         greedy_walk(desired, [this](const CamAxes& moved) { return overlaps(moved); });
     grasp_ = sum(grasp_, by);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      CamAxes next{};
+      next[axis] = desired[axis] < by[axis] ? -1 : desired[axis] > by[axis] ? 1 : 0;
+      touching_[axis] = next == CamAxes{} ? 0 : overlapping(next);
+    }
   }
 
   PieceOutcome act(PieceAction action, const CamAxes& pressed) {
@@ -68,6 +74,8 @@ class PieceOracle {
     return picture;
   }
   [[nodiscard]] const CamAxes& grasp() const noexcept { return grasp_; }
+  // Cells that would overlap one cell further along each axis on which the last move was stopped.
+  [[nodiscard]] const CamAxes& touching() const noexcept { return touching_; }
   [[nodiscard]] int held() const noexcept { return held_; }
   [[nodiscard]] bool is_embedded() const noexcept { return is_embedded_; }
   [[nodiscard]] bool is_free() const noexcept { return is_free_; }
@@ -82,11 +90,13 @@ class PieceOracle {
     }
     return index_of(space_, cell);
   }
-  [[nodiscard]] bool overlaps(const CamAxes& way) const {
-    return std::any_of(shape_.begin(), shape_.end(), [&](const CamAxes& part) {
+  [[nodiscard]] int overlapping(const CamAxes& way) const {
+    const auto cells = std::count_if(shape_.begin(), shape_.end(), [&](const CamAxes& part) {
       return parts_[wrapped(sum(sum(grasp_, way), part))] != 0;
     });
+    return static_cast<int>(cells);
   }
+  [[nodiscard]] bool overlaps(const CamAxes& way) const { return overlapping(way) != 0; }
   PieceOutcome select(const CamAxes& pressed) {
     if (held_ != 0) return PieceOutcome::AlreadyHeld;
     std::vector<CamAxes> places{{}};
@@ -138,6 +148,7 @@ class PieceOracle {
     held_ = 0;
     is_free_ = false;
     is_embedded_ = overlaps({});
+    touching_ = {};
   }
 
   CamGeometry space_;
@@ -149,6 +160,7 @@ class PieceOracle {
   std::vector<CamAxes> shape_;  // from the grasp point
   int held_{0};
   bool is_free_{false};
+  CamAxes touching_{};
   bool is_embedded_{false};
 };
 

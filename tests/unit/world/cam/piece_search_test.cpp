@@ -29,7 +29,7 @@ Walk walk(SearchKind kind, const CamAxes& desired, const Overlaps& overlaps) {
     for (std::size_t axis = 0; axis < 3; ++axis) at[axis] += shift->cells[axis];
     if (shift->is_looked_at) {
       ++walk.looks;
-      search.take(overlaps(at));
+      search.take(overlaps(at) ? 1 : 0);
     } else {
       ++walk.returns;
       EXPECT_FALSE(overlaps(at)) << "it goes back only to where it was free";

@@ -33,7 +33,7 @@ Walk walk(const CamAxes& desired, const CamAxes& longest, const Overlaps& overla
     EXPECT_FALSE(overlaps(at)) << "it stands only where it is free";
     ++walk.scans;
     std::set<CamAxes> trail{at};
-    std::optional<std::size_t> hit;
+    std::optional<SweepSearch::Hit> hit;
     for (std::size_t i = 0; i < round->kicks.size(); ++i) {
       for (std::size_t axis = 0; axis < 3; ++axis) {
         EXPECT_LE(std::abs(round->kicks[i][axis]), longest[axis]);
@@ -43,8 +43,8 @@ Walk walk(const CamAxes& desired, const CamAxes& longest, const Overlaps& overla
       for (const CamAxes& place : trail) ahead.insert(plus(place, round->kicks[i]));
       trail.merge(ahead);
       ++walk.scans;
-      const bool is_met = std::any_of(trail.begin(), trail.end(), overlaps);
-      if (is_met && !hit) hit = i;
+      const auto met = std::count_if(trail.begin(), trail.end(), overlaps);
+      if (met > 0 && !hit) hit = {i, static_cast<int>(met)};
     }
     search.take(hit);
     if (walk.scans > 10'000) {
