@@ -76,6 +76,7 @@ Result<MadeWorld> make_piece_world(const config::WorldConfig& said, const Clock*
   settings.pieces.space = {file->log2_cells, CamDivision::StripY};
   settings.pieces.search = search_of(of);
   settings.workspace_m = said.workspace_m;
+  settings.pressure.newton_per_m = of.pressure_newton_per_m.value_or(0);
   settings.source = said.source;
   const auto options = board_options(file->log2_cells, of.boards);
   MadeWorld made;

@@ -23,6 +23,10 @@ Result<std::unique_ptr<PieceWorld>> PieceWorld::create(const PieceWorldSettings&
     return fail(Errc::InvalidArgument,
                 settings.source + ": workspace: is not a length greater than 0");
   }
+  if (!std::isfinite(settings.pressure.newton_per_m) || settings.pressure.newton_per_m < 0) {
+    return fail(Errc::InvalidArgument,
+                settings.source + ": pressure: is not a stiffness of 0 and more");
+  }
   if (layout.size() != settings.pieces.space.cells()) {
     return fail(Errc::InvalidArgument, settings.source + ": the layout is of another space");
   }
@@ -36,7 +40,8 @@ PieceWorld::PieceWorld(const PieceWorldSettings& settings, PieceBoard::Opener op
     : board_(std::move(opener), settings.pieces, std::move(layout),
              middle_of(cells_along(settings.pieces.space))),
       clock_(&clock),
-      cells_(cells_along(settings.pieces.space)) {
+      cells_(cells_along(settings.pieces.space)),
+      pressure_(settings.pressure) {
   info_.source = settings.source;
   info_.cell_m = settings.workspace_m / *std::max_element(cells_.begin(), cells_.end());
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -199,6 +204,10 @@ ProbeMotion PieceWorld::motion() const {
     ContactPlane plane;
     plane.normal[axis] = pressed_[axis];
     plane.offset_m = pressed_[axis] > 0 ? high : -low;
+    const int touching = board_.state().touching[axis];
+    if (pressure_.newton_per_m > 0 && touching > 0) {
+      plane.stiffness.newton_per_m = pressure_.newton_per_m * touching;
+    }
     motion.planes.push_back(plane);
   }
   return motion;

@@ -16,6 +16,9 @@ struct PieceWorldSettings {
   PieceSettings pieces{};
   double workspace_m{0.09};  // along the longest axis of the space; cells are cubes
   std::string source{};      // for messages
+  // Thesis 5.3.2: faces are as stiff as there are cells that press on them, so much each; as with
+  // materials, an arm has the last word. 0: faces are as the arm has them. At least 0.
+  Stiffness pressure{0};
 };
 
 // Pieces that one hand explores, selects, moves and drops (thesis 4.2). The ghost point is the
@@ -98,6 +101,7 @@ class PieceWorld final : public World {
   PieceBoard board_;
   const Clock* clock_;
   CamAxes cells_;
+  Stiffness pressure_;
   WorldInfo info_;
   std::optional<ProbeId> probe_;
   std::uint32_t last_id_{0};

@@ -56,6 +56,14 @@ TEST(ConfigPieces, ThereAreSevenAtMostWhenTheyAreDynamic) {
   EXPECT_TRUE(parse_text(pieces_with("pieces.dynamic = false\npieces.count = 8\n")));
 }
 
+TEST(ConfigPieces, PressureIsOffUnlessItIsSaid) {
+  EXPECT_EQ(parse_text(pieces_with(""))->worlds.at(0).pieces->pressure_newton_per_m, std::nullopt);
+  EXPECT_EQ(parse_text(pieces_with("pieces.pressure_newton_per_m = 25\n"))
+                ->worlds.at(0)
+                .pieces->pressure_newton_per_m,
+            25);
+}
+
 TEST(ConfigPieces, ALayoutLiesBesideTheConfiguration) {
   const auto sut = parse_text(pieces_with("pieces.layout = \"parts/puzzle.npy\"\n"));
   ASSERT_TRUE(sut);
@@ -89,6 +97,8 @@ INSTANTIATE_TEST_SUITE_P(
                     BadPieces{"pieces.dynamic = true\npieces.count = 8\n", "at most 7"},
                     BadPieces{"pieces.dynamic = true\npieces.count = 64\n", "1 to 63"},
                     BadPieces{"pieces.dynamic = 1\n", "pieces.dynamic"},
+                    BadPieces{"pieces.pressure_newton_per_m = 0\n", "above 0"},
+                    BadPieces{"pieces.pressure_newton_per_m = 2e5\n", "20000"},
                     BadPieces{"pieces.seed = -1\n", "pieces.seed"},
                     BadPieces{"pieces.search = \"fast\"\n", "\"leap\""},
                     BadPieces{"pieces.axes = 1\n", "2 to 3"},

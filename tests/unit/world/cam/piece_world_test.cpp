@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "drivers/cambus/board.hpp"
 #include "drivers/cambus/pci_port.hpp"
 #include "sim/model/cam/sim_cam_board.hpp"
@@ -20,6 +23,15 @@ PieceLayout one_square() {
   PieceLayout layout(kSpace.cells());
   for (int y = 12; y < 20; ++y) {
     for (int x = 4; x < 12; ++x) layout[index_of(kSpace, {x, y, 0})] = 7;
+  }
+  return layout;
+}
+
+// And another, half as high on the right.
+PieceLayout two_squares() {
+  PieceLayout layout = one_square();
+  for (int y = 16; y < 24; ++y) {
+    for (int x = 20; x < 28; ++x) layout[index_of(kSpace, {x, y, 0})] = 9;
   }
   return layout;
 }
@@ -106,6 +118,46 @@ TEST_F(PieceWorldTest, TheWorldHasWalls) {
   EXPECT_EQ(motion.planes[1].normal, (Direction3{0, -1, 0}));
   EXPECT_NEAR(motion.planes[1].offset_m, 0.045, 1e-12);
   EXPECT_TRUE(hold(at(30, 1)).planes.empty());
+}
+
+TEST_F(PieceWorldTest, FacesAreAsTheArmHasThemUnlessPressureIsAskedFor) {
+  hold(at(16, 16));
+  ASSERT_EQ(hold(at(9, 15)).planes.size(), 1U);
+  EXPECT_EQ(hold(at(9, 15)).planes[0].stiffness.newton_per_m, -1);
+}
+
+TEST_F(PieceWorldTest, WithPressureAFaceIsAsStiffAsThereAreCellsThatPressOnIt) {
+  for (const auto search : {SearchKind::OneCell, SearchKind::Leap, SearchKind::Sweep}) {
+    begin({.pieces = {.space = kSpace, .search = search}, .pressure = Stiffness{10}},
+          two_squares());
+    hold(at(16, 16));
+    const ProbeMotion finger = hold(at(9, 15));
+    ASSERT_EQ(finger.planes.size(), 1U);
+    EXPECT_EQ(finger.planes[0].stiffness.newton_per_m, 10) << "it is one cell";
+    ASSERT_EQ(act(PieceAction::Select, at(9, 15)), PieceOutcome::Selected);
+    // Both are 8 cells high, the other one 4 cells farther up.
+    for (int up = -6; up <= 4; ++up) {
+      hold(at(9, 15 + up), milliseconds(60));
+      const ProbeMotion motion = hold(at(22, 15 + up), milliseconds(60));
+      const int cells = std::max(0, 4 + up);
+      ASSERT_EQ(motion.planes.size(), cells > 0 ? 1U : 0U) << up;
+      if (cells > 0) {
+        EXPECT_EQ(motion.planes[0].stiffness.newton_per_m, 10 * cells) << up;
+      }
+    }
+  }
+}
+
+TEST_F(PieceWorldTest, ThereIsNoPressureOnTheWorldsWallsNorInFreeMotion) {
+  begin({.pieces = {.space = kSpace}, .pressure = Stiffness{10}}, two_squares());
+  hold(at(16, 16));
+  const ProbeMotion edge = hold(at(16, 33));
+  ASSERT_EQ(edge.planes.size(), 1U);
+  EXPECT_EQ(edge.planes[0].stiffness.newton_per_m, -1);
+  hold(at(16, 16));
+  ASSERT_EQ(hold(at(9, 15)).planes.size(), 1U);
+  ASSERT_EQ(act(PieceAction::ToggleFree, at(9, 15)), PieceOutcome::FreeMotionOn);
+  EXPECT_TRUE(hold(at(9, 15)).planes.empty());
 }
 
 TEST_F(PieceWorldTest, ParticlesDriftFiftyTimesASecondHandOrNot) {
@@ -255,6 +307,10 @@ TEST(PieceWorldSettings, ThatCannotBeAreRefused) {
   EXPECT_FALSE(PieceWorld::create({.pieces = {.space = kSpace}, .workspace_m = 0}, none,
                                   one_square(), clock));
   EXPECT_FALSE(PieceWorld::create({.pieces = {.space = kSpace}}, none, {}, clock));
+  for (const double pressure : {-1.0, std::nan("")}) {
+    EXPECT_FALSE(PieceWorld::create({.pieces = {.space = kSpace}, .pressure = Stiffness{pressure}},
+                                    none, one_square(), clock));
+  }
 }
 
 }  // namespace
