@@ -154,23 +154,29 @@ std::optional<api::SphereStatus> sphere(const json::value& value) {
   return out.radius_m > 0 && std::isfinite(sum + out.radius_m) ? std::optional(out) : std::nullopt;
 }
 
+// 0 for what cannot be.
+std::array<std::uint32_t, 3> cells(const json::value& value, std::string_view key) {
+  const std::array<double, 3> said = vector(value, key);
+  std::array<std::uint32_t, 3> out{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (said[i] >= 0 && said[i] <= 1e6) out[i] = static_cast<std::uint32_t>(said[i]);
+  }
+  return out;
+}
+
 std::optional<api::PiecesStatus> pieces(const json::value& value) {
   const json::value* found = member(value, "pieces");
   if (found == nullptr || !found->is_object()) return {};
   return api::PiecesStatus{
       static_cast<std::uint32_t>(std::min<std::uint64_t>(count(*found, "held"), 1000000)),
-      flag(*found, "is_free_motion")};
+      flag(*found, "is_free_motion"), cells(*found, "grasp_cell")};
 }
 
 api::WorldStatus world(const json::value& value) {
   api::WorldStatus out;
   out.name = text(value, "name");
   out.source = text(value, "source");
-  const std::array<double, 3> cells = vector(value, "cells");
-  for (std::size_t i = 0; i < 3; ++i) {
-    const bool is_good = cells[i] >= 0 && cells[i] <= 1e6;
-    out.cells[i] = is_good ? static_cast<std::uint32_t>(cells[i]) : 0;
-  }
+  out.cells = cells(value, "cells");
   out.cell_m = number(value, "cell_m");
   out.probes = static_cast<std::uint32_t>(std::min<std::uint64_t>(count(value, "probes"), 1000000));
   out.occupied_cells = count(value, "occupied_cells");

@@ -101,6 +101,7 @@ struct SphereStatus {
 struct PiecesStatus {
   std::uint32_t held{0};  // number of the held piece; 0: none
   bool is_free_motion{false};
+  std::array<std::uint32_t, 3> grasp_cell{};  // where the grasp point is
   bool operator==(const PiecesStatus&) const = default;
 };
 

@@ -107,7 +107,8 @@ json::object to_value(const WorldStatus& world) {
   }
   if (world.pieces) {
     out["pieces"] = json::object{{"held", world.pieces->held},
-                                 {"is_free_motion", world.pieces->is_free_motion}};
+                                 {"is_free_motion", world.pieces->is_free_motion},
+                                 {"grasp_cell", vector_of(world.pieces->grasp_cell)}};
   }
   return out;
 }

@@ -175,7 +175,10 @@ api::WorldStatus world_status(const session::WorldHost& host) {
   }
   if (const world::cam::PieceWorld* pieces = host.pieces()) {
     const world::cam::PieceState& state = pieces->board().state();
-    world.pieces = {static_cast<std::uint32_t>(state.held), state.is_free_motion};
+    world.pieces = {static_cast<std::uint32_t>(state.held), state.is_free_motion, {}};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      world.pieces->grasp_cell[axis] = static_cast<std::uint32_t>(state.grasp[axis]);
+    }
   }
   if (const world::EditQueue* edits = host.edits()) {
     world.occupied_cells = host.world().occupied_cells();

@@ -46,7 +46,9 @@ class Pieces(ProcessTest):
             told = self.thimble(daemon, verb)
             self.assertEqual((told.returncode, told.stderr), (code, ""), verb)
             self.assertEqual(told.stdout, f"world desk: {outcome}\n")
-        self.assertEqual(daemon.status()["worlds"][0]["pieces"], {"held": 0, "is_free_motion": False})
+        pieces = daemon.status()["worlds"][0]["pieces"]
+        self.assertEqual((pieces["held"], pieces["is_free_motion"]), (0, False))
+        self.assertTrue(all(0 <= place < cells for place, cells in zip(pieces["grasp_cell"], (32, 32, 1), strict=True)), pieces)
         self.assertEqual(self.thimble(daemon, "free").returncode, 0)
         self.assertTrue(daemon.status()["worlds"][0]["pieces"]["is_free_motion"])
         self.assertIn("free motion", self.thimble(daemon, "status").stdout)

@@ -55,11 +55,12 @@ TEST(StatusJson, TellsOfABallAndFloorWhereTheWorldIsOne) {
 TEST(StatusJson, TellsOfTheHeldPieceWhereTheWorldHasPieces) {
   Status status = sample();
   EXPECT_FALSE(json::parse(to_json(status)).at("worlds").at(0).as_object().contains("pieces"));
-  status.worlds[0].pieces = {5, true};
+  status.worlds[0].pieces = {5, true, {16, 3, 0}};
   const auto sut = json::parse(to_json(status)).at("worlds").at(0).at("pieces");
-  EXPECT_EQ(keys_of(sut), (std::set<std::string>{"held", "is_free_motion"}));
+  EXPECT_EQ(keys_of(sut), (std::set<std::string>{"held", "is_free_motion", "grasp_cell"}));
   EXPECT_EQ(sut.at("held").to_number<int>(), 5);
   EXPECT_TRUE(sut.at("is_free_motion").as_bool());
+  EXPECT_EQ(sut.at("grasp_cell"), (json::array{16, 3, 0}));
 }
 
 TEST(StatusJson, TellsOfTheSafetyLinesWhereThereAreAny) {

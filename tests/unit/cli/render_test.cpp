@@ -84,7 +84,7 @@ TEST(Render, CutsNothingOff) {
   status.arms[0].offset_m = {-0.124, -0.124, 0.1};
   status.arms[0].peak_offset_m = 0.1755;
   status.worlds[0].source = "/home/somebody/volumes/a-scan-of-a-tooth.nhdr";
-  status.worlds[0].pieces = {3, true};
+  status.worlds[0].pieces = {3, true, {}};
   for (const Glyphs glyphs : {Glyphs::Ascii, Glyphs::Unicode}) {
     const std::string text = render_status(status, glyphs);
     expect_fits(text);

@@ -16,7 +16,7 @@ TEST(StatusDocument, IsReadBackAsTheDaemonWroteIt) {
   for (const bool has_gimbal : {false, true}) {
     if (has_gimbal) status.arms[0].gimbal_rad = {0.5, -1.25, 3};
     if (has_gimbal) status.worlds[0].sphere = {{0, -0.25, 1}, 0.5, -10};
-    if (has_gimbal) status.worlds[0].pieces = {7, true};
+    if (has_gimbal) status.worlds[0].pieces = {7, true, {1, 20, 300}};
     if (has_gimbal) status.safety = {"bench", "stopped", "open", "it is pressed", true, true, 7};
     const auto sut = parse_status(api::to_json(status));
     ASSERT_TRUE(sut);
