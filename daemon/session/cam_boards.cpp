@@ -1,5 +1,6 @@
 #include "daemon/session/cam_boards.hpp"
 
+#include <functional>
 #include <optional>
 #include <utility>
 
@@ -16,15 +17,15 @@ using Opened = Result<std::unique_ptr<CamBoard>>;
 // An opening takes several visits.
 class UsbOpener {
  public:
-  explicit UsbOpener(std::shared_ptr<sim::cam::SimUsbCamBoard> board) : board_(std::move(board)) {}
+  // Errors: why there is none now.
+  using Claim = std::function<Result<ClaimedBoard>(MonotonicTime now)>;
+  explicit UsbOpener(Claim claim) : claim_(std::move(claim)) {}
 
   Opened operator()(MonotonicTime now) {
     if (!opening_) {
-      const auto match = cambus::match_usb_board(board_->info());
-      if (!match) return tl::unexpected(match.error());
-      auto device = board_->open(match->claim);
-      if (!device) return tl::unexpected(device.error());
-      opening_.emplace(*std::move(device), *match);
+      auto board = claim_(now);
+      if (!board) return tl::unexpected(board.error());
+      opening_.emplace(std::move(board->device), board->match);
     }
     auto port = opening_->poll(now);
     if (!port && port.error().code == Errc::Busy) return tl::unexpected(port.error());
@@ -34,9 +35,15 @@ class UsbOpener {
   }
 
  private:
-  std::shared_ptr<sim::cam::SimUsbCamBoard> board_;
-  std::optional<cambus::UsbOpening> opening_;  // before the board it is of goes
+  Claim claim_;
+  std::optional<cambus::UsbOpening> opening_;  // before what the claim keeps goes
 };
+
+// A function can be copied, an opening cannot.
+world::cam::PieceBoard::Opener opener_of(UsbOpener::Claim claim) {
+  const auto opener = std::make_shared<UsbOpener>(std::move(claim));
+  return [opener](MonotonicTime now) { return (*opener)(now); };
+}
 
 }  // namespace
 
@@ -51,9 +58,18 @@ world::cam::PieceBoard::Opener open_in_slot(const Clock& clock,
 }
 
 world::cam::PieceBoard::Opener open_on_usb(std::shared_ptr<sim::cam::SimUsbCamBoard> board) {
-  // A function can be copied, an opening cannot.
-  const auto opener = std::make_shared<UsbOpener>(std::move(board));
-  return [opener](MonotonicTime now) { return (*opener)(now); };
+  return opener_of([board = std::move(board)](MonotonicTime) -> Result<ClaimedBoard> {
+    const auto match = cambus::match_usb_board(board->info());
+    if (!match) return tl::unexpected(match.error());
+    auto device = board->open(match->claim);
+    if (!device) return tl::unexpected(device.error());
+    return ClaimedBoard{*std::move(device), *match};
+  });
+}
+
+world::cam::PieceBoard::Opener open_plugged_in(const BoardPlugs& plugs) {
+  const auto search = std::make_shared<BoardSearch>(plugs);
+  return opener_of([search](MonotonicTime now) { return search->take(now); });
 }
 
 }  // namespace thimble::session
