@@ -237,6 +237,9 @@ api::Status collect_status(session::Runtime& runtime, const StatusContext& conte
   for (const auto& host : runtime.worlds()) {
     status.worlds.push_back(world_status(*host));
     if (host->loss()) status.degraded.push_back(*host->loss());
+    if (std::string trouble = host->trouble(); !trouble.empty()) {
+      status.degraded.push_back(std::move(trouble));
+    }
     status.worlds.back().probes = probes_in(status, host->name());
     if (!host->listener_status()) continue;
     api::LinkStatus link = link_status(*host->listener_status());

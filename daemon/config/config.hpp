@@ -162,16 +162,16 @@ struct SphereConfig {
 
 enum class PieceSearch : std::uint8_t { Leap, OneCell };
 
-// What a simulated board is plugged into: a slot of PCI, or USB.
-enum class PieceBoardKind : std::uint8_t { Sim, SimUsb };
+// A simulated board, in a slot of PCI or on USB; or a real one on USB.
+enum class PieceBoardKind : std::uint8_t { Sim, SimUsb, Usb };
 
-// The thesis's static pieces on a simulated CAM board (4.2.1, 4.2.2).
+// The thesis's static pieces on a CAM board (4.2.1, 4.2.2).
 struct PiecesConfig {
   int cells{512};  // along each axis; a power of two
   int count{20};   // of pieces
   std::uint64_t seed{1};
   PieceSearch search{PieceSearch::Leap};
-  int boards{8};  // modules, in one machine; a power of two
+  int boards{8};  // modules of a simulated machine; a power of two
   PieceBoardKind board{PieceBoardKind::Sim};
   int axes{2};  // x and y, or all three
   std::optional<std::string>

@@ -22,6 +22,8 @@ struct RigParts {
   devices::ArmGuards* guards{nullptr};  // of real arms; nullptr: those that need one are refused
   // Opens and closes the real arm of that name while arms run; nothing: done at once.
   std::function<devices::DeviceExecutor&(const std::string& arm)> executor_for{};
+  // The same for the board of the world of that name.
+  std::function<devices::DeviceExecutor&(const std::string& world)> executor_for_board{};
   Clock* real_clock{nullptr};            // nullptr: virtual time, nothing sleeps
   const Clock* world_clock{nullptr};     // of worlds that take their time; nullptr: real_clock
   const Clock* stopwatch{nullptr};       // nullptr: the arm's own clock

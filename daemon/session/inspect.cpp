@@ -16,6 +16,7 @@
 #include "daemon/world/io/world_source.hpp"
 #include "drivers/falcon/find_model.hpp"
 #include "hal/bus/device_name.hpp"
+#include "sim/bus/sim_enumerator.hpp"
 #include "sim/time/virtual_clock.hpp"
 
 namespace thimble::session {
@@ -194,8 +195,10 @@ class ArmInspection {
 // once; one with a grid goes with everything.
 void inspect_made(const config::Config& config, std::size_t index, std::vector<Objection>& out) {
   const config::WorldConfig& said = config.worlds[index];
-  const sim::VirtualClock clock;
-  const Result<MadeWorld> made = make_world(said, &clock);
+  sim::VirtualClock clock;
+  sim::SimEnumerator none(clock);  // a board may come later
+  devices::InlineExecutor executor;
+  const Result<MadeWorld> made = make_world(said, &clock, {&none, &executor});
   if (!made) return out.push_back({Objection::Table::World, index, "source", made.error().message});
   if (const auto refusal = find_refusal(*made->world, said)) {
     out.push_back({Objection::Table::World, index, refusal->key, refusal->reason});

@@ -50,9 +50,35 @@ constexpr Duration kUsbPatience = std::chrono::seconds(3);
   return said.layout ? pieces::SearchKind::Sweep : pieces::SearchKind::Leap;
 }
 
+// `made` has the plug of a simulated board.
+[[nodiscard]] Result<pieces::PieceBoard::Opener> opener_for(const config::WorldConfig& said,
+                                                            const CamAxes& log2_cells,
+                                                            const Clock& clock,
+                                                            const BoardPlugs& plugs,
+                                                            MadeWorld& made) {
+  const config::PiecesConfig& of = *said.pieces;
+  if (of.board == config::PieceBoardKind::Usb) {
+    if (plugs.buses != nullptr) return open_plugged_in(plugs);
+    return fail(
+        Errc::Unsupported,
+        said.source + ": only a running daemon looks for a board on USB; use board = \"sim\"");
+  }
+  if (log2_cells[1] <= log2_of(of.boards)) {
+    return fail(Errc::InvalidArgument, said.source +
+                                           ": boards: each takes two rows of cells at least, " +
+                                           std::to_string(of.boards) + " of them " +
+                                           std::to_string(2 * of.boards) + " along y");
+  }
+  const auto options = board_options(log2_cells, of.boards);
+  if (of.board == config::PieceBoardKind::Sim) return open_in_slot(clock, options);
+  made.usb_board = std::make_shared<sim::cam::SimUsbCamBoard>(clock, options);
+  return open_on_usb(made.usb_board);
+}
+
 }  // namespace
 
-Result<MadeWorld> make_piece_world(const config::WorldConfig& said, const Clock* clock) {
+Result<MadeWorld> make_piece_world(const config::WorldConfig& said, const Clock* clock,
+                                   const BoardPlugs& plugs) {
   const config::PiecesConfig& of = *said.pieces;
   if (clock == nullptr) {
     return fail(Errc::Unsupported, said.source + ": a world on a board needs a clock");
@@ -66,27 +92,18 @@ Result<MadeWorld> make_piece_world(const config::WorldConfig& said, const Clock*
     return fail(Errc::InvalidArgument, said.source + ": dynamic: pieces are numbered 1 to " +
                                            std::to_string(most) + " then");
   }
-  if (file->log2_cells[1] <= log2_of(of.boards)) {
-    return fail(Errc::InvalidArgument, said.source +
-                                           ": boards: each takes two rows of cells at least, " +
-                                           std::to_string(of.boards) + " of them " +
-                                           std::to_string(2 * of.boards) + " along y");
-  }
   settings.pieces.is_dynamic = of.is_dynamic;
   settings.pieces.space = {file->log2_cells, CamDivision::StripY};
   settings.pieces.search = search_of(of);
   settings.workspace_m = said.workspace_m;
   settings.pressure.newton_per_m = of.pressure_newton_per_m.value_or(0);
   settings.source = said.source;
-  const auto options = board_options(file->log2_cells, of.boards);
   MadeWorld made;
-  if (of.board == config::PieceBoardKind::SimUsb) {
-    settings.pieces.patience = kUsbPatience;
-    made.usb_board = std::make_shared<sim::cam::SimUsbCamBoard>(*clock, options);
-  }
-  auto open = made.usb_board ? open_on_usb(made.usb_board) : open_in_slot(*clock, options);
+  auto open = opener_for(said, file->log2_cells, *clock, plugs, made);
+  if (!open) return tl::unexpected(open.error());
+  if (of.board != config::PieceBoardKind::Sim) settings.pieces.patience = kUsbPatience;
   auto world =
-      pieces::PieceWorld::create(settings, std::move(open), std::move(file->layout), *clock);
+      pieces::PieceWorld::create(settings, *std::move(open), std::move(file->layout), *clock);
   if (!world) return tl::unexpected(world.error());
   made.world = *std::move(world);
   return made;

@@ -62,7 +62,7 @@ Result<std::unique_ptr<WorldHost>> WorldHost::create(const config::WorldConfig& 
   host->model_ = said.constraint_model;
   host->loss_ = find_loss(said);
   const Clock* const clock = parts.world_clock ? parts.world_clock : parts.real_clock;
-  Result<MadeWorld> made = make_world(said, clock);
+  Result<MadeWorld> made = make_world(said, clock, host->plugs_for(said, parts));
   if (!made) return tl::unexpected(made.error().in(name));
   host->world_ = std::move(made->world);
   host->usb_board_ = std::move(made->usb_board);
@@ -81,6 +81,13 @@ Result<std::unique_ptr<WorldHost>> WorldHost::create(const config::WorldConfig& 
   if (!opened) return tl::unexpected(opened.error().in(name));
   host->listener_ = std::move(listener);
   return host;
+}
+
+BoardPlugs WorldHost::plugs_for(const config::WorldConfig& said, const RigParts& parts) {
+  if (!is_board_plugged_in(said)) return {};
+  BoardPlugs plugs{parts.real_buses, &inline_executor_};
+  if (parts.executor_for_board) plugs.executor = &parts.executor_for_board(said.name);
+  return plugs;
 }
 
 Result<std::unique_ptr<coupling::WorldCoupling>> WorldHost::make_world_half(
@@ -104,6 +111,12 @@ Result<std::uint64_t> WorldHost::submit_edits(std::vector<world::CellEdit> edits
   Result<std::uint64_t> number = edits_->submit(std::move(edits));
   if (!number) return tl::unexpected(number.error().in(name));
   return number;
+}
+
+std::string WorldHost::trouble() const {
+  const auto* there = pieces();
+  const auto why = there == nullptr ? std::nullopt : there->board().trouble();
+  return why ? why->in("world '" + name_ + "'").message : "";
 }
 
 Result<std::string> WorldHost::cells() {

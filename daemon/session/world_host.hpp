@@ -8,8 +8,10 @@
 
 #include "daemon/config/config.hpp"
 #include "daemon/coupling/world_coupling.hpp"
+#include "daemon/devices/device_executor.hpp"
 #include "daemon/link/link_counters.hpp"
 #include "daemon/session/arm_rig.hpp"
+#include "daemon/session/board_search.hpp"
 #include "daemon/session/made_world.hpp"
 #include "daemon/world/edit_queue.hpp"
 #include "daemon/world/world.hpp"
@@ -66,6 +68,8 @@ class WorldHost {
   [[nodiscard]] const world::cam::PieceWorld* pieces() const noexcept { return world_->pieces(); }
   // The board of its pieces, to be pulled out; nullptr where it is on no simulated USB.
   [[nodiscard]] sim::cam::SimUsbCamBoard* usb_board() noexcept { return usb_board_.get(); }
+  // Why nothing is felt of its board, with the world's name in front; empty when it works.
+  [[nodiscard]] std::string trouble() const;
   // What somebody who touches it does not feel, though the configuration says it: a sentence.
   [[nodiscard]] const std::optional<std::string>& loss() const noexcept { return loss_; }
   // Nothing where the world does not listen.
@@ -74,12 +78,14 @@ class WorldHost {
  private:
   class Listener;
   WorldHost();
+  [[nodiscard]] BoardPlugs plugs_for(const config::WorldConfig& said, const RigParts& parts);
   std::optional<MonotonicTime> pump_edits(MonotonicTime now);
   [[nodiscard]] tl::unexpected<Error> does_not_run() const;
 
   std::string name_;
   config::ConstraintModel model_{config::ConstraintModel::GhostPoint};
   std::optional<std::string> loss_;
+  devices::InlineExecutor inline_executor_;  // before the world, whose board it closes
   std::shared_ptr<sim::cam::SimUsbCamBoard> usb_board_;
   std::unique_ptr<world::World> world_;
   std::optional<world::EditQueue> edits_;

@@ -48,8 +48,13 @@ world::VolumeOptions volume_options(const config::WorldConfig& said) {
   return options;
 }
 
-Result<MadeWorld> make_world(const config::WorldConfig& said, const Clock* clock) {
-  if (said.pieces) return make_piece_world(said, clock);
+bool is_board_plugged_in(const config::WorldConfig& said) noexcept {
+  return said.pieces && said.pieces->board == config::PieceBoardKind::Usb;
+}
+
+Result<MadeWorld> make_world(const config::WorldConfig& said, const Clock* clock,
+                             const BoardPlugs& plugs) {
+  if (said.pieces) return make_piece_world(said, clock, plugs);
   auto world = said.automaton ? make_live_world(said)
                : said.sphere  ? make_sphere(*said.sphere)
                               : world::make_world(said.source, volume_options(said));

@@ -51,7 +51,7 @@ class Udev(guest.GuestTest):
 
     def test_no_list_of_ids_lets_a_force_device_sleep(self):
         """Compiled by the trigger of udev's own package; other lists come first."""
-        for name in ("v1234p0006", "v16C0p0486", "v16C0p0483", "v0403pCB48", "v10C4pEA90"):
+        for name in ("v1234p0006", "v16C0p0486", "v16C0p0483", "v0403pCB48", "v10C4pEA90", "v1209p0001"):
             with self.subTest(name):
                 self.assertIn("ID_AUTOSUSPEND=0", self.guest.run(f"systemd-hwdb query usb:{name}d0100dc00dsc00dp00").splitlines())
 

@@ -34,6 +34,12 @@ TEST(ConfigPieces, ReadsEveryKey) {
   EXPECT_EQ(sut->worlds.at(0).workspace_m, 0.1);
 }
 
+TEST(ConfigPieces, ARealBoardSaysItselfHowLargeItIs) {
+  const auto usb = parse_text(pieces_with("pieces.board = \"usb\"\n"));
+  ASSERT_TRUE(usb);
+  EXPECT_EQ(usb->worlds.at(0).pieces->board, PieceBoardKind::Usb);
+}
+
 TEST(ConfigPieces, InSpaceThereAreFewerCellsAlongAnAxis) {
   const auto sut = parse_text(pieces_with("pieces.axes = 3\n"));
   ASSERT_TRUE(sut);
@@ -91,7 +97,8 @@ INSTANTIATE_TEST_SUITE_P(
                     BadPieces{"pieces.cells = 1024\n", "32 to 512"},
                     BadPieces{"pieces.boards = 3\n", "a power of two, found 3"},
                     BadPieces{"pieces.boards = 16\n", "1 to 8"},
-                    BadPieces{"pieces.board = \"usb\"\n", "\"sim-usb\""},
+                    BadPieces{"pieces.board = \"isa\"\n", "\"usb\""},
+                    BadPieces{"pieces.board = \"usb\"\npieces.boards = 8\n", "simulated board"},
                     BadPieces{"pieces.count = 64\n", "1 to 63"},
                     BadPieces{"pieces.count = 0\n", "1 to 63"},
                     BadPieces{"pieces.dynamic = true\npieces.count = 8\n", "at most 7"},
