@@ -37,17 +37,11 @@ api::ServerSettings server_settings(const config::Config& config) {
   return settings;
 }
 
-bool has_real_arm(const config::Config& config) {
-  return std::any_of(config.arms.begin(), config.arms.end(),
-                     [](const config::ArmConfig& arm) { return !bus::is_simulated(arm.device); });
-}
-
 std::string sentence_of(const config::ArmConfig& arm, ReturnWatch::Change change) {
   if (change == ReturnWatch::Change::Returned) {
     return "arm '" + arm.name + "': " + arm.device + " is there again";
   }
-  const std::string_view why = explain(FaultCode::Disconnected);
-  return "arm '" + arm.name + "' stopped: " + std::string(why);
+  return "arm '" + arm.name + "' stopped: " + std::string(explain(FaultCode::Disconnected));
 }
 
 }  // namespace
@@ -74,7 +68,7 @@ Result<void> Daemon::start(const linux::RealtimeProcess& process) {
   recorder_ = std::make_unique<RecordingWriter>(config_.daemon.flight_directory.value_or(
       config::default_flight_directory(config::process_environment())));
 
-  if (has_real_arm(config_)) {
+  if (has_real_device(config_)) {
     if (Result<void> found = start_buses(process); !found) return found;
   }
   session::RigParts parts{plugins_.models, plugins_.drivers};
@@ -82,6 +76,9 @@ Result<void> Daemon::start(const linux::RealtimeProcess& process) {
   parts.guards = guards_.get();
   parts.executor_for = [this](const std::string& arm) -> devices::DeviceExecutor& {
     return device_threads_->executor_for(arm);
+  };
+  parts.executor_for_board = [this](const std::string& world) -> devices::DeviceExecutor& {
+    return device_threads_->executor_for_board(world);
   };
   parts.real_clock = &clock_;
   parts.stopwatch = &clock_;
@@ -196,8 +193,8 @@ Result<void> Daemon::close_arms(Duration patience) {
   runtime_.reset();
   if (device_threads_ == nullptr) return {};
   std::string late;
-  for (const std::string& arm : device_threads_->late_after(patience, clock_)) {
-    late += (late.empty() ? "arm '" : ", '") + arm + "'";
+  for (const std::string& device : device_threads_->late_after(patience, clock_)) {
+    late += (late.empty() ? "" : ", ") + device;
   }
   if (late.empty()) return {};
   return fail(Errc::Timeout, late + ": the kernel holds it up; ended without closing it");

@@ -99,7 +99,7 @@ class Daemon final : private api::StatusView {
   Result<void> ending_;      // an error: not as told
 
   std::unique_ptr<RecordingWriter> recorder_;
-  std::unique_ptr<linux::BusEnumerator> buses_;    // nullptr: every arm is simulated
+  std::unique_ptr<linux::BusEnumerator> buses_;    // nullptr: every device is simulated
   std::unique_ptr<GuardKeeper> guards_;            // of its devices
   std::unique_ptr<DeviceThreads> device_threads_;  // of its devices, which they close at the end
   std::unique_ptr<session::Runtime> runtime_;

@@ -12,8 +12,12 @@
 
 namespace thimble::app {
 
-// A thread for each real arm of the configuration, in which it is looked for, opened and closed: no
-// arm waits for another one's kernel, and the control thread for none.
+// Whether it names an arm or a board that is not simulated.
+[[nodiscard]] bool has_real_device(const config::Config& config);
+
+// A thread for each real arm of the configuration, and for each world whose board is plugged in, in
+// which it is looked for, opened and closed: no arm waits for another one's kernel, and the control
+// thread for none.
 //
 // Thread: control thread. Not RT; the threads have no priority. Ownership: must outlive what posts
 // to it; what its tasks use must outlive it. Its end waits until all that was posted is done,
@@ -26,16 +30,19 @@ class DeviceThreads {
   DeviceThreads(const DeviceThreads&) = delete;
   DeviceThreads& operator=(const DeviceThreads&) = delete;
 
-  // `arm`: the name of a real one of the configuration.
+  // `arm`: the name of a real one of the configuration; another is the caller's mistake, and throws
+  // std::out_of_range. So here and below.
   [[nodiscard]] devices::DeviceExecutor& executor_for(const std::string& arm);
-  // The arms of which not all that was posted is done after `patience`, which is for all of them
-  // together.
+  // `world`: the name of one whose board is plugged in.
+  [[nodiscard]] devices::DeviceExecutor& executor_for_board(const std::string& world);
+  // For a person, those of which not all that was posted is done after `patience`, which is for all
+  // of them together: "arm 'left'", "the board of world 'desk'".
   [[nodiscard]] std::vector<std::string> late_after(Duration patience, const Clock& clock);
 
  private:
-  class OfOneArm;
+  class OfOneDevice;
   DeviceThreads();
-  std::map<std::string, std::unique_ptr<OfOneArm>> threads_;
+  std::map<std::string, std::unique_ptr<OfOneDevice>> threads_;  // by what late_after() calls it
 };
 
 }  // namespace thimble::app

@@ -19,6 +19,10 @@ config::Config two_real_arms_and_a_simulated_one() {
     config.arms.emplace_back().name = name;
     config.arms.back().device = device;
   }
+  for (const auto kind : {config::PieceBoardKind::Usb, config::PieceBoardKind::SimUsb}) {
+    config.worlds.emplace_back().pieces = config::PiecesConfig{.board = kind};
+    config.worlds.back().name = kind == config::PieceBoardKind::Usb ? "left" : "toy";
+  }
   return config;
 }
 
@@ -64,14 +68,31 @@ TEST_F(DeviceThreadsTest, NamesTheArmThatIsNotDoneAndWaitsForTheOthers) {
   std::atomic<bool> is_right_done{false};
   sut->executor_for("left").post([&] { answer.get_future().wait(); });
   sut->executor_for("right").post([&] { is_right_done = true; });
-  EXPECT_EQ(sut->late_after(std::chrono::milliseconds(1), clock).front(), "left");
+  EXPECT_EQ(sut->late_after(std::chrono::milliseconds(1), clock).front(), "arm 'left'");
   answer.set_value();
   EXPECT_TRUE(sut->late_after(std::chrono::hours(1), clock).empty());
   EXPECT_TRUE(is_right_done);
 }
 
-TEST_F(DeviceThreadsTest, ASimulatedArmHasNone) {
+TEST_F(DeviceThreadsTest, ABoardOfAWorldHasOneOfItsOwnWhateverAnArmIsCalled) {
+  const linux::MonotonicClock clock;
+  EXPECT_NE(&sut->executor_for_board("left"), &sut->executor_for("left"));
+  std::promise<void> answer;
+  sut->executor_for_board("left").post([&] { answer.get_future().wait(); });
+  EXPECT_EQ(sut->late_after(std::chrono::milliseconds(1), clock),
+            std::vector<std::string>{"the board of world 'left'"});
+  answer.set_value();
+}
+
+TEST_F(DeviceThreadsTest, WhatIsSimulatedHasNone) {
   EXPECT_THROW(static_cast<void>(sut->executor_for("toy")), std::out_of_range);
+  EXPECT_THROW(static_cast<void>(sut->executor_for_board("toy")), std::out_of_range);
+  config::Config config;
+  EXPECT_FALSE(has_real_device(config));
+  config.worlds.emplace_back().pieces = config::PiecesConfig{};
+  EXPECT_FALSE(has_real_device(config));
+  config.worlds.back().pieces->board = config::PieceBoardKind::Usb;
+  EXPECT_TRUE(has_real_device(config));
 }
 
 }  // namespace
