@@ -27,6 +27,9 @@ def wait_for_state(guest, *states, arm=0):
 class Simdev:
     """Runs in the guest until stop(). `options`: those of thimble-simdev, and the model."""
 
+    # Above the servo: what is hardware does not wait for software.
+    policy = "-p CPUSchedulingPolicy=fifo -p CPUSchedulingPriority=85"
+
     def __init__(self, guest, name, *options):
         self.guest = guest
         self.unit = f"simdev-{name}"
@@ -36,8 +39,7 @@ class Simdev:
 
     def start(self):
         """Also again, after stop(): another one of its kind."""
-        # Above the servo: what is hardware does not wait for software.
-        self.guest.run(f"systemd-run --quiet --collect --unit {self.unit} -p CPUSchedulingPolicy=fifo -p CPUSchedulingPriority=85 "
+        self.guest.run(f"systemd-run --quiet --collect --unit {self.unit} {self.policy} "
                        f"thimble-simdev --socket {self.socket} " + " ".join(self.options))
         self.guest.wait_for(f"test -S {self.socket} || ! systemctl is-active --quiet {self.unit}")
         self.status()
