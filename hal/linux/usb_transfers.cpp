@@ -9,6 +9,8 @@
 #include <string>
 #include <utility>
 
+#include "hal/linux/usb_pipe.hpp"
+
 namespace thimble::linux {
 namespace {
 
@@ -54,70 +56,6 @@ UsbOutcome outcome_of(libusb_transfer_status status) noexcept {
 }
 
 }  // namespace
-
-class UsbTransfers::Transfer {
- public:
-  // `pipe` is nullptr for endpoint 0.
-  Transfer(UsbTransfers& owner, Pipe* pipe, std::size_t bytes)
-      : owner_(&owner),
-        pipe_(pipe),
-        raw_(::libusb_alloc_transfer(0)),
-        buffer_(bytes),
-        spare_(bytes) {}
-  ~Transfer() { ::libusb_free_transfer(raw_); }
-  Transfer(const Transfer&) = delete;
-  Transfer& operator=(const Transfer&) = delete;
-
-  // Not before the device is open: it remembers its handle. False without memory.
-  [[nodiscard]] bool prepare(const bus::UsbEndpointInfo* info) noexcept {
-    if (raw_ == nullptr) return false;
-    raw_->dev_handle = owner_->handle_;
-    raw_->endpoint = info == nullptr ? 0 : info->address;
-    raw_->type = type_of(info == nullptr ? bus::UsbTransferKind::Control : info->kind);
-    raw_->timeout = 0;
-    raw_->callback = [](libusb_transfer* raw) {
-      auto* transfer = static_cast<Transfer*>(raw->user_data);
-      transfer->owner_->ended(*transfer);
-    };
-    raw_->user_data = this;
-    raw_->length = static_cast<int>(buffer_.size());
-    return true;
-  }
-  [[nodiscard]] libusb_transfer& raw() noexcept { return *raw_; }
-  [[nodiscard]] Pipe* pipe() noexcept { return pipe_; }
-  [[nodiscard]] std::vector<std::uint8_t>& buffer() noexcept { return buffer_; }
-  // The other buffer goes to the kernel next; returns the one that has just been filled.
-  std::span<const std::uint8_t> swap_buffers() noexcept {
-    buffer_.swap(spare_);
-    return {spare_.data(), static_cast<std::size_t>(std::max(raw_->actual_length, 0))};
-  }
-  bool is_under_way{false};
-
- private:
-  // libusb's numbers are those of the descriptors.
-  static std::uint8_t type_of(bus::UsbTransferKind kind) noexcept {
-    return static_cast<std::uint8_t>(kind);
-  }
-
-  UsbTransfers* owner_;
-  Pipe* pipe_;
-  libusb_transfer* raw_;
-  std::vector<std::uint8_t> buffer_;
-  std::vector<std::uint8_t> spare_;
-};
-
-struct UsbTransfers::Pipe {
-  std::size_t index{0};  // in the mailboxes
-  bus::UsbEndpointInfo info;
-  std::vector<std::unique_ptr<Transfer>> transfers;
-  bool is_halted{false};
-  MonotonicTime not_before{Duration::min()};  // the next try after a failure
-
-  [[nodiscard]] bool is_idle() const noexcept {
-    return std::none_of(transfers.begin(), transfers.end(),
-                        [](const auto& transfer) { return transfer->is_under_way; });
-  }
-};
 
 Result<std::unique_ptr<UsbTransfers>> UsbTransfers::open(int node, std::uint8_t interface_number,
                                                          bus::UsbMailboxes& mail,
