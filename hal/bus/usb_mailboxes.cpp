@@ -136,18 +136,20 @@ class UsbMailboxes::OutPipe {
     newest_.write(submitted_);
     return is_way_free ? IoStatus::Ok : IoStatus::Backlogged;
   }
-  std::span<const std::uint8_t> take() noexcept {
-    if (!is_owed_) {
+  std::span<const std::uint8_t> take(std::size_t nth) noexcept {
+    if (is_queued()) return take_queued(nth);
+    if (nth > 0) return {};
+    if (owed_ == 0) {
       const std::uint64_t before = taken_.number;
-      if (!(is_queued() ? queue_->pop(taken_) : newest_.read(taken_))) return {};
+      if (!newest_.read(taken_)) return {};
       superseded_.fetch_add(taken_.number - before - 1, std::memory_order_relaxed);
-      is_owed_ = true;
+      owed_ = 1;
     }
     return {taken_.bytes.data(), taken_.size};
   }
   void finish(UsbOutcome outcome, std::size_t taken_bytes) noexcept {
-    if (!is_owed_) return;
-    is_owed_ = false;
+    if (owed_ == 0 || (is_queued() && !queue_->pop(taken_))) return;
+    --owed_;
     const bool is_whole = taken_bytes >= taken_.size;
     if (outcome == UsbOutcome::Done && !is_whole) cut_.fetch_add(1, std::memory_order_relaxed);
     endings_.add(outcome);
@@ -171,6 +173,12 @@ class UsbMailboxes::OutPipe {
 
   using Queue = rt::SpscRing<Packet, kUsbQueuedPackets>;
 
+  std::span<const std::uint8_t> take_queued(std::size_t nth) noexcept {
+    const Packet* const packet = queue_->peek(nth);
+    if (packet == nullptr) return {};
+    owed_ = std::max(owed_, nth + 1);
+    return {packet->bytes.data(), packet->size};
+  }
   IoStatus append(std::span<const std::uint8_t> bytes) noexcept {
     std::copy(bytes.begin(), bytes.end(), submitted_.bytes.begin());
     submitted_.size = bytes.size();
@@ -187,7 +195,7 @@ class UsbMailboxes::OutPipe {
   std::uint64_t arrived_before_{0};  // at the last submit
   // Bus's thread.
   Packet taken_{};
-  bool is_owed_{false};
+  std::size_t owed_{0};                    // ends of packets that were offered
   std::atomic<std::uint64_t> arrived_{0};  // number of the last packet the device took whole
   std::atomic<std::uint64_t> superseded_{0};
   std::atomic<std::uint64_t> cut_{0};
@@ -283,9 +291,9 @@ UsbCounters UsbMailboxes::counters(std::uint8_t endpoint) const noexcept {
   return counters;
 }
 
-std::span<const std::uint8_t> UsbMailboxes::take_out(std::size_t pipe) noexcept {
+std::span<const std::uint8_t> UsbMailboxes::take_out(std::size_t pipe, std::size_t nth) noexcept {
   OutPipe* out = pipes_[pipe]->out();
-  return out == nullptr ? std::span<const std::uint8_t>{} : out->take();
+  return out == nullptr ? std::span<const std::uint8_t>{} : out->take(nth);
 }
 
 void UsbMailboxes::finish_out(std::size_t pipe, UsbOutcome outcome, std::size_t taken) noexcept {

@@ -54,9 +54,11 @@ class UsbMailboxes : public UsbDevice {
   // Output that is a stream: more may wait behind a packet that has ended.
   [[nodiscard]] bool is_queued_out(std::size_t pipe) const noexcept;
   // The packet to offer to the device: the one whose end is still owed, else the newest that was
-  // submitted (of a queue: the oldest), else empty. Valid until finish_out().
-  THIMBLE_RT std::span<const std::uint8_t> take_out(std::size_t pipe) noexcept;
-  // How the packet ended that take_out() returned; `taken` of its bytes reached the device.
+  // submitted (of a queue: the oldest), else empty. Of a queue several can be offered at once: the
+  // one that comes behind `nth` others. Valid until its finish_out().
+  THIMBLE_RT std::span<const std::uint8_t> take_out(std::size_t pipe, std::size_t nth = 0) noexcept;
+  // How a packet ended that take_out() returned, of several the oldest; `taken` of its bytes
+  // reached the device.
   THIMBLE_RT void finish_out(std::size_t pipe, UsbOutcome outcome, std::size_t taken) noexcept;
   // A transfer of an IN pipe ended; `packet` counts when it is Done.
   THIMBLE_RT void finish_in(std::size_t pipe, UsbOutcome outcome,

@@ -14,8 +14,8 @@ namespace thimble::rt {
 // Ordered events from one writer to one reader. When full, the newest is refused and
 // counted: nothing already promised to the reader is lost.
 //
-// Thread: push() from one thread, pop() from one other; refused() from any.
-// RT: both THIMBLE_RT. Holds `Capacity` copies of T; no allocation.
+// Thread: push() from one thread, pop() and peek() from one other; refused() from any.
+// RT: these three THIMBLE_RT. Holds `Capacity` copies of T; no allocation.
 template <class T, std::size_t Capacity>
 class SpscRing {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -39,6 +39,13 @@ class SpscRing {
     out = slots_[tail % Capacity];
     tail_.store(tail + 1, std::memory_order_release);
     return true;
+  }
+
+  // The one that comes behind `nth` others, 0 the next; valid until it is popped. nullptr: none.
+  THIMBLE_RT [[nodiscard]] const T* peek(std::size_t nth) const noexcept {
+    const std::uint64_t tail = tail_.load(std::memory_order_relaxed);
+    if (head_.load(std::memory_order_acquire) - tail <= nth) return nullptr;
+    return &slots_[(tail + nth) % Capacity];
   }
 
   [[nodiscard]] std::uint64_t refused() const noexcept {

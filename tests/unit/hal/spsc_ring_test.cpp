@@ -22,6 +22,12 @@ TEST(SpscRing, BehavesLikeABoundedQueueThatRefusesTheNewest) {
       if (!fits) ++refused;
       continue;
     }
+    const std::size_t nth = random() % 9;
+    const int* const looked_at = sut.peek(nth);
+    ASSERT_EQ(looked_at != nullptr, nth < oracle.size());
+    if (looked_at != nullptr) {
+      ASSERT_EQ(*looked_at, oracle[nth]);
+    }
     int out = -1;
     ASSERT_EQ(sut.pop(out), !oracle.empty());
     if (oracle.empty()) continue;

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
+#include <deque>
 #include <random>
 #include <thread>
 
@@ -80,6 +82,52 @@ TEST(UsbMailboxes, ASubmitIsOkExactlyWhenTheWayOutMoves) {
     sut.finish_out(kOutPipe, outcome, taken);
   }
   EXPECT_GT(arrived, 100U);
+}
+
+// Random offers and ends of a queue against a plain one: each packet has one end, the oldest first.
+TEST(UsbMailboxes, SeveralPacketsOfAQueueAreOfferedAtOnceAndEndOneAfterTheOther) {
+  std::mt19937 random(9);
+  auto both = pipes(UsbDelivery::Every);
+  both[kOutPipe].pipe.delivery = UsbDelivery::Every;
+  UsbMailboxes sut(both);
+  std::deque<std::uint64_t> waiting;
+  std::size_t offered = 0;
+  std::uint64_t submitted = 0;
+  std::uint64_t ended = 0;
+  for (int step = 0; step < 20000; ++step) {
+    const auto choice = random() % 5;
+    if (choice < 2) {
+      const bool fits = waiting.size() < kUsbQueuedPackets;
+      const IoStatus status = sut.submit(kOut, bytes_of(submitted + 1));
+      ASSERT_EQ(status, fits ? IoStatus::Ok : IoStatus::Backlogged);
+      if (fits) waiting.push_back(++submitted);
+    } else if (choice < 4) {
+      const std::size_t nth = random() % (kUsbQueuedPackets + 2);
+      const auto packet = sut.take_out(kOutPipe, nth);
+      ASSERT_EQ(packet.empty(), nth >= waiting.size());
+      if (packet.empty()) continue;
+      ASSERT_EQ(number_of(packet), waiting[nth]);
+      offered = std::max(offered, nth + 1);
+    } else {
+      sut.finish_out(kOutPipe, UsbOutcome::Done, 8);
+      if (offered == 0) continue;  // nobody awaits it
+      --offered;
+      waiting.pop_front();
+      ++ended;
+    }
+    ASSERT_EQ(sut.counters(kOut).packets_out, ended);
+  }
+  EXPECT_GT(ended, 2000U);
+  EXPECT_EQ(sut.counters(kOut).writes_superseded, 0U);
+}
+
+TEST(UsbMailboxes, OfAMailboxThereIsNoSecondPacket) {
+  UsbMailboxes sut(pipes(UsbDelivery::Newest));
+  sut.submit(kOut, bytes_of(1));
+  sut.submit(kOut, bytes_of(2));
+  EXPECT_TRUE(sut.take_out(kOutPipe, 1).empty());
+  EXPECT_EQ(number_of(sut.take_out(kOutPipe)), 2U);
+  EXPECT_TRUE(sut.take_out(kOutPipe, 1).empty());
 }
 
 // As a report on a real bus: it leaves in the frame after it was written, so at a servo's rate of
