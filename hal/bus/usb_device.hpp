@@ -99,8 +99,8 @@ inline constexpr std::size_t kUsbQueuedPackets = 64;
 // RT: all THIMBLE_RT_IO: an exchange with the bus's mailboxes, at most one non-blocking system
 //     call (a wake-up of the bus's thread), never a wait, no allocation.
 // Ownership: closing is the destructor's. Of what was submitted before it the newest packet of each
-//     OUT pipe, or the next of its queue, is still sent, if the device takes it within 20 ms; a
-//     simulated bus, on which no time passes meanwhile, drops it. Then what is pending is
+//     OUT pipe, or of its queue the next ones, is still sent, if the device takes it within 20 ms;
+//     a simulated bus, on which no time passes meanwhile, drops it. Then what is pending is
 //     cancelled, and the device ends silent. The enumerator must outlive it.
 // Errors: IoStatus::Disconnected latches; unplugging shows here, whatever the enumerator says and
 //     when. What arrived before it and was not read is lost.

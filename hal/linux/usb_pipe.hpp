@@ -67,12 +67,20 @@ class UsbTransfers::Transfer {
 
 // An endpoint's transfers. Thread, RT, ownership: as UsbTransfers.
 struct UsbTransfers::Pipe {
+  // libusb cuts what is longer into pieces, each a call into the kernel (MAX_BULK_BUFFER_LENGTH).
+  static constexpr std::size_t kMostRunBytes = 16384;
+
   std::size_t index{0};  // in the mailboxes
   bus::UsbEndpointInfo info;
   std::vector<std::unique_ptr<Transfer>> transfers;
   bool is_halted{false};
   MonotonicTime not_before{Duration::min()};  // the next try after a failure
 
+  // Of one transfer.
+  [[nodiscard]] std::size_t most_packets(const bus::UsbMailboxes& mail) const noexcept {
+    if (!mail.is_queued_out(index)) return 1;
+    return std::min<std::size_t>(bus::kUsbQueuedPackets, kMostRunBytes / info.max_packet_bytes);
+  }
   [[nodiscard]] bool is_idle() const noexcept {
     return std::none_of(transfers.begin(), transfers.end(),
                         [](const auto& transfer) { return transfer->is_under_way; });

@@ -103,8 +103,8 @@ Result<void> UsbTransfers::allocate() {
     pipe->info = mail_->info(index);
     const std::size_t count = bus::is_usb_in(pipe->info.address) ? kPendingReads : 1;
     for (std::size_t i = 0; i < count; ++i) {
-      pipe->transfers.push_back(
-          std::make_unique<Transfer>(*this, pipe.get(), pipe->info.max_packet_bytes));
+      pipe->transfers.push_back(std::make_unique<Transfer>(
+          *this, pipe.get(), pipe->most_packets(*mail_) * pipe->info.max_packet_bytes));
       has_memory = pipe->transfers.back()->prepare(&pipe->info) && has_memory;
     }
     pipes_.push_back(std::move(pipe));
@@ -186,11 +186,24 @@ void UsbTransfers::serve_in(Pipe& pipe) noexcept {
 void UsbTransfers::serve_out(Pipe& pipe) noexcept {
   Transfer& transfer = *pipe.transfers.front();
   if (transfer.is_under_way) return;
-  const std::span<const std::uint8_t> packet = mail_->take_out(pipe.index);
-  if (packet.empty()) return;
-  std::copy(packet.begin(), packet.end(), transfer.buffer().begin());
-  transfer.raw().length = static_cast<int>(packet.size());
+  const std::size_t bytes = fill_out(transfer);
+  if (bytes == 0) return;
+  transfer.raw().length = static_cast<int>(bytes);
   if (!submit(transfer)) mail_->finish_out(pipe.index, UsbOutcome::Failed, 0);
+}
+
+// A run of whole packets and the first short one behind them: into just these the bus cuts it.
+std::size_t UsbTransfers::fill_out(Transfer& transfer) noexcept {
+  const Pipe& pipe = *transfer.pipe();
+  std::size_t bytes = 0;
+  for (std::size_t nth = 0; bytes < transfer.buffer().size(); ++nth) {
+    const std::span<const std::uint8_t> packet = mail_->take_out(pipe.index, nth);
+    std::copy(packet.begin(), packet.end(),
+              transfer.buffer().begin() + static_cast<std::ptrdiff_t>(bytes));
+    bytes += packet.size();
+    if (packet.size() < pipe.info.max_packet_bytes) break;
+  }
+  return bytes;
 }
 
 void UsbTransfers::serve_control() noexcept {
@@ -249,8 +262,16 @@ void UsbTransfers::ended_in(Transfer& transfer, UsbOutcome outcome) noexcept {
 void UsbTransfers::ended_out(Transfer& transfer, UsbOutcome outcome) noexcept {
   Pipe& pipe = *transfer.pipe();
   if (outcome == UsbOutcome::Stalled) pipe.is_halted = true;
-  const int taken = std::max(transfer.raw().actual_length, 0);
-  mail_->finish_out(pipe.index, outcome, static_cast<std::size_t>(taken));
+  auto taken = static_cast<std::size_t>(std::max(transfer.raw().actual_length, 0));
+  // Those behind one that ended badly have not been tried.
+  for (auto left = static_cast<std::size_t>(transfer.raw().length); left > 0;) {
+    const std::size_t size = std::min(mail_->take_out(pipe.index).size(), left);
+    const bool goes_on = size > 0 && size <= taken && size < left;
+    mail_->finish_out(pipe.index, goes_on ? UsbOutcome::Done : outcome, std::min(taken, size));
+    if (!goes_on) return;
+    taken -= size;
+    left -= size;
+  }
 }
 
 void UsbTransfers::ended_control(Transfer& transfer, UsbOutcome outcome) noexcept {

@@ -74,6 +74,7 @@ class UsbTransfers {
   void serve_halt(Pipe& pipe) noexcept;
   void serve_in(Pipe& pipe) noexcept;
   void serve_out(Pipe& pipe) noexcept;
+  std::size_t fill_out(Transfer& transfer) noexcept;
   void serve_control() noexcept;
   bool submit(Transfer& transfer) noexcept;
   void ended(Transfer& transfer) noexcept;

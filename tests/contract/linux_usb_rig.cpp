@@ -2,6 +2,7 @@
 // place of libusb and the kernel stands tests/support/fake_libusb.cpp, in place of the thread the
 // test, so that every run is the same. Over a real kernel it is for the VM tier to run.
 #include <memory>
+#include <random>
 #include <utility>
 
 #include "hal/linux/usb_transfers.hpp"
@@ -274,6 +275,86 @@ TEST_F(UsbTransfersTest, ClosingSendsNothingTwiceAndNothingToADeviceThatIsGone) 
   sut->submit(kOut, pattern(16, 2));
   sut.reset();
   EXPECT_EQ(bench.script->received[kOut].size(), 1U);
+}
+
+// An output that is a stream: as many packets as have room in a frame, not one.
+struct UsbOutputStream : UsbTransfersTest {
+  std::vector<UsbRig::Packet> sent;
+
+  UsbOutputStream() {
+    sut.reset();
+    bus::UsbClaim claim;
+    claim.pipes.push_back({kOut, bus::UsbDelivery::Every});
+    sut = bench.open_usb(bench.address, claim).value();
+  }
+  // False: it is full.
+  bool try_to_send(std::size_t bytes) {
+    const auto packet = pattern(bytes, static_cast<std::uint8_t>(sent.size()));
+    if (sut->submit(kOut, packet) != IoStatus::Ok) return false;
+    sent.push_back(packet);
+    return true;
+  }
+  void send(std::size_t bytes) { ASSERT_TRUE(try_to_send(bytes)); }
+  const std::vector<UsbRig::Packet>& received() { return bench.script->received[kOut]; }
+};
+
+TEST_F(UsbOutputStream, WholePacketsLeaveAsFastAsTheBusTakesThem) {
+  for (std::size_t i = 0; i < bus::kUsbQueuedPackets; ++i) send(64);
+  run_frames(1);
+  EXPECT_EQ(received().size(), FakeUsbWire::kMostPacketsInFrame);
+  run_frames(3);
+  EXPECT_EQ(received(), sent);
+  EXPECT_EQ(sut->counters(kOut).packets_out, bus::kUsbQueuedPackets);
+}
+
+TEST_F(UsbOutputStream, PacketsComeAsTheyWereWhateverTheirSizes) {
+  std::mt19937 random(11);
+  std::size_t short_ones = 0;
+  for (int frame = 0; frame < 2000; ++frame) {
+    for (auto more = random() % 12; more > 0; --more) {
+      const std::size_t size = random() % 4 == 0 ? 1 + random() % 63 : 64;
+      if (!try_to_send(size)) break;
+      if (size < 64) ++short_ones;
+    }
+    run_frames(1);
+  }
+  run_frames(bus::kUsbQueuedPackets);
+  EXPECT_EQ(received(), sent);
+  EXPECT_GT(sent.size(), 2 * 2000U) << "more than one a frame";
+  EXPECT_GT(short_ones, 500U);
+  EXPECT_EQ(sut->counters(kOut).packets_out, sent.size());
+  EXPECT_EQ(sut->counters(kOut).writes_cut, 0U);
+}
+
+TEST_F(UsbOutputStream, OneThatIsRefusedInARunIsLostAndNoOther) {
+  for (int i = 0; i < 40; ++i) send(64);
+  run_frames(1);
+  bench.script->stalls_to_come.insert(kOut);
+  run_frames(10);
+  sent.erase(sent.begin() + FakeUsbWire::kMostPacketsInFrame);
+  EXPECT_EQ(received(), sent);
+  const bus::UsbCounters counters = sut->counters(kOut);
+  EXPECT_EQ(counters.packets_out, 39U);
+  EXPECT_EQ(counters.stalls, 1U);
+  EXPECT_EQ(counters.writes_cut, 0U);
+}
+
+TEST_F(UsbOutputStream, ARunThatTheKernelRefusesCostsItsFirstPacket) {
+  for (int i = 0; i < 5; ++i) send(64);
+  bench.wire.refuse_next_submissions(1);
+  run_frames(3);
+  sent.erase(sent.begin());
+  EXPECT_EQ(received(), sent);
+  EXPECT_EQ(sut->counters(kOut).failures, 1U);
+}
+
+TEST_F(UsbOutputStream, AnUnplugWithinARunIsTheEnd) {
+  for (int i = 0; i < 40; ++i) send(64);
+  run_frames(1);
+  bench.wire.unplug();
+  run_frames(1);
+  EXPECT_EQ(sut->submit(kOut, pattern(64, 1)), IoStatus::Disconnected);
+  EXPECT_EQ(received().size(), FakeUsbWire::kMostPacketsInFrame);
 }
 
 TEST_F(UsbTransfersTest, AnUnplugEndsEveryTransferAndNothingIsSubmittedAfterIt) {

@@ -27,8 +27,7 @@ TEST_P(UsbDeviceContract, AnOutputThatIsAStreamLosesNothingAndSaysWhenItIsFull) 
   send(10);
   run_frames(3);
   send(10 * bus::kUsbQueuedPackets);
-  // Beside those that wait one that the bus has taken; behind a cable that a fault may hold up, two
-  // more.
+  // Behind a cable that a fault may hold up, some more.
   EXPECT_GE(sent.size(), bus::kUsbQueuedPackets);
   EXPECT_LE(sent.size(), bus::kUsbQueuedPackets + 3);
   EXPECT_TRUE(rig->received_by_device(kBulkOut).empty());

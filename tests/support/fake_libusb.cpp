@@ -45,6 +45,7 @@ struct FakeLibusb {
       if (endpoint.address != transfer.endpoint || !bus::is_usb_in(endpoint.address)) continue;
       if (transfer.length % endpoint.max_packet_bytes != 0) wire.breach("a read is no packet long");
     }
+    transfer.actual_length = 0;
     wire.pending_.push_back(&transfer);
     return 0;
   }
@@ -167,8 +168,7 @@ void FakeUsbWire::serve(libusb_transfer& transfer) {
     if (!is_in) answer.size = request.length;
     if (answer.size > request.length) return end(transfer, LIBUSB_TRANSFER_OVERFLOW, 0);
   } else if (!bus::is_usb_in(transfer.endpoint)) {
-    answer.handshake = model_->out_packet(transfer.endpoint, {transfer.buffer, length});
-    answer.size = length;
+    return serve_out(transfer);
   } else if (reads_to_spoil_ > 0) {
     --reads_to_spoil_;
     return end(transfer, LIBUSB_TRANSFER_ERROR, 0);
@@ -182,6 +182,27 @@ void FakeUsbWire::serve(libusb_transfer& transfer) {
   }
   if (transfer.endpoint != 0) halted_.insert(transfer.endpoint);
   end(transfer, LIBUSB_TRANSFER_STALL, 0);
+}
+
+void FakeUsbWire::serve_out(libusb_transfer& transfer) {
+  const auto endpoint = std::find_if(
+      info_.endpoints.begin(), info_.endpoints.end(),
+      [&](const bus::UsbEndpointInfo& info) { return info.address == transfer.endpoint; });
+  for (int i = 0; i < kMostPacketsInFrame && transfer.actual_length < transfer.length; ++i) {
+    const int rest = transfer.length - transfer.actual_length;
+    const int size = std::min<int>(rest, endpoint->max_packet_bytes);
+    const plugin::UsbHandshake handshake = model_->out_packet(
+        transfer.endpoint,
+        {transfer.buffer + transfer.actual_length, static_cast<std::size_t>(size)});
+    if (handshake == plugin::UsbHandshake::Nak) return;
+    if (handshake == plugin::UsbHandshake::Stall) {
+      halted_.insert(transfer.endpoint);
+      return end(transfer, LIBUSB_TRANSFER_STALL, transfer.actual_length);
+    }
+    transfer.actual_length += size;
+  }
+  if (transfer.actual_length < transfer.length) return;
+  end(transfer, LIBUSB_TRANSFER_COMPLETED, transfer.length);
 }
 
 void FakeUsbWire::end(libusb_transfer& transfer, int status, int actual_bytes) {

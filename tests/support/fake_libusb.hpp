@@ -18,11 +18,14 @@ namespace thimble::test {
 // What a device's node leads to when a test links fake_libusb.cpp: the functions of libusb-1.0 that
 // hal/linux uses, and behind them not a kernel but a model. It keeps libusb's and usbfs's rules and
 // writes down every breach: a transfer submitted twice or left under way, one with a time-out, a
-// halt cleared under a pending transfer or from within a callback, a read of less than a packet.
+// halt cleared under a pending transfer or from within a callback, a read of less than a packet. A
+// transfer of an OUT endpoint is cut into packets, kMostPacketsInFrame in each frame.
 //
 // Time is the test's: transfers move in run_frame() only. Thread: any; one lock guards all wires.
 class FakeUsbWire {
  public:
+  static constexpr int kMostPacketsInFrame = 19;  // of 64 bytes, bulk: USB 2.0, table 5-9
+
   explicit FakeUsbWire(std::unique_ptr<plugin::SimUsbModel> model);
   ~FakeUsbWire();
   FakeUsbWire(const FakeUsbWire&) = delete;
@@ -54,6 +57,7 @@ class FakeUsbWire {
   friend struct FakeLibusb;
 
   void serve(libusb_transfer& transfer);
+  void serve_out(libusb_transfer& transfer);
   void end(libusb_transfer& transfer, int status, int actual_bytes);
   void breach(const char* what) { breaches_.emplace_back(what); }
   [[nodiscard]] bool is_pending(const libusb_transfer& transfer) const;
