@@ -87,18 +87,16 @@ class UsbMailboxes::InPipe {
     last_read_ = out.sequence;
     return IoStatus::Ok;
   }
-  void finish(UsbOutcome outcome, std::span<const std::uint8_t> packet, MonotonicTime at) noexcept {
+  bool finish(UsbOutcome outcome, std::span<const std::uint8_t> packet, MonotonicTime at) noexcept {
     endings_.add(outcome);
-    if (outcome != UsbOutcome::Done) return;
+    if (outcome != UsbOutcome::Done) return true;
     arriving_.size = std::min(packet.size(), arriving_.bytes.size());
     std::copy_n(packet.begin(), arriving_.size, arriving_.bytes.begin());
     arriving_.arrived_at = at;
     ++arriving_.sequence;
-    if (queue_ != nullptr) {
-      queue_->push(arriving_);
-    } else {
-      newest_.write(arriving_);
-    }
+    if (queue_ != nullptr) return queue_->push(arriving_);
+    newest_.write(arriving_);
+    return true;
   }
   void write_to(UsbCounters& counters) const noexcept {
     endings_.write_to(counters);
@@ -300,9 +298,10 @@ void UsbMailboxes::finish_out(std::size_t pipe, UsbOutcome outcome, std::size_t 
   if (OutPipe* out = pipes_[pipe]->out(); out != nullptr) out->finish(outcome, taken);
 }
 
-void UsbMailboxes::finish_in(std::size_t pipe, UsbOutcome outcome,
+bool UsbMailboxes::finish_in(std::size_t pipe, UsbOutcome outcome,
                              std::span<const std::uint8_t> packet, MonotonicTime at) noexcept {
-  if (InPipe* in = pipes_[pipe]->in(); in != nullptr) in->finish(outcome, packet, at);
+  InPipe* const in = pipes_[pipe]->in();
+  return in == nullptr || in->finish(outcome, packet, at);
 }
 
 const UsbControlRequest* UsbMailboxes::take_control() noexcept {

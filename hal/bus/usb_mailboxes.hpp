@@ -60,8 +60,9 @@ class UsbMailboxes : public UsbDevice {
   // How a packet ended that take_out() returned, of several the oldest; `taken` of its bytes
   // reached the device.
   THIMBLE_RT void finish_out(std::size_t pipe, UsbOutcome outcome, std::size_t taken) noexcept;
-  // A transfer of an IN pipe ended; `packet` counts when it is Done.
-  THIMBLE_RT void finish_in(std::size_t pipe, UsbOutcome outcome,
+  // A transfer of an IN pipe ended; `packet` counts when it is Done. False: nobody reads, and it
+  // found no room.
+  THIMBLE_RT bool finish_in(std::size_t pipe, UsbOutcome outcome,
                             std::span<const std::uint8_t> packet, MonotonicTime at) noexcept;
   // The request whose end is owed, or nullptr. Valid until finish_control().
   THIMBLE_RT const UsbControlRequest* take_control() noexcept;

@@ -76,6 +76,17 @@ struct UsbTransfers::Pipe {
   bool is_halted{false};
   MonotonicTime not_before{Duration::min()};  // the next try after a failure
 
+  MonotonicTime counted_from{Duration::min()};
+  std::size_t counted{0};
+
+  // How many reads have ended in this stretch of time, with this one.
+  std::size_t count_read(MonotonicTime now, Duration stretch) noexcept {
+    if (now >= counted_from + stretch) {
+      counted_from = now;
+      counted = 0;
+    }
+    return ++counted;
+  }
   // Of one transfer.
   [[nodiscard]] std::size_t most_packets(const bus::UsbMailboxes& mail) const noexcept {
     if (!mail.is_queued_out(index)) return 1;

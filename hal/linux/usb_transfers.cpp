@@ -18,6 +18,9 @@ using bus::UsbOutcome;
 
 constexpr std::size_t kPendingReads = 2;  // so that one is with the kernel while one is handled
 constexpr Duration kRetryAfter = std::chrono::milliseconds(1);  // a full-speed frame
+// Of an IN pipe within kRetryAfter. At full speed a frame has 19 (USB 2.0, table 5-9); as many as
+// these, and those still under way, have room where they wait to be read.
+constexpr std::size_t kMostReads = bus::kUsbQueuedPackets - kPendingReads;
 constexpr int kRetryPoll_ms = 1;
 // Clearing a halt may keep the kernel, and with it this thread, for 5 s (USB_CTRL_SET_TIMEOUT). An
 // arm that nothing is heard of is let go meanwhile: by then its ramp and zero are out.
@@ -255,8 +258,12 @@ void UsbTransfers::ended_in(Transfer& transfer, UsbOutcome outcome) noexcept {
   if (outcome == UsbOutcome::Failed) {
     pipe.not_before = std::max(pipe.not_before, now + kRetryAfter);
   }
-  if (goes_on && !pipe.is_halted && !submit(transfer)) pipe.not_before = now + kRetryAfter;
-  mail_->finish_in(pipe.index, outcome, packet, now);
+  if (pipe.count_read(now, kRetryAfter) >= kMostReads) pipe.not_before = now + kRetryAfter;
+  const bool is_due = now >= pipe.not_before;
+  if (goes_on && is_due && !pipe.is_halted && !submit(transfer)) {
+    pipe.not_before = now + kRetryAfter;
+  }
+  if (!mail_->finish_in(pipe.index, outcome, packet, now)) pipe.not_before = now + kRetryAfter;
 }
 
 void UsbTransfers::ended_out(Transfer& transfer, UsbOutcome outcome) noexcept {

@@ -1,3 +1,4 @@
+// lint: long-file one bench, and all that libusb asks of who uses it
 // The real bus's transfers under the USB contract suite, and what libusb asks of who uses it. In
 // place of libusb and the kernel stands tests/support/fake_libusb.cpp, in place of the thread the
 // test, so that every run is the same. Over a real kernel it is for the VM tier to run.
@@ -227,6 +228,49 @@ TEST_F(UsbTransfersTest, ASpoiltReadIsCountedAndTriedAgainNoMoreThanOnceAFrame) 
   run_frames(2);
   EXPECT_EQ(sut->counters(kIn).failures, 6U);
   EXPECT_EQ(read_all(), 1);
+}
+
+// What no bus can bring in a frame: as a device behind a fast emulation does, or a hub gone mad.
+struct AFloodOverUsb : UsbTransfersTest {
+  static constexpr int kFrames = 20;
+
+  void send(std::size_t bytes) {
+    for (int i = 0; i < 5000; ++i) {
+      bench.script->to_send[kIn].push_back(pattern(bytes, static_cast<std::uint8_t>(i)));
+    }
+  }
+  void run_flooded_frame() {
+    for (int i = 0; i < 100; ++i) bench.run_frame_in_no_time();
+    bench.clock.run_for(milliseconds(1));
+  }
+};
+
+TEST_F(AFloodOverUsb, IsTakenNoFasterThanItCanBeRead) {
+  send(16);
+  std::uint64_t read = 0;
+  for (int i = 0; i < kFrames; ++i) {
+    run_flooded_frame();
+    read += static_cast<std::uint64_t>(read_all());
+  }
+  EXPECT_GT(read, 19U * kFrames) << "more than a bus can bring";
+  EXPECT_LE(read, bus::kUsbQueuedPackets * kFrames);
+  EXPECT_EQ(sut->counters(kIn).packets_in, read) << "none is lost";
+}
+
+TEST_F(AFloodOverUsb, ThatNobodyReadsIsTakenByDrops) {
+  send(16);
+  for (int i = 0; i < kFrames; ++i) run_flooded_frame();
+  EXPECT_LE(sut->counters(kIn).packets_in, bus::kUsbQueuedPackets + 4 * kFrames);
+  EXPECT_EQ(read_all(), static_cast<int>(bus::kUsbQueuedPackets));
+  for (int i = 0; i < 2; ++i) run_flooded_frame();
+  EXPECT_GT(read_all(), 40) << "there is room again";
+}
+
+TEST_F(AFloodOverUsb, OfBabbleIsNoFaster) {
+  send(65);
+  for (int i = 0; i < kFrames; ++i) run_flooded_frame();
+  EXPECT_GT(sut->counters(kIn).babbles, 0U);
+  EXPECT_LE(sut->counters(kIn).babbles, bus::kUsbQueuedPackets * kFrames);
 }
 
 TEST_F(UsbTransfersTest, ASubmissionThatIsRefusedIsCountedAndInputGoesOn) {
