@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 
+#include "hal/linux/passed_descriptors.hpp"
 #include "hal/linux/system_error.hpp"
 
 namespace thimble::guard {
@@ -39,22 +40,6 @@ struct Packet {
   Packet(const Packet&) = delete;
   Packet& operator=(const Packet&) = delete;
 };
-
-// The kernel hands over as many as fit, and closes the rest.
-std::vector<linux::Descriptor> take_descriptors(msghdr& message) {
-  std::vector<linux::Descriptor> all;
-  for (cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr;
-       part = CMSG_NXTHDR(&message, part)) {
-    if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SCM_RIGHTS) continue;
-    const std::size_t count = (part->cmsg_len - CMSG_LEN(0)) / sizeof(int);
-    for (std::size_t i = 0; i < count; ++i) {
-      int fd = -1;
-      std::memcpy(&fd, CMSG_DATA(part) + i * sizeof(int), sizeof(int));
-      all.emplace_back(fd);
-    }
-  }
-  return all;
-}
 
 }  // namespace
 
@@ -119,7 +104,7 @@ Result<Received> receive_handover(int socket, int timeout_ms) {
   const ssize_t size = ::recvmsg(socket, &packet.message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
   if (size < 0) return tl::unexpected(linux::system_error("cannot be handed an arm", errno));
   // Of an empty packet, too: what came with it would stay open.
-  std::vector<linux::Descriptor> descriptors = take_descriptors(packet.message);
+  std::vector<linux::Descriptor> descriptors = linux::take_descriptors(packet.message);
   if (size == 0) return fail(Errc::Disconnected, "no arm was handed over");
   auto handover = parse_handover({packet.bytes.data(), static_cast<std::size_t>(size)});
   if (!handover) return tl::unexpected(handover.error());
