@@ -15,7 +15,7 @@ import re
 import cpp_source
 
 PAGE = "docs/messages.md"
-FOLDERS = ("hal", "drivers", "sim", "daemon", "guard")
+FOLDERS = ("hal", "drivers", "sim", "daemon", "guard", "board")
 # Where the sentences are no messages.
 EXEMPT = (
     "daemon/config/load.cpp:arm = [",  # a configuration in itself, parsed to list its keys

@@ -16,7 +16,7 @@ import cpp_source
 OF_A_CHECKOUT = {"g++"}
 OF_A_PACKAGE = {"debhelper-compat"}
 # Whose words reach a person who has only the packages.
-PROGRAMS = ("hal", "drivers", "sim", "daemon", "cli", "guard")
+PROGRAMS = ("hal", "drivers", "sim", "daemon", "cli", "guard", "board")
 INSTALLED = re.compile(r"(docs/man/[^/]+\.[158]|systemd/[^/]+\.(service|socket|conf)|udev/[^/]+\.(rules|hwdb)|examples/[^/]+\.toml)")
 PAGE = re.compile(r"(?<![\w./-])(?:[a-z]+/)+[\w.-]+\.md\b")
 EXAMPLE = re.compile(r"(?<![\w./-])examples/[\w.-]+\w")

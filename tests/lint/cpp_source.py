@@ -7,7 +7,7 @@ import re
 import sys
 
 CPP_SUFFIXES = (".hpp", ".cpp", ".h")
-PRODUCT_FOLDERS = ("hal", "drivers", "sim", "daemon", "cli", "guard", "lab", "bench")
+PRODUCT_FOLDERS = ("hal", "drivers", "sim", "daemon", "cli", "guard", "board", "lab", "bench")
 
 
 def tree_files(root):
