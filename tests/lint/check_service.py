@@ -44,6 +44,8 @@ _DAEMON_NEEDS = dict(NODES.values()) | {
     "IPAddressDeny=any": "as shipped it talks to this host only",
     "Wants=thimble-guard.socket": "an arm that needs a guard is refused without one",
     "After=thimble-guard.socket": "it is asked for when the first arm is opened",
+    "Wants=thimble-board.socket": "the packages start nothing by themselves",
+    "After=thimble-board.socket": "a board is asked for as soon as its world runs",
 }
 _DAEMON_BOUNDS = {
     "WatchdogSec": "a daemon that hangs must end",
@@ -76,6 +78,16 @@ _GUARD_REFUSED = _NO_REAL_TIME | {
     re.compile(r"^DeviceAllow="): "it opens nothing",
 }
 
+_BOARD_NEEDS = {
+    "StandardInput=socket": "it answers the connection that started it",
+    "CapabilityBoundingSet=CAP_SYS_ADMIN": "to enable a device of PCI needs this, and nothing it does needs more",
+    "PrivateDevices=yes": "what it opens is of sysfs",
+    "PrivateNetwork=yes": "it talks to nobody but the daemon",
+    "SystemCallFilter=~@privileged @resources": "the right that it has is that of mounting, too",
+}
+_BOARD_BOUNDS = {"TimeoutStartSec": "the daemon waits for it", "MemoryMax": "it maps one board"}
+_BOARD_REFUSED = {re.compile(r"^DeviceAllow="): "it opens none"}
+
 
 class Unit(typing.NamedTuple):
     needs: dict
@@ -87,6 +99,7 @@ class Unit(typing.NamedTuple):
 UNITS = {
     "thimbled.service": Unit(_DAEMON_NEEDS, _DAEMON_BOUNDS, _DAEMON_REFUSED, 1.5),
     "thimble-guard@.service": Unit(_GUARD_NEEDS, _GUARD_BOUNDS, _GUARD_REFUSED, 0.5),
+    "thimble-board@.service": Unit(_BOARD_NEEDS, _BOARD_BOUNDS, _BOARD_REFUSED, 1.5),
 }
 
 

@@ -3,6 +3,7 @@ from planted_tree import HERE, PlantedTreeTest
 
 PATH = "systemd/thimbled.service"
 GUARD = "systemd/thimble-guard@.service"
+BOARD = "systemd/thimble-board@.service"
 
 
 class CheckService(PlantedTreeTest):
@@ -10,6 +11,7 @@ class CheckService(PlantedTreeTest):
         super().setUp()
         self.plant_copy(PATH)
         self.plant_copy(GUARD)
+        self.plant_copy(BOARD)
 
     def breaches_with(self, old, new, path=PATH):
         shipped = (HERE.parents[1] / path).read_text(encoding="utf-8")
@@ -29,6 +31,12 @@ class CheckService(PlantedTreeTest):
         self.assert_one_breach(self.breaches_with("Before=thimbled.service\n", "", GUARD), "ends first")
         self.assert_one_breach(self.breaches_with("[Service]", "[Service]\nDeviceAllow=char-hidraw rw", GUARD), "opens nothing")
         self.assert_one_breach(self.breaches_with("LimitRTPRIO=98\n", "", GUARD), "LimitRTPRIO")
+
+    def test_refuses_a_helper_with_more_rights_than_enabling_needs(self):
+        self.assert_one_breach(self.breaches_with("CapabilityBoundingSet=CAP_SYS_ADMIN", "CapabilityBoundingSet=CAP_SYS_ADMIN CAP_SYS_RAWIO", BOARD),
+                               "nothing it does needs more")
+        self.assert_one_breach(self.breaches_with("[Service]", "[Service]\nDeviceAllow=char-hidraw rw", BOARD), "opens none")
+        self.assert_one_breach(self.breaches_with("TimeoutStartSec=5\n", "", BOARD), "daemon waits")
 
     def test_refuses_more_exposure(self):
         self.assert_one_breach(self.breaches_with("CapabilityBoundingSet=\n", ""), "exposure")
