@@ -12,12 +12,15 @@
 #include "daemon/config/paths.hpp"
 #include "daemon/world/cam/automaton_file.hpp"
 #include "hal/linux/background_worker.hpp"
+#include "hal/linux/board_window.hpp"
 
 namespace thimble::app {
 namespace {
 
 // How soon a person learns of a stop or an arrival; far from any loop of the servo.
 constexpr Duration kSupervision = std::chrono::milliseconds(20);
+// systemd starts it, and it opens two files. Ours.
+constexpr std::chrono::seconds kBoardHelperPatience{2};
 // At the end. A recording is half a megabyte, a busy disk needs a second. Ours.
 constexpr std::chrono::seconds kDiskPatience{10};
 
@@ -79,6 +82,9 @@ Result<void> Daemon::start(const linux::RealtimeProcess& process) {
   };
   parts.executor_for_board = [this](const std::string& world) -> devices::DeviceExecutor& {
     return device_threads_->executor_for_board(world);
+  };
+  parts.open_board_window = [] {
+    return linux::open_board_window("/run/thimble-board.sock", kBoardHelperPatience);
   };
   parts.real_clock = &clock_;
   parts.stopwatch = &clock_;

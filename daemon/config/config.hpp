@@ -162,8 +162,8 @@ struct SphereConfig {
 
 enum class PieceSearch : std::uint8_t { Leap, OneCell };
 
-// A simulated board, in a slot of PCI or on USB; or a real one on USB.
-enum class PieceBoardKind : std::uint8_t { Sim, SimUsb, Usb };
+// A simulated board, in a slot of PCI or on USB; or a real one, likewise.
+enum class PieceBoardKind : std::uint8_t { Sim, SimUsb, Usb, Pci };
 
 // The thesis's static pieces on a CAM board (4.2.1, 4.2.2).
 struct PiecesConfig {

@@ -13,7 +13,8 @@ constexpr std::array kSearches{Choice<PieceSearch>{"leap", PieceSearch::Leap},
 
 constexpr std::array kBoardKinds{Choice<PieceBoardKind>{"sim", PieceBoardKind::Sim},
                                  Choice<PieceBoardKind>{"sim-usb", PieceBoardKind::SimUsb},
-                                 Choice<PieceBoardKind>{"usb", PieceBoardKind::Usb}};
+                                 Choice<PieceBoardKind>{"usb", PieceBoardKind::Usb},
+                                 Choice<PieceBoardKind>{"pci", PieceBoardKind::Pci}};
 
 // Ours: as many cells in three axes as the thesis's worlds have.
 constexpr int kMostCellsInSpace = 64;
@@ -57,7 +58,8 @@ PiecesConfig read_pieces_table(TableReader reader, const std::filesystem::path& 
   if (out.is_dynamic) limit_dynamic(reader, is_counted, out);
   read_power(reader, "boards", {1, 8}, out.boards);
   reader.read("board", std::span<const Choice<PieceBoardKind>>(kBoardKinds), out.board);
-  if (out.board == PieceBoardKind::Usb && reader.has("boards")) {
+  const bool is_real = out.board == PieceBoardKind::Usb || out.board == PieceBoardKind::Pci;
+  if (is_real && reader.has("boards")) {
     reader.reject("boards", "expected only of a simulated board, found beside a real one");
   }
   if (reader.read_integer("axes", {2, 3}, number)) out.axes = static_cast<int>(number);

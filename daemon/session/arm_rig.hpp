@@ -8,6 +8,7 @@
 #include "daemon/session/rig_link.hpp"
 #include "daemon/session/sim_arm.hpp"
 #include "daemon/session/stand_in.hpp"
+#include "hal/bus/memory_window.hpp"
 #include "sim/time/real_time_brake.hpp"
 
 namespace thimble::session {
@@ -24,6 +25,8 @@ struct RigParts {
   std::function<devices::DeviceExecutor&(const std::string& arm)> executor_for{};
   // The same for the board of the world of that name.
   std::function<devices::DeviceExecutor&(const std::string& world)> executor_for_board{};
+  // The memory of the CAM board in a slot of this machine; nothing: there is no slot. May wait.
+  std::function<Result<std::unique_ptr<bus::MemoryWindow>>()> open_board_window{};
   Clock* real_clock{nullptr};            // nullptr: virtual time, nothing sleeps
   const Clock* world_clock{nullptr};     // of worlds that take their time; nullptr: real_clock
   const Clock* stopwatch{nullptr};       // nullptr: the arm's own clock

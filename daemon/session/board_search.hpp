@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include "daemon/devices/device_executor.hpp"
@@ -8,6 +9,7 @@
 #include "hal/base/result.hpp"
 #include "hal/base/time.hpp"
 #include "hal/bus/bus_enumerator.hpp"
+#include "hal/bus/memory_window.hpp"
 
 namespace thimble::session {
 
@@ -16,6 +18,8 @@ namespace thimble::session {
 struct BoardPlugs {
   bus::BusEnumerator* buses{nullptr};
   devices::DeviceExecutor* executor{nullptr};
+  // The memory of the one in a slot of PCI. May wait.
+  std::function<Result<std::unique_ptr<bus::MemoryWindow>>()> open_window{};
 };
 
 // A board that is open, of nobody else, and what is known of it.

@@ -39,6 +39,12 @@ class UsbOpener {
   std::optional<cambus::UsbOpening> opening_;  // before what the claim keeps goes
 };
 
+Opened open_window(std::unique_ptr<bus::MemoryWindow> window, MonotonicTime now) {
+  auto port = cambus::PciPort::open(std::move(window), now);
+  if (!port) return tl::unexpected(port.error());
+  return std::make_unique<cambus::Board>(*std::move(port));
+}
+
 // A function can be copied, an opening cannot.
 world::cam::PieceBoard::Opener opener_of(UsbOpener::Claim claim) {
   const auto opener = std::make_shared<UsbOpener>(std::move(claim));
@@ -50,11 +56,7 @@ world::cam::PieceBoard::Opener opener_of(UsbOpener::Claim claim) {
 world::cam::PieceBoard::Opener open_in_slot(const Clock& clock,
                                             const sim::cam::BoardOptions& options) {
   const auto slot = std::make_shared<sim::cam::SimCamBoard>(clock, options);
-  return [slot](MonotonicTime now) -> Opened {
-    auto port = cambus::PciPort::open(slot->open_window(), now);
-    if (!port) return tl::unexpected(port.error());
-    return std::make_unique<cambus::Board>(*std::move(port));
-  };
+  return [slot](MonotonicTime now) { return open_window(slot->open_window(), now); };
 }
 
 world::cam::PieceBoard::Opener open_on_usb(std::shared_ptr<sim::cam::SimUsbCamBoard> board) {
@@ -70,6 +72,17 @@ world::cam::PieceBoard::Opener open_on_usb(std::shared_ptr<sim::cam::SimUsbCamBo
 world::cam::PieceBoard::Opener open_plugged_in(const BoardPlugs& plugs) {
   const auto search = std::make_shared<BoardSearch>(plugs);
   return opener_of([search](MonotonicTime now) { return search->take(now); });
+}
+
+world::cam::PieceBoard::Opener open_in_real_slot(const BoardPlugs& plugs) {
+  using Search = PlugSearch<std::unique_ptr<bus::MemoryWindow>>;
+  const auto search = std::make_shared<Search>(*plugs.executor, plugs.open_window,
+                                               "the CAM board in its slot is looked for");
+  return [search](MonotonicTime now) -> Opened {
+    auto window = search->take(now);
+    if (!window) return tl::unexpected(window.error());
+    return open_window(*std::move(window), now);
+  };
 }
 
 }  // namespace thimble::session

@@ -25,4 +25,8 @@ namespace thimble::session {
 // kernel. Errors of the opener: as open_on_usb() and BoardSearch::take().
 [[nodiscard]] world::cam::PieceBoard::Opener open_plugged_in(const BoardPlugs& plugs);
 
+// In a slot of PCI of this machine; likewise. Errors of the opener: as open_in_slot(), and of
+// `plugs.open_window`.
+[[nodiscard]] world::cam::PieceBoard::Opener open_in_real_slot(const BoardPlugs& plugs);
+
 }  // namespace thimble::session

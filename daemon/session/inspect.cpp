@@ -198,7 +198,8 @@ void inspect_made(const config::Config& config, std::size_t index, std::vector<O
   sim::VirtualClock clock;
   sim::SimEnumerator none(clock);  // a board may come later
   devices::InlineExecutor executor;
-  const Result<MadeWorld> made = make_world(said, &clock, {&none, &executor});
+  const Result<MadeWorld> made =
+      make_world(said, &clock, {&none, &executor, [] { return fail(Errc::NotFound, "none"); }});
   if (!made) return out.push_back({Objection::Table::World, index, "source", made.error().message});
   if (const auto refusal = find_refusal(*made->world, said)) {
     out.push_back({Objection::Table::World, index, refusal->key, refusal->reason});

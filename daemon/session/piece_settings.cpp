@@ -63,6 +63,12 @@ constexpr Duration kUsbPatience = std::chrono::seconds(3);
         Errc::Unsupported,
         said.source + ": only a running daemon looks for a board on USB; use board = \"sim\"");
   }
+  if (of.board == config::PieceBoardKind::Pci) {
+    if (plugs.open_window) return open_in_real_slot(plugs);
+    return fail(Errc::Unsupported, said.source +
+                                       ": only a running daemon looks for a board in a "
+                                       "slot; use board = \"sim\"");
+  }
   if (log2_cells[1] <= log2_of(of.boards)) {
     return fail(Errc::InvalidArgument, said.source +
                                            ": boards: each takes two rows of cells at least, " +

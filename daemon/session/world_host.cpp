@@ -85,7 +85,7 @@ Result<std::unique_ptr<WorldHost>> WorldHost::create(const config::WorldConfig& 
 
 BoardPlugs WorldHost::plugs_for(const config::WorldConfig& said, const RigParts& parts) {
   if (!is_board_plugged_in(said)) return {};
-  BoardPlugs plugs{parts.real_buses, &inline_executor_};
+  BoardPlugs plugs{parts.real_buses, &inline_executor_, parts.open_board_window};
   if (parts.executor_for_board) plugs.executor = &parts.executor_for_board(said.name);
   return plugs;
 }

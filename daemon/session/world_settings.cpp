@@ -49,7 +49,8 @@ world::VolumeOptions volume_options(const config::WorldConfig& said) {
 }
 
 bool is_board_plugged_in(const config::WorldConfig& said) noexcept {
-  return said.pieces && said.pieces->board == config::PieceBoardKind::Usb;
+  using enum config::PieceBoardKind;
+  return said.pieces && (said.pieces->board == Usb || said.pieces->board == Pci);
 }
 
 Result<MadeWorld> make_world(const config::WorldConfig& said, const Clock* clock,

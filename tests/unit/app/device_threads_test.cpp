@@ -91,8 +91,10 @@ TEST_F(DeviceThreadsTest, WhatIsSimulatedHasNone) {
   EXPECT_FALSE(has_real_device(config));
   config.worlds.emplace_back().pieces = config::PiecesConfig{};
   EXPECT_FALSE(has_real_device(config));
-  config.worlds.back().pieces->board = config::PieceBoardKind::Usb;
-  EXPECT_TRUE(has_real_device(config));
+  for (const auto kind : {config::PieceBoardKind::Usb, config::PieceBoardKind::Pci}) {
+    config.worlds.back().pieces->board = kind;
+    EXPECT_TRUE(has_real_device(config));
+  }
 }
 
 }  // namespace

@@ -38,6 +38,9 @@ TEST(ConfigPieces, ARealBoardSaysItselfHowLargeItIs) {
   const auto usb = parse_text(pieces_with("pieces.board = \"usb\"\n"));
   ASSERT_TRUE(usb);
   EXPECT_EQ(usb->worlds.at(0).pieces->board, PieceBoardKind::Usb);
+  const auto pci = parse_text(pieces_with("pieces.board = \"pci\"\n"));
+  ASSERT_TRUE(pci);
+  EXPECT_EQ(pci->worlds.at(0).pieces->board, PieceBoardKind::Pci);
 }
 
 TEST(ConfigPieces, InSpaceThereAreFewerCellsAlongAnAxis) {
@@ -97,7 +100,8 @@ INSTANTIATE_TEST_SUITE_P(
                     BadPieces{"pieces.cells = 1024\n", "32 to 512"},
                     BadPieces{"pieces.boards = 3\n", "a power of two, found 3"},
                     BadPieces{"pieces.boards = 16\n", "1 to 8"},
-                    BadPieces{"pieces.board = \"isa\"\n", "\"usb\""},
+                    BadPieces{"pieces.board = \"isa\"\n", "\"pci\""},
+                    BadPieces{"pieces.board = \"pci\"\npieces.boards = 8\n", "simulated board"},
                     BadPieces{"pieces.board = \"usb\"\npieces.boards = 8\n", "simulated board"},
                     BadPieces{"pieces.count = 64\n", "1 to 63"},
                     BadPieces{"pieces.count = 0\n", "1 to 63"},

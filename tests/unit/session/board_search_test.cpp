@@ -133,5 +133,56 @@ TEST_F(BoardSearchTest, AWorldOpensItPulledOutAndPluggedInAgain) {
   }
 }
 
+// One in a slot, whose memory is opened elsewhere.
+struct BoardInARealSlot : testing::Test {
+  sim::VirtualClock clock;
+  sim::cam::SimCamBoard slot{clock, kBoard};
+  test::PostponedExecutor work;
+  int openings{0};
+  Result<void> refusal;
+  world::cam::PieceBoard::Opener sut =
+      open_in_real_slot({nullptr, &work, [this]() -> Result<std::unique_ptr<bus::MemoryWindow>> {
+                           ++openings;
+                           if (!refusal) return tl::unexpected(refusal.error());
+                           return slot.open_window();
+                         }});
+};
+
+TEST_F(BoardInARealSlot, IsOpenWhenItsMemoryIsAndNobodyWaits) {
+  EXPECT_EQ(sut(clock.now()).error().code, Errc::Busy);
+  EXPECT_EQ(sut(clock.now()).error().code, Errc::Busy);
+  EXPECT_EQ(work.waiting(), 1U);
+  EXPECT_EQ(openings, 0);
+  work.do_all();
+  const auto board = sut(clock.now());
+  ASSERT_TRUE(board) << board.error().message;
+  EXPECT_EQ((*board)->info().modules, 1);
+}
+
+TEST_F(BoardInARealSlot, ThatIsRefusedIsAskedForAgainAndSaysWhy) {
+  refusal = fail(Errc::NotFound, "no helper");
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_FALSE(sut(clock.now()));
+    work.do_all();
+    clock.run_for(std::chrono::milliseconds(100));
+  }
+  EXPECT_GT(openings, 4);
+  EXPECT_LT(openings, 15);
+  EXPECT_EQ(sut(clock.now()).error().message, "no helper");
+  refusal = {};
+  clock.run_for(RetryPace::kLongest);
+  EXPECT_FALSE(sut(clock.now()));
+  work.do_all();
+  EXPECT_TRUE(sut(clock.now()));
+}
+
+TEST_F(BoardInARealSlot, MemoryThatNobodyTookIsGivenBackByTheWork) {
+  EXPECT_FALSE(sut(clock.now()));
+  sut = nullptr;
+  EXPECT_EQ(work.waiting(), 2U);
+  work.do_all();
+  EXPECT_EQ(openings, 1);
+}
+
 }  // namespace
 }  // namespace thimble::session

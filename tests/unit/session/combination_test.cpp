@@ -121,6 +121,8 @@ TEST(PieceWorldOfAConfiguration, NeedsAClockAndRoomForItsPieces) {
   EXPECT_NE(make_piece_world(said, &clock)->usb_board, nullptr);
   said.pieces->board = config::PieceBoardKind::Usb;
   EXPECT_EQ(make_piece_world(said, &clock).error().code, Errc::Unsupported) << "without a bus";
+  said.pieces->board = config::PieceBoardKind::Pci;
+  EXPECT_EQ(make_piece_world(said, &clock).error().code, Errc::Unsupported) << "without a slot";
   said.pieces->board = config::PieceBoardKind::Sim;
   said.pieces->count = 63;
   EXPECT_EQ(make_piece_world(said, &clock).error().code, Errc::InvalidArgument);
