@@ -19,10 +19,15 @@ class GuestTest(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls.guest = guest_states.start(cls.kernel, cls.pace) if cls.installed else Guest(cls.kernel, pace=cls.pace)
+        cls.guest = cls.start_guest()
         cls.addClassCleanup(cls.guest.close)
         if cls.installed and not cls.runs_daemon:
             cls.guest.run("systemctl stop thimbled")
+
+    @classmethod
+    def start_guest(cls):
+        """Also one with more devices than others have."""
+        return guest_states.start(cls.kernel, cls.pace) if cls.installed else Guest(cls.kernel, pace=cls.pace)
 
     @classmethod
     def properties(cls, *names, unit="thimbled.service"):

@@ -51,10 +51,10 @@ def installed():
         yield entry, state_cache.part(entry, "installed", install) / "disk.qcow2"
 
 
-def boot(kernel, pace):
-    """A guest that has the packages and was just switched on."""
+def boot(kernel, pace, devices=()):
+    """A guest that has the packages and was just switched on. `devices`: more of them, in words for QEMU."""
     with installed() as (_, disk):
-        return machine.Guest(kernel, pace=pace, disk=disk)
+        return machine.Guest(kernel, pace=pace, disk=disk, devices=devices)
 
 
 def saved(entry, disk, kernel, pace):

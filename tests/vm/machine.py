@@ -78,7 +78,7 @@ class Guest:
     It boots, from `disk`, a qcow2 file that save_disk() made, or from the image; or it goes on where save_state() wrote both.
     """
 
-    def __init__(self, kernel="amd64", share=DEBS, pace=AS_IT_COMES, disk=None, memory=None):
+    def __init__(self, kernel="amd64", share=DEBS, pace=AS_IT_COMES, disk=None, memory=None, devices=()):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="thimble-vm-"))
         self.console = self.folder / "console"
         image = guest_image.image_folder()
@@ -91,7 +91,7 @@ class Guest:
             "-serial", f"file:{self.console}",
             "-chardev", f"socket,id=qmp,path={self.folder / 'qmp'}", "-mon", "chardev=qmp,mode=control",
             "-device", "virtio-serial-pci", "-chardev", f"socket,id=cmd,path={self.folder / 'cmd'}",
-            "-device", "virtserialport,chardev=cmd,name=vm.cmd"]
+            "-device", "virtserialport,chardev=cmd,name=vm.cmd", *devices]
         for tag, path in (("debs", share), ("tests", HERE / "guest"), ("bin", BIN)):
             command += ["-virtfs", f"local,path={path},mount_tag={tag},security_model=none,readonly=on"]
         if memory:
