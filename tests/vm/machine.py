@@ -219,9 +219,9 @@ class Guest:
                 raise GuestError(f"never: {name}\n{printed}")
             time.sleep(0.1)
 
-    def install(self, *names):
-        """Packages of the share, as dpkg does it: their dependencies must be there."""
-        return self.run("export DEBIAN_FRONTEND=noninteractive; dpkg -i " +
+    def install(self, *names, words=""):
+        """Packages of the share, as dpkg does it: their dependencies must be there. `words`: for dpkg."""
+        return self.run(f"export DEBIAN_FRONTEND=noninteractive; dpkg -i {words} " +
                         " ".join(f"/run/debs/{name}_*.deb" for name in names), timeout_s=300)
 
     def save_disk(self, path):

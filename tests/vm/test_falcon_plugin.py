@@ -7,7 +7,7 @@ import test_falcon
 class FalconOfAPlugin(test_falcon.Falcon):
     @classmethod
     def plug_in(cls):
-        return arms.Falcon(cls.guest, arms.plugin(cls.guest), arms.FULL_HZ)
+        return arms.Falcon(cls.guest, arms.plugin(cls.guest))
 
     def test_0_the_daemon_has_the_object_loaded_and_complains_of_nothing(self):
         self.guest.wait_for("systemctl is-active thimbled")
