@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "daemon/devices/arm_opener.hpp"
+#include "daemon/devices/open_arm.hpp"
 #include "daemon/devices/returned_arm.hpp"
 #include "daemon/session/arm_settings.hpp"
 #include "hal/base/check.hpp"

@@ -3,7 +3,7 @@
 #include <string_view>
 #include <utility>
 
-#include "daemon/devices/arm_opener.hpp"
+#include "daemon/devices/open_arm.hpp"
 #include "daemon/session/combination.hpp"
 #include "daemon/session/world_host.hpp"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "daemon/config/report.hpp"
-#include "daemon/devices/arm_opener.hpp"
+#include "daemon/devices/open_arm.hpp"
 #include "daemon/session/arm_settings.hpp"
 #include "daemon/session/combination.hpp"
 #include "daemon/session/stand_in.hpp"

@@ -7,7 +7,7 @@
 #include <atomic>
 #include <memory>
 
-#include "daemon/devices/arm_opener.hpp"
+#include "daemon/devices/open_arm.hpp"
 #include "drivers/phantom/phantom_driver.hpp"
 #include "hal/linux/bus_enumerator.hpp"
 #include "sim/model/arm/register_arm_models.hpp"

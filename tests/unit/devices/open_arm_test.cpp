@@ -1,4 +1,4 @@
-#include "daemon/devices/arm_opener.hpp"
+#include "daemon/devices/open_arm.hpp"
 
 #include <gtest/gtest.h>
 
