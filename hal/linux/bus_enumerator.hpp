@@ -24,6 +24,9 @@ namespace thimble::linux {
 // open_serial() as SerialPort::open(). Ownership: must outlive the devices it opened.
 class BusEnumerator final : public bus::BusEnumerator {
  public:
+  // `is_arm`: as UdevScan's, asked in several threads at once, for as long as this lives. Empty: no
+  // device counts as an arm, so a stranger with an arm's serial number takes its address away
+  // (docs/decisions/0338-a-serial-number-stays-the-arms.md).
   explicit BusEnumerator(const BusSettings& settings, UdevScan::IsArm is_arm = {});
 
   [[nodiscard]] std::vector<bus::BusDeviceInfo> list() override;

@@ -6,11 +6,16 @@
 
 namespace thimble::linux {
 
-// How the buses' own threads run, and the clock that stamps what arrives; it must outlive them.
+// How the buses' own threads run, and the clock that stamps what arrives.
+//
+// Those threads have the servo's priority and no CPU of their own (docs/architecture.md): thimbled
+// fills in `thread` so. They are not RT: the kernel may hold them up.
+//
+// Thread: a value; whoever has it. Ownership: the clock must outlive the copies and the buses.
 struct BusSettings {
   const Clock& clock;
-  RealtimeThreadSettings thread;
-  RealtimeReport process;  // what RealtimeProcess reported
+  RealtimeThreadSettings thread;  // its name, too, but of a GPIO chip's thread, which is "gpio"
+  RealtimeReport process;         // what RealtimeProcess reported
 };
 
 }  // namespace thimble::linux

@@ -14,6 +14,7 @@ namespace thimble::linux {
 // RT: signal() THIMBLE_RT_IO: one non-blocking write. Ownership: owns the descriptor.
 class EventFd final : public rt::WakeSignal {
  public:
+  // System where the process or the machine has no descriptor left.
   static Result<std::unique_ptr<EventFd>> create();
   ~EventFd() override;
   EventFd(const EventFd&) = delete;

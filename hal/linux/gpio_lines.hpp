@@ -16,10 +16,14 @@ namespace thimble::linux {
 // Ownership: the settings' clock must outlive the lines. Closing lines waits for the kernel.
 class GpioChips final : public bus::GpioChips {
  public:
+  // `folder` has the chips' nodes; another one is for tests.
   explicit GpioChips(BusSettings settings, std::string folder = "/dev")
       : settings_(std::move(settings)), folder_(std::move(folder)) {}
 
-  // Edges are told from here on; the levels are there when it returns.
+  // Edges are told from here on. It asks for each input's level, which are there when it returns: a
+  // transfer for each over USB, seconds where the chip hangs, and no bound of ours. `wake` is
+  // signalled by this call and then by the lines' thread, until they are closed. Errors: as
+  // bus::GpioChips, and those of EventFd and RealtimeThread::start().
   [[nodiscard]] Result<std::unique_ptr<bus::GpioLines>> open(const bus::GpioClaim& claim,
                                                              rt::WakeSignal* wake) override;
 

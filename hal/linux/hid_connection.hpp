@@ -27,7 +27,7 @@ struct HidNodes {
 
 // The threads of one opened HID device, and their mailboxes. One opens it, writes what is
 // submitted and closes it: all three last as long as the kernel lets any HID device's write last.
-// The other one reads meanwhile.
+// The other one reads meanwhile. Both have the settings' priority, and neither is RT.
 //
 // Thread: any non-RT one, one at a time; mail() as there, wake() from any.
 // Ownership: settings and `opening` must outlive it; the destructor waits for the kernel.
@@ -45,7 +45,9 @@ class HidConnection {
 
   // Whether the kernel has let it be opened, or refused it.
   [[nodiscard]] bool has_opened() const noexcept { return state_.load() != State::Opening; }
-  // How the opening went; Timeout while it goes on after `patience`.
+  // How the opening went; Timeout while it goes on after `patience`. Errors: of
+  // HidTransfers::open(), open_hid_to_share() and, for the thread that reads,
+  // RealtimeThread::start().
   [[nodiscard]] Result<void> opened(Duration patience);
   [[nodiscard]] bus::HidMailboxes& mail() noexcept { return mail_; }
   // Once opened; expires when it closes. Where only the second way cannot be had, that is left out.

@@ -28,20 +28,23 @@ namespace thimble::linux {
 // priority of arms and may not be kept busy by it.
 //
 // After a stall the other transfers of the pipe are taken back, the halt is cleared and they are
-// sent anew; after a failure on the wire the next try is 1 ms later. Clearing may block for
-// seconds, so it comes after everything else that can be handed over, output first, and for an IN
-// pipe 50 ms after the stall. An unplugged device is told of by its transfers, and by its node when
-// there is none.
+// sent anew; after a failure on the wire the next try is 1 ms later, a full-speed frame. Clearing
+// may block for 5 s (the kernel's USB_CTRL_SET_TIMEOUT), so it comes after everything else that can
+// be handed over, output first, and for an IN pipe 50 ms after the stall: ours, the arm has been
+// let go by then. An unplugged device is told of by its transfers, and by its node when there is
+// none.
 //
 // Thread: everything from the bus's own thread, once opened. Not RT: libusb allocates and locks for
 // each submission, and clearing a halt may block in the kernel.
 // Ownership: owns the node's descriptor; the mailboxes and the clock must outlive it. Its
-// destructor cancels and awaits what is pending, at most 1 s. Errors: Result when opening; later
-// they end in the mailboxes.
+// destructor cancels and awaits what is pending, at most 1 s: ours, for a bad hub, since a
+// cancelled transfer comes back within a frame. Errors: Result when opening; later they end in the
+// mailboxes.
 class UsbTransfers {
  public:
-  // `node` is the opened /dev/bus/usb/BBB/DDD; it is closed in every case. Busy when a driver or
-  // another process has the interface; Permission, System.
+  // `node` is the opened /dev/bus/usb/BBB/DDD; it is closed in every case. A kernel driver is taken
+  // off the interface, and put back by the destructor. Busy when another user of usbfs has claimed
+  // it; NotFound for a device that is gone or has no such interface; Permission, System.
   [[nodiscard]] static Result<std::unique_ptr<UsbTransfers>> open(int node,
                                                                   std::uint8_t interface_number,
                                                                   bus::UsbMailboxes& mail,
@@ -52,13 +55,14 @@ class UsbTransfers {
 
   // Hands to the kernel what waits in the mailboxes, and what has to be asked for again.
   void serve() noexcept;
-  // Until a transfer ends, `wake` is readable, or it is time to try again.
+  // Until a transfer ends, the descriptor `wake` is readable, or it is time to try again.
   void wait(int wake) noexcept;
   // Brings home what has ended. Never waits.
   void handle_events() noexcept;
   // Before closing: the newest packet that waits for each OUT pipe, once what is under way has
-  // ended. Waits at most 20 ms for that and as long for the end of the last; a pipe that still has
-  // one under way then gets no other. A halt of an OUT pipe is cleared, which may block.
+  // ended. Waits at most 20 ms for that and as long for the end of the last: ours, a device that
+  // takes one does so within a frame or two. A pipe that still has one under way then gets no
+  // other. A halt of an OUT pipe is cleared, which may block.
   void send_last() noexcept;
 
  private:

@@ -155,6 +155,15 @@ TEST_F(UsbDeviceTest, ClosingDoesNotWaitForADeviceThatTakesNothing) {
   EXPECT_TRUE(script->received[kOut].empty());
 }
 
+TEST_F(UsbDeviceTest, AKernelDriverIsOffWhileItIsOpen) {
+  wire.bind_kernel_driver();
+  auto sut = open();
+  ASSERT_TRUE(sut.has_value()) << sut.error().message;
+  EXPECT_FALSE(wire.is_kernel_driver_bound());
+  sut->reset();
+  EXPECT_TRUE(wire.is_kernel_driver_bound());
+}
+
 TEST_F(UsbDeviceTest, ARefusalNamesTheDevice) {
   const auto sut = open().value();
   const auto second = open();

@@ -18,6 +18,8 @@ struct libusb_context {
 struct libusb_device_handle {
   libusb_context* context{nullptr};
   thimble::test::FakeUsbWire* wire{nullptr};
+  bool is_detaching{false};
+  bool has_detached{false};
 };
 
 namespace thimble::test {
@@ -100,16 +102,20 @@ struct FakeLibusb {
     handle.context->wire = nullptr;
   }
 
-  static int claim(FakeUsbWire& wire) {
+  static int claim(libusb_device_handle& handle) {
+    FakeUsbWire& wire = *handle.wire;
     if (wire.is_gone_) return LIBUSB_ERROR_NO_DEVICE;
     if (wire.is_claimed_) return LIBUSB_ERROR_BUSY;
+    if (wire.is_kernel_driver_bound_ && !handle.is_detaching) return LIBUSB_ERROR_BUSY;
+    handle.has_detached = std::exchange(wire.is_kernel_driver_bound_, false);
     wire.is_claimed_ = true;
     ++instance().alive;
     return 0;
   }
 
-  static void release(FakeUsbWire& wire) {
-    wire.is_claimed_ = false;
+  static void release(libusb_device_handle& handle) {
+    handle.wire->is_claimed_ = false;
+    handle.wire->is_kernel_driver_bound_ = std::exchange(handle.has_detached, false);
     --instance().alive;
   }
 
@@ -291,7 +297,7 @@ int libusb_wrap_sys_device(libusb_context* context, intptr_t node, libusb_device
   const auto found = fake().nodes.find(static_cast<int>(node));
   if (found == fake().nodes.end()) return LIBUSB_ERROR_NO_DEVICE;
   context->wire = found->second;
-  *handle = new libusb_device_handle{context, found->second};
+  *handle = new libusb_device_handle{.context = context, .wire = found->second};
   ++fake().alive;
   return 0;
 }
@@ -303,18 +309,20 @@ void libusb_close(libusb_device_handle* handle) {
   --fake().alive;
 }
 
-int libusb_set_auto_detach_kernel_driver(libusb_device_handle* /*handle*/, int /*enable*/) {
-  return LIBUSB_ERROR_NOT_SUPPORTED;
+int libusb_set_auto_detach_kernel_driver(libusb_device_handle* handle, int enable) {
+  const Guard guard(fake().lock);
+  handle->is_detaching = enable != 0;
+  return 0;
 }
 
 int libusb_claim_interface(libusb_device_handle* handle, int /*interface_number*/) {
   const Guard guard(fake().lock);
-  return FakeLibusb::claim(*handle->wire);
+  return FakeLibusb::claim(*handle);
 }
 
 int libusb_release_interface(libusb_device_handle* handle, int /*interface_number*/) {
   const Guard guard(fake().lock);
-  FakeLibusb::release(*handle->wire);
+  FakeLibusb::release(*handle);
   return 0;
 }
 

@@ -42,6 +42,9 @@ class FakeUsbWire {
   void unplug();
   // The next reads end so: spoilt on the wire.
   void spoil_next_reads(int reads);
+  // A driver of the kernel has the interface: who has not asked libusb to take it off is refused.
+  void bind_kernel_driver() { is_kernel_driver_bound_ = true; }
+  [[nodiscard]] bool is_kernel_driver_bound() const { return is_kernel_driver_bound_; }
   // The next submissions are refused with LIBUSB_ERROR_NO_MEM.
   void refuse_next_submissions(int submissions);
 
@@ -77,6 +80,7 @@ class FakeUsbWire {
   std::size_t outputs_at_last_clearing_{0};
   bool is_run_by_events_{false};
   bool is_claimed_{false};
+  bool is_kernel_driver_bound_{false};
   bool is_gone_{false};
 };
 
