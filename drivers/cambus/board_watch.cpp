@@ -17,7 +17,7 @@ IoStatus BoardWatch::check_identity(const IdentityWords& words) noexcept {
   return status();
 }
 
-// The beat was the same from when it was first seen to when it was asked for now, at least.
+// The beat was the same from when it was first seen to when it was asked for this time, at least.
 IoStatus BoardWatch::check_beat(const IdentityWords& words, MonotonicTime asked_at,
                                 MonotonicTime now) noexcept {
   const std::uint32_t beat = at(words, page::kBeat);

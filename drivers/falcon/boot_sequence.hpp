@@ -91,6 +91,7 @@ class BootSequence {
   static constexpr Duration kEchoPatience = std::chrono::milliseconds(250);
   // Ours; a bridge answers a request in a frame or two.
   static constexpr Duration kRequestPatience = std::chrono::milliseconds(500);
+  // Ours: what did not work is tried again after that.
   static constexpr Duration kRest = std::chrono::seconds(5);
   // Ours: a cable that is bad for so long is found again by the first zero that passes it.
   static constexpr Duration kSearch = std::chrono::seconds(5);

@@ -35,6 +35,10 @@ namespace thimble::falcon {
 // the limits are 1 and FalconModel::continuous_share.
 //
 // Thread, RT, Ownership: as HapticDevice; no allocation after the constructor.
+// Errors: read() gives NoData while it boots and when no whole reply came, ProtocolError when only
+// bytes of none came (counted as malformed, as they are beside a reply, and so is a reference that
+// was lost), Disconnected when the bus is lost. write() gives Backlogged for every step of the boot
+// and while an answer is owed; else what the bus says. A request that never ends: above.
 class FalconDevice final : public HapticDevice {
  public:
   struct Settings {

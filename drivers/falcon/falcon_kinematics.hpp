@@ -27,7 +27,7 @@ struct ArmPose {
 enum class PoseTrouble : std::uint8_t {
   None,
   OutOfReach,  // a leg is too short for it, too long, or would have to pass a stop
-  Singular,    // a leg is stretched, or the rods lie so flat that no motor holds the grip
+  Singular,    // a leg is stretched, or the rods lie so flat that no motor holds the grip (below)
   NotFound,    // no grip joins legs that stand so: the encoders are wrong
 };
 [[nodiscard]] std::string_view to_string(PoseTrouble trouble) noexcept;
@@ -36,6 +36,9 @@ enum class PoseTrouble : std::uint8_t {
 //
 // Forces need the transposed Jacobian only: a stretched leg bounds commands as any other pose. Only
 // where the rods lie flat it would grow without bound, and there forward() refuses.
+//
+// Bounds, all ours. Flat: a volume of the three directions of the rods below 0.05 (1: at right
+// angles). Stretched: a knee within 6 degrees of straight, or of folded; only inverse() refuses it.
 //
 // Thread: any. RT: all THIMBLE_RT but the constructor. Ownership: `model` must outlive it; those of
 // the table do.
@@ -51,8 +54,9 @@ class FalconKinematics {
       const std::array<std::int16_t, 3>& counts) const noexcept;
   // The angles that bring the tip there, knees outwards.
   THIMBLE_RT [[nodiscard]] PoseTrouble inverse(Position3 tip, CrankAngles& out) const noexcept;
-  // Where the legs hold the tip: Newton's method from `near` on, and the inverse as the check that
-  // it is this pose and not its mirror image. `out` is untouched when there is trouble.
+  // Where the legs hold the tip: Newton's method from `near` on, until the legs miss it by 1e-10 m
+  // or less, 20 steps at most; and the inverse as the check that it is this pose and not its mirror
+  // image. `out` is untouched when there is trouble.
   THIMBLE_RT [[nodiscard]] PoseTrouble forward(const CrankAngles& crank_rad, Position3 near,
                                                ArmPose& out) const noexcept;
   // A crank beyond its stop by more than `slack_rad`.

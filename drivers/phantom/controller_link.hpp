@@ -30,6 +30,8 @@ class ControllerLink {
   // The newest report since the last call. Ok, NoData, Disconnected; ProtocolError (counted as
   // malformed here) when only what cannot be believed has come.
   THIMBLE_RT_IO virtual IoStatus read(ControllerReport& out) noexcept = 0;
+  // The caller has held them within the amplifier. A link bounds them to what its messages may say:
+  // HidLink to 32.767 A either way, TextLink to the full scale.
   THIMBLE_RT_IO virtual IoStatus write_currents(
       const std::array<double, 3>& current_a) noexcept = 0;
   // Makes the counters zero where the arm is, and lowers the flag of the calibration button.
@@ -38,6 +40,7 @@ class ControllerLink {
   [[nodiscard]] virtual bool is_zeroed_by_press() const noexcept = 0;
   // The arm stands where a press of the button, now, would not be seen.
   [[nodiscard]] virtual bool is_press_unseen() const noexcept = 0;
+  // The controller lets go by itself after so long without a message of ours.
   [[nodiscard]] virtual Duration watchdog() const noexcept = 0;
   [[nodiscard]] virtual DeviceCounters counters() const noexcept = 0;
   [[nodiscard]] virtual ZeroCommand zero_command() const noexcept = 0;

@@ -30,7 +30,8 @@ namespace thimble::phantom {
 class PhantomDevice final : public HapticDevice {
  public:
   // `model` must outlive the device; those of the table do. `amplifier_max_a`: full scale of the
-  // firmware build.
+  // firmware build, above 0 and at most 32.767 (wire::kLargestCurrentA). match() refuses others;
+  // here it is not checked again, and one below 0 would turn forces round.
   PhantomDevice(std::unique_ptr<ControllerLink> link, const PhantomModel& model,
                 double amplifier_max_a);
   ~PhantomDevice() override;

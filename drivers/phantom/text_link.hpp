@@ -24,7 +24,8 @@ namespace thimble::phantom {
 // Thread, RT, Errors: as ControllerLink. Ownership: owns the port; the clock must outlive it.
 class TextLink final : public ControllerLink {
  public:
-  // `model` must be one of text::kBuilds.
+  // `model` must be one of text::kBuilds, `amplifier_max_a` one that match() let pass; beyond that
+  // no current is said.
   TextLink(std::unique_ptr<bus::SerialPort> port, const PhantomModel& model, double amplifier_max_a,
            const Clock& clock);
   // The last that the port sends is zero, answer or not.

@@ -42,7 +42,8 @@ class Pointer {
   static constexpr Duration kLongestStep = std::chrono::milliseconds(20);
 
  private:
-  // -1 to 1: 0 within the dead band, then as the square, so that small moves can be made.
+  // -1 to 1: 0 within the dead band, 5 % of the full deflection (ours), then as the square, so that
+  // small moves can be made.
   [[nodiscard]] double share(std::int16_t counts) const noexcept;
   [[nodiscard]] bool is_let_go() const noexcept;
   void settle(MonotonicTime now) noexcept;

@@ -23,6 +23,9 @@ namespace thimble::spacemouse {
 // layouts one of two deflections may then be 16 ms old.
 //
 // Thread, RT: as HapticDevice; no allocation after the constructor.
+// Errors: read() never gives NoData; ProtocolError (counted as malformed) for a report that no puck
+// sends, and the point moves on meanwhile; Disconnected when the bus is lost. write() gives
+// Disconnected once read() did, else Ok.
 // Ownership: `model` and `clock` must outlive it. The clock is the one that stamps the bus.
 class SpaceMouseDevice final : public HapticDevice {
  public:
