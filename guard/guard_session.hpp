@@ -28,7 +28,9 @@ class GuardSession {
   [[nodiscard]] static Result<GuardSession> accept(int socket, int timeout_ms,
                                                    linux::DeviceCalls& calls);
 
-  // One look. False: the connection ended and the arm was let go.
+  // One look; where zero is to be written it blocks as ZeroWriter::write() does, seconds on hidraw.
+  // False: the connection has ended, and nothing is left to do. Of an arm that was driven that
+  // comes 100 ms after the first zero that it took then, or 10 s after the end (WatchSettings).
   [[nodiscard]] bool step(const Clock& clock) noexcept;
 
   [[nodiscard]] std::uint32_t interventions() const noexcept { return watch_.interventions(); }

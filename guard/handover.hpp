@@ -14,7 +14,7 @@ namespace thimble::guard {
 
 inline constexpr std::size_t kMaxZeroBytes = 65;  // a HID report of 64 and its number
 
-// How an arm is let go, in words of its node.
+// How an arm is let go, in words of its node. The packet says it as 0, 1 or 2, in this order.
 enum class ZeroRoute : std::uint8_t {
   Write,    // one write() of the bytes: hidraw (the report's number first), a terminal
   UsbBulk,  // one synchronous bulk transfer on the claim that belongs to the shared descriptor
@@ -24,8 +24,8 @@ enum class ZeroRoute : std::uint8_t {
 };
 
 // All that a guard is told of its arm; it goes over a Unix socket in one packet, with the
-// descriptors of the arm's node, of the page with the servo's heartbeat and, for HiddevAndWrite, of
-// the arm's hiddev.
+// descriptors, in this order, of the arm's node, of the page with the servo's heartbeat and, for
+// HiddevAndWrite, of the arm's hiddev.
 struct Handover {
   ZeroRoute route{ZeroRoute::Write};
   std::uint8_t endpoint{0};  // UsbBulk
@@ -49,8 +49,10 @@ struct Received {
   linux::SharedDevice device;
   linux::Descriptor page;
 };
+// Never waits. The descriptors that go are duplicates: the caller's stay open, and the caller's.
 [[nodiscard]] Result<void> send_handover(int socket, const Handover& handover,
                                          const linux::SharedDevice& device, int page);
+// Waits for the packet, `timeout_ms` at most; below 0: for ever.
 [[nodiscard]] Result<Received> receive_handover(int socket, int timeout_ms);
 
 }  // namespace thimble::guard

@@ -26,7 +26,8 @@ struct WatchSettings {
 // go on, until the servo says that it took the force away itself: what a stopped process had on its
 // way to the arm may leave it after the guard's first zeros.
 //
-// Thread: one. Ownership: none. Errors: none; any numbers are allowed.
+// Thread: one. RT: bounded; no system call, allocation or lock. Ownership: none. Errors: none; any
+// numbers are allowed.
 class Watch {
  public:
   explicit Watch(const WatchSettings& settings) noexcept : settings_(settings) {}

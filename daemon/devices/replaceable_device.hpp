@@ -35,6 +35,8 @@ class ReplaceableDevice final : public HapticDevice {
   // Closes the device that the servo has let go of, if any.
   void collect();
 
+  // These four are of the newest device that was offered, while the servo may still drive the one
+  // before.
   [[nodiscard]] const HapticCapabilities& capabilities() const noexcept override;
   [[nodiscard]] std::string_view calibration_instruction() const noexcept override;
   [[nodiscard]] DeviceCounters counters() const noexcept override;

@@ -11,7 +11,7 @@ namespace thimble::sim {
 
 // What a device that is offered to a kernel does wrong on demand.
 //
-// Thread: one, that of its port. Errors: none.
+// Thread: one, that of its port. Times: the model's clock. Errors: none.
 class Misbehaviour {
  public:
   explicit Misbehaviour(std::uint64_t seed) noexcept : random_(seed) {}
@@ -20,8 +20,10 @@ class Misbehaviour {
   void stall_until(MonotonicTime t) noexcept { stalls_until_ = t; }
   // Neither takes nor gives anything, and refuses nothing: it says NAK.
   void be_silent_until(MonotonicTime t) noexcept { silent_until_ = t; }
-  // The next `reports` that it sends have bits turned over; are cut to half; are longer than they
-  // may be.
+  // The next `reports` that it sends have 1 to 8 bits turned over, picked by chance (one that is
+  // picked twice is turned back); are cut to half; are made 2 n + 1 bytes of n, but no more than
+  // there is room for, or one more than that where they fill it. One report may be due for all
+  // three, in this order.
   void corrupt(std::uint32_t reports) noexcept { corrupt_ = reports; }
   void shorten(std::uint32_t reports) noexcept { short_ = reports; }
   void babble(std::uint32_t reports) noexcept { babble_ = reports; }

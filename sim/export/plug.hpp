@@ -50,7 +50,7 @@ class Plug {
   virtual void leave_out_until(MonotonicTime t) noexcept = 0;
 };
 
-// What a plug has around it; all must outlive it.
+// What a plug has around it: none is nullptr, and all must outlive it.
 struct PlugSurroundings {
   VirtualClock* clock{nullptr};   // the model's
   const Clock* machine{nullptr};  // only read, for the log

@@ -10,6 +10,8 @@
 #include <vector>
 
 // Messages of USB/IP 1.1.1, big-endian: the kernel's Documentation/usb/usbip_protocol.rst.
+//
+// Thread: any; all functions are pure. Not RT. Errors: none; who parses is total.
 namespace thimble::sim::usbip {
 
 // ---- before a device is attached: one request, one reply ----------------------------------
@@ -71,13 +73,14 @@ struct Unlink {
 };
 using Header = std::variant<Submit, Unlink>;
 
-// Total: nothing for bytes that are no header of those two, or name an endpoint or a direction
-// that cannot be. Thread: any. Pure.
+// Nothing for bytes that are no header of those two, or name an endpoint or a direction that cannot
+// be.
 [[nodiscard]] std::optional<Header> parse_header(
     std::span<const std::uint8_t, kHeaderBytes> bytes) noexcept;
 
-// Status: 0 or a negative errno. `sent` is what came from the device; for output `actual` counts
-// what it took.
+// Status: 0 or a negative errno. `sent` is what came from the device, `actual` bytes and no more
+// than `submit.length`; for output it is empty, and `actual` counts what the device took. Nothing
+// of this is checked: a longer one goes as it is, and its end would be the peer's next header.
 [[nodiscard]] Bytes submit_reply(const Submit& submit, std::int32_t status, std::uint32_t actual,
                                  std::span<const std::uint8_t> sent);
 [[nodiscard]] Bytes unlink_reply(std::uint32_t seqnum, std::int32_t status);

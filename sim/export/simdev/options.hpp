@@ -12,10 +12,12 @@ inline constexpr int kExitUsage = 2;  // the command line is a mistake
 struct SimdevOptions {
   std::string model;  // "phantom-vintage"; "sim:" in front is taken off
   bool is_uhid{false};
+  // 0: one that is free, which is then printed.
   std::optional<std::uint16_t> usbip_port;
   std::string socket;         // of the verbs; empty: none
   std::string serial_number;  // empty: as the model says
   double amplifier_max_a{0};  // 0: as the model says
+  // Of what is left to chance: in the model, and in the faults that it is told to show.
   std::uint64_t seed{0};
 };
 
