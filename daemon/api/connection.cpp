@@ -85,6 +85,7 @@ void Connection::on_read(boost::beast::error_code error) {
     if (is_about_bytes(error)) return answer_and_close(refusal_of(error));
     return close();
   }
+  context_.on_moved(id_);
   perform(parser_->release());
 }
 
@@ -120,6 +121,7 @@ void Connection::write(bool is_kept) {
       [self = shared_from_this(), is_kept](boost::beast::error_code error, std::size_t) {
         if (self->is_closed_) return;
         if (error || !is_kept) return self->close();
+        self->context_.on_moved(self->id_);
         self->read();
       });
 }

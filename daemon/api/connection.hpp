@@ -29,12 +29,14 @@ class Connection : public std::enable_shared_from_this<Connection> {
     const ServerSettings& settings;
     const StatusView& view;
     Commands& commands;
+    std::function<void(ClientId)> on_moved;  // it asked something whole, or has its answer
     std::function<void(ClientId)> on_closed;
   };
 
   Connection(Socket socket, ClientId id, Context context);
   void start() { read(); }
   void close();
+  [[nodiscard]] bool holds_lease() const;
 
  private:
   using Stream = boost::beast::basic_stream<boost::asio::local::stream_protocol>;
@@ -53,7 +55,6 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void on_read(boost::beast::error_code error);
   void answer_and_close(const RequestError& error);
   void write(bool is_kept);
-  [[nodiscard]] bool holds_lease() const;
 
   void perform(const Request& request);
   void command(const Action& action, bool is_kept);

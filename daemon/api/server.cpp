@@ -1,5 +1,7 @@
 #include "daemon/api/server.hpp"
 
+#include <sys/socket.h>
+
 #include <array>
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/local/stream_protocol.hpp>
@@ -7,8 +9,10 @@
 #include <map>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "daemon/api/connection.hpp"
+#include "daemon/api/seats.hpp"
 #include "daemon/api/socket_file.hpp"
 
 namespace thimble::api {
@@ -25,6 +29,14 @@ static_assert(kFull.substr(kFull.find("\r\n\r\n") + 4).size() == 76);
 
 // Between tries while the process is out of descriptors.
 constexpr std::chrono::milliseconds kAcceptPause{100};
+
+// Whose process made the connection (unix(7)). Where the kernel does not say, as nobody's.
+UserId user_of(Protocol::socket& socket) noexcept {
+  ucred peer{};
+  socklen_t size = sizeof peer;
+  const int told = ::getsockopt(socket.native_handle(), SOL_SOCKET, SO_PEERCRED, &peer, &size);
+  return told == 0 ? peer.uid : static_cast<UserId>(-1);
+}
 
 }  // namespace
 
@@ -54,7 +66,7 @@ class Server::Core : public std::enable_shared_from_this<Core> {
     pause_.cancel();
     while (!connections_.empty()) {
       // A copy: closing takes it out of the map.
-      const std::shared_ptr<Connection> connection = connections_.begin()->second;
+      const std::shared_ptr<Connection> connection = connections_.begin()->second.connection;
       connection->close();
     }
     file_.reset();
@@ -69,10 +81,11 @@ class Server::Core : public std::enable_shared_from_this<Core> {
   void on_accept(boost::system::error_code error, Protocol::socket socket) {
     if (is_stopped_) return;
     if (error) return accept_later();
-    if (connections_.size() >= settings_.max_connections) {
-      refuse(std::move(socket));
+    const UserId user = user_of(socket);
+    if (has_room_for(user)) {
+      add(std::move(socket), user);
     } else {
-      add(std::move(socket));
+      refuse(std::move(socket));
     }
     accept();
   }
@@ -84,20 +97,42 @@ class Server::Core : public std::enable_shared_from_this<Core> {
     });
   }
 
+  // Makes it where there is none.
+  bool has_room_for(UserId newcomer) {
+    if (connections_.size() < settings_.max_connections) return true;
+    std::vector<Seat> seats;
+    for (const auto& [id, entry] : connections_) {
+      seats.push_back({id, entry.user, entry.moved, entry.connection->holds_lease()});
+    }
+    const std::optional<ClientId> goes = who_goes(seats, newcomer);
+    if (!goes) return false;
+    // A copy, as in stop().
+    const std::shared_ptr<Connection> connection = connections_.at(*goes).connection;
+    connection->close();
+    return true;
+  }
+
   static void refuse(Protocol::socket socket) {
     boost::system::error_code ignored;
     socket.non_blocking(true, ignored);
     socket.write_some(net::buffer(kFull), ignored);
   }
 
-  void add(Protocol::socket socket) {
+  void add(Protocol::socket socket, UserId user) {
     const ClientId id{++last_id_};
+    const auto note = [this](ClientId moved) { connections_.at(moved).moved = ++moves_; };
     const auto forget = [this](ClientId gone) { connections_.erase(gone); };
     const auto connection = std::make_shared<Connection>(
-        std::move(socket), id, Connection::Context{settings_, view_, commands_, forget});
-    connections_.emplace(id, connection);
+        std::move(socket), id, Connection::Context{settings_, view_, commands_, note, forget});
+    connections_.emplace(id, Entry{connection, user, ++moves_});
     connection->start();
   }
+
+  struct Entry {
+    std::shared_ptr<Connection> connection;
+    UserId user;
+    std::uint64_t moved;  // as Seat::moved
+  };
 
   ServerSettings settings_;
   const StatusView& view_;
@@ -105,8 +140,9 @@ class Server::Core : public std::enable_shared_from_this<Core> {
   std::optional<SocketFile> file_;
   Protocol::acceptor acceptor_;
   net::steady_timer pause_;
-  std::map<ClientId, std::shared_ptr<Connection>> connections_;
+  std::map<ClientId, Entry> connections_;
   std::uint64_t last_id_{0};
+  std::uint64_t moves_{0};  // of all
   bool is_stopped_{false};
 };
 

@@ -22,6 +22,8 @@ struct ServerSettings {
   std::size_t max_header_bytes{8192};
   std::size_t max_body_bytes{16384};
   std::size_t max_state_bytes{16384};  // of a world's saved state; who has worlds knows their most
+  // One more makes a silent one go that holds no lease (seats.hpp): who sets it leaves room for
+  // such beside every arm's holder.
   std::size_t max_connections{32};
   std::chrono::milliseconds idle_timeout{30000};  // not for a connection that holds a lease
   std::chrono::milliseconds write_timeout{5000};  // a reader slower than that is dropped

@@ -37,6 +37,7 @@ api::ServerSettings server_settings(const config::Config& config) {
   settings.socket_mode = config.daemon.socket_mode;
   settings.group = config.daemon.group.value_or("");
   settings.max_state_bytes = world::cam::kMaxStateBytes;
+  settings.max_connections += config.arms.size();  // whoever holds an arm keeps a seat
   return settings;
 }
 

@@ -158,20 +158,20 @@ class Connections(ProcessTest):
             self.assertEqual(answered, code, (method, target))
             self.assertIn("message", json.loads(body)["error"])
 
-    def test_more_connections_than_it_takes(self):
-        connections = []
-        codes = []
-        for _ in range(CONNECTIONS):
-            connections.append(self.connect())
-            try:
-                codes.append(http_request(connections[-1], "GET", "/v1/status")[0])
-            except (BrokenPipeError, ConnectionResetError):
-                codes.append(503)  # it had answered and closed before it was asked
-        self.assertEqual(codes, [200] * 32 + [503] * (CONNECTIONS - 32))
-        # Those that were taken go on, and room is made by those that leave.
-        self.assertEqual(http_request(connections[0], "GET", "/v1/status")[0], 200)
-        for connection in connections:
-            connection.close()
+    def test_more_connections_than_it_takes_keep_nobody_from_stopping(self):
+        self.daemon.stop()
+        by_clients = HELLO.replace("amplifier_max_a", "activate = false\namplifier_max_a")
+        self.daemon = self.start(name="held", config=by_clients)
+        holder = self.connect()
+        self.assertEqual(http_request(holder, "POST", "/v1/arms/right/activate")[0], 200)
+        silent = [self.connect() for _ in range(CONNECTIONS)]
+        # All that came are served, in the place of those that were silent longest, and the holder stays.
+        for _ in range(3):
+            self.assertEqual(http_over(self.daemon.socket, "GET", "/v1/status")[0], 200)
+        self.assertEqual(http_request(silent[-1], "GET", "/v1/status")[0], 200)
+        self.assertEqual(silent[0].recv(1), b"", "it made room")
+        self.assertEqual(http_request(holder, "GET", "/v1/status")[0], 200)
+        self.assertEqual(http_over(self.daemon.socket, "POST", "/v1/arms/right/deactivate")[0], 200)
 
     def test_slow_clients_that_never_read(self):
         for _ in range(10):

@@ -18,6 +18,8 @@
 
 namespace thimble::api {
 
+inline constexpr const char* kGetStatus = "GET /v1/status HTTP/1.1\r\nHost: x\r\n\r\n";
+
 // One arm held by clients, one by the configuration.
 class FakeDaemon : public StatusView, public Commands {
  public:

@@ -18,8 +18,6 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::StartsWith;
 
-constexpr const char* kGetStatus = "GET /v1/status HTTP/1.1\r\nHost: x\r\n\r\n";
-
 TEST_F(ServerTest, TellsTheStatusOverAndOverOnOneConnection) {
   start();
   Client client(settings_.socket_path);
@@ -172,22 +170,6 @@ TEST_F(ServerTest, RefusesHeadersAndBodiesBeyondTheLimits) {
               StartsWith("HTTP/1.1 413"));
   EXPECT_TRUE(ends(body));
   EXPECT_THAT(daemon_.log, IsEmpty());
-}
-
-TEST_F(ServerTest, TurnsAwayConnectionsBeyondTheLimit) {
-  settings_.max_connections = 2;
-  start();
-  Client first(settings_.socket_path);
-  Client second(settings_.socket_path);
-  ask(first, kGetStatus);
-  ask(second, kGetStatus);
-  Client third(settings_.socket_path);
-  EXPECT_TRUE(ends(third));
-  EXPECT_THAT(third.received, AllOf(StartsWith("HTTP/1.1 503"), HasSubstr("too many")));
-  second.close();
-  EXPECT_TRUE(until([&] { return sut_->connections() == 1; }));
-  Client fourth(settings_.socket_path);
-  EXPECT_THAT(ask(fourth, kGetStatus), StartsWith("HTTP/1.1 200"));
 }
 
 TEST_F(ServerTest, DropsAnIdleConnectionUnlessItHoldsALease) {
