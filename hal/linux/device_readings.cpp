@@ -17,7 +17,12 @@ std::optional<ReadDevice> DeviceReadings::get(const std::string& identity, Read 
     late_.erase(late);
     return remember(identity, *slot);
   }
+  if (is_crowded()) {
+    put_off_.insert(identity);
+    return last(identity);
+  }
   if (!has_worker()) return last(identity);
+  put_off_.erase(identity);
   const auto slot = std::make_shared<Slot>();
   worker_->post([slot, read = std::move(read)] {
     slot->value = contain(read).value_or(std::nullopt);
@@ -25,6 +30,8 @@ std::optional<ReadDevice> DeviceReadings::get(const std::string& identity, Read 
   });
   if (worker_->wait(patience)) return remember(identity, *slot);
   late_.emplace(identity, slot);
+  std::erase_if(left_, [](const auto& one) { return one->is_done.load(); });
+  left_.push_back(slot);
   worker_.reset();
   return last(identity);
 }
@@ -38,13 +45,20 @@ bool DeviceReadings::has_worker() noexcept {
   return true;
 }
 
+bool DeviceReadings::is_crowded() const noexcept {
+  const auto hangs = [](const auto& slot) { return !slot->is_done.load(); };
+  return std::count_if(left_.begin(), left_.end(), hangs) >= static_cast<std::ptrdiff_t>(kMostLeft);
+}
+
 void DeviceReadings::keep(const std::set<std::string>& identities) {
   const auto is_gone = [&](const auto& entry) { return !identities.contains(entry.first); };
   std::erase_if(last_, is_gone);
   std::erase_if(late_, is_gone);
+  std::erase_if(put_off_, [&](const std::string& one) { return !identities.contains(one); });
 }
 
 bool DeviceReadings::has_caught_up() const noexcept {
+  if (!put_off_.empty() && !is_crowded()) return true;
   return std::any_of(late_.begin(), late_.end(),
                      [](const auto& entry) { return entry.second->is_done.load(); });
 }

@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "hal/base/time.hpp"
 #include "hal/bus/bus_enumerator.hpp"
@@ -32,7 +33,9 @@ struct ReadDevice {
 
 // Readings of devices, each in a thread beside the caller's, since the kernel may hold one up for
 // as long as a device does not answer it: one that is late is left to itself, and its device counts
-// as it was read last, or as not there, until it ends. It holds up no other device's reading.
+// as it was read last, or as not there, until it ends. It holds up no other device's reading, but
+// where kMostLeft threads are left so, nothing is read until one of them ends
+// (docs/decisions/0407-devices-that-hang-take-eight-threads.md).
 //
 // Thread: one; a reading runs in another and owns all that it uses. Not RT.
 // Ownership: its end waits for nobody. Errors: a reading gives nothing for what is no device, and
@@ -40,6 +43,8 @@ struct ReadDevice {
 class DeviceReadings {
  public:
   using Read = std::function<std::optional<ReadDevice>()>;
+  // Ours: an eighth of what the unit grants the process (TasksMax in systemd/thimbled.service).
+  static constexpr std::size_t kMostLeft = 8;
 
   // Waits `patience` at most, and not at all for one that is late already.
   [[nodiscard]] std::optional<ReadDevice> get(const std::string& identity, Read read,
@@ -48,7 +53,10 @@ class DeviceReadings {
   void keep(const std::set<std::string>& identities);
   // Readings that have not ended.
   [[nodiscard]] std::size_t late() const noexcept { return late_.size(); }
-  // Whether one that was late has ended, and nobody asked for it since.
+  // Devices that were not read, as there was no thread left for them.
+  [[nodiscard]] std::size_t put_off() const noexcept { return put_off_.size(); }
+  // Whether one that was late has ended, and nobody asked for it since, or one that was put off can
+  // be read now.
   [[nodiscard]] bool has_caught_up() const noexcept;
 
  private:
@@ -57,11 +65,15 @@ class DeviceReadings {
     std::optional<ReadDevice> value;
   };
   bool has_worker() noexcept;
+  [[nodiscard]] bool is_crowded() const noexcept;
   std::optional<ReadDevice> remember(const std::string& identity, const Slot& slot);
   std::optional<ReadDevice> last(const std::string& identity) const;
 
   std::map<std::string, ReadDevice> last_;
   std::map<std::string, std::shared_ptr<Slot>> late_;
+  std::set<std::string> put_off_;
+  std::vector<std::shared_ptr<const Slot>>
+      left_;                                  // each has a thread, also where its device is gone
   std::unique_ptr<BackgroundWorker> worker_;  // nullptr: it is left with who is late
 };
 

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <condition_variable>
+#include <filesystem>
+#include <iterator>
 #include <memory>
 #include <mutex>
 #include <stdexcept>
@@ -101,6 +103,51 @@ TEST_F(DeviceReadingsTest, OneThatIsGoneIsForgottenWithItsReading) {
   EXPECT_EQ(read("sick", "Another"), "Another");
   gate->open();
   EXPECT_FALSE(sut.has_caught_up());
+}
+
+std::size_t threads_of_process() {
+  const std::filesystem::directory_iterator all("/proc/self/task");
+  return static_cast<std::size_t>(std::distance(begin(all), end(all)));
+}
+
+TEST_F(DeviceReadingsTest, ManyThatHangTakeFewThreadsAndTheRestIsPutOff) {
+  constexpr std::size_t kMost = DeviceReadings::kMostLeft;
+  const std::size_t before = threads_of_process();
+  EXPECT_EQ(read("well", "Leg"), "Leg");
+  for (int look = 0; look < 3; ++look) {
+    for (int i = 0; i < 64; ++i) read_behind_gate("sick " + std::to_string(i), "Arm");
+  }
+  EXPECT_LE(threads_of_process(), before + kMost);
+  EXPECT_EQ(sut.late(), kMost);
+  EXPECT_EQ(sut.put_off(), 64 - kMost);
+  EXPECT_EQ(read("well", "Never"), "Leg") << "as it was";
+  EXPECT_FALSE(sut.has_caught_up());
+  gate->open();
+  wait_until_caught_up();
+  for (int i = 0; i < 64; ++i) {
+    const std::string name = "sick " + std::to_string(i);
+    while (read(name, "Arm") == "nothing") std::this_thread::yield();
+  }
+  EXPECT_EQ(read("well", "Now"), "Now");
+  EXPECT_EQ(sut.late(), 0U);
+  EXPECT_EQ(sut.put_off(), 0U);
+  EXPECT_FALSE(sut.has_caught_up());
+}
+
+// A device that comes and goes anew each time hangs under another name each time.
+TEST_F(DeviceReadingsTest, ThreadsOfDevicesThatAreGoneCount) {
+  const std::size_t before = threads_of_process();
+  for (int i = 0; i < 64; ++i) {
+    const std::string name = "sick " + std::to_string(i);
+    read_behind_gate(name, "Arm");
+    sut.keep({name});
+  }
+  EXPECT_LE(threads_of_process(), before + DeviceReadings::kMostLeft);
+  EXPECT_EQ(sut.late(), 0U);
+  EXPECT_EQ(sut.put_off(), 1U);
+  sut.keep({});
+  EXPECT_EQ(sut.put_off(), 0U);
+  gate->open();
 }
 
 TEST_F(DeviceReadingsTest, ItsEndWaitsForNoReading) {
