@@ -40,7 +40,7 @@ class SimUsbModel {
   // `in`, which has room for request.length bytes. Asked again as long as the answer is Nak.
   virtual UsbAnswer control(const bus::UsbControlRequest& request,
                             std::span<std::uint8_t> in) noexcept = 0;
-  // `bytes` is one packet, never empty, no longer than the endpoint's.
+  // `bytes` is one packet, also an empty one, no longer than the endpoint's.
   virtual UsbHandshake out_packet(std::uint8_t endpoint,
                                   std::span<const std::uint8_t> bytes) noexcept = 0;
   // Fills `out`, which has room for one packet of the endpoint. Ack with size 0: an empty packet.

@@ -80,7 +80,7 @@ UsbAnswer HidOnUsb::control(const bus::UsbControlRequest& request,
 UsbHandshake HidOnUsb::out_packet(std::uint8_t endpoint,
                                   std::span<const std::uint8_t> bytes) noexcept {
   if (endpoint != kOut) return UsbHandshake::Stall;
-  model_->out_report(bytes);
+  if (!bytes.empty()) model_->out_report(bytes);  // nothing is no report
   return UsbHandshake::Ack;
 }
 

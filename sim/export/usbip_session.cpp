@@ -16,7 +16,8 @@ using plugin::UsbAnswer;
 using plugin::UsbHandshake;
 
 constexpr std::size_t kBytesPerFrame = 1500;         // 12 Mbit/s for 1 ms
-constexpr std::uint32_t kShortNotOk = 1;             // URB_SHORT_NOT_OK, linux/usb.h
+constexpr std::uint32_t kShortNotOk = 1;             // USBIP_URB_SHORT_NOT_OK, linux/usbip.h
+constexpr std::uint32_t kZeroPacket = 0x40;          // USBIP_URB_ZERO_PACKET, there
 constexpr std::uint32_t kDeviceId = 1U << 16U | 1U;  // bus 1, device 1, as record() says
 constexpr std::size_t kAddresses = 32;               // 16 numbers, two directions
 
@@ -268,7 +269,12 @@ UsbipSession::Progress UsbipSession::class_request(Transfer& transfer,
 
 UsbipSession::Progress UsbipSession::send(Transfer& transfer, const bus::UsbEndpointInfo& endpoint,
                                           MonotonicTime now) {
-  while (transfer.done < transfer.data.size()) {
+  // A transfer of nothing is one packet of nothing; a longer one has it last where the host asks
+  // for an end that a whole packet does not say.
+  const bool is_whole = transfer.data.size() % endpoint.max_packet_bytes == 0;
+  const bool ends_empty =
+      transfer.data.empty() || (is_whole && (transfer.submit.flags & kZeroPacket) != 0);
+  while (transfer.done < transfer.data.size() || ends_empty) {
     const auto packet = std::span(transfer.data).subspan(transfer.done);
     const auto bytes =
         packet.first(std::min<std::size_t>(packet.size(), endpoint.max_packet_bytes));
@@ -280,6 +286,7 @@ UsbipSession::Progress UsbipSession::send(Transfer& transfer, const bus::UsbEndp
     ++counters_.from_host;
     transfer.done += bytes.size();
     is_under_way_ = true;  // what asked before it may have an answer now
+    if (bytes.empty()) break;
   }
   return end(transfer, 0);
 }
