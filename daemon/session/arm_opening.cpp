@@ -58,7 +58,8 @@ OpenOutcome open_and_wait(const OpenRequest& request, devices::DeviceExecutor& e
 }
 
 ArmOpener::~ArmOpener() {
-  if (std::optional<OpenOutcome> outcome = take()) give_back(*std::move(outcome));
+  // Whoever is the last to hold it, it ends there, be it done by now or not.
+  if (slot_ != nullptr) executor_.post([slot = std::move(slot_)]() mutable { slot.reset(); });
 }
 
 void ArmOpener::begin(OpenRequest request, MonotonicTime now) {

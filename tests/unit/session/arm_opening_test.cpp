@@ -155,5 +155,18 @@ TEST_F(ArmOpenerTest, WhatNobodyTookIsClosedByTheWork) {
   }
 }
 
+// Its opening may end at any moment of the opener's end: neither is the last to hold the device.
+TEST_F(ArmOpenerTest, WhatIsUnderWayWhenItEndsIsHeldByTheWorkUntilAfterTheOpening) {
+  {
+    ArmOpener opener(work);
+    opener.begin(request(), clock.now());
+  }
+  work.do_one();
+  EXPECT_TRUE(is_open()) << "the opening has ended, and what closes the device is still to come";
+  work.do_one();
+  EXPECT_FALSE(is_open());
+  EXPECT_EQ(work.waiting(), 0U);
+}
+
 }  // namespace
 }  // namespace thimble::session
