@@ -234,6 +234,7 @@ CamCells Board::cells_of(const Reading& reading) const {
 
 tl::unexpected<Error> Board::give_up(const Error& why) {
   is_running_ = false;
+  port_->drop_unsent();
   space_.reset();
   ++counters_.failed;
   return tl::unexpected<Error>(why);

@@ -48,6 +48,9 @@ class BoardPort {
   virtual IoStatus put(std::uint32_t offset, std::span<const std::uint8_t> bytes) = 0;
   // NoData, `bytes` untouched: they are on their way to who asks for the same again.
   virtual IoStatus get(std::uint32_t offset, std::span<std::uint8_t> bytes) = 0;
+  // What was put, rung and asked for is of no use any more: what has not left yet does not leave.
+  // The board may have had a part of it.
+  virtual void drop_unsent() = 0;
 
   [[nodiscard]] virtual Gone why_gone() const noexcept = 0;
 };

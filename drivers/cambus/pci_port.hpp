@@ -33,6 +33,8 @@ class PciPort final : public BoardPort {
   }
   IoStatus put(std::uint32_t offset, std::span<const std::uint8_t> bytes) override;
   IoStatus get(std::uint32_t offset, std::span<std::uint8_t> bytes) override;
+  // Nothing waits: what was put is there.
+  void drop_unsent() override {}
 
   [[nodiscard]] Gone why_gone() const noexcept override { return watch_.why_gone(); }
   [[nodiscard]] const PortCounters& counters() const noexcept { return counters_; }

@@ -12,8 +12,6 @@ constexpr std::size_t kWordBytes = 4;
 constexpr std::size_t kMostPacketsToCome = bus::kUsbQueuedPackets * 3 / 4;
 // Of one request, so that several are under way.
 constexpr std::size_t kReplyPackets = kMostPacketsToCome / 3;
-// Ours: what is asked for again after a loss is not the whole list.
-constexpr std::size_t kMostWriteBytes = 4096;
 
 constexpr std::uint64_t losses_of(const bus::UsbCounters& counters) noexcept {
   return counters.stalls + counters.babbles + counters.failures + counters.packets_skipped +
@@ -70,6 +68,16 @@ void UsbLink::append_write(std::uint32_t offset, std::span<const std::uint8_t> b
   request.is_last = is_last;
   unwritten_bytes_ += bytes.size();
   requests_.push_back(std::move(request));
+}
+
+bool UsbLink::drop_unsent() {
+  bool was_last = false;
+  while (!requests_.empty() && !requests_.back().is_sent) {
+    was_last = was_last || requests_.back().is_last;
+    unwritten_bytes_ -= requests_.back().payload.size();
+    requests_.pop_back();
+  }
+  return was_last;
 }
 
 // The empty one behind whole packets counts.
@@ -217,6 +225,7 @@ bool UsbLink::prepare() {
   packets_to_come_ += packets;
   ++under_way_;
   request.head.number = ++number_;
+  request.is_sent = true;
   leaving_ = usb_request(request.head, request.payload);
   ++counters_.sent;
   return true;

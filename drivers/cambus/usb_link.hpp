@@ -45,6 +45,8 @@ class UsbLink {
   static constexpr Duration kGivenUp = std::chrono::milliseconds(300);
   static constexpr Duration kVisit = std::chrono::milliseconds(20);
   static constexpr std::size_t kMostUnderWay = usb::kMostReplies;
+  // Ours: what is asked for again after a loss is not the whole list.
+  static constexpr std::size_t kMostWriteBytes = 4096;
 
   UsbLink(std::unique_ptr<bus::UsbDevice> device, std::size_t packet_bytes);
 
@@ -54,6 +56,10 @@ class UsbLink {
   // At most one request's bytes, that leave when all before has been answered: what would do harm
   // if something before it were repeated behind it.
   void write_last(std::uint32_t offset, std::span<const std::uint8_t> bytes);
+
+  // Forgets what has never been sent; what the board may have had stays in its order, and is sent
+  // to its end. What was asked for and is forgotten never comes. Whether a write_last() was.
+  [[nodiscard]] bool drop_unsent();
 
   // Hears and says what there is. Ok or Disconnected.
   IoStatus pump(MonotonicTime now);
@@ -68,6 +74,7 @@ class UsbLink {
     UsbHead head;
     std::vector<std::uint8_t> payload;  // of a write
     bool is_last{false};
+    bool is_sent{false};              // once, at least; of none behind one that was not
     std::shared_ptr<UsbFetch> fetch;  // of a read
     std::size_t place{0};             // in it
   };

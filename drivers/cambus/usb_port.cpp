@@ -139,7 +139,7 @@ bool UsbPort::is_in_window(std::uint32_t offset, std::size_t bytes) const noexce
 IoStatus UsbPort::put(std::uint32_t offset, std::span<const std::uint8_t> bytes) {
   if (watch_.is_gone()) return IoStatus::Disconnected;
   if (!is_in_window(offset, bytes.size())) return IoStatus::ProtocolError;
-  if (link_.unwritten_bytes() > facts_.window_bytes) return IoStatus::Backlogged;
+  if (link_.unwritten_bytes() > kMostLeftBytes) return IoStatus::Backlogged;
   gots_.clear();
   link_.write(facts_.window_offset + offset, bytes);
   return pump(now_);
@@ -165,4 +165,11 @@ IoStatus UsbPort::get(std::uint32_t offset, std::span<std::uint8_t> bytes) {
   gots_.erase(got);
   return IoStatus::Ok;
 }
+
+void UsbPort::drop_unsent() {
+  gots_.clear();
+  look_.reset();
+  if (link_.drop_unsent()) --rung_;
+}
+
 }  // namespace thimble::cambus

@@ -33,14 +33,19 @@ class UsbPort final : public BoardPort {
   [[nodiscard]] bool is_taken(const BoardStatus& status) const noexcept override {
     return status.acknowledged == rung_;
   }
-  // Backlogged while more than a window's bytes have not been answered.
+  // A board that says how much it holds does not say how much we keep: what was put is one list of
+  // ours, behind what could not be dropped of the one before. Backlogged while there is more.
+  static constexpr std::size_t kMostLeftBytes = UsbLink::kMostUnderWay * UsbLink::kMostWriteBytes;
   IoStatus put(std::uint32_t offset, std::span<const std::uint8_t> bytes) override;
   // What was asked for is forgotten with the next put() or ring().
   IoStatus get(std::uint32_t offset, std::span<std::uint8_t> bytes) override;
+  void drop_unsent() override;
 
   [[nodiscard]] Gone why_gone() const noexcept override { return watch_.why_gone(); }
   [[nodiscard]] const PortCounters& counters() const noexcept { return counters_; }
   [[nodiscard]] const UsbLinkCounters& link() const noexcept { return link_.counters(); }
+  // Put, and not answered.
+  [[nodiscard]] std::size_t unwritten_bytes() const noexcept { return link_.unwritten_bytes(); }
 
  private:
   friend class UsbOpening;

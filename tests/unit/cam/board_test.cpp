@@ -51,6 +51,7 @@ class LatePort final : public BoardPort {
     if (asked_++ % late_ != late_ - 1) return IoStatus::NoData;
     return port_->get(offset, bytes);
   }
+  void drop_unsent() override { port_->drop_unsent(); }
   [[nodiscard]] Gone why_gone() const noexcept override { return port_->why_gone(); }
   void be_full(bool is_full) noexcept { is_full_ = is_full; }
 
