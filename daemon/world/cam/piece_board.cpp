@@ -1,5 +1,6 @@
 #include "daemon/world/cam/piece_board.hpp"
 
+#include <string>
 #include <utility>
 
 #include "daemon/world/cam/piece_drift.hpp"
@@ -68,6 +69,7 @@ void PieceBoard::pump(const Clock& clock) {
     }
     if (!*answer) return;
     ++counters_.programs;
+    timeouts_ = 0;
     if (!go_on(&**answer, now)) return;
   }
 }
@@ -143,8 +145,18 @@ bool PieceBoard::fail_with(const Error& why, MonotonicTime now) {
   task_.reset();
   is_drift_ = false;
   if (std::exchange(is_action_, false)) outcome_ = PieceOutcome::BoardFailed;
-  if (why.code == Errc::Disconnected) board_.reset();
+  if (why.code == Errc::Timeout && ++timeouts_ == kMostTimeouts) {
+    trouble_->message +=
+        "; that was time " + std::to_string(timeouts_) + " in a row, the board is opened anew";
+    close();
+  }
+  if (why.code == Errc::Disconnected) close();
   return false;
+}
+
+void PieceBoard::close() {
+  board_.reset();
+  timeouts_ = 0;
 }
 
 void PieceBoard::fill(CamCells cells) {

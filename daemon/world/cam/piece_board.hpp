@@ -26,8 +26,8 @@ struct PieceBoardCounters {
 // Pieces on a board of cellular automata, which is the only one to know where they are: the host
 // remembers what it confirmed (PieceState). Does one thing after the other, none of which waits.
 //
-// A board that fails is tried again every kRetry, opened anew if it is gone, and then what it holds
-// is read and made whole.
+// A board that fails is tried again every kRetry, opened anew if it is gone or was too late
+// kMostTimeouts times in a row, and then what it holds is read and made whole.
 // Thread: one, the world's. Not RT. Errors: trouble().
 class PieceBoard {
  public:
@@ -35,6 +35,9 @@ class PieceBoard {
   using Opener = std::function<Result<std::unique_ptr<CamBoard>>(MonotonicTime now)>;
   // Ours: a board that was plugged in again is felt at once.
   static constexpr Duration kRetry = std::chrono::milliseconds(100);
+  // In a row: a board that is too slow, or no board at all, is not kept for ever. Ours: a module
+  // that hangs is well after the first reset, or not at all.
+  static constexpr int kMostTimeouts = 3;
   // Of one call of pump(), with a board that takes no time, or with one whose scans are done by the
   // caller: then it goes on with the next call. Ours: half the period of the servo's default, on
   // the thread that serves links and clients, too.
@@ -80,6 +83,7 @@ class PieceBoard {
   [[nodiscard]] bool go_on(const CamAnswer* answer, MonotonicTime now);
   [[nodiscard]] bool play(const CamSteps& steps, MonotonicTime now);
   bool fail_with(const Error& why, MonotonicTime now);
+  void close();
   void fill(CamCells cells);
   void start_over();
   void end_task();
@@ -101,6 +105,7 @@ class PieceBoard {
   std::optional<PieceOutcome> outcome_;
   PieceLayout picture_;
   std::optional<MonotonicTime> retry_at_;
+  int timeouts_{0};  // since the board was opened, or since a program was over
   std::optional<Error> trouble_;
   PieceBoardCounters counters_;
 };
