@@ -7,7 +7,7 @@ namespace thimble::linux {
 
 MonotonicTime MonotonicClock::now() const noexcept {
   timespec t{};
-  ::clock_gettime(CLOCK_MONOTONIC, &t);  // cannot fail for this clock
+  ::clock_gettime(CLOCK_BOOTTIME, &t);  // cannot fail for this clock
   return {std::chrono::seconds(t.tv_sec) + std::chrono::nanoseconds(t.tv_nsec)};
 }
 
@@ -19,7 +19,7 @@ Duration MonotonicClock::sleep_until(MonotonicTime deadline) noexcept {
   timespec t{};
   t.tv_sec = whole.count();
   t.tv_nsec = (deadline.since_epoch - whole).count();
-  while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr) == EINTR) {
+  while (::clock_nanosleep(CLOCK_BOOTTIME, TIMER_ABSTIME, &t, nullptr) == EINTR) {
   }
   woke = now();
   return woke > deadline ? woke - deadline : Duration(0);

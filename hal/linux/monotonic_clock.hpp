@@ -5,7 +5,9 @@
 
 namespace thimble::linux {
 
-// The machine's CLOCK_MONOTONIC.
+// The machine's CLOCK_BOOTTIME: CLOCK_MONOTONIC, and the time in which the machine was suspended
+// besides (clock_gettime(2)). So a servo, a guard or a link sees that it was away, and no force
+// from before is taken up again as if nothing had been (decision 0410).
 //
 // Thread: any; it has no state.
 // RT: now() THIMBLE_RT (vDSO); sleep_until() THIMBLE_RT_IO, its one system call is

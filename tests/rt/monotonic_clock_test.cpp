@@ -2,10 +2,15 @@
 
 #include <gtest/gtest.h>
 #include <pthread.h>
+#include <sched.h>
 #include <signal.h>
 
 #include <atomic>
+#include <fstream>
+#include <string>
 #include <thread>
+
+#include "tests/rt/in_child_process.hpp"
 
 namespace thimble::linux {
 namespace {
@@ -66,6 +71,32 @@ TEST(MonotonicClock, ASignalDoesNotEndTheSleepEarly) {
   disturber.join();
   EXPECT_GT(signals.load(), 0);
   ::sigaction(SIGUSR1, &previous, nullptr);
+}
+
+// A suspended machine is one whose boot-time clock ran on and whose CLOCK_MONOTONIC did not: so it
+// is in a time namespace that shifts the former alone, for whoever is born in it.
+std::string seconds_after_a_suspension(int suspended_s) {
+  if (::unshare(CLONE_NEWUSER | CLONE_NEWTIME) != 0) return "no time namespace";
+  std::ofstream offsets("/proc/self/timens_offsets");
+  offsets << "boottime " << suspended_s << " 0\n";
+  if (!offsets.flush()) return "no offset";
+  return test::in_child_process(test::Rights::AsTheTest, [] {
+    MonotonicClock sut;
+    const MonotonicTime start = sut.now();
+    sut.sleep_until(start + milliseconds(1));
+    if (sut.now() - start > seconds(30)) return std::string("slept by another clock");
+    return std::to_string(std::chrono::duration_cast<seconds>(start.since_epoch).count());
+  });
+}
+
+TEST(MonotonicClock, TimeInWhichTheMachineIsSuspendedPasses) {
+  constexpr int kSuspended_s = 100'000;
+  const MonotonicClock sut;
+  const seconds before = std::chrono::duration_cast<seconds>(sut.now().since_epoch);
+  const std::string after = test::in_child_process(
+      test::Rights::AsTheTest, [] { return seconds_after_a_suspension(kSuspended_s); });
+  ASSERT_NE(after.find_first_of("0123456789"), std::string::npos) << after;
+  EXPECT_GE(std::stoll(after), before.count() + kSuspended_s);
 }
 
 }  // namespace

@@ -4,7 +4,7 @@ which it wakes the net plane, or the thread of a bus. Nothing else, so nothing t
 
 import re
 
-SLEEP = re.compile(r"clock_nanosleep\(CLOCK_MONOTONIC, TIMER_ABSTIME, .*")
+SLEEP = re.compile(r"clock_nanosleep\(CLOCK_BOOTTIME, TIMER_ABSTIME, .*")
 WAKE = re.compile(r'write\(\d+<anon_inode:\[eventfd\]>, "\\1\\0\\0\\0\\0\\0\\0\\0", 8\) += .*')
 # How strace tells that it came or went in the middle of a sleep or of that write.
 _INTERRUPTED = re.compile(r"restart_syscall\(<\.\.\. resuming .*|strace: Process .*|"
