@@ -30,6 +30,14 @@ json::object counters_of(const PlugCounters& counters) {
           {"requests", counters.requests},     {"malformed", counters.malformed}};
 }
 
+json::object trouble_of(const Misbehaviour::Struck& struck) {
+  return {{"refused", struck.refused},
+          {"unanswered", struck.unanswered},
+          {"corrupted", struck.corrupted},
+          {"shortened", struck.shortened},
+          {"babbled", struck.babbled}};
+}
+
 void add_arm(json::object& reply, const plugin::ArmBackend& arm) {
   const plugin::ArmTruth truth = arm.truth();
   reply["tip_m"] = triple(truth.tip);
@@ -119,7 +127,8 @@ std::string DeviceVerbs::status() const {
                      {"broken", plug_->is_broken()},
                      {"t_s", seconds(around_.clock->now().since_epoch)},
                      {"machine_s", seconds(around_.machine->now().since_epoch)},
-                     {"counters", counters_of(plug_->counters())}};
+                     {"counters", counters_of(plug_->counters())},
+                     {"trouble", trouble_of(around_.misbehaviour->struck())}};
   if (faces_.arm != nullptr) {
     add_arm(reply, *faces_.arm);
     reply["held"] = hand_->has_hold();

@@ -6,9 +6,10 @@ namespace thimble::sim {
 namespace {
 
 // True for as long as there is something left to do.
-bool count_down(std::uint32_t& left) noexcept {
+bool count_down(std::uint32_t& left, std::uint64_t& done) noexcept {
   if (left == 0) return false;
   --left;
+  ++done;
   return true;
 }
 
@@ -16,15 +17,15 @@ bool count_down(std::uint32_t& left) noexcept {
 
 std::size_t Misbehaviour::spoil(std::span<std::uint8_t> room, std::size_t size) noexcept {
   if (size == 0 || size > room.size()) return size;
-  if (count_down(corrupt_)) {
+  if (count_down(corrupt_, struck_.corrupted)) {
     const std::uint64_t flips = 1 + random_() % 8;
     for (std::uint64_t i = 0; i < flips; ++i) {
       const std::uint64_t bit = random_() % (size * 8);
       room[bit / 8] = static_cast<std::uint8_t>(room[bit / 8] ^ (1U << bit % 8));
     }
   }
-  if (count_down(short_)) size /= 2;
-  if (count_down(babble_)) {
+  if (count_down(short_, struck_.shortened)) size /= 2;
+  if (count_down(babble_, struck_.babbled)) {
     const std::size_t more = std::min(2 * size + 1, room.size());
     for (std::size_t i = size; i < more; ++i) room[i] = static_cast<std::uint8_t>(random_());
     size = more > size ? more : room.size() + 1;

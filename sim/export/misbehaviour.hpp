@@ -28,11 +28,29 @@ class Misbehaviour {
   void shorten(std::uint32_t reports) noexcept { short_ = reports; }
   void babble(std::uint32_t reports) noexcept { babble_ = reports; }
 
-  [[nodiscard]] bool is_stalled(MonotonicTime now) const noexcept { return now < stalls_until_; }
+  // Asked for each transfer or request, of which it counts those that it refuses.
+  [[nodiscard]] bool refuses(MonotonicTime now) noexcept {
+    if (now >= stalls_until_) return false;
+    ++struck_.refused;
+    return true;
+  }
   [[nodiscard]] bool is_silent(MonotonicTime now) const noexcept { return now < silent_until_; }
+  // Somebody waited for it in a round in which it was silent.
+  void note_unanswered() noexcept { ++struck_.unanswered; }
   // Does to the report in the first `size` bytes of `room` what is due. Returns its new size; more
   // than `room` for one that babbles beyond it.
   [[nodiscard]] std::size_t spoil(std::span<std::uint8_t> room, std::size_t size) noexcept;
+
+  // What it did wrong so far, so that who asked for it can tell that it happened.
+  struct Struck {
+    std::uint64_t refused{0};
+    std::uint64_t unanswered{0};  // rounds of its wire
+    std::uint64_t corrupted{0};   // reports, as the two below
+    std::uint64_t shortened{0};
+    std::uint64_t babbled{0};
+    bool operator==(const Struck&) const = default;
+  };
+  [[nodiscard]] const Struck& struck() const noexcept { return struck_; }
 
  private:
   MonotonicTime stalls_until_{};
@@ -40,6 +58,7 @@ class Misbehaviour {
   std::uint32_t corrupt_{0};
   std::uint32_t short_{0};
   std::uint32_t babble_{0};
+  Struck struck_{};
   std::mt19937_64 random_;
 };
 

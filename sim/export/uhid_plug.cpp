@@ -57,10 +57,12 @@ void UhidPlug::cut_power() noexcept {
 void UhidPlug::fire(MonotonicTime now) noexcept {
   model_->advance(now);
   take_events(now);
-  if (is_plugged_ && !around_.misbehaviour->is_silent(now)) {
+  const bool is_silent = around_.misbehaviour->is_silent(now);
+  if (is_plugged_ && !is_silent) {
     give_output(now);
     send_input(now);
   }
+  if (is_plugged_ && is_silent && is_open_) around_.misbehaviour->note_unanswered();
   plugin::ArmBackend* arm = model_->arm_backend();
   if (arm != nullptr) around_.log->note_sample(around_.time(now), arm->truth());
   around_.clock->events().schedule_at(*this, now + model_->frame_period());
@@ -113,7 +115,7 @@ void UhidPlug::note_output(const uhid::Output& output) {
 
 void UhidPlug::give_output(MonotonicTime now) {
   if (!std::exchange(has_output_, false)) return;
-  if (around_.misbehaviour->is_stalled(now)) {
+  if (around_.misbehaviour->refuses(now)) {
     ++counters_.lost;
     return;
   }
@@ -126,7 +128,7 @@ void UhidPlug::give_output(MonotonicTime now) {
 void UhidPlug::send_input(MonotonicTime now) {
   if (endpoint_bytes_ == 0)
     endpoint_bytes_ = std::min(model_->in_report(endpoint_), endpoint_.size());
-  if (endpoint_bytes_ == 0 || !is_open_ || around_.misbehaviour->is_stalled(now)) return;
+  if (endpoint_bytes_ == 0 || !is_open_ || around_.misbehaviour->refuses(now)) return;
   const std::size_t size =
       std::min(around_.misbehaviour->spoil(endpoint_, endpoint_bytes_), endpoint_.size());
   const std::span<const std::uint8_t> report(endpoint_.data(), size);
@@ -145,7 +147,7 @@ void UhidPlug::answer(const uhid::GetReport& request, MonotonicTime now) {
   std::array<std::uint8_t, bus::kMaxHidReportBytes + 1> report{};
   // The kernel keeps a byte for the number that is not there.
   const std::size_t prefix = info_.has_report_ids ? 0 : 1;
-  const bool is_refused = around_.misbehaviour->is_stalled(now);
+  const bool is_refused = around_.misbehaviour->refuses(now);
   const std::span<std::uint8_t> room(report.data() + prefix, bus::kMaxHidReportBytes);
   const std::size_t size =
       is_refused ? 0
@@ -162,7 +164,7 @@ void UhidPlug::answer(const uhid::SetReport& request, MonotonicTime now) {
   const std::span<const std::uint8_t> report = without_number(request.bytes);
   around_.log->note_bytes(around_.time(now), ModelLog::Direction::Requested, report);
   const bool is_taken =
-      !around_.misbehaviour->is_stalled(now) && model_->set_report(request.kind, report);
+      !around_.misbehaviour->refuses(now) && model_->set_report(request.kind, report);
   write_event(uhid::set_report_reply(request.id, is_taken ? 0 : EPIPE));
 }
 

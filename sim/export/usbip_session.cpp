@@ -132,7 +132,10 @@ void UsbipSession::serve(MonotonicTime now) {
   });
   if (is_used) used_at_ = now;
   is_under_way_ = around_.misbehaviour->is_silent(now);
-  if (is_under_way_) return;
+  if (is_under_way_) {
+    if (!transfers_.empty()) around_.misbehaviour->note_unanswered();
+    return;
+  }
   bytes_left_ = kBytesPerFrame / rounds_per_frame_;
   serve_kind(UsbTransferKind::Interrupt, now);
   serve_kind(UsbTransferKind::Control, now);
@@ -182,7 +185,7 @@ void UsbipSession::serve_kind(UsbTransferKind kind, MonotonicTime now) {
     Progress progress{};
     if (slot == 0) {
       progress = control(*transfer, now);
-    } else if (endpoint == nullptr || around_.misbehaviour->is_stalled(now)) {
+    } else if (endpoint == nullptr || around_.misbehaviour->refuses(now)) {
       progress = end(*transfer, -EPIPE);
     } else {
       progress = transfer->submit.is_in ? fetch(*transfer, *endpoint, now)
@@ -225,7 +228,7 @@ UsbipSession::Progress UsbipSession::control(Transfer& transfer, MonotonicTime n
   const bus::UsbControlRequest request = control_request(transfer.submit.setup, transfer.data);
   ++counters_.requests;
   is_under_way_ = true;  // it may be one of many, or change what the device says elsewhere
-  if (around_.misbehaviour->is_stalled(now)) return end(transfer, -EPIPE);
+  if (around_.misbehaviour->refuses(now)) return end(transfer, -EPIPE);
   if (!is_standard(request)) return class_request(transfer, request, now);
   // An answer of a write has no data, whatever its setup asks for: they would be the next header.
   if (!transfer.submit.is_in && bus::asks_for_data(request) && request.length > 0) {

@@ -16,7 +16,8 @@ LIMIT_NEWTON = 3.0
 PRESSED_NEWTON = 0.2
 # The driver turns a force into currents for the pose that it was told: where that was a lie, the motors push elsewhere.
 SLACK = 1.5
-TROUBLES = ("nak 0.3", "stall 0.3", "corrupt 50", "short 50", "babble 50")
+# What the device is told, and what of it it counts.
+TROUBLES = {"nak 0.3": "unanswered", "stall 0.3": "refused", "corrupt 50": "corrupted", "short 50": "shortened", "babble 50": "babbled"}
 LIMIT = f"limits.force_newton = {LIMIT_NEWTON}\n"
 NAMES = ("right", "left")
 FALCON, HID = 0, 1
@@ -76,9 +77,11 @@ class Misbehaviour(guest.GuestTest):
         before = self.status(1 - arm)
         self.assertEqual((before["state"], before["is_in_contact"]), ("active", True))
         device = self.arms[arm]
+        done = device.status()["trouble"][TROUBLES[verb]]
         device.say(verb)
         self.guest.run("sleep 0.4")
         felt, beside = ([force for _, force in two_arms.forces(one.log(0.5))] for one in (device, self.arms[1 - arm]))
+        self.assertGreater(device.status()["trouble"][TROUBLES[verb]], done)
         self.assertLess(max(felt), SLACK * LIMIT_NEWTON)
         self.assertGreater(min(beside), PRESSED_NEWTON)
         self.recover(arm)

@@ -108,12 +108,17 @@ TEST_F(DeviceVerbsTest, PressesButtonsOfTheArmAndOfThePanel) {
 TEST_F(DeviceVerbsTest, MisbehavesOnDemand) {
   const MonotonicTime now = bench_.clock.now();
   EXPECT_TRUE(is_taken("stall 0.5"));
-  EXPECT_TRUE(bench_.misbehaviour.is_stalled(now + std::chrono::milliseconds(499)));
+  EXPECT_TRUE(bench_.misbehaviour.refuses(now + std::chrono::milliseconds(499)));
   EXPECT_TRUE(is_taken("nak 0.5"));
   EXPECT_TRUE(bench_.misbehaviour.is_silent(now + std::chrono::milliseconds(499)));
   EXPECT_TRUE(is_taken("short 1"));
   std::array<std::uint8_t, 64> room{};
   EXPECT_EQ(bench_.misbehaviour.spoil(room, 14), 7U);
+  const json::object trouble = say("status").at("trouble").as_object();
+  EXPECT_EQ(
+      trouble,
+      json::object(
+          {{"refused", 1}, {"unanswered", 0}, {"corrupted", 0}, {"shortened", 1}, {"babbled", 0}}));
 }
 
 TEST_F(DeviceVerbsTest, SaysWhatItIsAndWhereItsTipIs) {

@@ -14,7 +14,7 @@ TEST(MisbehaviourTest, LeavesReportsAloneUnlessTold) {
   Room room{1, 2, 3};
   EXPECT_EQ(sut.spoil(room, 3), 3U);
   EXPECT_EQ(room, (Room{1, 2, 3}));
-  EXPECT_FALSE(sut.is_stalled({}));
+  EXPECT_FALSE(sut.refuses({}));
   EXPECT_FALSE(sut.is_silent({}));
 }
 
@@ -28,6 +28,7 @@ TEST(MisbehaviourTest, CorruptsSoManyReportsAndNoMore) {
     if (room != Room{}) ++spoiled;
     for (std::size_t byte = 14; byte < room.size(); ++byte) EXPECT_EQ(room[byte], 0);
   }
+  EXPECT_EQ(sut.struck(), (Misbehaviour::Struck{.corrupted = 3}));
   EXPECT_LE(spoiled, 3);
   EXPECT_GE(spoiled, 2) << "two flips may meet";
 }
@@ -55,6 +56,7 @@ TEST(MisbehaviourTest, CutsToHalfAndBabbles) {
   EXPECT_EQ(sut.spoil(room, 14), 29U);
   EXPECT_GT(sut.spoil(room, room.size()), room.size()) << "beyond its room";
   EXPECT_EQ(sut.spoil(room, 14), 14U);
+  EXPECT_EQ(sut.struck(), (Misbehaviour::Struck{.shortened = 1, .babbled = 2}));
 }
 
 TEST(MisbehaviourTest, ANakIsNotSpoiled) {
@@ -63,17 +65,20 @@ TEST(MisbehaviourTest, ANakIsNotSpoiled) {
   Room room{};
   EXPECT_EQ(sut.spoil(room, 0), 0U);
   EXPECT_EQ(sut.spoil(room, 1), 3U) << "the next report is";
+  EXPECT_EQ(sut.struck().babbled, 1U);
 }
 
 TEST(MisbehaviourTest, StallsAndIsSilentUntilItsTime) {
   Misbehaviour sut(1);
   const MonotonicTime t{std::chrono::seconds(1)};
   sut.stall_until(t);
-  EXPECT_TRUE(sut.is_stalled({}));
-  EXPECT_FALSE(sut.is_stalled(t));
+  EXPECT_TRUE(sut.refuses({}));
+  EXPECT_FALSE(sut.refuses(t));
   sut.be_silent_until(t);
   EXPECT_TRUE(sut.is_silent({}));
   EXPECT_FALSE(sut.is_silent(t));
+  sut.note_unanswered();
+  EXPECT_EQ(sut.struck(), (Misbehaviour::Struck{.refused = 1, .unanswered = 1}));
 }
 
 }  // namespace

@@ -171,6 +171,7 @@ TEST_F(UhidPlugTest, SilentItNeitherTakesNorGivesAndGoesOnWhereItWas) {
   bench_.run_frames(2);
   EXPECT_FALSE(kernel_.last_input());
   EXPECT_TRUE(script_->received.empty());
+  EXPECT_EQ(bench_.misbehaviour.struck().unanswered, 2U);
   bench_.run_frames(1);
   EXPECT_TRUE(kernel_.last_input());
   EXPECT_EQ(script_->received.size(), 1U);
@@ -183,6 +184,7 @@ TEST_F(UhidPlugTest, StalledItLosesWhatIsWritten) {
   bench_.run_frames(5);
   EXPECT_TRUE(script_->received.empty());
   EXPECT_EQ(sut_.counters().lost, 1U);
+  EXPECT_EQ(bench_.misbehaviour.struck().refused, 1U);
 }
 
 TEST_F(UhidPlugTest, ShortAndBabblingReportsGoOutAsTheyAre) {

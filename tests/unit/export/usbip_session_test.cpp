@@ -238,14 +238,18 @@ TEST_F(UsbipSessionTest, AnswersAnUnlinkOnceWhateverItIsAbout) {
 TEST_F(UsbipSessionTest, MisbehavesOnDemand) {
   attach();
   bench_.misbehaviour.be_silent_until(bench_.clock.now() + std::chrono::milliseconds(2));
+  serve(1);
+  EXPECT_EQ(bench_.misbehaviour.struck().unanswered, 0U) << "nobody asked";
   script_->to_send[Model::kBulkIn] = {Bytes(20), Bytes(20), Bytes(20)};
   say(host_.read(Model::kBulkIn, 64));
   serve(8);
   EXPECT_TRUE(sut_.outbox().empty());
   serve(16);
   EXPECT_TRUE(UsbipHost::take_reply(sut_.outbox(), true));
+  EXPECT_GE(bench_.misbehaviour.struck().unanswered, 8U);
   bench_.misbehaviour.stall_until(bench_.clock.now() + std::chrono::milliseconds(2));
   EXPECT_EQ(transfer(host_.read(Model::kBulkIn, 64), true).status, -EPIPE);
+  EXPECT_EQ(bench_.misbehaviour.struck().refused, 1U);
   serve(16);
   bench_.misbehaviour.shorten(1);
   EXPECT_EQ(transfer(host_.read(Model::kBulkIn, 64), true).data.size(), 10U);
