@@ -14,6 +14,9 @@ PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "safety-wiring.md"
 # As the page says that it is wired.
 SAFETY = re.search(r"```toml\n(\[safety\]\n.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)[1]
 
+# In a second, of 50: one in two may be late before the relay of that page falls off.
+BEATS = 40
+
 
 class Arm(arms.HidArm):
     daemon_words = SAFETY
@@ -92,7 +95,7 @@ class Estop(guest.GuestTest):
         self.assertEqual(self.beats(), 0)
         self.assertEqual(self.status()["arms"][0]["faults"][0]["code"], "estop")
         self.start_again()
-        self.assertGreater(self.beats(), 0)
+        self.assertGreaterEqual(self.beats(), BEATS)
         self.lean()
 
     def test_3_pressed_is_zero_and_latched_and_the_heartbeat_stops(self):
@@ -112,7 +115,7 @@ class Estop(guest.GuestTest):
         self.assertEqual(self.status()["arms"][0]["state"], "fault")
         self.assert_no_force()
         self.start_again()
-        self.assertGreater(self.beats(), 0)
+        self.assertGreaterEqual(self.beats(), BEATS)
         self.lean()
 
     def test_5_one_channel_alone_is_a_defect_until_both_were_open(self):
@@ -149,7 +152,7 @@ class Estop(guest.GuestTest):
     def test_8_the_heartbeat_stops_with_a_daemon_that_hangs_is_killed_or_stopped(self):
         for signal in ("STOP", "KILL"):
             with self.subTest(signal):
-                self.assertGreater(self.beats(), 0)
+                self.assertGreaterEqual(self.beats(), BEATS)
                 self.guest.run(f"systemctl kill -s {signal} thimbled; sleep 0.2")
                 self.assertEqual(self.beats(), 0)
                 if signal == "STOP":

@@ -9,8 +9,11 @@ import sys
 
 import arms
 import guest
+import simdev
 
 TICKS = 10_000
+# A Falcon on the wall feels 0.29 N, the HID arm more, and neither anything in the open.
+PRESSED_NEWTON = 0.2
 # Two statuses around the sleep, each with the counters of the kernel, in one script, since an idle guest's clock runs ahead between two.
 SCRIPT = """
 look() {{
@@ -61,6 +64,10 @@ class Paced(guest.GuestTest):
 
     def assert_in_time(self, rate_hz, exchanges_hz):
         servo, device, (voluntary, _) = self.count(rate_hz)
+        # It pressed on the wall all the while.
+        arm = json.loads(self.guest.run("thimble status --json"))["arms"][0]
+        self.assertEqual((arm["state"], arm["is_in_contact"], arm["faults"]), ("active", True, []))
+        self.assertGreater(simdev.norm(self.arm.felt(0.1)), PRESSED_NEWTON)
         self.assertGreaterEqual(servo.pop("ticks"), TICKS)
         self.assertEqual(servo, {"overruns": 0, "missed_exchanges": 0, "malformed_reports": 0})
         self.assertEqual([device[key] for key in ("superseded", "lost", "malformed")], [0, 0, 0])

@@ -31,6 +31,9 @@ class SecondWay(guest.GuestTest):
         cls.node = cls.guest.run("for node in /sys/class/hidraw/*; do grep -lqx HID_UNIQ=" + HUNG +
                                  " $node/device/uevent && basename $node; done; true").strip()
 
+    def servo(self):
+        return json.loads(self.guest.run("thimble status --json"))["servos"][0]
+
     def test_1_the_guard_has_the_arms_hiddev_open_and_nobody_else_may(self):
         self.arm.activate()
         self.guest.run("ls -l /proc/$(pgrep -x thimble-guard)/fd | grep -q /dev/usb/hiddev")
@@ -41,6 +44,7 @@ class SecondWay(guest.GuestTest):
         self.guest.run("sleep 0.5")
         self.arm.say("move 0.018 0 0 0.3")
         self.guest.run("sleep 1")
+        before_hold = self.servo()
         self.hung.say("nak 30")
         self.guest.run(f"python3 -B /run/tests/hold_hidraw.py /dev/{self.node} > /run/held 2>&1 & sleep 1")
         entries = self.arm.log(2)
@@ -50,6 +54,9 @@ class SecondWay(guest.GuestTest):
         before = [force for at_s, force in samples if held_s - 0.05 < at_s < held_s]
         self.assertTrue(before and min(before) > 0.3, before)
         self.assertGreater(samples[-1][0], held_s + 0.3)
+        after = self.servo()
+        self.assertGreater(after["ticks"], before_hold["ticks"])
+        self.assertEqual(after["overruns"], before_hold["overruns"], "the servo waited for hidraw")
         self.assertLess(max(at_s for at_s, force in samples if force > simdev.NOTHING_NEWTON) - held_s, LET_GO_S)
 
     def test_3_when_hidraw_is_free_nothing_comes_back(self):
