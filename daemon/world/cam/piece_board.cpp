@@ -39,6 +39,15 @@ std::string_view to_string(PieceOutcome outcome) noexcept {
   return "unknown";
 }
 
+namespace {
+
+// Gone, or not one for this world: what is opened next may be.
+bool never_heals(Errc code) {
+  return code == Errc::Disconnected || code == Errc::InvalidArgument || code == Errc::TooLarge;
+}
+
+}  // namespace
+
 PieceBoard::PieceBoard(Opener opener, const PieceSettings& settings, PieceLayout layout,
                        const CamAxes& grasp)
     : opener_(std::move(opener)),
@@ -150,7 +159,7 @@ bool PieceBoard::fail_with(const Error& why, MonotonicTime now) {
         "; that was time " + std::to_string(timeouts_) + " in a row, the board is opened anew";
     close();
   }
-  if (why.code == Errc::Disconnected) close();
+  if (never_heals(why.code)) close();
   return false;
 }
 

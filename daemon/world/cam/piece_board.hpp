@@ -26,9 +26,9 @@ struct PieceBoardCounters {
 // Pieces on a board of cellular automata, which is the only one to know where they are: the host
 // remembers what it confirmed (PieceState). Does one thing after the other, none of which waits.
 //
-// A board that fails is tried again every kRetry, opened anew if it is gone or was too late
-// kMostTimeouts times in a row, and then what it holds is read and made whole.
-// Thread: one, the world's. Not RT. Errors: trouble().
+// A board that fails is tried again every kRetry, opened anew if it is gone, does not fit
+// the space or its programs, or was too late kMostTimeouts times in a row, and then what it holds
+// is read and made whole. Thread: one, the world's. Not RT. Errors: trouble().
 class PieceBoard {
  public:
   // Errors: why there is no board now; it is asked again.

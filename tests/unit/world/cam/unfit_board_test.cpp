@@ -85,6 +85,31 @@ TEST_F(AnUnfitBoard, IsOpenedAnewAfterSoManyTimeoutsInARow) {
   }
 }
 
+TEST_F(AnUnfitBoard, ThatIsTooSmallIsClosedAndThereMayBeAnother) {
+  const Error too_small{Errc::InvalidArgument, "too small"};
+  const Error no_room{Errc::TooLarge, "no room"};
+  for (int round = 1; round <= 4; ++round) {
+    manners_.lay_out = round % 2 == 0 ? std::optional(too_small) : std::nullopt;
+    manners_.start = no_room;
+    try_again();
+    EXPECT_EQ(opened_, round);
+    EXPECT_EQ(sut_.trouble().value(), round % 2 == 0 ? too_small : no_room);
+  }
+  manners_ = {};
+  try_again();
+  EXPECT_EQ(opened_, 5);
+  EXPECT_FALSE(sut_.trouble());
+}
+
+TEST_F(AnUnfitBoard, ThatFailsOtherwiseIsKeptAndLaidOutAgain) {
+  for (int i = 1; i <= 5; ++i) {
+    manners_.poll = Error{Errc::System, "parity"};
+    try_again();
+    EXPECT_EQ(manners_.lay_outs, i);
+  }
+  EXPECT_EQ(opened_, 1);
+}
+
 TEST_F(AnUnfitBoard, ThatWorksMeanwhileIsKept) {
   for (int i = 0; i < 4 * PieceBoard::kMostTimeouts; ++i) {
     manners_.poll = Error{Errc::Timeout, "too slow"};
