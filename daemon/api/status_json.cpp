@@ -67,7 +67,8 @@ json::object to_value(const ServoStatus& servo) {
           {"compute_s", to_value(servo.compute_s)},
           {"exchange_s", to_value(servo.exchange_s)},
           {"missed_exchanges", servo.missed_exchanges},
-          {"malformed_reports", servo.malformed_reports}};
+          {"malformed_reports", servo.malformed_reports},
+          {"superseded_commands", servo.superseded_commands}};
 }
 
 json::object to_value(const LinkStatus& link) {

@@ -114,6 +114,7 @@ api::ServoStatus servo_status(session::ArmRig& rig, std::size_t index,
   servo.exchange_s = percentiles(loop.exchange());
   servo.missed_exchanges = snapshot.missed_exchanges;
   servo.malformed_reports = snapshot.protocol_errors;
+  servo.superseded_commands = session.device().counters().commands_superseded;
   servo.is_realtime = context.threads != nullptr && context.threads->is_realtime(index);
   return servo;
 }

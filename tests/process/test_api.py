@@ -33,6 +33,10 @@ class Words(ProcessTest):
         self.assertEqual(programs.returncode, 0)
         self.assertEqual(json.loads(programs.stdout)["arms"][0]["name"], "right")
 
+    def test_commands_that_a_slower_bus_never_took_are_counted(self):
+        daemon = self.start("--set", "servo.rate_hz=2000", config=HELLO)  # its bus takes 1000
+        daemon.status_when(lambda status: status["servos"][0]["superseded_commands"] > 100)
+
     def test_watch_into_a_pipe_is_lines_without_escapes(self):
         daemon = self.start(config=HELLO)
         result = self.thimble(daemon, "watch", "--for", 2)

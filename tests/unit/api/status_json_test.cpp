@@ -89,9 +89,10 @@ TEST(StatusJson, HasTheNamesThatOthersRelyOn) {
                    "world",         "max_force_newton"}));
   EXPECT_EQ(keys_of(sut.at("arms").at(0).at("faults").at(0)),
             (Names{"code", "message", "at_s", "recording", "number"}));
-  EXPECT_EQ(keys_of(sut.at("servos").at(0)),
-            (Names{"arm", "rate_hz", "ticks", "overruns", "wakeup_error_s", "compute_s",
-                   "exchange_s", "is_realtime", "missed_exchanges", "malformed_reports"}));
+  EXPECT_EQ(
+      keys_of(sut.at("servos").at(0)),
+      (Names{"arm", "rate_hz", "ticks", "overruns", "wakeup_error_s", "compute_s", "exchange_s",
+             "is_realtime", "missed_exchanges", "malformed_reports", "superseded_commands"}));
   EXPECT_EQ(keys_of(sut.at("servos").at(0).at("compute_s")), (Names{"p50", "p99", "max"}));
   EXPECT_EQ(keys_of(sut.at("links").at(0)),
             (Names{"arm", "peer", "kind", "is_up", "round_trip_s", "sent", "received", "lost",
