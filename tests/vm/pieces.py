@@ -21,6 +21,8 @@ count = 3
 seed = 2
 board = "{board}"
 """
+# What lies where, cell by cell.
+SAVE = "thimble world save --file /tmp/desk.npy"
 # Each a stroke along an axis, so that nothing depends on how soon the board answers, or what is done.
 PLAY = (
     "move 0.001 -0.005 0 0.3",  # beside piece 3
@@ -34,6 +36,7 @@ PLAY = (
     "move 0.009 0.001 0 0.5",  # away, and up again below what was dropped
     "move -0.013 0.001 0 0.5",
     "move -0.013 0.025 0 0.5",
+    SAVE,
 )
 AGAINST_PIECE_3 = 3  # so many steps
 PIECE_3_IN_HAND = 5
@@ -70,7 +73,11 @@ class Pieces(guest.GuestTest):
         return self.status()["worlds"][0]["pieces"]
 
     def do(self, step):
-        """What was said of it, or the cell in which the grasp point ended: where the hand is, or where pieces stop it."""
+        """What was said of it; of a move, the cell in which the grasp point ended: where the hand is, or where pieces stop it; or the digest of what was
+        saved.
+        """
+        if step == SAVE:
+            return self.guest.run(f"timeout 20 {step} > /dev/null && sha256sum < /tmp/desk.npy").split()[0]
         if not step.startswith("move"):
             return self.guest.run(f"timeout 20 {step}").strip()
         self.arm.say(step)
@@ -82,9 +89,9 @@ class Pieces(guest.GuestTest):
         return [(step, self.do(step), self.pieces()["held"]) for step in PLAY[:steps]]
 
     def assert_grasped_moved_and_dropped(self, report):
-        self.assertEqual([done for step, done, _ in report if step.startswith("thimble")],
+        self.assertEqual([done for step, done, _ in report if step.startswith("thimble") and step != SAVE],
                          [f"world desk: {done}" for done in ("all pieces are as they were at first", "selected", "dropped")])
-        self.assertEqual([held for _, _, held in report], 3 * [0] + 4 * [3] + 4 * [0])
+        self.assertEqual([held for _, _, held in report], 3 * [0] + 4 * [3] + 5 * [0])
         self.assertGreater(simdev.norm(self.arm.felt(0.2)), 1)
 
     def assert_let_go(self):
