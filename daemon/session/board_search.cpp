@@ -1,5 +1,6 @@
 #include "daemon/session/board_search.hpp"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -38,13 +39,20 @@ class ReturnedDevice final : public bus::UsbDevice {
   devices::DeviceExecutor& executor_;
 };
 
-Result<ClaimedBoard> find_and_open(bus::BusEnumerator& buses) {
+Result<ClaimedBoard> find_and_open(bus::BusEnumerator& buses,
+                                   const std::vector<std::string>& last) {
   std::optional<Error> refusal;
-  for (const bus::BusDeviceInfo& info : buses.list()) {
+  std::vector<bus::BusDeviceInfo> there = buses.list();
+  // Before the first of them stand all that are not among them.
+  std::ranges::stable_sort(there, {}, [&last](const bus::BusDeviceInfo& info) {
+    const auto at = std::ranges::find(last, info.address.text);
+    return at == last.end() ? 0 : 1 + (at - last.begin());
+  });
+  for (const bus::BusDeviceInfo& info : there) {
     const auto match = cambus::match_usb_board(info);
     if (!match) continue;
     auto device = buses.open_usb(info.address, match->claim);
-    if (device) return ClaimedBoard{*std::move(device), *match};
+    if (device) return ClaimedBoard{*std::move(device), *match, info.address};
     if (!refusal) refusal = device.error().in(info.address.text);
   }
   if (refusal) return tl::unexpected(*refusal);
@@ -54,17 +62,29 @@ Result<ClaimedBoard> find_and_open(bus::BusEnumerator& buses) {
 }  // namespace
 
 BoardSearch::BoardSearch(const BoardPlugs& plugs)
-    : executor_(plugs.executor),
-      search_(
-          *plugs.executor, [buses = plugs.buses] { return find_and_open(*buses); },
-          "a CAM board is looked for") {}
+    : buses_(plugs.buses),
+      executor_(plugs.executor),
+      search_(*plugs.executor, finder(*plugs.buses, {}), "a CAM board is looked for") {}
+
+PlugSearch<ClaimedBoard>::Find BoardSearch::finder(bus::BusEnumerator& buses, Doubted doubted) {
+  return [&buses, doubted = std::move(doubted)] { return find_and_open(buses, doubted); };
+}
 
 Result<ClaimedBoard> BoardSearch::take(MonotonicTime now) {
   Result<ClaimedBoard> found = search_.take(now);
-  if (found) {
-    found->device = std::make_unique<ReturnedDevice>(std::move(found->device), *executor_);
-  }
+  if (!found) return found;
+  std::erase(doubted_, found->address.text);
+  if (doubted_.size() == kMostDoubted) doubted_.erase(doubted_.begin());
+  doubted_.push_back(found->address.text);
+  search_.look_by(finder(*buses_, doubted_));
+  found->device = std::make_unique<ReturnedDevice>(std::move(found->device), *executor_);
   return found;
+}
+
+void BoardSearch::note_works() {
+  search_.note_works();
+  if (!doubted_.empty()) doubted_.pop_back();
+  search_.look_by(finder(*buses_, doubted_));
 }
 
 }  // namespace thimble::session

@@ -2,6 +2,8 @@
 
 #include <functional>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "daemon/devices/device_executor.hpp"
 #include "daemon/session/plug_search.hpp"
@@ -26,10 +28,12 @@ struct BoardPlugs {
 struct ClaimedBoard {
   std::unique_ptr<bus::UsbDevice> device;
   cambus::UsbBoardMatch match;
+  bus::DeviceAddress address;
 };
 
-// Looks for a CAM board on USB: the first that is known by its descriptors and can be had. Nobody
-// waits for the kernel (PlugSearch), nor where the board's device ends, which `executor` does, too.
+// Looks for a CAM board on USB: the first that is known by its descriptors and can be had; those
+// that were taken and never worked come last, the one taken longest ago first. Nobody waits for the
+// kernel (PlugSearch), nor where the board's device ends, which `executor` does, too.
 //
 // Thread: one, that of the world, from which `executor` takes tasks. Not RT.
 class BoardSearch {
@@ -39,8 +43,20 @@ class BoardSearch {
   // As PlugSearch::take(). Errors: Busy while it is looked for; NotFound, there is none; why the
   // first of those there are cannot be had, with its address in front.
   [[nodiscard]] Result<ClaimedBoard> take(MonotonicTime now);
+  // The one taken last does what boards do.
+  void note_works();
 
  private:
+  // Addresses, in the order in which they were taken.
+  using Doubted = std::vector<std::string>;
+  // Ours: more than there are ports, and no more to be remembered.
+  static constexpr std::size_t kMostDoubted = 64;
+
+  [[nodiscard]] static PlugSearch<ClaimedBoard>::Find finder(bus::BusEnumerator& buses,
+                                                             Doubted doubted);
+
+  bus::BusEnumerator* buses_;
+  Doubted doubted_;
   devices::DeviceExecutor* executor_;
   PlugSearch<ClaimedBoard> search_;
 };

@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "daemon/session/proven_board.hpp"
 #include "drivers/cambus/board.hpp"
 #include "drivers/cambus/pci_port.hpp"
 #include "drivers/cambus/usb_port.hpp"
@@ -19,7 +20,9 @@ class UsbOpener {
  public:
   // Errors: why there is none now.
   using Claim = std::function<Result<ClaimedBoard>(MonotonicTime now)>;
-  explicit UsbOpener(Claim claim) : claim_(std::move(claim)) {}
+  // `when_it_works`: as ProvenBoard's, of the board claimed last.
+  explicit UsbOpener(Claim claim, std::function<void()> when_it_works = nullptr)
+      : claim_(std::move(claim)), when_it_works_(std::move(when_it_works)) {}
 
   Opened operator()(MonotonicTime now) {
     if (!opening_) {
@@ -31,11 +34,13 @@ class UsbOpener {
     if (!port && port.error().code == Errc::Busy) return tl::unexpected(port.error());
     opening_.reset();
     if (!port) return tl::unexpected(port.error());
-    return std::make_unique<cambus::Board>(*std::move(port));
+    return std::make_unique<ProvenBoard>(std::make_unique<cambus::Board>(*std::move(port)),
+                                         when_it_works_);
   }
 
  private:
   Claim claim_;
+  std::function<void()> when_it_works_;
   std::optional<cambus::UsbOpening> opening_;  // before what the claim keeps goes
 };
 
@@ -46,8 +51,9 @@ Opened open_window(std::unique_ptr<bus::MemoryWindow> window, MonotonicTime now)
 }
 
 // A function can be copied, an opening cannot.
-world::cam::PieceBoard::Opener opener_of(UsbOpener::Claim claim) {
-  const auto opener = std::make_shared<UsbOpener>(std::move(claim));
+world::cam::PieceBoard::Opener opener_of(UsbOpener::Claim claim,
+                                         std::function<void()> when_it_works = nullptr) {
+  const auto opener = std::make_shared<UsbOpener>(std::move(claim), std::move(when_it_works));
   return [opener](MonotonicTime now) { return (*opener)(now); };
 }
 
@@ -65,13 +71,14 @@ world::cam::PieceBoard::Opener open_on_usb(std::shared_ptr<sim::cam::SimUsbCamBo
     if (!match) return tl::unexpected(match.error());
     auto device = board->open(match->claim);
     if (!device) return tl::unexpected(device.error());
-    return ClaimedBoard{*std::move(device), *match};
+    return ClaimedBoard{*std::move(device), *match, board->info().address};
   });
 }
 
 world::cam::PieceBoard::Opener open_plugged_in(const BoardPlugs& plugs) {
   const auto search = std::make_shared<BoardSearch>(plugs);
-  return opener_of([search](MonotonicTime now) { return search->take(now); });
+  return opener_of([search](MonotonicTime now) { return search->take(now); },
+                   [search] { search->note_works(); });
 }
 
 world::cam::PieceBoard::Opener open_in_real_slot(const BoardPlugs& plugs) {
@@ -81,7 +88,9 @@ world::cam::PieceBoard::Opener open_in_real_slot(const BoardPlugs& plugs) {
   return [search](MonotonicTime now) -> Opened {
     auto window = search->take(now);
     if (!window) return tl::unexpected(window.error());
-    return open_window(*std::move(window), now);
+    auto board = open_window(*std::move(window), now);
+    if (!board) return board;
+    return std::make_unique<ProvenBoard>(*std::move(board), [search] { search->note_works(); });
   };
 }
 

@@ -37,20 +37,20 @@ class PlugSearch {
   PlugSearch(const PlugSearch&) = delete;
   PlugSearch& operator=(const PlugSearch&) = delete;
 
-  // Looks again where nobody does, less and less often while there is none (RetryPace). `now` is
-  // the caller's own time. Errors: Busy while it is looked for; those of `find`.
+  // Looks again where nobody does, less and less often while there is none that works (RetryPace).
+  // `now` is the caller's own time. Errors: Busy while it is looked for; those of `find`.
   [[nodiscard]] Result<Found> take(MonotonicTime now) {
     if (slot_ == nullptr && pace_.is_due(now)) begin(now);
     if (slot_ == nullptr) return tl::unexpected(why_not_);
     if (!slot_->is_done.load()) return fail(Errc::Busy, sought_);
     Result<Found> found = *std::move(std::exchange(slot_, nullptr)->outcome);
-    if (found) {
-      pace_.restart();
-    } else {
-      why_not_ = found.error();
-    }
+    if (!found) why_not_ = found.error();
     return found;
   }
+  // What was taken is of use: when it is gone, the next is looked for at once.
+  void note_works() noexcept { pace_.restart(); }
+  // From the next look on.
+  void look_by(Find find) { find_ = std::move(find); }
 
  private:
   struct Slot {

@@ -56,6 +56,10 @@ class RefusingBus final : public bus::BusEnumerator {
     if (refusals.count(address.text) == 0) return below_.open_hid(address);
     return fail(refusals[address.text], address.text + " is refused today");
   }
+  [[nodiscard]] Result<std::unique_ptr<bus::UsbDevice>> open_usb(
+      const bus::DeviceAddress& address, const bus::UsbClaim& claim) override {
+    return below_.open_usb(address, claim);
+  }
 
   std::map<std::string, Errc> refusals;
   std::set<std::string> throwing;                // instead of being opened
@@ -102,6 +106,9 @@ class TwoRealArms {
     parts.real_buses = &bus_;
     parts.guards = &guards_;
     parts.real_clock = &clock_;
+    parts.executor_for_board = [this](const std::string&) -> devices::DeviceExecutor& {
+      return board_work_;
+    };
     if (is_work_postponed_) {
       parts.executor_for = [this](const std::string& arm) -> devices::DeviceExecutor& {
         return work_[arm == "right" ? kRight : kLeft];
@@ -127,7 +134,7 @@ class TwoRealArms {
     ASSERT_TRUE(model);
     ASSERT_TRUE(plugs_.plug(address, *std::move(model)));
     sim::HandSettings hand;
-    hand.motion = sim::HandMotion::Explore;
+    hand.motion = motion_;
     hand.seed = arm + 1;
     people_[arm] = std::make_unique<sim::Person>(*plugs_.arm_backend(address), hand);
   }
@@ -165,6 +172,8 @@ class TwoRealArms {
   bool is_work_postponed_{false};
   bool is_start_postponed_{false};  // and that of the start, too
   test::PostponedExecutor work_[2];
+  test::PostponedExecutor board_work_{false};  // of worlds on a board
+  sim::HandMotion motion_{sim::HandMotion::Explore};
   std::unique_ptr<sim::Person> people_[2];
   std::unique_ptr<session::Runtime> sut_;
   std::vector<Error> troubles_;

@@ -10,6 +10,7 @@ namespace thimble::test {
 // Work that lasts until the test says that it is done.
 class PostponedExecutor final : public devices::DeviceExecutor {
  public:
+  explicit PostponedExecutor(bool is_postponing = true) : is_postponing_(is_postponing) {}
   void post(Task task) override {
     tasks_.push_back(std::move(task));
     if (!is_postponing_) do_all();
@@ -30,7 +31,7 @@ class PostponedExecutor final : public devices::DeviceExecutor {
 
  private:
   std::deque<Task> tasks_;
-  bool is_postponing_{true};
+  bool is_postponing_;
 };
 
 }  // namespace thimble::test

@@ -83,8 +83,10 @@ TEST_F(BoardSearchTest, TakesTheNextBoardWhereOneIsSomebodyElses) {
   plug(kSecond);
   const auto first = find();
   ASSERT_TRUE(first);
+  sut->note_works();
   const auto second = find();
   ASSERT_TRUE(second) << second.error().message;
+  sut->note_works();
   const auto third = find();
   ASSERT_FALSE(third);
   EXPECT_EQ(third.error().code, Errc::Busy);
@@ -106,6 +108,41 @@ TEST_F(BoardSearchTest, LooksLessOftenWhileThereIsNone) {
   plug(kFirst);
   clock.run_for(RetryPace::kLongest);
   EXPECT_TRUE(find());
+}
+
+// As a world does that finds no use for it.
+TEST_F(BoardSearchTest, TakesTheOneThatNeverWorkedLast) {
+  const bus::DeviceAddress third{"usb:1-3"};
+  for (const auto& address : {kFirst, kSecond, third}) plug(address);
+  const auto take_after_a_while = [&] {
+    clock.run_for(RetryPace::kLongest);
+    return find().value().address.text;  // and drops it
+  };
+  const auto next = [&] {
+    const std::string address = take_after_a_while();
+    work.do_all();
+    return address;
+  };
+  for (int round = 0; round < 3; ++round) {
+    EXPECT_EQ(next(), kFirst.text);
+    EXPECT_EQ(next(), kSecond.text);
+    EXPECT_EQ(next(), third.text);
+  }
+  EXPECT_EQ(next(), kFirst.text);
+  sut->note_works();
+  EXPECT_EQ(next(), kFirst.text) << "the only one that ever worked";
+}
+
+TEST_F(BoardSearchTest, OneThatNeverWorksIsTakenLessAndLessOften) {
+  plug(kFirst);
+  int takes = 0;
+  for (int i = 0; i < 100; ++i) {
+    clock.run_for(std::chrono::milliseconds(100));
+    takes += find() ? 1 : 0;
+    work.do_all();
+  }
+  EXPECT_GT(takes, 4);
+  EXPECT_LT(takes, 15);
 }
 
 // Each step of it, the way a world goes.
