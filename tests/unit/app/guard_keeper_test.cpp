@@ -13,7 +13,7 @@
 #include "guard/handover.hpp"
 #include "tests/support/temporary_folder.hpp"
 
-// Guards that are real processes, of an arm that is a pipe. Nothing here waits for a time; what a
+// Guards that are real processes, of an arm that is a socket. Nothing here waits for a time; what a
 // guard does when is told by unit_guard.
 namespace thimble::app {
 namespace {
@@ -26,7 +26,8 @@ class GuardKeeperTest : public testing::Test {
  protected:
   GuardKeeperTest() {
     std::array<int, 2> ends{};
-    EXPECT_EQ(::pipe2(ends.data(), O_CLOEXEC), 0);
+    // Keeps reports apart: two may wait.
+    EXPECT_EQ(::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()), 0);
     arm_ = Descriptor(ends[0]);
     node_ = Descriptor(ends[1]);
     settings_.program = THIMBLE_GUARD;
