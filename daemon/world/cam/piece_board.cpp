@@ -148,7 +148,8 @@ bool PieceBoard::play(const CamSteps& steps, MonotonicTime now) {
 
 bool PieceBoard::fail_with(const Error& why, MonotonicTime now) {
   ++counters_.failures;
-  trouble_ = why;
+  // That it is looked for, or not yet open, says less than why it had to be.
+  if (why.code != Errc::Busy || !trouble_) trouble_ = why;
   retry_at_ = now + kRetry;
   phase_ = Phase::Closed;
   task_.reset();

@@ -61,7 +61,9 @@ class AnUnfitBoard : public testing::Test {
   sim::VirtualClock clock_;
   Manners manners_;
   int opened_{0};
+  bool is_looked_for_{false};
   PieceBoard sut_{[this](MonotonicTime) -> Result<std::unique_ptr<CamBoard>> {
+                    if (is_looked_for_) return fail(Errc::Busy, "looked for");
                     ++opened_;
                     return std::make_unique<UnfitBoard>(manners_);
                   },
@@ -99,6 +101,14 @@ TEST_F(AnUnfitBoard, ThatIsTooSmallIsClosedAndThereMayBeAnother) {
   try_again();
   EXPECT_EQ(opened_, 5);
   EXPECT_FALSE(sut_.trouble());
+}
+
+TEST_F(AnUnfitBoard, WhileAnotherIsLookedForItIsSaidWhatWasWrong) {
+  manners_.lay_out = Error{Errc::InvalidArgument, "too small"};
+  try_again();
+  is_looked_for_ = true;
+  try_again();
+  EXPECT_EQ(sut_.trouble(), manners_.lay_out);
 }
 
 TEST_F(AnUnfitBoard, ThatFailsOtherwiseIsKeptAndLaidOutAgain) {
