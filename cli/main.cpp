@@ -17,6 +17,7 @@
 #include "cli/doctor/doctor.hpp"
 #include "cli/flight/report.hpp"
 #include "cli/flight/show.hpp"
+#include "cli/lab/lab_commands.hpp"
 #include "cli/numbers.hpp"
 #include "cli/picture/snapshot.hpp"
 #include "cli/text.hpp"
@@ -24,8 +25,6 @@
 #include "daemon/config/paths.hpp"
 #include "hal/linux/monotonic_clock.hpp"
 #include "hal/linux/standard_streams.hpp"
-#include "lab/cam_latency.hpp"
-#include "lab/piece_separator.hpp"
 #include "sim/model/cam/engine/plane_engine.hpp"
 
 namespace {
@@ -58,7 +57,6 @@ struct Arguments {
   thimble::cambus::ListLimits board;
   int log2_sites{thimble::cambus::kLog2ModuleSites.front()};
   thimble::cam::RunOptions cam;
-  std::uint64_t lab_seed{1};
 };
 
 // As a check: what a person gave for a number is one (cli/numbers.hpp).
@@ -208,33 +206,6 @@ void add_cam_commands(CLI::App& app, Arguments& arguments, int& code) {
   });
 }
 
-void add_lab_commands(CLI::App& app, Arguments& arguments, int& code) {
-  CLI::App* lab = app.add_subcommand("lab", "Measure the thesis's figures in virtual time");
-  lab->require_subcommand(1);
-  CLI::App* latency = lab->add_subcommand(
-      "cam-latency", "Haptic updates on a simulated CAM-8, beside thesis 4.2; takes a minute");
-  latency->callback([&] {
-    const auto report = thimble::lab::report_cam_latency();
-    if (!report) {
-      std::cerr << "thimble: " << report.error().message << '\n';
-      code = 1;
-      return;
-    }
-    std::cout << report->text;
-    code = report->is_within ? 0 : 1;
-  });
-  CLI::App* separate = lab->add_subcommand(
-      "separate", "Move interlocking pieces at random until all are apart (thesis 4.2.1)");
-  separate->add_option("--seed", arguments.lab_seed, "Of the pieces and the moves")
-      ->capture_default_str();
-  separate->callback([&] {
-    const auto report = thimble::lab::report_separator(arguments.lab_seed);
-    (report ? std::cout : std::cerr)
-        << (report ? *report : "thimble: " + report.error().message + '\n');
-    code = report ? 0 : 1;
-  });
-}
-
 CLI::App* add_arm_command(CLI::App& app, const char* verb, const char* what, Arguments& arguments,
                           int& code) {
   CLI::App* command = app.add_subcommand(verb, what);
@@ -346,7 +317,7 @@ int run(int argc, char** argv) {
   add_machine_commands(app, arguments, code);
   add_flight_commands(app, arguments, code);
   add_cam_commands(app, arguments, code);
-  add_lab_commands(app, arguments, code);
+  thimble::lab_commands::add_lab_commands(app, code);
   add_arm_command(app, "activate", "Keep an arm active while this runs", arguments, code);
   add_arm_command(app, "deactivate", "Take the force off an arm", arguments, code);
   add_arm_command(app, "clear-fault", "Clear a latched fault whose cause is gone", arguments, code)

@@ -48,8 +48,8 @@ struct CamLatencyFit {
 // The three of the thesis, then ours.
 [[nodiscard]] std::vector<CamLatencyCase> cam_latency_cases();
 
-// Moves the grasp point so many cells along x through free space. Deterministic. Takes seconds: the
-// board is the reference, bit by bit. Errors: the board's.
+// Moves the grasp point so many cells along x through free space. Deterministic.
+// Errors: the board's.
 [[nodiscard]] Result<CamLatencyRun> run_cam_latency(const CamLatencyCase& of,
                                                     const CamLatencyFit& fit);
 
@@ -71,10 +71,18 @@ struct CamLatencyProbe {
 // Looks that a stroke of so many free cells takes. Pure.
 [[nodiscard]] int looks_of(int cells, bool leaps) noexcept;
 
+struct CamLatencyRow {
+  CamLatencyCase of;
+  CamLatencyRun run;
+};
 struct CamLatencyReport {
-  std::string text;
+  std::string text;       // a table, for people
   bool is_within{false};  // each of the thesis's by kTolerance_percent
 };
+// What such rows say, with the fit that they were run with. Pure.
+[[nodiscard]] CamLatencyReport tell_cam_latency(const CamLatencyFit& fit,
+                                                const std::vector<CamLatencyRow>& rows);
+// All of cam_latency_cases(), with the fit found first. Takes a second. Errors: the board's.
 [[nodiscard]] Result<CamLatencyReport> report_cam_latency();
 
 }  // namespace thimble::lab

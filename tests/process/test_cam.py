@@ -1,6 +1,7 @@
 """Worlds of a CAM without an arm, and step lists for a board, as a person looks at them."""
 
 import json
+import re
 import struct
 
 from rig import ProcessTest
@@ -69,6 +70,27 @@ class Separating(ProcessTest):
         for wrong in ("one", "1.5"):
             shown = self.run_program("thimble", "lab", "separate", "--seed", wrong)
             self.assertEqual((shown.returncode, shown.stdout), (2, ""), wrong)
+
+
+class Latencies(ProcessTest):
+    ROW = re.compile(r"^(\d boards.*?) +(\d+) +(\d+) +(\d+) +([\d.]+) +([\d.]+) +(\d+) ms +(\d+) mm +([+-][\d.]+) %$",
+                     re.MULTILINE)
+
+    def test_those_of_the_thesis_come_out_of_the_simulated_board(self):
+        shown = self.run_program("thimble", "lab", "cam-latency")
+        self.assertEqual((shown.returncode, shown.stderr), (0, ""))
+        rows = self.ROW.findall(shown.stdout)
+        self.assertEqual([(row[0], row[6], row[7]) for row in rows],
+                         [("4 boards", "250", "50"), ("8 boards", "125", "25"), ("8 boards, leap", "35", "7")])
+        for name, _, _, _, latency_ms, offset_mm, thesis_ms, _, off_percent in rows:
+            off = 100 * (float(latency_ms) / float(thesis_ms) - 1)
+            self.assertAlmostEqual(off, float(off_percent), delta=0.2, msg=name)
+            self.assertLessEqual(abs(off), 10, name)
+            self.assertAlmostEqual(float(offset_mm), 0.2 * float(latency_ms), delta=0.1, msg=name)
+        cells, host_ms = re.search(r" (\d+) cells an update,\n([\d.]+) ms of host", shown.stdout).groups()
+        # What a person would believe of a host of 1995 and a hand.
+        self.assertTrue(30 <= int(cells) <= 45, cells)
+        self.assertLessEqual(float(host_ms), 0.3)
 
 
 class Worlds(ProcessTest):

@@ -1,11 +1,15 @@
 #include "lab/cam_latency.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace thimble::lab {
 namespace {
 
 // On a small space: 8 sweeps of 64 sites a module.
+using testing::ContainsRegex;
+using testing::HasSubstr;
+
 CamLatencyCase eight_boards() {
   CamLatencyCase of = cam_latency_cases().at(1);
   of.log2_cells = 6;
@@ -68,6 +72,33 @@ TEST(CamLatency, AFitFindsWhatLatenciesWereMadeWith) {
   const CamLatencyFit fit = fit_cam_latency(probes);
   EXPECT_EQ(fit.cells, truth.cells);
   EXPECT_NEAR(fit.host_cost_s, truth.host_cost_s, 1e-9);
+}
+
+// The thesis's own latencies, but for one.
+CamLatencyReport report_with(std::size_t row, double share) {
+  std::vector<CamLatencyRow> rows;
+  for (const CamLatencyCase& of : cam_latency_cases()) {
+    rows.push_back({of, {.latency_s = of.thesis_s > 0 ? of.thesis_s : 1}});
+  }
+  rows.at(row).run.latency_s *= 1 + share;
+  return tell_cam_latency({34, 5e-5}, rows);
+}
+
+TEST(CamLatency, EachOfTheThesisHasToBeWithinATenth) {
+  for (const std::size_t row : {0U, 1U, 2U}) {
+    EXPECT_TRUE(report_with(row, 0.09).is_within) << row;
+    EXPECT_TRUE(report_with(row, -0.09).is_within) << row;
+    EXPECT_FALSE(report_with(row, 0.11).is_within) << row;
+    EXPECT_FALSE(report_with(row, -0.11).is_within) << row;
+  }
+  EXPECT_TRUE(report_with(3, 10).is_within) << "of this one the thesis has none";
+}
+
+TEST(CamLatency, TheTableHasWhatItWasFittedWithAndHowFarEachIsOff) {
+  const std::string text = report_with(1, 0.11).text;
+  EXPECT_THAT(text, HasSubstr("34 cells an update,\n0.05 ms of host a list"));
+  EXPECT_THAT(text, ContainsRegex("\n8 boards  .* 138\\.8 .* 125 ms   25 mm \\+11\\.0 %\n"));
+  EXPECT_THAT(text, ContainsRegex("\n8 boards, leap  .* 35 ms    7 mm  \\+0\\.0 %\n"));
 }
 
 }  // namespace
