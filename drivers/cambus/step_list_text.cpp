@@ -88,7 +88,7 @@ std::string line(std::uint32_t at, const std::string& text) {
 
 }  // namespace
 
-std::string disassemble(const WindowView& window, std::uint32_t head) {
+std::string disassemble(const WindowView& window, std::uint32_t head, std::size_t most_bytes) {
   std::string text;
   std::vector<bool> is_seen(window.bytes.size() / wire::kDescriptorBytes + 1);
   for (std::uint32_t at = head;;) {
@@ -97,7 +97,12 @@ std::string disassemble(const WindowView& window, std::uint32_t head) {
     const std::size_t cell = (at - window.base) / wire::kDescriptorBytes;
     if (is_seen[cell]) return text + line(at, "(again, from above)");
     is_seen[cell] = true;
-    text += line(at, step_text(window, *step));
+    const std::string told = line(at, step_text(window, *step));
+    if (text.size() + told.size() > most_bytes) {
+      return text + line(at, "(this and what follows would be a text of more than " +
+                                 std::to_string(most_bytes) + " bytes)");
+    }
+    text += told;
     if (step->has(wire::kStop)) return text;
     at = step->link;
   }

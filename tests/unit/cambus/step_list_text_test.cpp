@@ -6,6 +6,7 @@
 
 #include "drivers/cambus/step_list_builder.hpp"
 #include "drivers/cambus/step_list_check.hpp"
+#include "tests/unit/cambus/hand_list.hpp"
 #include "tests/unit/cambus/random_list.hpp"
 
 namespace thimble::cambus {
@@ -52,6 +53,45 @@ TEST(StepListText, SaysWhereAListLeavesItsWindowOrComesBack) {
             "0x10      delay 3 clocks\n"
             "0x20      reset, 128 clocks; jump\n"
             "0x10      (again, from above)\n");
+}
+
+// So many writes of scan-perm from one buffer, in which no two layers are alike; then a stop.
+StepList writes_of_one_buffer(int writes) {
+  RegisterWords words(Register::ScanPerm);
+  for (int layer = 0; layer < kLayers; ++layer) {
+    for (const Field& of : field::kScanPerm) {
+      words.set(of, static_cast<std::uint32_t>(1 + layer), static_cast<LayerMask>(1U << layer));
+    }
+  }
+  StepListBuilder builder;
+  builder.write(words);
+  StepList list = builder.finish();
+  const auto head = list.head - list.base;
+  const std::vector<std::uint8_t> step(list.bytes.begin() + head,
+                                       list.bytes.begin() + head + wire::kDescriptorBytes);
+  list.head = static_cast<std::uint32_t>(list.base + list.bytes.size());
+  for (int i = 0; i < writes; ++i) {
+    const std::size_t at = list.bytes.size();
+    list.bytes.insert(list.bytes.end(), step.begin(), step.end());
+    test::put_word(list.bytes, static_cast<std::uint32_t>(at + 12),
+                   static_cast<std::uint32_t>(list.base + list.bytes.size()));
+    if (i + 1 < writes) list.bytes[at + 1] &= 0xbf;  // no stop: bit 14 of the opcode
+  }
+  return list;
+}
+
+TEST(StepListText, StepsOfOneBufferAreToldUpToABoundThatIsSaid) {
+  const StepList list = writes_of_one_buffer(200);
+  const std::string whole = disassemble(list.view(), list.head);
+  ASSERT_GT(whole.size(), 100 * list.bytes.size());
+  EXPECT_EQ(disassemble(list.view(), list.head, whole.size()), whole);
+  const std::string cut = disassemble(list.view(), list.head, 10'000);
+  const std::size_t last = cut.rfind('\n', cut.size() - 2) + 1;
+  EXPECT_LE(last, 10'000U);
+  EXPECT_GT(last, 10'000U - whole.size() / 100);
+  EXPECT_EQ(cut.substr(0, last), whole.substr(0, last)) << "whole lines";
+  EXPECT_NE(cut.find("(this and what follows would be a text of more than 10000 bytes)\n", last),
+            std::string::npos);
 }
 
 TEST(StepListText, ShowsWhatMeansNothing) {
