@@ -179,6 +179,9 @@ void add_cam_world_commands(CLI::App& cam, Arguments& arguments, int& code) {
   run->add_option("--modules", options.modules, "Of the board whose clocks are counted")
       ->check(CLI::IsMember({1, 2, 4, 8, 16, 32, 64}))
       ->capture_default_str();
+  run->add_option("--clock-mhz", options.clock_mhz, "Of that board")
+      ->check(CLI::IsMember(thimble::cambus::kClocks_mhz))
+      ->capture_default_str();
   run->add_option("--write", options.write, "What came of it, to a file: .npy or .rle")
       ->type_name("FILE");
   run->add_flag("--json", options.is_json, "As a JSON document");

@@ -79,7 +79,9 @@ class SlowHost final : public CamBoard {
 class Stroke {
  public:
   Stroke(const CamLatencyCase& of, const CamLatencyFit& fit)
-      : slot_(clock_, {.shape = torus(of.log2_modules), .window_bytes = std::size_t{1} << 22}),
+      : slot_(clock_, {.shape = torus(of.log2_modules),
+                       .clock_hz = static_cast<std::uint32_t>(of.clock_mhz) * 1'000'000,
+                       .window_bytes = std::size_t{1} << 22}),
         cost_(std::chrono::duration_cast<Duration>(std::chrono::duration<double>(fit.host_cost_s))),
         board_([this](MonotonicTime now) { return open(now); },
                {.space = space_of(of),
@@ -151,11 +153,11 @@ class Stroke {
 
 }  // namespace
 
-std::vector<CamLatencyCase> cam_latency_cases() {
-  return {{"4 boards", 2, 9, false, true, 1, 0.250},
-          {"8 boards", 3, 9, false, true, 1, 0.125},
-          {"8 boards, leap", 3, 9, true, true, 7, 0.035},
-          {"8 boards, leap, one scan a look", 3, 9, true, false, 7, 0}};
+std::vector<CamLatencyCase> cam_latency_cases(int clock_mhz) {
+  return {{"4 boards", 2, 9, false, true, 1, 0.250, clock_mhz},
+          {"8 boards", 3, 9, false, true, 1, 0.125, clock_mhz},
+          {"8 boards, leap", 3, 9, true, true, 7, 0.035, clock_mhz},
+          {"8 boards, leap, one scan a look", 3, 9, true, false, 7, 0, clock_mhz}};
 }
 
 int looks_of(int cells, bool leaps) noexcept { return leaps ? cells / 4 + cells % 4 : cells; }
@@ -205,11 +207,11 @@ CamLatencyReport tell_cam_latency(const CamLatencyFit& fit,
   std::array<char, 400> text{};
   std::snprintf(
       text.data(), text.size(),
-      "512 x 512 x 1 cells at 25 MHz, in virtual time. Fitted, the same for all: %d cells "
+      "512 x 512 x 1 cells at %d MHz, in virtual time. Fitted, the same for all: %d cells "
       "an update,\n%.2f ms of host a list. From the thesis: %.0f ms to the picture, %.0f "
       "ms of network.\n\n%-34s %6s %6s %10s %10s %10s %s\n",
-      fit.cells, 1e3 * fit.host_cost_s, 1e3 * kPicture_s, 1e3 * kNetwork_s, "", "scans", "lists",
-      "clocks", "ms", "mm", "     the thesis");
+      rows.front().of.clock_mhz, fit.cells, 1e3 * fit.host_cost_s, 1e3 * kPicture_s,
+      1e3 * kNetwork_s, "", "scans", "lists", "clocks", "ms", "mm", "     the thesis");
   report.text = text.data();
   for (const CamLatencyRow& row : rows) {
     report.text += line(row);
@@ -218,8 +220,8 @@ CamLatencyReport tell_cam_latency(const CamLatencyFit& fit,
   return report;
 }
 
-Result<CamLatencyReport> report_cam_latency() {
-  const auto cases = cam_latency_cases();
+Result<CamLatencyReport> report_cam_latency(int clock_mhz) {
+  const auto cases = cam_latency_cases(clock_mhz);
   std::vector<CamLatencyProbe> probes;
   for (const CamLatencyCase& of : cases) {
     const auto probe = probe_cam_latency(of);

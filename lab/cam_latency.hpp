@@ -19,6 +19,7 @@ struct CamLatencyCase {
   bool counts_apart{true};  // a scan to shift, and one to count
   int updates_per_picture{1};
   double thesis_s{0};  // 0: the thesis has none
+  int clock_mhz{25};   // of the board
 };
 
 // What one update takes, from step lists played by the board at its own pace.
@@ -46,7 +47,7 @@ struct CamLatencyFit {
 };
 
 // The three of the thesis, then ours.
-[[nodiscard]] std::vector<CamLatencyCase> cam_latency_cases();
+[[nodiscard]] std::vector<CamLatencyCase> cam_latency_cases(int clock_mhz = 25);
 
 // Moves the grasp point so many cells along x through free space. Deterministic.
 // Errors: the board's.
@@ -79,10 +80,10 @@ struct CamLatencyReport {
   std::string text;       // a table, for people
   bool is_within{false};  // each of the thesis's by kTolerance_percent
 };
-// What such rows say, with the fit that they were run with. Pure.
+// What such rows say, at least one, with the fit that they were run with. Pure.
 [[nodiscard]] CamLatencyReport tell_cam_latency(const CamLatencyFit& fit,
                                                 const std::vector<CamLatencyRow>& rows);
 // All of cam_latency_cases(), with the fit found first. Takes a second. Errors: the board's.
-[[nodiscard]] Result<CamLatencyReport> report_cam_latency();
+[[nodiscard]] Result<CamLatencyReport> report_cam_latency(int clock_mhz = 25);
 
 }  // namespace thimble::lab

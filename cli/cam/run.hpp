@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "drivers/cambus/cambus_registers.hpp"
 #include "hal/base/result.hpp"
 #include "hal/base/time.hpp"
 #include "sim/model/cam/engine/engine.hpp"
@@ -15,8 +16,6 @@
 namespace thimble::cam {
 
 using sim::cam::Rule;
-
-inline constexpr double kBoardHz = 25e6;  // docs/cambus.md, section 1
 
 // What `thimble cam run` was told.
 struct RunOptions {
@@ -27,8 +26,9 @@ struct RunOptions {
   std::string pattern{};  // a file; empty: at random
   std::string engine{"auto"};
   int modules{1};
-  std::size_t threads{1};  // of this machine, that share a scan
-  std::string write{};     // a file; empty: none
+  int clock_mhz{cambus::kClocks_mhz.back()};  // of the board: one of cambus::kClocks_mhz
+  std::size_t threads{1};                     // of this machine, that share a scan
+  std::string write{};                        // a file; empty: none
   bool is_json{false};
 };
 

@@ -22,6 +22,10 @@ double sites_per_s(const RunOptions& options, const RunReport& report) {
          report.host_s;
 }
 
+double board_time_s(const RunOptions& options, std::uint64_t clocks) {
+  return static_cast<double>(clocks) / (1e6 * options.clock_mhz);
+}
+
 void print_json(const RunOptions& options, const RunReport& report) {
   json::object document{{"world", options.world},
                         {"size", options.size},
@@ -36,8 +40,9 @@ void print_json(const RunOptions& options, const RunReport& report) {
   if (!report.kernels.empty()) document["instruction_set"] = report.kernels;
   if (report.board_clocks) {
     document["board"] = {{"modules", options.modules},
+                         {"clock_mhz", options.clock_mhz},
                          {"clocks", *report.board_clocks},
-                         {"time_s", static_cast<double>(*report.board_clocks) / kBoardHz}};
+                         {"time_s", board_time_s(options, *report.board_clocks)}};
   }
   std::cout << json::serialize(document) << '\n';
 }
@@ -56,10 +61,10 @@ void print_text(const RunOptions& options, const RunReport& report) {
   std::cout << "host   " << cli::time_text(report.host_s, cli::Glyphs::Ascii) << ", "
             << cli::fixed(sites_per_s(options, report) * 1e-6, 1) << " million sites a second\n";
   if (!report.board_clocks) return;
-  const double time_s = static_cast<double>(*report.board_clocks) / kBoardHz;
+  const double time_s = board_time_s(options, *report.board_clocks);
   std::cout << "board  " << *report.board_clocks << " clocks, "
-            << cli::time_text(time_s, cli::Glyphs::Ascii) << " at 25 MHz on " << options.modules
-            << (options.modules == 1 ? " module\n" : " modules\n");
+            << cli::time_text(time_s, cli::Glyphs::Ascii) << " at " << options.clock_mhz
+            << " MHz on " << options.modules << (options.modules == 1 ? " module\n" : " modules\n");
 }
 
 Result<RunReport> run(const RunOptions& options, const Clock& clock) {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "cli/commands.hpp"
+#include "drivers/cambus/cambus_registers.hpp"
 #include "lab/piece_separator.hpp"
 
 namespace thimble::lab_commands {
@@ -17,7 +18,12 @@ using cli::kExitRefused;
 void add_cam_latency(CLI::App& app, int& code) {
   CLI::App* latency = app.add_subcommand(
       "cam-latency", "Haptic updates on a simulated CAM-8, beside those of thesis 4.2");
-  latency->callback([&code] { code = print_cam_latency(lab::report_cam_latency()); });
+  const auto clock_mhz = std::make_shared<int>(cambus::kClocks_mhz.back());
+  latency->add_option("--clock-mhz", *clock_mhz, "Of the boards")
+      ->check(CLI::IsMember(cambus::kClocks_mhz))
+      ->capture_default_str();
+  latency->callback(
+      [&code, clock_mhz] { code = print_cam_latency(lab::report_cam_latency(*clock_mhz)); });
 }
 
 void add_separate(CLI::App& app, int& code) {

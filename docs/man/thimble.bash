@@ -20,6 +20,7 @@ _thimble() {
     --socket | --plugin | --config | --file) mapfile -t COMPREPLY < <(compgen -f -- "$word"); return ;;
     --root) mapfile -t COMPREPLY < <(compgen -d -- "$word"); return ;;
     --interval | --for | --before | --min | --max | --center | --radius | --cell | --fault | --most | --steps) return ;;
+    --clock-mhz) mapfile -t COMPREPLY < <(compgen -W "20 21 25" -- "$word"); return ;;
     --sites) mapfile -t COMPREPLY < <(compgen -W "22 24" -- "$word"); return ;;
   esac
   case $command in
@@ -42,7 +43,7 @@ _thimble() {
       elif [[ $before == --pattern || $before == --write ]]; then
         mapfile -t COMPREPLY < <(compgen -f -- "$word"); return
       elif [[ $word == -* && " ${COMP_WORDS[*]:0:COMP_CWORD} " == *" run "* ]]; then
-        options+=" --size --steps --seed --pattern --engine --threads --modules --write --json"
+        options+=" --size --steps --seed --pattern --engine --threads --modules --clock-mhz --write --json"
       elif [[ $word == -* && " ${COMP_WORDS[*]:0:COMP_CWORD} " == *" list "* ]]; then
         options+=" --json"
       elif [[ $word == -* ]]; then
@@ -67,6 +68,8 @@ _thimble() {
         options="cam-latency separate"
       elif [[ " ${COMP_WORDS[*]:0:COMP_CWORD} " == *" separate "* ]]; then
         options+=" --seed"
+      else
+        options+=" --clock-mhz"
       fi ;;
     select | drop | delete | free | reset) [[ $word == -* ]] || options= ;;
     report) [[ $word == -* ]] || { mapfile -t COMPREPLY < <(compgen -f -- "$word"); return; } ;;

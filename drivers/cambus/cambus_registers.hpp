@@ -18,6 +18,8 @@ inline constexpr int kAddressBits = 24;
 inline constexpr std::size_t kTableEntries = 65536;
 inline constexpr int kMaxModules = 64;
 inline constexpr std::array<int, 2> kLog2ModuleSites{22, 24};  // by the DRAM of a chip
+// Of the machine, by the host card's bus: those that MIT's software has display tables for.
+inline constexpr std::array<int, 3> kClocks_mhz{20, 21, 25};
 
 enum class Register : std::uint8_t {
   Select,

@@ -79,6 +79,7 @@ class Latencies(ProcessTest):
     def test_those_of_the_thesis_come_out_of_the_simulated_board(self):
         shown = self.run_program("thimble", "lab", "cam-latency")
         self.assertEqual((shown.returncode, shown.stderr), (0, ""))
+        self.assertTrue(shown.stdout.startswith("512 x 512 x 1 cells at 25 MHz"), shown.stdout)
         rows = self.ROW.findall(shown.stdout)
         self.assertEqual([(row[0], row[6], row[7]) for row in rows],
                          [("4 boards", "250", "50"), ("8 boards", "125", "25"), ("8 boards, leap", "35", "7")])
@@ -88,6 +89,9 @@ class Latencies(ProcessTest):
             self.assertLessEqual(abs(off), 10, name)
             self.assertAlmostEqual(float(offset_mm), 0.2 * float(latency_ms), delta=0.1, msg=name)
         cells, host_ms = re.search(r" (\d+) cells an update,\n([\d.]+) ms of host", shown.stdout).groups()
+        slower = self.run_program("thimble", "lab", "cam-latency", "--clock-mhz", "20")
+        self.assertEqual((slower.returncode, slower.stderr), (0, ""))
+        self.assertTrue(slower.stdout.startswith("512 x 512 x 1 cells at 20 MHz"), slower.stdout)
         # What a person would believe of a host of 1995 and a hand.
         self.assertTrue(30 <= int(cells) <= 45, cells)
         self.assertLessEqual(float(host_ms), 0.3)
@@ -122,6 +126,21 @@ class Worlds(ProcessTest):
         self.assertEqual((shown.returncode, shown.stderr), (0, ""))
         self.assertRegex(shown.stdout, r"(?m)^hpp, 32x32 sites, 10 steps by compiled")
         self.assertRegex(shown.stdout, r"(?m)^board  \d+ clocks, .* at 25 MHz on 2 modules$")
+
+    def test_a_board_has_one_of_three_clocks(self):
+        boards = []
+        for clock_mhz in (20, 21, 25):
+            of = ("life", "--size", "64x64", "--steps", "3", "--clock-mhz", str(clock_mhz))
+            shown = self.run_world(*of, "--json")
+            self.assertEqual((shown.returncode, shown.stderr), (0, ""))
+            boards.append(json.loads(shown.stdout)["board"])
+            self.assertEqual(boards[-1]["clock_mhz"], clock_mhz)
+            self.assertAlmostEqual(boards[-1]["time_s"], boards[0]["clocks"] / (1e6 * clock_mhz), delta=1e-9)
+            self.assertIn(f" at {clock_mhz} MHz on 1 module\n", self.run_world(*of).stdout)
+        self.assertEqual({board["clocks"] for board in boards}, {boards[0]["clocks"]})
+        for wrong in "22", "0", "25.5":
+            shown = self.run_world("life", "--size", "8x8", "--steps", "1", "--clock-mhz", wrong)
+            self.assertEqual((shown.returncode, shown.stdout), (2, ""), wrong)
 
     def test_threads_share_a_world_and_come_to_the_same(self):
         worlds = []

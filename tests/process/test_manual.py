@@ -91,10 +91,10 @@ class Manual(ProcessTest):
             with self.subTest(command):
                 self.assertEqual(self.completed("thimble", command, *NESTED.get(command, ()), "--"),
                                  options_of_help(self.command_help(command)) | EVERYWHERE)
-        for nested in ("run", "list"):
+        for nested in (("cam", "run"), ("cam", "list"), ("lab", "cam-latency")):
             with self.subTest(nested):
-                self.assertEqual(self.completed("thimble", "cam", nested, "--"),
-                                 options_of_help(self.help("thimble", "cam", nested)) | EVERYWHERE)
+                self.assertEqual(self.completed("thimble", *nested, "--"),
+                                 options_of_help(self.help("thimble", *nested)) | EVERYWHERE)
         self.assertEqual(self.completed("thimbled", "--"), options_of_help(self.help("thimbled")))
 
     def test_completion_offers_the_arms_of_the_daemon(self):

@@ -30,6 +30,19 @@ TEST(CamLatency, ALookTakesTwoScansAndWhatTheirSweepsTake) {
   EXPECT_DOUBLE_EQ(run->offset_m, 0.2 * run->latency_s);
 }
 
+TEST(CamLatency, AClockThatIsSlowerTakesAsManyClocksAndLonger) {
+  for (const int clock_mhz : {20, 21}) {
+    CamLatencyCase of = eight_boards();
+    of.clock_mhz = clock_mhz;
+    const auto run = run_cam_latency(of, {2, 0});
+    const auto usual = run_cam_latency(eight_boards(), {2, 0});
+    ASSERT_TRUE(run && usual);
+    EXPECT_NEAR(run->time_s, static_cast<double>(run->clocks) / (1e6 * clock_mhz), 1e-6);
+    // But for what the host takes to look.
+    EXPECT_NEAR(static_cast<double>(run->clocks), static_cast<double>(usual->clocks), 300);
+  }
+}
+
 // The list that shifts is over when its scan has begun: as long as that takes, a host costs
 // nothing.
 TEST(CamLatency, TheHostsCostIsHiddenBehindAScanWhereOneRuns) {
