@@ -209,12 +209,15 @@ Result<void> PieceSeparator::look(Piece& piece) {
   return drop(piece);
 }
 
+Result<pieces::PieceLayout> separator_layout(std::uint64_t seed) {
+  return interlocking_layout(kSeparatorSpace, 4, seed);
+}
+
 Result<std::string> report_separator(std::uint64_t seed) {
   sim::VirtualClock clock;
   sim::cam::SimCamBoard slot(
       clock, {.shape = {{2, 2, 2}, 11}, .window_bytes = std::size_t{1} << 20, .is_paced = false});
-  const CamGeometry space{{7, 7, 0}, CamDivision::StripY};
-  const auto layout = interlocking_layout(space, 4, seed);
+  const auto layout = separator_layout(seed);
   if (!layout) return tl::unexpected(layout.error());
   pieces::PieceBoard board(
       [&](MonotonicTime now) -> Result<std::unique_ptr<CamBoard>> {
@@ -222,7 +225,7 @@ Result<std::string> report_separator(std::uint64_t seed) {
         if (!port) return tl::unexpected(port.error());
         return std::make_unique<cambus::Board>(*std::move(port));
       },
-      {.space = space}, *layout, {1, 1, 0});
+      {.space = kSeparatorSpace}, *layout, {1, 1, 0});
   const auto wait = [&]() -> Result<void> {
     do {
       board.pump(clock);

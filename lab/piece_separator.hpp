@@ -63,7 +63,11 @@ class PieceSeparator {
   SeparatorReport report_;
 };
 
-// Of 16 pieces in 128 x 128 cells on a board of eight modules, for people.
+// The pieces that people see moved apart: 16, in 128 x 128 cells. Errors: none.
+inline constexpr CamGeometry kSeparatorSpace{{7, 7, 0}, CamDivision::StripY};
+[[nodiscard]] Result<world::cam::PieceLayout> separator_layout(std::uint64_t seed);
+
+// Of these on a board of eight modules, for people.
 // Errors: as the separator's, and System where they were not apart in the end.
 [[nodiscard]] Result<std::string> report_separator(std::uint64_t seed);
 

@@ -5,7 +5,10 @@
 #include <memory>
 #include <string>
 
+#include "cli/cells.hpp"
 #include "cli/commands.hpp"
+#include "cli/file_text.hpp"
+#include "cli/text.hpp"
 #include "drivers/cambus/cambus_registers.hpp"
 #include "lab/piece_separator.hpp"
 
@@ -27,16 +30,20 @@ void add_cam_latency(CLI::App& app, int& code) {
 }
 
 void add_separate(CLI::App& app, int& code) {
-  const auto seed = std::make_shared<std::uint64_t>(1);
+  struct Said {
+    std::uint64_t seed{1};
+    std::string write;
+  };
+  const auto said = std::make_shared<Said>();
   CLI::App* separate = app.add_subcommand(
       "separate", "Move interlocking pieces at random until all are apart (thesis 4.2.1)");
-  separate->add_option("--seed", *seed, "Of the pieces and the moves")->capture_default_str();
-  separate->callback([&code, seed] {
-    const auto report = lab::report_separator(*seed);
-    (report ? std::cout : std::cerr)
-        << (report ? *report : "thimble: " + report.error().message + '\n');
-    code = report ? kExitOk : kExitRefused;
-  });
+  separate->add_option("--seed", said->seed, "Of the pieces and the moves")->capture_default_str();
+  separate
+      ->add_option("--write", said->write,
+                   "The pieces before they are moved, to a file for world.pieces.layout: .npy or "
+                   ".nrrd")
+      ->type_name("FILE");
+  separate->callback([&code, said] { code = run_separate(said->seed, said->write); });
 }
 
 }  // namespace
@@ -48,6 +55,39 @@ int print_cam_latency(const Result<lab::CamLatencyReport>& report) {
   }
   std::cout << report->text;
   return report->is_within ? kExitOk : kExitRefused;
+}
+
+Result<std::string> layout_file(std::uint64_t seed, const std::string& name) {
+  const bool is_npy = name.ends_with(".npy");
+  if (!is_npy && !name.ends_with(".nrrd")) {
+    return fail(Errc::InvalidArgument, "a layout is written to a file ending in .npy or .nrrd");
+  }
+  return lab::separator_layout(seed).map([&](const world::cam::PieceLayout& layout) {
+    cli::WorldCells cells{{}, 1, {layout.begin(), layout.end()}};
+    for (std::size_t axis = 0; axis < cells.sizes.size(); ++axis) {
+      cells.sizes[axis] = 1U << lab::kSeparatorSpace.log2_cells[axis];
+    }
+    return is_npy ? cli::to_npy(cells) : cli::to_nrrd(cells);
+  });
+}
+
+int run_separate(std::uint64_t seed, const std::string& write) {
+  if (!write.empty()) {
+    const auto written = layout_file(seed, write).and_then([&](const std::string& content) {
+      return cli::write_whole(write, content);
+    });
+    if (!written) {
+      std::cerr << "thimble: " << cli::plain(written.error().in(write).message) << '\n';
+      return kExitRefused;
+    }
+  }
+  const auto report = lab::report_separator(seed);
+  if (!report) {
+    std::cerr << "thimble: " << report.error().message << '\n';
+    return kExitRefused;
+  }
+  std::cout << *report;
+  return kExitOk;
 }
 
 void add_lab_commands(CLI::App& app, int& code) {

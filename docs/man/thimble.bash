@@ -64,10 +64,12 @@ _thimble() {
     snapshot)
       [[ $word == -* ]] && options+=" --file" || options= ;;
     lab)
-      if [[ $word != -* ]]; then
+      if [[ $before == --write ]]; then
+        mapfile -t COMPREPLY < <(compgen -f -- "$word"); return
+      elif [[ $word != -* ]]; then
         options="cam-latency separate"
       elif [[ " ${COMP_WORDS[*]:0:COMP_CWORD} " == *" separate "* ]]; then
-        options+=" --seed"
+        options+=" --seed --write"
       else
         options+=" --clock-mhz"
       fi ;;

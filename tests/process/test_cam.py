@@ -4,7 +4,7 @@ import json
 import re
 import struct
 
-from rig import ProcessTest
+from rig import ROOT, ProcessTest
 
 DELAY, STOP = 3 << 29, 1 << 14
 
@@ -65,6 +65,18 @@ class Separating(ProcessTest):
         self.assertEqual((once.returncode, once.stderr), (0, ""))
         self.assertIn(" 16 apart after ", once.stdout)
         self.assertEqual(once.stdout, again.stdout)
+
+    def test_the_layout_of_the_example_is_what_they_begin_with(self):
+        file = self.folder / "layout.npy"
+        shown = self.run_program("thimble", "lab", "separate", "--seed", "1", "--write", file)
+        self.assertEqual((shown.returncode, shown.stderr), (0, ""))
+        self.assertEqual(file.read_bytes(), (ROOT / "examples/interlocking.npy").read_bytes())
+
+    def test_where_no_layout_can_be_written_nothing_is_moved(self):
+        for name, said in (("layout.txt", "ending in .npy or .nrrd"), ("no/layout.npy", "cannot be written")):
+            shown = self.run_program("thimble", "lab", "separate", "--write", self.folder / name)
+            self.assertEqual((shown.returncode, shown.stdout), (1, ""), name)
+            self.assert_one_sentence(shown.stderr, name, said)
 
     def test_a_seed_is_a_number(self):
         for wrong in ("one", "1.5"):

@@ -96,6 +96,17 @@ TEST_F(Separator, TakesAllPiecesApartAndLosesNoCell) {
   }
 }
 
+// The soak: whatever the teeth and the moves, what the board says is where the pieces must be.
+TEST_F(Separator, NinePiecesOfAnySeedComeApartAndLoseNoCell) {
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const PieceLayout layout = interlocking_layout(kSpace, 3, seed).value();
+    const auto report = separate(layout, seed, 3000);
+    ASSERT_TRUE(report) << seed << ": " << report.error().message;
+    EXPECT_EQ(report->apart, 9) << seed;
+    EXPECT_EQ(sizes(), world::cam::sizes_of(layout)) << seed;
+  }
+}
+
 TEST_F(Separator, TheSameSeedMakesTheSameMoves) {
   const PieceLayout layout = interlocking_layout(kSpace, 2, 1).value();
   const auto once = separate(layout, 7, 60);
