@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "daemon/world/cam/piece_search.hpp"
 #include "hal/base/result.hpp"
+#include "hal/device/cam_board.hpp"
 
 // The thesis's haptic latencies on a CAM-8 (4.2.1, 4.2.2), out of the simulated board's clocks.
 namespace thimble::lab {
@@ -14,8 +16,9 @@ namespace thimble::lab {
 struct CamLatencyCase {
   std::string name;
   int log2_modules{3};
-  int log2_cells{9};  // along x and y
-  bool leaps{false};
+  CamAxes log2_cells{9, 9, 0};
+  int cell_width{1};  // in cells of the thesis's plane: the workspace is as wide
+  world::cam::SearchKind search{world::cam::SearchKind::OneCell};
   bool counts_apart{true};  // a scan to shift, and one to count
   int updates_per_picture{1};
   double thesis_s{0};  // 0: the thesis has none
@@ -24,6 +27,7 @@ struct CamLatencyCase {
 
 // What one update takes, from step lists played by the board at its own pace.
 struct CamLatencyRun {
+  int cells{0};
   std::uint64_t scans{0};
   std::uint64_t lists{0};
   std::uint64_t clocks{0};  // of the board, the host's waiting included
@@ -42,14 +46,15 @@ inline constexpr double kTolerance_percent = 10;
 
 // Fitted, the same for all three.
 struct CamLatencyFit {
-  int cells{0};           // that the grasp point moves in an update
+  int cells{0};           // of the plane, that the grasp point moves in an update
   double host_cost_s{0};  // Forth and system calls of the thesis's host
 };
 
-// The three of the thesis, then ours.
+// The three of the thesis, then ours in the same plane, and in space.
 [[nodiscard]] std::vector<CamLatencyCase> cam_latency_cases(int clock_mhz = 25);
 
-// Moves the grasp point so many cells along x through free space. Deterministic.
+// Moves the grasp point as far as the fit says along x through free space, which has to have four
+// thirds of it. Deterministic.
 // Errors: the board's.
 [[nodiscard]] Result<CamLatencyRun> run_cam_latency(const CamLatencyCase& of,
                                                     const CamLatencyFit& fit);

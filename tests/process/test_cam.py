@@ -85,25 +85,28 @@ class Separating(ProcessTest):
 
 
 class Latencies(ProcessTest):
-    ROW = re.compile(r"^(\d boards.*?) +(\d+) +(\d+) +(\d+) +([\d.]+) +([\d.]+) +(\d+) ms +(\d+) mm +([+-][\d.]+) %$",
+    ROW = re.compile(r"^(\d boards.*?) +\d+ +\d+ +\d+ +\d+ +(\d+) +([\d.]+) +([\d.]+) +(\d+) ms +(\d+) mm +([+-][\d.]+) %$",
                      re.MULTILINE)
 
     def test_those_of_the_thesis_come_out_of_the_simulated_board(self):
         shown = self.run_program("thimble", "lab", "cam-latency")
         self.assertEqual((shown.returncode, shown.stderr), (0, ""))
-        self.assertTrue(shown.stdout.startswith("512 x 512 x 1 cells at 25 MHz"), shown.stdout)
+        self.assertTrue(shown.stdout.startswith("At 25 MHz, "), shown.stdout)
         rows = self.ROW.findall(shown.stdout)
-        self.assertEqual([(row[0], row[6], row[7]) for row in rows],
-                         [("4 boards", "250", "50"), ("8 boards", "125", "25"), ("8 boards, leap", "35", "7")])
-        for name, _, _, _, latency_ms, offset_mm, thesis_ms, _, off_percent in rows:
+        self.assertEqual([(row[0], row[1], row[4], row[5]) for row in rows],
+                         [("4 boards", "1", "250", "50"), ("8 boards", "1", "125", "25"),
+                          ("8 boards, leap", "7", "35", "7")])
+        for name, _, latency_ms, offset_mm, thesis_ms, _, off_percent in rows:
             off = 100 * (float(latency_ms) / float(thesis_ms) - 1)
             self.assertAlmostEqual(off, float(off_percent), delta=0.2, msg=name)
             self.assertLessEqual(abs(off), 10, name)
             self.assertAlmostEqual(float(offset_mm), 0.2 * float(latency_ms), delta=0.1, msg=name)
-        cells, host_ms = re.search(r" (\d+) cells an update,\n([\d.]+) ms of host", shown.stdout).groups()
+        cells, host_ms = re.search(r" (\d+) cells of the plane an update, ([\d.]+) ms of host", shown.stdout).groups()
+        self.assertEqual(len(re.findall(r"(?m)^64\^3, 8 boards.* \d", shown.stdout)), 4)
+        self.assertRegex(shown.stdout, r"(?m)^8 boards, trail .* \d")
         slower = self.run_program("thimble", "lab", "cam-latency", "--clock-mhz", "20")
         self.assertEqual((slower.returncode, slower.stderr), (0, ""))
-        self.assertTrue(slower.stdout.startswith("512 x 512 x 1 cells at 20 MHz"), slower.stdout)
+        self.assertTrue(slower.stdout.startswith("At 20 MHz, "), slower.stdout)
         # What a person would believe of a host of 1995 and a hand.
         self.assertTrue(30 <= int(cells) <= 45, cells)
         self.assertLessEqual(float(host_ms), 0.3)

@@ -3,17 +3,28 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <string>
+
 namespace thimble::lab {
 namespace {
 
 // On a small space: 8 sweeps of 64 sites a module.
 using testing::ContainsRegex;
 using testing::HasSubstr;
+using world::cam::SearchKind;
 
 CamLatencyCase eight_boards() {
   CamLatencyCase of = cam_latency_cases().at(1);
-  of.log2_cells = 6;
+  of.log2_cells = {6, 6, 0};
   return of;
+}
+
+CamLatencyCase case_of(const std::string& name) {
+  for (const CamLatencyCase& of : cam_latency_cases()) {
+    if (of.name == name) return of;
+  }
+  ADD_FAILURE() << name;
+  return {};
 }
 
 TEST(CamLatency, ALookTakesTwoScansAndWhatTheirSweepsTake) {
@@ -63,6 +74,35 @@ TEST(CamLatency, CountingInTheSameScanSavesHalfOfThem) {
   EXPECT_EQ(run->lists, 2U);
 }
 
+TEST(CamLatency, ATrailTakesFewerScansAndListsThanLeaps) {
+  const auto leaps = run_cam_latency(case_of("8 boards, leap, one scan a look"), {34, 0});
+  const auto trail = run_cam_latency(case_of("8 boards, trail"), {34, 0});
+  ASSERT_TRUE(leaps && trail);
+  EXPECT_LT(trail->scans, leaps->scans);
+  EXPECT_LT(trail->lists, leaps->lists);
+  const std::uint64_t scan = 64 * (512 + 40 + 2 * 4);
+  EXPECT_LT(trail->clocks, trail->scans * scan) << "its table is on the board";
+}
+
+TEST(CamLatency, WhereCellsAreWiderTheSameWayOfTheHandIsFewerOfThem) {
+  CamLatencyCase of = eight_boards();
+  of.cell_width = 8;
+  const auto run = run_cam_latency(of, {34, 0});
+  ASSERT_TRUE(run) << run.error().message;
+  EXPECT_EQ(run->cells, 5);
+  EXPECT_EQ(run->scans, 2U * 5U);
+}
+
+TEST(CamLatency, InSpaceAScanTakesHalfAsLongAgain) {
+  const auto run = run_cam_latency(case_of("64^3, 8 boards"), {8, 0});
+  ASSERT_TRUE(run) << run.error().message;
+  EXPECT_EQ(run->scans, 2U);
+  // Sweeps of 64: docs/cambus.md, section 5.
+  const std::uint64_t scans = 2 * (512 * (64 + 40) + 512 / 3 * 4);
+  EXPECT_GE(run->clocks, scans);
+  EXPECT_LE(run->clocks, scans + 3000);
+}
+
 TEST(CamLatency, AStrokeTakesALookACellOrALeap) {
   EXPECT_EQ(looks_of(35, false), 35);
   EXPECT_EQ(looks_of(35, true), 8 + 3);
@@ -76,10 +116,11 @@ TEST(CamLatency, AFitFindsWhatLatenciesWereMadeWith) {
   for (CamLatencyCase of : cam_latency_cases()) {
     const double look_s = of.log2_modules == 2 ? 0.0058 : 0.0029;
     if (of.thesis_s > 0) {
-      of.thesis_s = looks_of(truth.cells, of.leaps) * (look_s + truth.host_cost_s) +
-                    kPicture_s / of.updates_per_picture + kNetwork_s;
+      of.thesis_s =
+          looks_of(truth.cells, of.search == SearchKind::Leap) * (look_s + truth.host_cost_s) +
+          kPicture_s / of.updates_per_picture + kNetwork_s;
     }
-    const int looks = looks_of(CamLatencyProbe::kCells, of.leaps);
+    const int looks = looks_of(CamLatencyProbe::kCells, of.search == SearchKind::Leap);
     probes.push_back({of, looks * look_s, looks * (look_s + CamLatencyProbe::kHost_s)});
   }
   const CamLatencyFit fit = fit_cam_latency(probes);
@@ -109,7 +150,7 @@ TEST(CamLatency, EachOfTheThesisHasToBeWithinATenth) {
 
 TEST(CamLatency, TheTableHasWhatItWasFittedWithAndHowFarEachIsOff) {
   const std::string text = report_with(1, 0.11).text;
-  EXPECT_THAT(text, HasSubstr("34 cells an update,\n0.05 ms of host a list"));
+  EXPECT_THAT(text, HasSubstr("34 cells of the plane an update, 0.05 ms of host a list"));
   EXPECT_THAT(text, ContainsRegex("\n8 boards  .* 138\\.8 .* 125 ms   25 mm \\+11\\.0 %\n"));
   EXPECT_THAT(text, ContainsRegex("\n8 boards, leap  .* 35 ms    7 mm  \\+0\\.0 %\n"));
 }
