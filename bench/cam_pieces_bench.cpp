@@ -23,12 +23,11 @@ constexpr std::size_t kUpdates = 10;
 
 class Table {
  public:
-  explicit Table(const CamAxes& log2_cells)
-      : space_{log2_cells, CamDivision::StripY},
-        slot_(clock_, options_for(space_)),
-        board_([this](MonotonicTime now) { return open(now); },
-               {.space = space_, .search = pieces::SearchKind::Leap},
-               pieces::PieceLayout(space_.cells()), {1 << (log2_cells[0] - 2), 1, 0}) {}
+  Table(const CamGeometry& space, pieces::SearchKind search, const pieces::PieceLayout& layout)
+      : space_(space),
+        slot_(clock_, options_for(space)),
+        board_([this](MonotonicTime now) { return open(now); }, {.space = space, .search = search},
+               layout, start_in(space, layout)) {}
 
   // Microseconds of the least of so many; none when the board fails.
   [[nodiscard]] double update_us() {
@@ -52,6 +51,13 @@ class Table {
     options.is_paced = false;
     return options;
   }
+  // A cell without a piece, so far to the left that the stroke stays within the space.
+  static CamAxes start_in(const CamGeometry& space, const pieces::PieceLayout& layout) {
+    const CamAxes cells = pieces::cells_along(space);
+    CamAxes at{cells[0] / 4, 1, 0};
+    while (layout[pieces::index_of(space, at)] != 0 && at[1] + 1 < cells[1]) ++at[1];
+    return at;
+  }
   [[nodiscard]] Result<std::unique_ptr<CamBoard>> open(MonotonicTime now) {
     auto port = cambus::PciPort::open(slot_.open_window(), now);
     if (!port) return tl::unexpected(port.error());
@@ -71,8 +77,12 @@ class Table {
   pieces::PieceBoard board_;
 };
 
-[[nodiscard]] bool measure(const std::string& name, const CamAxes& log2_cells) {
-  Table table(log2_cells);
+[[nodiscard]] bool measure(const std::string& name, const CamAxes& log2_cells,
+                           pieces::SearchKind search, int count) {
+  const CamGeometry space{log2_cells, CamDivision::StripY};
+  const auto layout = pieces::random_layout(space, count, 1);
+  if (!layout) return false;
+  Table table(space, search, *layout);
   bench::Slices ours;
   for (std::size_t slice = 0; slice < bench::kSlices; ++slice) {
     ours.push_back(table.update_us());
@@ -85,8 +95,13 @@ class Table {
 }  // namespace
 
 int main() {
-  if (measure("haptic update of pieces, 512^2", {9, 9, 0}) &&
-      measure("haptic update of pieces, 64^3", {6, 6, 6})) {
+  using pieces::SearchKind;
+  // An empty space by leaps, then pieces as in examples/pieces.toml and pieces-3d.toml by trails,
+  // which files of layouts are searched by: the stroke ends where it meets one.
+  if (measure("haptic update of pieces, 512^2", {9, 9, 0}, SearchKind::Leap, 0) &&
+      measure("haptic update of pieces, 64^3", {6, 6, 6}, SearchKind::Leap, 0) &&
+      measure("trail among 24 pieces, 512^2", {9, 9, 0}, SearchKind::Sweep, 24) &&
+      measure("trail among 12 pieces, 64^3", {6, 6, 6}, SearchKind::Sweep, 12)) {
     return 0;
   }
   std::fputs("bench_cam_pieces: the board failed, or scanned site by site\n", stderr);
