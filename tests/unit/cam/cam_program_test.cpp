@@ -93,6 +93,32 @@ TEST_P(OnAnyBoard, AKickShiftsTheWholeSpace) {
   }
 }
 
+// Of any rule: how fast sites are visited, and in which bank its table lies, is nobody's business.
+TEST_P(OnAnyBoard, NeitherTheScanModeNorTheBankChangesWhatComesOut) {
+  std::mt19937 random(7);
+  std::vector<std::uint32_t> rule(kTableEntries);
+  for (auto& entry : rule) entry = random() & 0xffffU;
+  const auto rule_of = [&](std::uint32_t cell) { return rule[cell]; };
+  Cells first;
+  Cells expected;
+  for (const std::uint32_t mode : {3U, 2U, 1U, 0U}) {
+    for (const int loads : {1, 2}) {
+      CamBench bench(GetParam());
+      if (first.empty()) first = test::random_cells(bench.cell_count(), 0xffff, random);
+      bench.put(first);
+      for (int i = 0; i < loads; ++i) bench.load(rule_of);
+      StepListBuilder builder;
+      builder.write(bench.space().scan_format().set(field::kScanMode, mode));
+      bench.play(builder.finish());
+      bench.step({{layers(0, 6), {1, -1, 0}}, {layers(7, 15), {-2, 0, 0}}}, 2);
+      const Cells after = bench.get();
+      if (expected.empty()) expected = after;
+      ASSERT_EQ(after, expected) << "mode " << mode << ", loaded " << loads << " times";
+    }
+  }
+  EXPECT_NE(expected, first);
+}
+
 TEST_P(OnAnyBoard, CountsAreThePopulation) {
   std::mt19937 random(3);
   CamBench bench(GetParam());
