@@ -9,7 +9,8 @@ bool PlaneScan::can(const ScanPlan& plan, std::uint64_t visits, const CamTorus& 
   const int log2_sites = std::countr_zero(torus.modules.front().dram.size());
   return log2_sites >= PlaneDram::kMinLog2Sites &&
          std::all_of(plan.orders.begin(), plan.orders.end(), [&](const VisitOrder& order) {
-           return order.goes_in_words(visits, log2_sites);
+           return order.goes_in_words(visits, log2_sites) &&
+                  order.is_alike_in_words(plan.orders.front());
          });
 }
 
@@ -57,9 +58,10 @@ std::optional<std::uint64_t> PlaneScan::scan(CamTorus& torus, std::span<const st
   LayerWords silence;
   const WordBlock zeros{};
   silence.fill(zeros.words.data());
-  for (std::uint64_t visited = 0; visited < plan.sites; visited += kBlockSites) {
-    const std::uint64_t sites = std::min<std::uint64_t>(kBlockSites, plan.sites - visited);
-    step.visit(visited, sites / kWordSites, silence);
+  const std::uint64_t sites_of_word = plan.orders.front().sites_of_word();
+  const std::uint64_t words = plan.sites / sites_of_word;
+  for (std::uint64_t word = 0; word < words; word += kBlockWords) {
+    step.visit(word * sites_of_word, std::min<std::uint64_t>(kBlockWords, words - word), silence);
   }
   step.finish(torus, plan.sites);
   return plan.clocks;
@@ -69,7 +71,8 @@ std::optional<std::vector<std::uint16_t>> PlaneScan::scan_io(CamTorus& torus, st
                                                              std::span<const std::uint16_t> told) {
   const std::array<std::size_t, 1> which{module};
   const ScanPlan plan = plan_scan(torus, which);
-  if (!can(plan, told.size(), torus)) {
+  // What the host tells comes in turn.
+  if (!can(plan, told.size(), torus) || !plan.orders.front().is_in_turn_in_words()) {
     bring_back(torus);
     return std::nullopt;
   }

@@ -20,8 +20,9 @@ namespace thimble::sim::cam {
 // registers. Keeps the DRAM of all modules as planes of bits from its first scan on: two bytes a
 // site more, and what is in the modules is out of date until bring_back().
 //
-// Left to the reference: scans that visit a site twice, or not whole words of 64 sites one behind
-// the other. Thread: one at a time. Ownership: none of the torus, which must stay the same one.
+// Left to the reference: scans that visit a site twice, or words of 64 sites in parts that are not
+// the same of each. Thread: one at a time. Ownership: none of the torus, which must stay the same
+// one.
 class PlaneScan {
  public:
   explicit PlaneScan(const VectorKernels& kernels = *usable_kernels().front())

@@ -178,7 +178,8 @@ void PlaneStep::work_on(std::size_t i, std::size_t layer, const LayerWords& host
   Work& work = work_[i][layer];
   Word* const room = rooms.data[layer].words.data();
   if (plan.event.map != cambus::kMapZero) {
-    const Word* const events = evaluate(plan.event, i, layer, host, output, room);
+    const Word* const all = evaluate(plan.event, i, layer, host, output, room);
+    const Word* const events = where_visited(all, kZeros.words.data(), room);
     work.events += parts_.kernels.count_ones(events, words_);
   }
   if (parts_.is_shown) {
@@ -186,10 +187,19 @@ void PlaneStep::work_on(std::size_t i, std::size_t layer, const LayerWords& host
                 rooms.shown[layer].words.begin());
   }
   if (work.is_stored) {
-    const Word* const data = evaluate(plan.site_data, i, layer, host, output, room);
-    parts_.drams[parts_.which[i]].store(layer, plan.placement, sites_[plan.order],
-                                        rooms.modules[i].unglued[layer], data, work.ones);
+    const Word* const old = rooms.modules[i].unglued[layer];
+    const Word* const all = evaluate(plan.site_data, i, layer, host, output, room);
+    parts_.drams[parts_.which[i]].store(layer, plan.placement, sites_[plan.order], old,
+                                        where_visited(all, old, room), work.ones);
   }
+}
+
+const Word* PlaneStep::where_visited(const Word* words, const Word* others, Word* room) const {
+  if (visited_ == ~Word{0}) return words;
+  for (std::size_t k = 0; k < words_; ++k) {
+    room[k] = (words[k] & visited_) | (others[k] & ~visited_);
+  }
+  return room;
 }
 
 void PlaneStep::finish(CamTorus& torus, std::uint64_t visits) {

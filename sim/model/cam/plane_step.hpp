@@ -85,12 +85,15 @@ class PlaneStep {
   [[nodiscard]] const Word* evaluate(const PlaneSource& source, std::size_t i, std::size_t layer,
                                      const LayerWords& host, const Word* fourth, Word* room) const;
   [[nodiscard]] const Word* address_bit(const LayerPlan& layer, Word* room) const;
+  // `words` at the sites that are visited, elsewhere `others`.
+  [[nodiscard]] const Word* where_visited(const Word* words, const Word* others, Word* room) const;
 
   Parts parts_;
   std::array<std::array<bool, 3>, cambus::kLayers> may_cross_{};
   std::vector<std::array<std::array<Wires, 3>, cambus::kLayers>> wires_;
   std::vector<ModuleWork> work_;
   std::vector<bool> is_looked_up_;
+  Word visited_;                  // sites of each word
   std::vector<SiteWords> sites_;  // of this block, by order
   std::size_t words_{0};
 };

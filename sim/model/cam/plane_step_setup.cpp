@@ -29,6 +29,7 @@ PlaneStep::PlaneStep(const CamTorus& torus, const Parts& parts)
       wires_(parts.which.size()),
       work_(parts.which.size()),
       is_looked_up_(parts.which.size(), false),
+      visited_(parts.plan.orders.front().visited()),
       sites_(parts.plan.orders.size()) {
   StepRooms& rooms = parts_.rooms;
   rooms.modules.resize(std::max(rooms.modules.size(), parts_.which.size()));

@@ -153,35 +153,54 @@ VisitOrder::VisitOrder(const std::array<std::uint32_t, kAddressBits>& permuter, 
     if (code == bit || code >= kAddressBits) known |= 1U << bit;
   }
   is_straight_ = known == kAddresses - 1;
+  std::uint32_t constant = 0;
+  for (std::uint32_t bit = 0; bit < kLog2Word; ++bit) {
+    if (permuter_[bit] >= kAddressBits) constant |= 1U << bit;
+  }
+  free_ = kLog2Word - static_cast<std::uint32_t>(std::popcount(constant));
+  for (std::uint32_t site = 0; site < kWordSites; ++site) {
+    if ((site & constant) == (ones_ & constant)) visited_ |= Word{1} << site;
+  }
 }
 
 bool VisitOrder::goes_in_words(std::uint64_t visits, int log2_sites) const noexcept {
-  const bool is_whole = visits > 0 && visits % kWordSites == 0 && index_ % kWordSites == 0;
+  const bool is_whole =
+      visits > 0 && visits % sites_of_word() == 0 && index_ % sites_of_word() == 0;
   if (!is_whole || index_ + visits > kAddresses) return false;
-  std::uint32_t told = 0;  // index bits that some address bit within the DRAM is
+  std::uint32_t told = 0;     // index bits that some address bit within the DRAM is
+  std::uint32_t in_word = 0;  // or one within a word
   for (std::uint32_t bit = 0; bit < kAddressBits; ++bit) {
     const std::uint32_t code = permuter_[bit];
-    if (bit < kLog2Word && code != bit) return false;
-    if (bit >= kLog2Word && code < kLog2Word) return false;
-    if (code < kAddressBits && bit < static_cast<std::uint32_t>(log2_sites)) told |= 1U << code;
+    if (code >= kAddressBits) continue;
+    // The fastest index bits, and no others, go through a word.
+    if ((bit < kLog2Word) != (code < free_)) return false;
+    if (bit < kLog2Word) in_word |= 1U << code;
+    if (bit < static_cast<std::uint32_t>(log2_sites)) told |= 1U << code;
   }
+  if (in_word != (1U << free_) - 1U) return false;
   const auto last = static_cast<std::uint32_t>(index_ + visits - 1);
   const std::uint32_t varying = (1U << std::bit_width(index_ ^ last)) - 1U;
   return (varying & ~told) == 0;
 }
 
+bool VisitOrder::is_alike_in_words(const VisitOrder& other) const noexcept {
+  return std::equal(permuter_.begin(), permuter_.begin() + kLog2Word, other.permuter_.begin());
+}
+
+bool VisitOrder::is_in_turn_in_words() const noexcept { return (straight_ & kInWord) == kInWord; }
+
 SiteWords VisitOrder::sites(std::uint64_t first, std::span<std::uint32_t> out) const noexcept {
   auto index = static_cast<std::uint32_t>(index_ + first);
   const std::uint32_t begin = index;
   for (std::uint32_t& site : out) {
-    site = (index & straight_) | ones_;
+    site = ((index & straight_) | ones_) & ~kInWord;
     if (!is_straight_) {
       for (std::uint32_t bit = kLog2Word; bit < kAddressBits; ++bit) {
         const std::uint32_t code = permuter_[bit];
         if (code != bit && code < kAddressBits) site |= (index >> code & 1U) << bit;
       }
     }
-    index += kWordSites;
+    index += static_cast<std::uint32_t>(sites_of_word());
   }
   const auto length = static_cast<std::uint32_t>(out.size() * kWordSites);
   const bool is_power = std::has_single_bit(length);

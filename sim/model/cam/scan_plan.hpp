@@ -51,9 +51,16 @@ class VisitOrder {
   VisitOrder(const std::array<std::uint32_t, cambus::kAddressBits>& permuter, std::uint32_t index);
   bool operator==(const VisitOrder&) const = default;
 
-  // So many visits come in whole words, and to no site of such a DRAM twice.
+  // So many visits take the words one after the other, each at once or the same part of it, and go
+  // to no site of such a DRAM twice.
   [[nodiscard]] bool goes_in_words(std::uint64_t visits, int log2_sites) const noexcept;
-  // The words of visits `first` to `first + out.size() * 64`, as goes_in_words() has it.
+  // Then: how many sites of each word are visited, and bit n: the one that is n behind its first.
+  [[nodiscard]] std::uint64_t sites_of_word() const noexcept { return std::uint64_t{1} << free_; }
+  [[nodiscard]] Word visited() const noexcept { return visited_; }
+  // A visit is to the same place within its word as the other's, or as its own number says.
+  [[nodiscard]] bool is_alike_in_words(const VisitOrder& other) const noexcept;
+  [[nodiscard]] bool is_in_turn_in_words() const noexcept;
+  // The words from visit `first` on, as goes_in_words() has it.
   [[nodiscard]] SiteWords sites(std::uint64_t first, std::span<std::uint32_t> out) const noexcept;
 
  private:
@@ -61,7 +68,9 @@ class VisitOrder {
   std::uint32_t index_;
   std::uint32_t straight_{0};  // site bits that are the index's own
   std::uint32_t ones_{0};      // and those that are always 1
-  bool is_straight_{false};    // there are no others
+  std::uint32_t free_{0};      // site bits within a word that are some index bit
+  Word visited_{0};
+  bool is_straight_{false};  // there are no others
 };
 
 struct LayerPlan {
