@@ -54,7 +54,8 @@ Result<void> Board::start(const CamSteps& steps, Duration at_most, MonotonicTime
     program.set_up();
   }
   readings_.clear();
-  if (!is_set_up_) state_ = {};
+  if (!is_set_up_) state_ = {.scanned = space_->whole()};
+  blocks_ = {space_->whole()};
   const State before = state_;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const auto added = add(steps[i], program);
@@ -95,6 +96,7 @@ Result<void> Board::add(const CamStep& step, CamProgram& program) {
                           return {};
                         },
                         [&](const cam_step::Run& it) { return add_run(it.options, program); },
+                        [&](const cam_step::Within& it) { return add_within(it); },
                         [&](const cam_step::ReadCounts&) -> Result<void> {
                           readings_.push_back({false, program.read_counts(), {}});
                           return {};
@@ -117,20 +119,56 @@ Result<void> Board::add_kick(const cam_step::Kick& step, CamProgram& program) {
     return fail(Errc::InvalidArgument, "the kick before has had no scan");
   }
   state_.kicked = Kicked::Waiting;
+  state_.kicks = step.kicks;
   return program.kick(step.kicks);
 }
 
-Result<void> Board::add_run(const CamRun& options, CamProgram& program) {
+Result<void> Board::add_run(CamRun options, CamProgram& program) {
   if (options.repeats_kick && (!options.is_scan || state_.kicked == Kicked::Waiting)) {
     return fail(Errc::InvalidArgument, "a kick is repeated with a scan that has none of its own");
   }
-  if (options.is_scan && state_.kicked == Kicked::Done && !options.repeats_kick) {
+  if (!options.is_scan) {
+    program.run(options);
+    return {};
+  }
+  if (state_.kicked == Kicked::Done && !options.repeats_kick) {
     if (Result<void> still = program.kick({}); !still) return still;
     state_.kicked = Kicked::Nothing;
   }
-  program.run(options);
-  if (options.is_scan && state_.kicked == Kicked::Waiting) state_.kicked = Kicked::Done;
+  if (state_.kicked == Kicked::Waiting) state_.kicked = Kicked::Done;
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    visit(blocks_[i], program);
+    if (i > 0 && state_.kicked == Kicked::Done) send_kick_again(program);
+    program.run(options);
+    options = {};  // all but the scan has been done
+  }
   return {};
+}
+
+Result<void> Board::add_within(const cam_step::Within& step) {
+  blocks_ = {space_->whole()};
+  if (!step.box) return {};
+  auto blocks = space_->blocks_around(*step.box);
+  if (!blocks) return tl::unexpected(blocks.error());
+  blocks_ = *std::move(blocks);
+  return {};
+}
+
+void Board::visit(const ScanBlock& block, CamProgram& program) {
+  if (state_.scanned == block) return;
+  program.scan_within(block);
+  state_.scanned = block;
+}
+
+// Undone and sent: another part of the same step is where the first one was (docs/cambus.md,
+// section 1). Both were taken before.
+void Board::send_kick_again(CamProgram& program) const {
+  std::vector<CamKick> back = state_.kicks;
+  for (CamKick& kick : back) {
+    for (int& cells : kick.cells) cells = -cells;
+  }
+  static_cast<void>(program.kick(back));
+  static_cast<void>(program.kick(state_.kicks));
 }
 
 // Writes them, or reads all where there are none. Both make the kick register stand still, and are
@@ -140,6 +178,7 @@ Result<void> Board::add_cells(const CamCells* cells, CamProgram& program) {
     return fail(Errc::InvalidArgument, "the kick before has had no scan");
   }
   state_.kicked = Kicked::Nothing;
+  visit(space_->whole(), program);
   program.count(CamEvents::None);
   if (cells != nullptr) {
     write_cells(*cells, program);

@@ -44,12 +44,17 @@ class Board final : public CamBoard {
   // What programs have set, as far as later ones depend on it.
   struct State {
     Kicked kicked{Kicked::Nothing};
+    std::vector<CamKick> kicks{};  // of the last one
     cam_step::Count counted{};
+    ScanBlock scanned{};
   };
 
   [[nodiscard]] Result<void> add(const CamStep& step, CamProgram& program);
   [[nodiscard]] Result<void> add_kick(const cam_step::Kick& step, CamProgram& program);
-  [[nodiscard]] Result<void> add_run(const CamRun& options, CamProgram& program);
+  [[nodiscard]] Result<void> add_run(CamRun options, CamProgram& program);
+  [[nodiscard]] Result<void> add_within(const cam_step::Within& step);
+  void visit(const ScanBlock& block, CamProgram& program);
+  void send_kick_again(CamProgram& program) const;
   [[nodiscard]] Result<void> add_cells(const CamCells* cells, CamProgram& program);
   void write_cells(const CamCells& cells, CamProgram& program) const;
   void read_cells(CamProgram& program);
@@ -66,6 +71,7 @@ class Board final : public CamBoard {
   std::optional<CamSpace> space_;
   bool is_set_up_{false};
   State state_;
+  std::vector<ScanBlock> blocks_;  // that the program's scans visit
   bool is_running_{false};
 
   MonotonicTime until_{};

@@ -47,8 +47,8 @@ void CamProgram::set_up() {
   select_all();
   for (const Register number : kSetUpOnce) builder_.write(default_words(number));
   builder_.write(space_.dimension());
-  builder_.write(space_.scan_format());
-  builder_.write(space_.scan_perm());
+  builder_.write(space_.scan_format(space_.whole()));
+  builder_.write(space_.scan_perm(space_.whole()));
   stand_still();
   fix(0, 0);
   set_source(Register::SiteSrc, kSelectLutOrAddress, kMapSource);
@@ -94,6 +94,12 @@ void CamProgram::count(Events events, LayerMask layers) {
                      .set(source[0], kSelectLutOrAddress)
                      .set(source[1], kMapZero)
                      .set(source[1], map, layers));
+}
+
+void CamProgram::scan_within(const ScanBlock& block) {
+  builder_.write(default_words(Register::ScanIndex));
+  builder_.write(space_.scan_format(block));
+  builder_.write(space_.scan_perm(block));
 }
 
 void CamProgram::run(const RunOptions& options) {

@@ -40,6 +40,10 @@ class CamProgram {
   void fix(LayerMask fixed, std::uint16_t bits);
   using Events = CamEvents;
   void count(Events events, LayerMask layers = kAllLayers);
+  // What the runs that follow visit: parts of one step of the whole space, or a step of which
+  // nothing is elsewhere. The kick of a step is undone and sent again before each of its parts but
+  // the first. Sites are written and read with the whole.
+  void scan_within(const ScanBlock& block);
   void run(const RunOptions& options = {});
   // One slot of 25 words for each module, in order: word k has bit k of the 16 counts, as of the
   // last run that took them.

@@ -12,20 +12,11 @@ namespace {
 
 constexpr std::array<std::string_view, 3> kAxisNames{"x", "y", "z"};
 constexpr int kMostPerAxis_log2 = 2;
-// Docs/cambus.md, section 5.
-constexpr std::uint32_t kRefreshEvery_clocks = 390;
-constexpr std::uint32_t kMostRefreshes = 31;
-
-int row_bits(const BoardShape& board) { return board.log2_sites == 24 ? 13 : 12; }
 
 std::uint32_t gray(std::uint32_t n) { return n ^ (n >> 1); }
 
 // The number whose reflected code this is, of at most two bits: neighbours on a ring differ by one.
 std::uint32_t from_gray(std::uint32_t code) { return code ^ (code >> 1); }
-
-std::uint32_t refreshes(std::uint32_t sweep_clocks) {
-  return std::min(kMostRefreshes, sweep_clocks / kRefreshEvery_clocks + 1);
-}
 
 bool is_strip(Division division) { return division != Division::Mesh; }
 std::size_t strip_axis(Division division) {
@@ -121,29 +112,6 @@ RegisterWords CamSpace::dimension() const {
     if (is_divided(axis)) words.set(field::kDimension[1 + axis], static_cast<std::uint32_t>(last));
   }
   return words.set(field::kCuts, cuts);
-}
-
-RegisterWords CamSpace::scan_format() const {
-  RegisterWords words = default_words(Register::ScanFormat);
-  const int sweep = std::min(sector_[0], row_bits(board_));
-  const std::uint32_t clocks = (1U << sweep) + wire::kSweepOverhead_clocks;
-  const std::uint32_t mode = sector_[0] > row_bits(board_) ? 2 : 3;
-  words.set(field::kScanMode, mode)
-      .set(field::kEndOfScan, static_cast<std::uint32_t>(log2_sector_sites()))
-      .set(field::kEndOfSweep, static_cast<std::uint32_t>(sweep))
-      .set(field::kEndOfStretch, static_cast<std::uint32_t>(sweep))
-      .set(field::kSweepsBetweenRefresh, std::max(1U, kRefreshEvery_clocks / clocks))
-      .set(field::kRefreshLength, refreshes(clocks))
-      .set(field::kEventLength, kEventBits);
-  return words;
-}
-
-RegisterWords CamSpace::scan_perm() const {
-  RegisterWords words = default_words(Register::ScanPerm);
-  for (int bit = log2_sector_sites(); bit < kAddressBits; ++bit) {
-    words.set(field::kScanPerm[static_cast<std::size_t>(bit)], kConstant0);
-  }
-  return words;
 }
 
 RegisterWords CamSpace::connect(int module) const {

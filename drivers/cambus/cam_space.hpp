@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "drivers/cambus/register_words.hpp"
 #include "hal/base/result.hpp"
@@ -39,6 +40,15 @@ struct CellPlace {
   bool operator==(const CellPlace&) const = default;
 };
 
+// Sites that a scan visits, the same of every module: its own cells from `first` on, by axis. Each
+// axis begins at a multiple of its length, for what the permuter can say is that some bits of the
+// address are constants (docs/cambus.md, register 15).
+struct ScanBlock {
+  Axes first{};
+  Axes log2_cells{};
+  bool operator==(const ScanBlock&) const = default;
+};
+
 // A space of cells on a board: sizes are powers of two, each axis wraps. Gives the registers that
 // lay it out (docs/cambus.md, sections 1 and 2). Pure.
 class CamSpace {
@@ -57,9 +67,20 @@ class CamSpace {
   }
   [[nodiscard]] CellPlace place_of(const Axes& cell) const noexcept;
 
+  // All sites of a module that the space has.
+  [[nodiscard]] ScanBlock whole() const noexcept { return {{}, sector_}; }
+  // Blocks apart from each other that have all cells of a box, wherever modules meet; those whose
+  // scans take the fewest clocks, so where nothing is saved the whole.
+  // Errors: InvalidArgument for a box that begins outside of the space, or has no cells or more
+  // than that along an axis.
+  [[nodiscard]] Result<std::vector<ScanBlock>> blocks_around(const CamBox& box) const;
+  // Of a scan of it, sweeps and refreshes included.
+  [[nodiscard]] std::uint64_t clocks_of(const ScanBlock& block) const noexcept;
+
   [[nodiscard]] RegisterWords dimension() const;
-  [[nodiscard]] RegisterWords scan_format() const;
-  [[nodiscard]] RegisterWords scan_perm() const;
+  // `block` must be one of a module's.
+  [[nodiscard]] RegisterWords scan_format(const ScanBlock& block) const;
+  [[nodiscard]] RegisterWords scan_perm(const ScanBlock& block) const;
   [[nodiscard]] RegisterWords connect(int module) const;
   // Layers that are not named stand still; of a layer named twice the last counts.
   // Errors: InvalidArgument when a kick is longer than a module is, on an axis that is divided.
@@ -70,6 +91,7 @@ class CamSpace {
   [[nodiscard]] bool is_divided(std::size_t axis) const noexcept { return log2_parts_[axis] > 0; }
   [[nodiscard]] int first_bit(std::size_t axis) const noexcept;
   [[nodiscard]] RegisterWords strip_connect(int module, std::size_t axis) const;
+  [[nodiscard]] int log2_sweep(const ScanBlock& block) const noexcept;
 
   BoardShape board_;
   Division division_{Division::Mesh};

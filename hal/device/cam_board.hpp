@@ -42,6 +42,13 @@ struct CamGeometry {
   bool operator==(const CamGeometry&) const = default;
 };
 
+// Some cells of a space: so many along each axis from one of them on, around its edges.
+struct CamBox {
+  CamAxes first{};
+  CamAxes cells{1, 1, 1};
+  bool operator==(const CamBox&) const = default;
+};
+
 struct CamKick {
   CamLayers layers{0};
   CamAxes cells{};  // +1 moves what is in these layers by one cell
@@ -59,7 +66,7 @@ struct CamRun {
 enum class CamEvents : std::uint8_t { None, Site, Table };
 
 // The steps of a program. Tables, fixed layers and what is counted hold for all programs that
-// follow.
+// follow; what it is within does not.
 namespace cam_step {
 // Moves layers with the next scan, and only with it; layers that are not named stand still. No
 // further than a module is long, on an axis that is divided.
@@ -82,6 +89,13 @@ struct Count {
 struct Run {
   CamRun options;
 };
+// The scans of this program that follow need visit these cells alone; nothing: all. A board visits
+// as many more as suit it, so the table must change and count nothing elsewhere; and layers that
+// are kicked must be empty elsewhere, before the kick and after it: what else is in them may be
+// torn where modules meet.
+struct Within {
+  std::optional<CamBox> box;
+};
 // What the last run that took counts copied.
 struct ReadCounts {};
 // All cells. Neither can come between a kick and its scan, nor counts anything.
@@ -92,7 +106,7 @@ struct ReadCells {};
 }  // namespace cam_step
 using CamStep =
     std::variant<cam_step::Kick, cam_step::LoadTable, cam_step::Fix, cam_step::Count, cam_step::Run,
-                 cam_step::ReadCounts, cam_step::WriteCells, cam_step::ReadCells>;
+                 cam_step::Within, cam_step::ReadCounts, cam_step::WriteCells, cam_step::ReadCells>;
 using CamSteps = std::vector<CamStep>;
 
 // Of the layers, over all modules.

@@ -51,6 +51,43 @@ TEST_P(CamBoardContract, LaidOutAnewItKeepsItsCellsAndForgetsWhatWasSet) {
   }
 }
 
+// Of two layers that move within a box; elsewhere the table changes nothing.
+TEST_P(CamBoardContract, WithinABoxAScanDoesWhatOneOfTheWholeDoes) {
+  std::mt19937 random(11);
+  const auto below = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
+  ASSERT_TRUE(sut.lay_out(space));
+  CamBoardOracle oracle(space);
+  ASSERT_TRUE(play(oracle.first_program(random)));
+  CamTable table(kCamTableEntries);
+  for (std::size_t n = 0; n < table.size(); ++n) {
+    table[n] = static_cast<std::uint16_t>((n & 3) == 0 ? n : n ^ (random() & 0xfffc));
+  }
+  const CamBox whole{{}, {1 << space.log2_cells[0], 1 << space.log2_cells[1], 1}};
+  for (int i = 0; i < 12; ++i) {
+    const CamBox box{{below(whole.cells[0]), below(whole.cells[1]), 0}, {3, 2, 1}};
+    CamCells cells = *CamBoardOracle::random_words(random, space.cells());
+    for (auto& bits : cells) bits &= 0xfffc;
+    cells[static_cast<std::size_t>(box.first[0] + box.first[1] * whole.cells[0])] |= 3;
+    const CamSteps steps{WriteCells{std::make_shared<const CamCells>(cells)},
+                         LoadTable{std::make_shared<const CamTable>(table)},
+                         Fix{},
+                         Count{CamEvents::Table, 3},
+                         Within{box},
+                         Kick{{{1, {2, 0, 0}}, {2, {1, 1, 0}}}},
+                         cam_step::Run{{.takes_counts = true, .swaps_tables = true}},
+                         cam_step::Run{{.takes_counts = true}},
+                         ReadCounts{},
+                         Within{},
+                         cam_step::Run{},
+                         ReadCells{}};
+    const auto answer = play(steps);
+    ASSERT_TRUE(answer) << answer.error().message;
+    const CamAnswer expected = oracle.play(steps);
+    ASSERT_EQ(answer->counts, expected.counts) << i;
+    ASSERT_EQ(answer->cells, expected.cells) << i;
+  }
+}
+
 TEST_P(CamBoardContract, OneProgramAtATimeAndItsAnswerOnce) {
   ASSERT_TRUE(sut.lay_out(space));
   ASSERT_TRUE(play({}));
@@ -79,13 +116,16 @@ TEST_P(CamBoardContract, WhatCannotBeIsRefusedAndTheBoardSeesNothing) {
       {kick, ReadCells{}},
       {kick, cam_step::Run{{.repeats_kick = true}}},
       {cam_step::Run{{.is_scan = false, .repeats_kick = true}}},
+      {Within{CamBox{{0, 0, 0}, {1, 0, 1}}}},
+      {Within{CamBox{{0, -1, 0}, {1, 1, 1}}}},
+      {Within{CamBox{{0, 0, 0}, {1, 1, 1 + (1 << space.log2_cells[2])}}}},
   };
   for (const CamSteps& steps : wrong) {
     const auto answer = play(steps);
     ASSERT_FALSE(answer);
     EXPECT_EQ(answer.error().code, Errc::InvalidArgument) << answer.error().message;
   }
-  EXPECT_EQ(sut.counters(), (CamBoardCounters{.started = 1, .done = 1, .refused = 8}));
+  EXPECT_EQ(sut.counters(), (CamBoardCounters{.started = 1, .done = 1, .refused = 11}));
   EXPECT_TRUE(play({kick, cam_step::Run{}})) << "a refused kick does not wait";
 }
 

@@ -47,6 +47,7 @@ class CamBoardOracle {
   void take(const cam_step::LoadTable& it) { other_ = *it.table; }
   void take(const cam_step::Fix& it) { fix_ = it; }
   void take(const cam_step::Count& it) { count_ = it; }
+  void take(const cam_step::Within&) {}  // elsewhere nothing would change
   void take(const cam_step::ReadCounts&) { answer_.counts.push_back(latched_); }
   void take(const cam_step::WriteCells& it) {
     cells_ = *it.cells;

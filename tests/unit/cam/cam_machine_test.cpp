@@ -221,14 +221,14 @@ TEST(CamMachine, SubScansMakeTheSameAsOne) {
   }
   whole.step(kicks);
   StepListBuilder list;
-  RegisterWords format = parts.space().scan_format();
+  RegisterWords format = parts.space().scan_format(parts.space().whole());
   list.write(format.set(field::kEndOfScan, 4));
   for (int part = 0; part < 4; ++part) {
     if (part > 0) list.write(parts.space().kick(undone).value());
     list.write(parts.space().kick(kicks).value());
     list.write(default_words(Register::Run));
   }
-  list.write(parts.space().scan_format());
+  list.write(parts.space().scan_format(parts.space().whole()));
   parts.play(list.finish());
   EXPECT_EQ(parts.get(), whole.get());
 }
@@ -253,14 +253,14 @@ TEST(CamMachine, TheOrderOfTheScanChangesNothing) {
     for (std::uint32_t bit = 0; bit < order.size(); ++bit) order[bit] = bit;
     std::shuffle(order.begin(), order.end(), random);
     StepListBuilder list;
-    RegisterWords perm = shuffled.space().scan_perm();
+    RegisterWords perm = shuffled.space().scan_perm(shuffled.space().whole());
     for (std::size_t bit = 0; bit < order.size(); ++bit)
       perm.set(field::kScanPerm[bit], order[bit]);
     list.write(perm);
     shuffled.play(list.finish());
     shuffled.step(kicks, 3);
     StepListBuilder back;
-    back.write(shuffled.space().scan_perm());
+    back.write(shuffled.space().scan_perm(shuffled.space().whole()));
     shuffled.play(back.finish());
     EXPECT_EQ(shuffled.get(), expected);
   }

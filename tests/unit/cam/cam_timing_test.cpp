@@ -98,6 +98,21 @@ TEST(CamTiming, SweepsOf64SitesHaveARefreshEveryThird) {
   EXPECT_EQ(scan_clocks({{1, 1, 1}, {6, 6, 6}, Division::StripY}), 512 * sweep + 512 / 3 * 4);
 }
 
+TEST(CamTiming, ABlockTakesWhatItsSpaceSays) {
+  CamBench bench({{1, 1, 0}, {7, 6, 3}, Division::StripY}, 22);
+  for (const ScanBlock& block : {bench.space().whole(), ScanBlock{{32, 8, 0}, {5, 3, 2}},
+                                 ScanBlock{{3, 4, 5}, {0, 2, 0}}, ScanBlock{{1, 1, 1}, {}}}) {
+    CamProgram program(bench.space());
+    program.scan_within(block);
+    program.run();
+    program.delay(1);
+    bench.play(program);
+    const auto begun = bench.machine().now_clocks() - 1;  // when the frame of `run` was over
+    bench.machine().wait_for_scan();
+    EXPECT_EQ(bench.machine().now_clocks() - begun, bench.space().clocks_of(block));
+  }
+}
+
 TEST(CamTiming, AsManyModulesAsThereAreScanInTheTimeOfOne) {
   EXPECT_EQ(scan_clocks({{1, 1, 1}, {5, 6, 2}, Division::StripY}),
             scan_clocks({{0, 0, 0}, {5, 3, 2}, Division::Mesh}));

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
+#include <random>
 #include <set>
 #include <utility>
 
@@ -82,13 +84,13 @@ TEST(CamSpace, A512SquareOnEightBoardsIsLaidOutAsTheThesisHadIt) {
   EXPECT_EQ(dimension.get(field::kDimension[1], 0), 31U);  // x wraps within
   EXPECT_EQ(dimension.get(field::kDimension[2], 0), 14U);
   EXPECT_EQ(dimension.get(field::kDimension[3], 0), 31U);
-  const RegisterWords format = space.scan_format();
+  const RegisterWords format = space.scan_format(space.whole());
   EXPECT_EQ(format.get(field::kScanMode, 0), 3U);
   EXPECT_EQ(format.get(field::kEndOfScan, 0), 15U);
   EXPECT_EQ(format.get(field::kEndOfSweep, 0), 9U);
   EXPECT_EQ(format.get(field::kRefreshLength, 0), 2U);
-  EXPECT_EQ(space.scan_perm().get(field::kScanPerm[14], 0), 14U);
-  EXPECT_EQ(space.scan_perm().get(field::kScanPerm[15], 0), kConstant0);
+  EXPECT_EQ(space.scan_perm(space.whole()).get(field::kScanPerm[14], 0), 14U);
+  EXPECT_EQ(space.scan_perm(space.whole()).get(field::kScanPerm[15], 0), kConstant0);
 }
 
 // The manual's table of kicks for a dimension of eight bits.
@@ -131,6 +133,100 @@ TEST(CamSpace, SpacesThatDoNotFitAreRefused) {
   EXPECT_FALSE(CamSpace::make(box, {9, 9, -1}, Division::StripY));
 }
 
+// Whether the registers of a block let a scan visit this site.
+bool is_visited(const CamSpace& space, const ScanBlock& block, std::uint32_t site) {
+  const RegisterWords perm = space.scan_perm(block);
+  for (std::size_t bit = 0; bit < kAddressBits; ++bit) {
+    const std::uint32_t code = perm.get(field::kScanPerm[bit], 0);
+    if (code >= kAddressBits && (code == kConstant1) != ((site >> bit & 1U) != 0)) return false;
+  }
+  return true;
+}
+
+// Address bits are as many index bits as a scan counts through.
+void expect_one_visit_each(const CamSpace& space, const ScanBlock& block) {
+  std::set<std::uint32_t> codes;
+  for (const Field& of : field::kScanPerm) {
+    const std::uint32_t code = space.scan_perm(block).get(of, 0);
+    const bool is_again = code < kAddressBits && !codes.insert(code).second;
+    EXPECT_FALSE(is_again);
+  }
+  EXPECT_EQ(codes.size(), space.scan_format(block).get(field::kEndOfScan, 0));
+  EXPECT_TRUE(codes.empty() || *codes.rbegin() + 1 == codes.size());
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    EXPECT_EQ(block.first[axis] & ((1 << block.log2_cells[axis]) - 1), 0);
+  }
+}
+
+TEST(CamSpace, BlocksAroundABoxHaveAllOfItAndNoSiteTwice) {
+  std::mt19937 random(4);
+  const auto below = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
+  std::array<int, 9> seen{};  // by how many blocks there were
+  for (int i = 0; i < 400; ++i) {
+    const Axes log2{4 + below(4), 4 + below(4), 4 + below(4)};
+    const BoardShape board{{below(2), below(2), below(2)}, 22};
+    const auto division = static_cast<Division>(below(4));
+    const auto space = CamSpace::make(board, log2, division);
+    if (!space) continue;
+    CamBox box;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      box.first[axis] = below(1 << log2[axis]);
+      box.cells[axis] = 1 + below(below(2) == 0 ? 8 : 1 << log2[axis]);
+    }
+    const auto blocks = space->blocks_around(box).value();
+    std::uint64_t clocks = 0;
+    for (const ScanBlock& block : blocks) {
+      expect_one_visit_each(*space, block);
+      clocks += space->clocks_of(block);
+    }
+    EXPECT_LE(clocks, space->clocks_of(space->whole()));
+    const auto visits = [&](std::uint32_t site) {
+      return std::count_if(blocks.begin(), blocks.end(),
+                           [&](const ScanBlock& block) { return is_visited(*space, block, site); });
+    };
+    for (int n = 0; n < 30; ++n) {
+      ASSERT_LE(visits(static_cast<std::uint32_t>(below(1 << space->log2_sector_sites()))), 1);
+
+      Axes cell{};
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        cell[axis] = (box.first[axis] + below(box.cells[axis])) & ((1 << log2[axis]) - 1);
+      }
+      ASSERT_EQ(visits(space->place_of(cell).site), 1);
+    }
+    ++seen[blocks.size()];
+  }
+  for (const std::size_t blocks : {1U, 2U, 4U, 8U}) EXPECT_GT(seen[blocks], 0) << blocks;
+}
+
+TEST(CamSpace, ABlockIsWhatThePermuterSays) {
+  const CamSpace space = CamSpace::make({{1, 1, 1}, 22}, {9, 9, 0}, Division::StripY).value();
+  const auto blocks = space.blocks_around({{70, 130, 0}, {20, 6, 1}}).value();
+  ASSERT_EQ(blocks.size(), 1U);
+  EXPECT_EQ(blocks[0], (ScanBlock{{64, 0, 0}, {5, 3, 0}}));
+  const RegisterWords perm = space.scan_perm(blocks[0]);
+  for (std::size_t bit = 0; bit < kAddressBits; ++bit) {
+    const auto n = static_cast<std::uint32_t>(bit);
+    const std::uint32_t expected = n < 5 ? n : n == 6 ? kConstant1 : kConstant0;
+    const bool is_y = n >= 9 && n < 12;
+    EXPECT_EQ(perm.get(field::kScanPerm[bit], 5), is_y ? n - 4 : expected) << bit;
+  }
+  const RegisterWords format = space.scan_format(blocks[0]);
+  EXPECT_EQ(format.get(field::kEndOfScan, 0), 8U);
+  EXPECT_EQ(format.get(field::kEndOfSweep, 0), 5U);
+  EXPECT_EQ(format.get(field::kScanMode, 0), 2U) << "an open part of a row";
+}
+
+TEST(CamSpace, ABoxThatLeavesNothingOutIsTheWhole) {
+  const CamSpace space = CamSpace::make({{1, 1, 1}, 22}, {9, 9, 0}, Division::StripY).value();
+  const std::vector<ScanBlock> whole{space.whole()};
+  EXPECT_EQ(space.blocks_around({{0, 0, 0}, {512, 512, 1}}).value(), whole);
+  EXPECT_EQ(space.blocks_around({{200, 60, 0}, {500, 62, 1}}).value(), whole);
+  EXPECT_FALSE(space.blocks_around({{0, 0, 0}, {513, 1, 1}}));
+  EXPECT_FALSE(space.blocks_around({{0, 0, 0}, {1, 0, 1}}));
+  EXPECT_FALSE(space.blocks_around({{512, 0, 0}, {1, 1, 1}}));
+  EXPECT_FALSE(space.blocks_around({{0, 0, -1}, {1, 1, 1}}));
+}
+
 TEST(CamProgram, EveryWordOfItIsTakenByTheChecker) {
   for (const BoardShape& board : all_boards()) {
     const CamSpace space = CamSpace::make(board, {5, 5, 5}, Division::Mesh).value();
@@ -142,6 +238,9 @@ TEST(CamProgram, EveryWordOfItIsTakenByTheChecker) {
     program.fix(layers(4, 9), 0x03f0);
     program.count(CamProgram::Events::Table);
     program.run({.takes_counts = true, .swaps_tables = true});
+    program.scan_within({{0, 0, 0}, {1, 0, 1}});
+    program.run();
+    program.scan_within(space.whole());
     EXPECT_EQ(program.read_counts().size(), static_cast<std::size_t>(board.modules()));
     program.write_sites(0, LookupTable(std::size_t{1} << space.log2_sector_sites(), 7));
     static_cast<void>(program.read_sites(space.modules() - 1));
