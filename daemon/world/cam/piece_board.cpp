@@ -54,7 +54,7 @@ PieceBoard::PieceBoard(Opener opener, const PieceSettings& settings, PieceLayout
       settings_(settings),
       layout_(std::move(layout)),
       first_grasp_(grasp),
-      tables_(make_piece_tables(settings.is_dynamic)) {
+      tables_(make_piece_tables(settings.is_dynamic, settings.search != SearchKind::BoundedSweep)) {
   start_over();
 }
 
@@ -176,7 +176,11 @@ void PieceBoard::fill(CamCells cells) {
   task_ = make_fill(context(), std::make_shared<const CamCells>(std::move(cells)));
 }
 
-void PieceBoard::start_over() { state_ = {.grasp = first_grasp_, .sizes = sizes_of(layout_)}; }
+void PieceBoard::start_over() {
+  state_ = {.grasp = first_grasp_,
+            .sizes = sizes_of(layout_),
+            .boxes = boxes_of(settings_.space, layout_)};
+}
 
 void PieceBoard::move(const CamAxes& desired) {
   THIMBLE_CHECK(is_ready());

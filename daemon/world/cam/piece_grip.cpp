@@ -119,7 +119,9 @@ class Deposit final : public PieceTask {
   std::nullopt_t finish(const CamAnswer& answer) {
     PieceState& state = context_.state;
     state.held_next.reset();
-    if (is_deleted_) state.sizes[static_cast<std::size_t>(state.held)] = 0;
+    const auto part = static_cast<std::size_t>(state.held);
+    state.boxes[part] = shape_box(context_);
+    if (is_deleted_) state.sizes[part] = 0;
     state.held = 0;
     state.is_embedded = overlaps(answer);
     return end(is_deleted_ ? PieceOutcome::Deleted : PieceOutcome::Dropped);

@@ -1,6 +1,7 @@
 #include "daemon/world/cam/piece_layout.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <random>
 #include <string>
 
@@ -105,6 +106,25 @@ class Layouter {
   std::mt19937_64 random_;
 };
 
+struct Arc {
+  int first{0};
+  int cells{1};
+};
+
+// What is used of a ring of `length` places from `at` on, but for its longest gap.
+[[nodiscard]] Arc used_arc(const std::vector<bool>& is_used, std::size_t at, std::size_t length) {
+  Arc arc{0, static_cast<int>(length)};
+  std::size_t gap = 0;
+  std::size_t longest = 0;
+  for (std::size_t i = 0; i < 2 * length; ++i) {
+    gap = is_used[at + i % length] ? 0 : gap + 1;
+    if (gap <= longest || gap >= length) continue;
+    longest = gap;
+    arc = {static_cast<int>((i + 1) % length), static_cast<int>(length - gap)};
+  }
+  return arc;
+}
+
 }  // namespace
 
 CamAxes cells_along(const CamGeometry& space) noexcept {
@@ -121,6 +141,47 @@ PieceSizes sizes_of(const PieceLayout& layout) noexcept {
   PieceSizes sizes{};
   for (const std::uint8_t part : layout) ++sizes[std::min<std::size_t>(part, kMostPieces)];
   return sizes;
+}
+
+CamBox moved_by(const CamGeometry& space, CamBox box, const CamAxes& cells) noexcept {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    box.first[axis] = (box.first[axis] + cells[axis]) & ((1 << space.log2_cells[axis]) - 1);
+  }
+  return box;
+}
+
+CamBox swept_by(const CamGeometry& space, CamBox box, const CamAxes& cells) noexcept {
+  CamAxes back{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    back[axis] = std::min(cells[axis], 0);
+    const int length = 1 << space.log2_cells[axis];
+    const int more = std::min(std::abs(cells[axis]), length);
+    box.cells[axis] = std::min(box.cells[axis] + more, length);
+  }
+  return moved_by(space, box, back);
+}
+
+PieceBoxes boxes_of(const CamGeometry& space, const PieceLayout& layout) {
+  PieceBoxes boxes{};
+  const CamAxes cells = cells_along(space);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto length = static_cast<std::size_t>(cells[axis]);
+    std::vector<bool> is_used(boxes.size() * length);  // by part, then by place along the axis
+    std::size_t stride = 1;
+    for (std::size_t before = 0; before < axis; ++before) {
+      stride *= static_cast<std::size_t>(cells[before]);
+    }
+    for (std::size_t i = 0; i < layout.size(); ++i) {
+      const std::size_t part = std::min<std::size_t>(layout[i], kMostPieces);
+      is_used[part * length + i / stride % length] = true;
+    }
+    for (std::size_t part = 1; part < boxes.size(); ++part) {
+      const auto arc = used_arc(is_used, part * length, length);
+      boxes[part].first[axis] = arc.first;
+      boxes[part].cells[axis] = arc.cells;
+    }
+  }
+  return boxes;
 }
 
 Result<PieceLayout> random_layout(const CamGeometry& space, int pieces, std::uint64_t seed) {

@@ -25,6 +25,15 @@ using PieceLayout = std::vector<std::uint8_t>;
 using PieceSizes = std::array<std::size_t, kMostPieces + 1>;
 [[nodiscard]] PieceSizes sizes_of(const PieceLayout& layout) noexcept;
 
+// Where each piece lies, by its number, around the edges of the space: the least box that has all
+// of it. Of those that are not there nothing is said.
+using PieceBoxes = std::array<CamBox, kMostPieces + 1>;
+[[nodiscard]] PieceBoxes boxes_of(const CamGeometry& space, const PieceLayout& layout);
+// So far away, around the edges.
+[[nodiscard]] CamBox moved_by(const CamGeometry& space, CamBox box, const CamAxes& cells) noexcept;
+// And all that it sweeps over on any way there along the axes.
+[[nodiscard]] CamBox swept_by(const CamGeometry& space, CamBox box, const CamAxes& cells) noexcept;
+
 // So many pieces, each of one or two boxes that are at least kLeastThickness_cells thick (or as
 // thick as the space is), apart from each other and from the middle of the space. The same for the
 // same seed on every machine.

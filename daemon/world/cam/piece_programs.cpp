@@ -21,6 +21,18 @@ CamAxes sum(const CamAxes& a, const CamAxes& b) noexcept {
   return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
 }
 
+CamBox shape_box(const PieceContext& context) noexcept {
+  const PieceState& state = context.state;
+  const CamGeometry& space = context.settings.space;
+  if (state.held == 0) return moved_by(space, {}, state.grasp);
+  const CamBox& rested = state.boxes[static_cast<std::size_t>(state.held)];
+  CamAxes way{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    way[axis] = state.grasp[axis] - state.held_from[axis];
+  }
+  return moved_by(space, rested, way);
+}
+
 CamAxes longest_kick(const PieceContext& context) noexcept {
   CamAxes longest = cells_along(context.settings.space);
   for (int& cells : longest) cells = std::max(cells / context.modules, 1);

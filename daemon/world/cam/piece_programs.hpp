@@ -9,6 +9,9 @@ namespace thimble::world::cam {
 
 [[nodiscard]] CamAxes sum(const CamAxes& a, const CamAxes& b) noexcept;
 
+// Around the shape as it is.
+[[nodiscard]] CamBox shape_box(const PieceContext& context) noexcept;
+
 // Along each axis, on any board of so many modules.
 [[nodiscard]] CamAxes longest_kick(const PieceContext& context) noexcept;
 // Of what moves; its scan has to follow.

@@ -69,6 +69,16 @@ struct Found {
   return index_of(space, cell);
 }
 
+// Where the pieces rest, the held one where it did.
+[[nodiscard]] PieceLayout resting(const CamCells& cells, int held) {
+  PieceLayout layout(cells.size());
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const int part = (cells[i] & kOrigin) != 0 ? held : part_of(cells[i]);
+    layout[i] = static_cast<std::uint8_t>(part);
+  }
+  return layout;
+}
+
 }  // namespace
 
 CamCells cells_of(const PieceLayout& layout, const PieceSettings& settings,
@@ -85,6 +95,7 @@ bool repair(CamCells& cells, PieceState& state, const PieceSettings& settings) {
   if (!held || !agrees(found, *held, state)) return false;
   state.held = *held;
   state.held_next.reset();
+  state.boxes = boxes_of(settings.space, resting(cells, *held));
   for (std::uint16_t& bits : cells) bits &= kPart | kOrigin;
   if (state.held != 0) {
     for (std::size_t i = 0; i < cells.size(); ++i) {

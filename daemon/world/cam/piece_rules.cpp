@@ -92,14 +92,20 @@ std::uint16_t drift_rule(std::uint16_t bits) noexcept {
   return static_cast<std::uint16_t>(is_dice && is_one ? bits ^ kParticles : bits);
 }
 
-PieceTables make_piece_tables(bool is_dynamic) {
+PieceTables make_piece_tables(bool is_dynamic, bool is_shown) {
+  const auto table = [&](auto rule) {
+    return table_of([&](std::uint16_t bits) {
+      const std::uint16_t after = rule(bits);
+      return is_shown ? after : static_cast<std::uint16_t>(after & ~kSelect);
+    });
+  };
   if (is_dynamic) {
-    return {table_of(dynamic_overlap_rule), table_of(beside_particles<grasp_rule>),
-            table_of(beside_particles<select_rule>), table_of(dynamic_deposit_rule),
+    return {table(dynamic_overlap_rule), table_of(beside_particles<grasp_rule>),
+            table(beside_particles<select_rule>), table(dynamic_deposit_rule),
             table_of(beside_particles<sweep_rule>)};
   }
-  return {table_of(overlap_rule), table_of(grasp_rule), table_of(select_rule),
-          table_of(deposit_rule), table_of(sweep_rule)};
+  return {table(overlap_rule), table_of(grasp_rule), table(select_rule), table(deposit_rule),
+          table_of(sweep_rule)};
 }
 
 }  // namespace thimble::world::cam

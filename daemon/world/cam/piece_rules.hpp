@@ -93,6 +93,8 @@ struct PieceTables {
 };
 // Dynamic: motion drifts where the host says kDrift, what is deleted becomes particles, two a cell,
 // and no rule shows a number above 7, so that kDrift is 0 where it is not said.
-[[nodiscard]] PieceTables make_piece_tables(bool is_dynamic = false);
+// Not shown: `select` is 0 everywhere but for grasp_rule's answer, so that a trail has nothing of
+// the picture around it; the pieces are where their numbers are.
+[[nodiscard]] PieceTables make_piece_tables(bool is_dynamic = false, bool is_shown = true);
 
 }  // namespace thimble::world::cam

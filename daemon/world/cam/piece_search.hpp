@@ -14,6 +14,7 @@ enum class SearchKind : std::uint8_t {
   Leap,     // thesis 4.2.2: four cells where there are four to go, else by halves; what is thinner
             // than four cells may be leapt over
   Sweep,  // by the shape's trail (piece_sweep.hpp): twice as far with each scan, nothing leapt over
+  BoundedSweep,  // the same in scans of what lies around the shape and its way (decision 0411)
 };
 
 // OneCell and Leap: how far a shape gets towards where it should go: along x as far as it can, then

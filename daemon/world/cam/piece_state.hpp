@@ -63,6 +63,7 @@ struct PieceState {
   bool is_embedded{false};  // the shape lies on a piece; it may move until it does not
   CamAxes touching{};       // as the last move left it: PieceSearch::touching()
   PieceSizes sizes{};       // of the pieces that there are; 0: deleted
+  PieceBoxes boxes{};       // likewise, where they rest; of the held one, where it did
   // A program under way that changes which piece is held: what it will be. Its failure leaves open
   // whether it was done.
   std::optional<int> held_next{};

@@ -82,7 +82,12 @@ constexpr CamRun kCopy{.is_scan = false, .takes_counts = true};
 class SweepMove final : public PieceTask {
  public:
   SweepMove(const PieceContext& context, const CamAxes& desired)
-      : context_(context), search_(desired, longest_kick(context)), start_(context.state.grasp) {}
+      : context_(context), search_(desired, longest_kick(context)), start_(context.state.grasp) {
+    if (context.settings.search != SearchKind::BoundedSweep) return;
+    // One box for the whole of it: what a round leaves behind is cleared by the next one's first
+    // scan, or by the last of all.
+    box_ = swept_by(context.settings.space, shape_box(context), desired);
+  }
 
   [[nodiscard]] std::optional<CamSteps> next(const CamAnswer* before) override {
     if (before != nullptr) {
@@ -112,6 +117,7 @@ class SweepMove final : public PieceTask {
   [[nodiscard]] CamSteps sweep(const SweepSearch::Round& round) {
     CamSteps steps;
     if (!context_.is_sweep_ready) steps.emplace_back(LoadTable{context_.tables.sweep});
+    if (box_) steps.emplace_back(Within{box_});
     steps.emplace_back(Fix{cell::kBegins, cell::kBegins});
     steps.emplace_back(Count{CamEvents::Table, cell::kHit});
     add_kick(steps, round.shift);
@@ -131,6 +137,7 @@ class SweepMove final : public PieceTask {
   [[nodiscard]] CamSteps end() {
     is_ending_ = true;
     CamSteps steps{Fix{}};
+    if (box_) steps.emplace_back(Within{box_});
     add_kick(steps, search_.owed());
     steps.emplace_back(Run{kScanAndSwap});
     return steps;
@@ -139,6 +146,7 @@ class SweepMove final : public PieceTask {
   PieceContext context_;
   SweepSearch search_;
   CamAxes start_;
+  std::optional<CamBox> box_;  // all that the trail can lie in
   bool is_sweeping_{false};
   bool is_ending_{false};
 };

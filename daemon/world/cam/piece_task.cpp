@@ -132,7 +132,9 @@ std::unique_ptr<PieceTask> make_look(const PieceContext& context, PieceLayout& p
 std::unique_ptr<PieceTask> make_move(const PieceContext& context, const CamAxes& desired) {
   const bool is_far = context.state.is_free_motion || context.state.is_embedded;
   if (is_far) return std::make_unique<FarMove>(context, desired);
-  if (context.settings.search == SearchKind::Sweep) return make_sweep(context, desired);
+  const SearchKind search = context.settings.search;
+  const bool sweeps = search == SearchKind::Sweep || search == SearchKind::BoundedSweep;
+  if (sweeps) return make_sweep(context, desired);
   return std::make_unique<SearchMove>(context, desired);
 }
 

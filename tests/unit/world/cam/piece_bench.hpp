@@ -100,6 +100,8 @@ class PieceBench {
     accident_ = {watched_->programs() + programs_from_now, is_done};
   }
   [[nodiscard]] PieceBoard& board() noexcept { return board_; }
+  // Of the machine, so far.
+  [[nodiscard]] std::uint64_t clocks() { return slot_.board().machine().now_clocks(); }
   [[nodiscard]] CamCells cells() { return watched_->read(clock_); }
 
  private:

@@ -27,6 +27,7 @@ void PrintTo(const Setting& setting, std::ostream* out) { *out << setting.name; 
 constexpr CamGeometry kOneModule{{5, 5, 0}, CamDivision::Mesh};
 constexpr CamGeometry kStrips{{5, 5, 0}, CamDivision::StripY};
 constexpr CamGeometry kCube{{4, 4, 4}, CamDivision::StripY};
+constexpr CamGeometry kWide{{6, 5, 0}, CamDivision::StripY};
 
 // What a person would do, and sometimes not.
 PieceAction likely(const PieceOracle& oracle, bool is_pressing, int dice) {
@@ -71,6 +72,10 @@ class PiecesOnABoard : public testing::TestWithParam<Setting> {
     EXPECT_EQ(state.is_embedded, oracle.is_embedded());
     EXPECT_EQ(state.is_free_motion, oracle.is_free());
     CamCells cells = bench.cells();
+    if (GetParam().search == SearchKind::BoundedSweep) {
+      const auto shows = [](std::uint16_t bits) { return (bits & cell::kSelect) != 0; };
+      EXPECT_TRUE(std::none_of(cells.begin(), cells.end(), shows)) << "no trail is left";
+    }
     const unsigned beside = GetParam().is_dynamic ? cell::kParticles | cell::kDice : 0U;
     for (auto& bits : cells) bits &= (cell::kPart | cell::kMoving) & ~beside;
     EXPECT_EQ(cells, oracle.cells());
@@ -145,7 +150,18 @@ INSTANTIATE_TEST_SUITE_P(
         Setting{"SweepAmongParticles", kStrips, {{2, 2, 1}, 8}, SearchKind::Sweep, false, true},
         Setting{"Sweep", kOneModule, {{1, 1, 1}, 10}, SearchKind::Sweep, false},
         Setting{"SweepOnFourModules", kStrips, {{2, 2, 1}, 8}, SearchKind::Sweep, false},
-        Setting{"SweepInThreeDimensions", kCube, {{2, 1, 1}, 11}, SearchKind::Sweep, false}),
+        Setting{"SweepInThreeDimensions", kCube, {{2, 1, 1}, 11}, SearchKind::Sweep, false},
+        Setting{"Bounded", kOneModule, {{1, 1, 1}, 10}, SearchKind::BoundedSweep, false},
+        Setting{"BoundedOnFourModules", kStrips, {{2, 2, 1}, 8}, SearchKind::BoundedSweep, false},
+        Setting{"BoundedAmongParticles",
+                kStrips,
+                {{2, 2, 1}, 8},
+                SearchKind::BoundedSweep,
+                false,
+                true},
+        Setting{"BoundedOnEightModules", kWide, {{2, 2, 2}, 8}, SearchKind::BoundedSweep, false},
+        Setting{
+            "BoundedInThreeDimensions", kCube, {{2, 1, 1}, 11}, SearchKind::BoundedSweep, false}),
     [](const auto& setting) { return setting.param.name; });
 
 // A square of 8 cells a side, left of the middle of 32.

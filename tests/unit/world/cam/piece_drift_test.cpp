@@ -87,6 +87,7 @@ struct Setting {
   const char* name;
   CamGeometry space;
   sim::cam::TorusShape board;
+  SearchKind search{SearchKind::Sweep};
 };
 void PrintTo(const Setting& setting, std::ostream* out) { *out << setting.name; }
 
@@ -143,8 +144,8 @@ TEST_P(ParticlesOnABoard, DriftCellForCellAsInAPlainArray) {
   const CamAxes grasp{static_cast<int>(found % size[0]),
                       static_cast<int>(found / size[0] % size[1]),
                       static_cast<int>(found / size[0] / size[1])};
-  PieceBench bench({.space = setting.space, .search = SearchKind::Sweep, .is_dynamic = true},
-                   layout, grasp, setting.board);
+  PieceBench bench({.space = setting.space, .search = setting.search, .is_dynamic = true}, layout,
+                   grasp, setting.board);
   const auto modules = static_cast<int>(setting.board.modules[0] * setting.board.modules[1] *
                                         setting.board.modules[2]);
   EXPECT_EQ(particles_in(bench.cells()), 0U);
@@ -244,6 +245,10 @@ INSTANTIATE_TEST_SUITE_P(
     World, ParticlesOnABoard,
     testing::Values(Setting{"Plane", {{5, 5, 0}, CamDivision::Mesh}, {{1, 1, 1}, 10}},
                     Setting{"PlaneOnFourModules", {{5, 5, 0}, CamDivision::StripY}, {{2, 2, 1}, 8}},
+                    Setting{"PlaneInBoxes",
+                            {{6, 6, 0}, CamDivision::StripY},
+                            {{2, 2, 1}, 10},
+                            SearchKind::BoundedSweep},
                     Setting{"Space", {{4, 4, 4}, CamDivision::StripY}, {{2, 1, 1}, 11}}),
     [](const auto& setting) { return setting.param.name; });
 

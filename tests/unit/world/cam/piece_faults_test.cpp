@@ -38,6 +38,15 @@ void expect_one_truth(PieceBench& bench, const PieceLayout& first) {
     EXPECT_TRUE(state.sizes[part] == sizes[part] || state.sizes[part] == 0);
     EXPECT_EQ(resting[part], part == held ? 0 : state.sizes[part]);
   }
+  PieceLayout rested(cells.size());
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const int part = (cells[i] & cell::kOrigin) != 0 ? state.held : cell::part_of(cells[i]);
+    rested[i] = static_cast<std::uint8_t>(part);
+  }
+  const PieceBoxes boxes = boxes_of(kSpace, rested);
+  for (std::size_t part = 1; part < sizes.size(); ++part) {
+    EXPECT_TRUE(state.sizes[part] == 0 || state.boxes[part] == boxes[part]) << part;
+  }
   // The shape lies as far from the origin as the grasp point from where it was.
   for (std::size_t i = 0; held != 0 && i < cells.size(); ++i) {
     if ((cells[i] & cell::kOrigin) == 0) continue;
@@ -52,9 +61,11 @@ TEST(PieceFaults, AfterAnyLostProgramBoardAndHostAgree) {
   const auto below = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
   std::uint64_t repairs = 0;
   int failed_actions = 0;
-  for (std::uint64_t seed = 1; seed <= 7; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     const PieceLayout layout = random_layout(kSpace, 5, seed).value();
-    const auto search = seed > 4 ? SearchKind::Sweep : SearchKind::Leap;
+    const auto search = seed > 7   ? SearchKind::BoundedSweep
+                        : seed > 4 ? SearchKind::Sweep
+                                   : SearchKind::Leap;
     PieceBench bench({.space = kSpace, .search = search, .counts_apart = seed % 2 == 0}, layout,
                      {16, 16, 0}, {{2, 2, 1}, 8});
     CamAxes pressed{};

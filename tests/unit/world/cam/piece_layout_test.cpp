@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <random>
 #include <vector>
 
 namespace thimble::world::cam {
@@ -51,6 +53,53 @@ TEST(RandomLayout, HasAllPiecesApartThickAndClearOfTheMiddle) {
     expect_thick(*layout, kPlane, 0);
     expect_thick(*layout, kPlane, 1);
   }
+}
+
+bool is_in(const CamBox& box, const CamGeometry& space, const CamAxes& cell) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const int behind = (cell[axis] - box.first[axis]) & ((1 << space.log2_cells[axis]) - 1);
+    if (behind >= box.cells[axis]) return false;
+  }
+  return true;
+}
+
+// Pieces that lie over the edges, in one part or several.
+TEST(PieceBoxes, AreTheLeastAroundAllOfAPiece) {
+  constexpr CamGeometry kSpace{{4, 3, 2}, CamDivision::Mesh};
+  std::mt19937 random(6);
+  const auto below = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
+  for (int i = 0; i < 300; ++i) {
+    std::vector<CamAxes> cells;
+    const CamAxes corner{below(16), below(8), below(4)};
+    for (int n = 1 + below(6); n > 0; --n) {
+      cells.push_back(
+          {(corner[0] + below(5)) & 15, (corner[1] + below(4)) & 7, (corner[2] + below(2)) & 3});
+    }
+    PieceLayout layout(kSpace.cells());
+    for (const CamAxes& cell : cells) layout[index_of(kSpace, cell)] = 9;
+    const CamBox box = boxes_of(kSpace, layout)[9];
+    for (const CamAxes& cell : cells) ASSERT_TRUE(is_in(box, kSpace, cell));
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      // Nothing shorter has all of them, wherever it begins.
+      for (int first = 0; first < 1 << kSpace.log2_cells[axis]; ++first) {
+        CamBox shorter = box;
+        shorter.first[axis] = first;
+        --shorter.cells[axis];
+        EXPECT_FALSE(std::all_of(cells.begin(), cells.end(), [&](const CamAxes& cell) {
+          return is_in(shorter, kSpace, cell);
+        }));
+      }
+    }
+  }
+}
+
+TEST(PieceBoxes, SweepOverAllThatLiesBetween) {
+  constexpr CamGeometry kSpace{{5, 4, 0}, CamDivision::Mesh};
+  const CamBox box{{30, 3, 0}, {4, 2, 1}};
+  EXPECT_EQ(moved_by(kSpace, box, {5, -4, 0}), (CamBox{{3, 15, 0}, {4, 2, 1}}));
+  EXPECT_EQ(swept_by(kSpace, box, {5, -4, 0}), (CamBox{{30, 15, 0}, {9, 6, 1}}));
+  EXPECT_EQ(swept_by(kSpace, box, {-40, 100, 3}).cells, (CamAxes{32, 16, 1}));
+  EXPECT_EQ(swept_by(kSpace, box, {}), box);
 }
 
 TEST(RandomLayout, IsTheSameForTheSameSeedOnly) {

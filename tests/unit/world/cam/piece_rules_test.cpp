@@ -88,5 +88,19 @@ TEST(PieceTables, AreTheRules) {
   }
 }
 
+TEST(PieceTables, ThatShowNothingDoTheSameAndLeaveSelectEmpty) {
+  for (const bool is_dynamic : {false, true}) {
+    const PieceTables shown = make_piece_tables(is_dynamic);
+    const PieceTables sut = make_piece_tables(is_dynamic, false);
+    EXPECT_EQ(*sut.grasp, *shown.grasp) << "it is what the host asks for";
+    EXPECT_EQ(*sut.sweep, *shown.sweep);
+    for (unsigned n = 0; n < 65'536; ++n) {
+      ASSERT_EQ((*sut.overlap)[n], (*shown.overlap)[n] & 0x03ff);
+      ASSERT_EQ((*sut.select)[n], (*shown.select)[n] & 0x03ff);
+      ASSERT_EQ((*sut.deposit)[n], (*shown.deposit)[n] & 0x03ff);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace thimble::world::cam

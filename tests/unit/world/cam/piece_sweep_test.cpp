@@ -103,6 +103,8 @@ TEST(SweepOnABoard, NeverPassesAWallOfOneCell) {
     layout[index_of(kSpace, start)] = 0;
     test::PieceBench sweep({.space = kSpace, .search = SearchKind::Sweep}, layout, start,
                            {{2, 2, 1}, 8});
+    test::PieceBench bounded({.space = kSpace, .search = SearchKind::BoundedSweep}, layout, start,
+                             {{2, 2, 1}, 8});
     test::PieceBench leap({.space = kSpace, .search = SearchKind::Leap}, layout, start,
                           {{2, 2, 1}, 8});
     test::PieceOracle oracle(kSpace, layout, start);
@@ -110,15 +112,82 @@ TEST(SweepOnABoard, NeverPassesAWallOfOneCell) {
       const CamAxes way{below(32) - oracle.grasp()[0], below(32) - oracle.grasp()[1], 0};
       sweep.board().move(way);
       sweep.pump();
+      bounded.board().move(way);
+      bounded.pump();
       leap.board().move(way);
       leap.pump();
       oracle.move(way);
       ASSERT_EQ(sweep.board().state().grasp, oracle.grasp()) << round << ' ' << i;
+      ASSERT_EQ(bounded.board().state(), sweep.board().state()) << round << ' ' << i;
       leapt += leap.board().state().grasp != oracle.grasp() ? 1 : 0;
     }
     EXPECT_EQ(sweep.board().counters().failures, 0U);
+    EXPECT_EQ(bounded.board().counters().failures, 0U);
   }
   EXPECT_GT(leapt, 0) << "else it was no trial";
+}
+
+// Pieces that are carried over edges of the space and of modules, among sheets of one cell: what is
+// found within a box is what is found in the whole, in all that is known of it, and sooner.
+TEST(BoundedSweepOnABoard, FindsWhatTheWholeSpaceDoesInFewerClocks) {
+  struct Case {
+    CamGeometry space;
+    sim::cam::TorusShape board;
+  };
+  for (const Case& of : {Case{{{7, 6, 0}, CamDivision::StripY}, {{2, 2, 1}, 11}},
+                         Case{{{5, 5, 4}, CamDivision::StripY}, {{2, 1, 1}, 13}},
+                         Case{{{4, 5, 5}, CamDivision::Mesh}, {{1, 1, 1}, 14}}}) {
+    std::mt19937 random(21);
+    const auto below = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
+    const CamAxes size = cells_along(of.space);
+    PieceLayout layout = random_layout(of.space, 4, 3).value();
+    for (std::size_t i = 0; i < layout.size(); i += 173) {
+      if (layout[i] == 0) layout[i] = static_cast<std::uint8_t>(5 + i % 50);
+    }
+    const auto found = std::find(layout.begin(), layout.end(), 2) - layout.begin();
+    const CamAxes start{static_cast<int>(found % size[0]),
+                        static_cast<int>(found / size[0] % size[1]),
+                        static_cast<int>(found / size[0] / size[1])};
+    test::PieceBench whole({.space = of.space, .search = SearchKind::Sweep}, layout, start,
+                           of.board);
+    test::PieceBench bounded({.space = of.space, .search = SearchKind::BoundedSweep}, layout, start,
+                             of.board);
+    test::PieceOracle oracle(of.space, layout, start);
+    std::uint64_t clocks = 0;
+    std::uint64_t clocks_of_whole = 0;
+    for (int i = 0; i < 40; ++i) {
+      if (i % 10 == 0) {
+        const auto action = oracle.held() == 0 ? PieceAction::Select : PieceAction::Drop;
+        whole.board().act(action, {});
+        bounded.board().act(action, {});
+        static_cast<void>(oracle.act(action, {}));
+      }
+      whole.pump();
+      bounded.pump();
+      CamAxes way{};
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const int to = std::clamp(oracle.grasp()[axis] + below(15) - 7, 0, size[axis] - 1);
+        way[axis] = to - oracle.grasp()[axis];
+      }
+      const std::uint64_t before = bounded.clocks();
+      const std::uint64_t before_of_whole = whole.clocks();
+      whole.board().move(way);
+      whole.pump();
+      bounded.board().move(way);
+      bounded.pump();
+      oracle.move(way);
+      clocks += bounded.clocks() - before;
+      clocks_of_whole += whole.clocks() - before_of_whole;
+      ASSERT_EQ(bounded.board().state(), whole.board().state()) << i;
+      ASSERT_EQ(bounded.board().state().grasp, oracle.grasp()) << i;
+      ASSERT_EQ(bounded.board().state().touching, oracle.touching()) << i;
+      CamCells cells = bounded.cells();
+      for (auto& bits : cells) bits &= cell::kPart | cell::kMoving;
+      ASSERT_EQ(cells, oracle.cells()) << i;
+    }
+    EXPECT_LT(clocks, clocks_of_whole);
+    EXPECT_EQ(bounded.board().counters().failures, 0U);
+  }
 }
 
 }  // namespace

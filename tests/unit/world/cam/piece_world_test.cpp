@@ -127,7 +127,8 @@ TEST_F(PieceWorldTest, FacesAreAsTheArmHasThemUnlessPressureIsAskedFor) {
 }
 
 TEST_F(PieceWorldTest, WithPressureAFaceIsAsStiffAsThereAreCellsThatPressOnIt) {
-  for (const auto search : {SearchKind::OneCell, SearchKind::Leap, SearchKind::Sweep}) {
+  for (const auto search :
+       {SearchKind::OneCell, SearchKind::Leap, SearchKind::Sweep, SearchKind::BoundedSweep}) {
     begin({.pieces = {.space = kSpace, .search = search}, .pressure = Stiffness{10}},
           two_squares());
     hold(at(16, 16));
