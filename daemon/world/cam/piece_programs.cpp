@@ -1,6 +1,7 @@
 #include "daemon/world/cam/piece_programs.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace thimble::world::cam {
 namespace {
@@ -34,8 +35,15 @@ CamBox shape_box(const PieceContext& context) noexcept {
 }
 
 CamAxes longest_kick(const PieceContext& context) noexcept {
-  CamAxes longest = cells_along(context.settings.space);
-  for (int& cells : longest) cells = std::max(cells / context.modules, 1);
+  const CamGeometry& space = context.settings.space;
+  CamAxes longest = cells_along(space);
+  constexpr std::array kStrips{CamDivision::StripX, CamDivision::StripY, CamDivision::StripZ};
+  for (std::size_t axis = 0; axis < longest.size(); ++axis) {
+    // How a mesh is wired is the board's affair.
+    const bool may_be_divided =
+        space.division == CamDivision::Mesh || space.division == kStrips[axis];
+    if (may_be_divided) longest[axis] = std::max(longest[axis] / context.modules, 1);
+  }
   return longest;
 }
 

@@ -12,7 +12,8 @@ namespace thimble::world::cam {
 // Around the shape as it is.
 [[nodiscard]] CamBox shape_box(const PieceContext& context) noexcept;
 
-// Along each axis, on any board of so many modules.
+// Along each axis, on any board of so many modules: where the space is divided, no longer than its
+// part of it.
 [[nodiscard]] CamAxes longest_kick(const PieceContext& context) noexcept;
 // Of what moves; its scan has to follow.
 void add_kick(CamSteps& steps, const CamAxes& cells);

@@ -107,7 +107,10 @@ class ParticlesOnABoard : public testing::TestWithParam<Setting> {
   [[nodiscard]] static CamCells after_drift(const CamCells& before, std::uint64_t n, int modules,
                                             bool is_held) {
     CamAxes longest = cells_along(GetParam().space);
-    for (int& cells : longest) cells = std::max(cells / modules, 1);
+    const bool is_strip = GetParam().space.division == CamDivision::StripY;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (!is_strip || axis == 1) longest[axis] = std::max(longest[axis] / modules, 1);
+    }
     const DriftKicks kicks = drift_kicks(n, GetParam().space, longest);
     const CamAxes back{-kicks.forth[0], -kicks.forth[1], -kicks.forth[2]};
     CamCells after(before.size());

@@ -127,6 +127,23 @@ TEST(SweepOnABoard, NeverPassesAWallOfOneCell) {
   EXPECT_GT(leapt, 0) << "else it was no trial";
 }
 
+// Strips along y divide no other axis: there one round is as long as it has to be.
+TEST(SweepOnABoard, AxesThatAreNotDividedAreGoneInOneRound) {
+  constexpr CamGeometry kSpace{{5, 5, 5}, CamDivision::StripY};
+  const auto programs_of = [&](const CamAxes& way) {
+    test::PieceBench bench({.space = kSpace, .search = SearchKind::Sweep},
+                           PieceLayout(kSpace.cells()), {4, 4, 4}, {{2, 2, 2}, 12});
+    const auto before = bench.board().counters().programs;
+    bench.board().move(way);
+    bench.pump();
+    EXPECT_EQ(bench.board().state().grasp, (CamAxes{4 + way[0], 4 + way[1], 4 + way[2]}));
+    return bench.board().counters().programs - before;
+  };
+  EXPECT_EQ(programs_of({20, 0, 0}), 2U);
+  EXPECT_EQ(programs_of({0, 0, 20}), 2U);
+  EXPECT_EQ(programs_of({0, 20, 0}), 1U + 20 / 4) << "a module has four rows";
+}
+
 // Pieces that are carried over edges of the space and of modules, among sheets of one cell: what is
 // found within a box is what is found in the whole, in all that is known of it, and sooner.
 TEST(BoundedSweepOnABoard, FindsWhatTheWholeSpaceDoesInFewerClocks) {
