@@ -1,5 +1,6 @@
 // A haptic update of pieces on a simulated CAM board of eight modules that runs as fast as this
 // computer can: the grasp point goes 35 cells, through list checks, window, registers and scans.
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -24,10 +25,20 @@ constexpr std::size_t kUpdates = 10;
 class Table {
  public:
   Table(const CamGeometry& space, pieces::SearchKind search, const pieces::PieceLayout& layout)
+      : Table(space, search, layout, start_in(space, layout)) {}
+  Table(const CamGeometry& space, pieces::SearchKind search, const pieces::PieceLayout& layout,
+        const CamAxes& grasp)
       : space_(space),
         slot_(clock_, options_for(space)),
-        board_([this](MonotonicTime now) { return open(now); }, {.space = space, .search = search},
-               layout, start_in(space, layout)) {}
+        board_([this](MonotonicTime now) { return open(now); }, {.space = space_, .search = search},
+               layout, grasp) {}
+
+  // The piece below the grasp point.
+  [[nodiscard]] bool hold() {
+    if (!wait()) return false;
+    board_.act(pieces::PieceAction::Select, {});
+    return wait() && board_.state().held != 0;
+  }
 
   // Microseconds of the least of so many; none when the board fails.
   [[nodiscard]] double update_us() {
@@ -92,6 +103,41 @@ class Table {
   return table.is_all_fast();
 }
 
+// Where a piece is held; a stroke from there stays within the space.
+CamAxes grasp_in(const CamGeometry& space) { return {1 << (space.log2_cells[0] - 2), 1, 0}; }
+
+// One piece, with grasp_in() in it.
+pieces::PieceLayout one_piece(const CamGeometry& space, int edge) {
+  pieces::PieceLayout layout(space.cells());
+  const int first = grasp_in(space)[0] - edge / 2;
+  const int deep = space.log2_cells[2] > 0 ? edge : std::min(edge, 1);
+  for (int z = 0; z < deep; ++z) {
+    for (int y = 0; y < edge; ++y) {
+      for (int x = first; x < first + edge; ++x) {
+        layout[pieces::index_of(space, {x, y, z})] = 1;
+      }
+    }
+  }
+  return layout;
+}
+
+// A held piece by its trail in the box around it, beside the same in the whole space.
+[[nodiscard]] bool measure_box(const std::string& name, const CamAxes& log2_cells, int cells) {
+  const CamGeometry space{log2_cells, CamDivision::StripY};
+  const auto layout = one_piece(space, cells);
+  Table bounded(space, pieces::SearchKind::BoundedSweep, layout, grasp_in(space));
+  Table whole(space, pieces::SearchKind::Sweep, layout, grasp_in(space));
+  if (!bounded.hold() || !whole.hold()) return false;
+  bench::Slices ours;
+  bench::Slices references;
+  bench::alternate(
+      bench::kSlices, [&] { ours.push_back(bounded.update_us()); },
+      [&] { references.push_back(whole.update_us()); });
+  bench::print(bench::compare(name, "us", {bench::Goal::Of::Ratio, 1}, ours, references));
+  return bounded.is_all_fast() && whole.is_all_fast() &&
+         *std::min_element(ours.begin(), ours.end()) > 0;
+}
+
 }  // namespace
 
 int main() {
@@ -100,8 +146,10 @@ int main() {
   // which files of layouts are searched by: the stroke ends where it meets one.
   if (measure("haptic update of pieces, 512^2", {9, 9, 0}, SearchKind::Leap, 0) &&
       measure("haptic update of pieces, 64^3", {6, 6, 6}, SearchKind::Leap, 0) &&
-      measure("trail among 24 pieces, 512^2", {9, 9, 0}, SearchKind::Sweep, 24) &&
-      measure("trail among 12 pieces, 64^3", {6, 6, 6}, SearchKind::Sweep, 12)) {
+      measure("trail among 24 pieces, 512^2", {9, 9, 0}, SearchKind::BoundedSweep, 24) &&
+      measure("trail among 12 pieces, 64^3", {6, 6, 6}, SearchKind::BoundedSweep, 12) &&
+      measure_box("piece of 32^2 in its box, 512^2", {9, 9, 0}, 32) &&
+      measure_box("piece of 12^3 in its box, 64^3", {6, 6, 6}, 12)) {
     return 0;
   }
   std::fputs("bench_cam_pieces: the board failed, or scanned site by site\n", stderr);

@@ -78,13 +78,38 @@ class SlowHost final : public CamBoard {
   return {of.log2_cells, CamDivision::StripY};
 }
 
-// A stroke along x stays within the space; the other axes are the same everywhere.
+// A stroke along x stays within the space, and a held piece crosses modules; a grasp point alone
+// may be anywhere.
 [[nodiscard]] CamAxes start_of(const CamLatencyCase& of) noexcept {
-  return {1 << (of.log2_cells[0] - 2), (1 << of.log2_cells[1]) / 2, (1 << of.log2_cells[2]) / 2};
+  const CamAxes cells = pieces::cells_along(space_of(of));
+  return {of.held_cells > 0 ? cells[0] / 2 : cells[0] / 4, cells[1] / 2, cells[2] / 2};
 }
 
 [[nodiscard]] bool leaps(const CamLatencyCase& of) noexcept {
   return of.search == pieces::SearchKind::Leap;
+}
+
+[[nodiscard]] bool sweeps(const CamLatencyCase& of) noexcept {
+  return !leaps(of) && of.search != pieces::SearchKind::OneCell;
+}
+
+// A piece around the start, if one is to be held.
+[[nodiscard]] pieces::PieceLayout layout_of(const CamLatencyCase& of) {
+  const CamGeometry space = space_of(of);
+  const CamAxes middle = start_of(of);
+  const int edge = of.held_cells;
+  pieces::PieceLayout layout(space.cells());
+  const int deep = of.log2_cells[2] > 0 ? edge : std::min(edge, 1);
+  for (int z = 0; z < deep; ++z) {
+    for (int y = 0; y < edge; ++y) {
+      for (int x = 0; x < edge; ++x) {
+        const CamAxes cell{middle[0] + x - edge / 2, middle[1] + y - edge / 2,
+                           middle[2] + z - deep / 2};
+        layout[pieces::index_of(space, cell)] = 1;
+      }
+    }
+  }
+  return layout;
 }
 
 class Stroke {
@@ -96,11 +121,12 @@ class Stroke {
         cost_(std::chrono::duration_cast<Duration>(std::chrono::duration<double>(fit.host_cost_s))),
         board_([this](MonotonicTime now) { return open(now); },
                {.space = space_of(of), .search = of.search, .counts_apart = of.counts_apart},
-               pieces::PieceLayout(space_of(of).cells()), start_of(of)),
-        has_table_(of.search != pieces::SearchKind::Sweep) {}
+               layout_of(of), start_of(of)),
+        is_held_(of.held_cells > 0),
+        has_table_(!sweeps(of)) {}
 
   [[nodiscard]] Result<CamLatencyRun> run(int cells) {
-    if (const auto ready = begin(); !ready) return tl::unexpected(ready.error());
+    if (const auto ready = prepare(); !ready) return tl::unexpected(ready.error());
     auto& machine = slot_.board().machine();
     slot_.serve();
     const auto counters = machine.counters();
@@ -119,14 +145,17 @@ class Stroke {
   }
 
  private:
-  // The table of a trail goes to the board with the first update alone, which is not counted.
-  [[nodiscard]] Result<void> begin() {
-    auto ready = wait();
-    if (!ready || has_table_) return ready;
-    board_.move({1, 0, 0});
-    ready = wait();
+  // Holds the piece, and has the tables where they stay.
+  [[nodiscard]] Result<void> prepare() {
+    if (auto ready = wait(); !ready) return ready;
+    if (is_held_) board_.act(pieces::PieceAction::Select, {});
+    if (auto ready = wait(); !ready || has_table_) return ready;
+    for (const int cell : {-1, 1}) {
+      board_.move({cell, 0, 0});
+      if (auto ready = wait(); !ready) return ready;
+    }
     clock_.run_for(kLongestScan);
-    return ready;
+    return {};
   }
   [[nodiscard]] Result<std::unique_ptr<CamBoard>> open(MonotonicTime now) {
     auto port = cambus::PciPort::open(slot_.open_window(), now);
@@ -146,6 +175,7 @@ class Stroke {
   sim::cam::SimCamBoard slot_;
   Duration cost_;
   pieces::PieceBoard board_;
+  bool is_held_;
   bool has_table_;  // that the search needs
 };
 
@@ -179,17 +209,33 @@ std::vector<CamLatencyCase> cam_latency_cases(int clock_mhz) {
   constexpr CamAxes kPlane{9, 9, 0};
   constexpr CamAxes kSpace{6, 6, 6};
   constexpr int kWide = 1 << (kPlane[0] - kSpace[0]);
+  // SOURCE: ours; a piece as wide as random_layout() makes them with some hundred of them.
+  constexpr int kPiece = 32;
+  constexpr int kBody = 12;
+  const auto ours = [clock_mhz](const char* name, Kind search, int held) {
+    return CamLatencyCase{name, 3, kPlane, 1, search, false, 7, 0, clock_mhz, held};
+  };
+  const auto in_space = [clock_mhz](const char* name, Kind search, int held) {
+    return CamLatencyCase{name, 3, kSpace, kWide, search, false, 7, 0, clock_mhz, held};
+  };
   return {
       {"4 boards", 2, kPlane, 1, Kind::OneCell, true, 1, 0.250, clock_mhz},
       {"8 boards", 3, kPlane, 1, Kind::OneCell, true, 1, 0.125, clock_mhz},
       {"8 boards, leap", 3, kPlane, 1, Kind::Leap, true, 7, 0.035, clock_mhz},
-      {"8 boards, leap, one scan a look", 3, kPlane, 1, Kind::Leap, false, 7, 0, clock_mhz},
-      {"8 boards, trail", 3, kPlane, 1, Kind::Sweep, false, 7, 0, clock_mhz},
+      ours("8 boards, leap, one scan a look", Kind::Leap, 0),
+      ours("8 boards, trail", Kind::Sweep, 0),
+      ours("8 boards, trail in its box", Kind::BoundedSweep, 0),
+      ours("a piece of 32 x 32, leap", Kind::Leap, kPiece),
+      ours("a piece of 32 x 32, trail", Kind::Sweep, kPiece),
+      ours("a piece of 32 x 32, trail in its box", Kind::BoundedSweep, kPiece),
       {"64^3, 8 boards", 3, kSpace, kWide, Kind::OneCell, true, 1, 0, clock_mhz},
       {"64^3, 8 boards, leap", 3, kSpace, kWide, Kind::Leap, true, 7, 0, clock_mhz},
-      {"64^3, 8 boards, leap, one scan a look", 3, kSpace, kWide, Kind::Leap, false, 7, 0,
-       clock_mhz},
-      {"64^3, 8 boards, trail", 3, kSpace, kWide, Kind::Sweep, false, 7, 0, clock_mhz},
+      in_space("64^3, 8 boards, leap, one scan a look", Kind::Leap, 0),
+      in_space("64^3, 8 boards, trail", Kind::Sweep, 0),
+      in_space("64^3, 8 boards, trail in its box", Kind::BoundedSweep, 0),
+      in_space("64^3, a piece of 12^3, leap", Kind::Leap, kBody),
+      in_space("64^3, a piece of 12^3, trail", Kind::Sweep, kBody),
+      in_space("64^3, a piece of 12^3, trail in box", Kind::BoundedSweep, kBody),
   };
 }
 
@@ -260,7 +306,7 @@ Result<CamLatencyReport> report_cam_latency(int clock_mhz) {
   const auto cases = cam_latency_cases(clock_mhz);
   std::vector<CamLatencyProbe> probes;
   for (const CamLatencyCase& of : cases) {
-    if (of.thesis_s <= 0) continue;
+    if (of.thesis_s <= 0) continue;  // nothing to fit
     const auto probe = probe_cam_latency(of);
     if (!probe) return tl::unexpected(probe.error());
     probes.push_back(*probe);

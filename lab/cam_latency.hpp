@@ -23,6 +23,7 @@ struct CamLatencyCase {
   int updates_per_picture{1};
   double thesis_s{0};  // 0: the thesis has none
   int clock_mhz{25};   // of the board
+  int held_cells{0};   // along each edge of the piece that is held; 0: none, the grasp point alone
 };
 
 // What one update takes, from step lists played by the board at its own pace.
@@ -53,9 +54,9 @@ struct CamLatencyFit {
 // The three of the thesis, then ours in the same plane, and in space.
 [[nodiscard]] std::vector<CamLatencyCase> cam_latency_cases(int clock_mhz = 25);
 
-// Moves the grasp point as far as the fit says along x through free space, which has to have four
-// thirds of it. Deterministic.
-// Errors: the board's.
+// Moves the grasp point, or the piece in the middle, as far as the fit says along x through free
+// space, which has to have four thirds of it; tables that searches need only once after each
+// action are there. Deterministic. Errors: the board's.
 [[nodiscard]] Result<CamLatencyRun> run_cam_latency(const CamLatencyCase& of,
                                                     const CamLatencyFit& fit);
 

@@ -103,6 +103,24 @@ TEST(CamLatency, InSpaceAScanTakesHalfAsLongAgain) {
   EXPECT_LE(run->clocks, scans + 3000);
 }
 
+// Of a piece that lies where modules meet, in the middle of the space.
+TEST(CamLatency, WithinItsBoxATrailTakesAsManyScansAndFewerClocks) {
+  CamLatencyCase of = eight_boards();
+  of.log2_cells = {8, 8, 0};
+  of.held_cells = 8;
+  of.search = world::cam::SearchKind::Sweep;
+  const auto whole = run_cam_latency(of, {5, 0});
+  of.search = world::cam::SearchKind::BoundedSweep;
+  const auto bounded = run_cam_latency(of, {5, 0});
+  ASSERT_TRUE(whole && bounded);
+  EXPECT_EQ(whole->lists, 2U);
+  EXPECT_EQ(bounded->lists, 2U);
+  // The first of a trail, its three doublings, and the last: 32 sweeps of 256 sites, or less.
+  EXPECT_EQ(whole->scans, 5U);
+  EXPECT_EQ(bounded->scans % 5, 0U) << "in each of as many blocks as there are";
+  EXPECT_LT(2 * bounded->clocks, whole->clocks);
+}
+
 TEST(CamLatency, AStrokeTakesALookACellOrALeap) {
   EXPECT_EQ(looks_of(35, false), 35);
   EXPECT_EQ(looks_of(35, true), 8 + 3);
