@@ -160,7 +160,7 @@ struct SphereConfig {
   bool operator==(const SphereConfig&) const = default;
 };
 
-enum class PieceSearch : std::uint8_t { Leap, OneCell };
+enum class PieceSearch : std::uint8_t { Leap, OneCell, Trail };
 
 // A simulated board, in a slot of PCI or on USB; or a real one, likewise.
 enum class PieceBoardKind : std::uint8_t { Sim, SimUsb, Usb, Pci };

@@ -9,6 +9,7 @@ namespace thimble::config {
 namespace {
 
 constexpr std::array kSearches{Choice<PieceSearch>{"leap", PieceSearch::Leap},
+                               Choice<PieceSearch>{"trail", PieceSearch::Trail},
                                Choice<PieceSearch>{"one-cell", PieceSearch::OneCell}};
 
 constexpr std::array kBoardKinds{Choice<PieceBoardKind>{"sim", PieceBoardKind::Sim},

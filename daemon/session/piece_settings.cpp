@@ -47,7 +47,8 @@ constexpr Duration kUsbPatience = std::chrono::seconds(3);
 // Pieces of our own are thick enough for leaps; what somebody drew need not be.
 [[nodiscard]] pieces::SearchKind search_of(const config::PiecesConfig& said) noexcept {
   if (said.search == config::PieceSearch::OneCell) return pieces::SearchKind::OneCell;
-  return said.layout ? pieces::SearchKind::Sweep : pieces::SearchKind::Leap;
+  const bool is_by_trail = said.layout || said.search == config::PieceSearch::Trail;
+  return is_by_trail ? pieces::SearchKind::BoundedSweep : pieces::SearchKind::Leap;
 }
 
 // `made` has the plug of a simulated board.

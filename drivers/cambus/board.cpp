@@ -148,7 +148,9 @@ Result<void> Board::add_run(CamRun options, CamProgram& program) {
 Result<void> Board::add_within(const cam_step::Within& step) {
   blocks_ = {space_->whole()};
   if (!step.box) return {};
-  auto blocks = space_->blocks_around(*step.box);
+  const std::uint32_t rate = port_->bytes_per_s();
+  const std::uint64_t clocks_a_byte = rate == 0 ? 0 : info_.clock_hz / rate;
+  auto blocks = space_->blocks_around(*step.box, clocks_a_byte);
   if (!blocks) return tl::unexpected(blocks.error());
   blocks_ = *std::move(blocks);
   return {};

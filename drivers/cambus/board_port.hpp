@@ -52,6 +52,9 @@ class BoardPort {
   // The board may have had a part of it.
   virtual void drop_unsent() = 0;
 
+  // How fast a list goes to the board, about; 0: as memory does.
+  [[nodiscard]] virtual std::uint32_t bytes_per_s() const noexcept { return 0; }
+
   [[nodiscard]] virtual Gone why_gone() const noexcept = 0;
 };
 

@@ -70,10 +70,12 @@ class CamSpace {
   // All sites of a module that the space has.
   [[nodiscard]] ScanBlock whole() const noexcept { return {{}, sector_}; }
   // Blocks apart from each other that have all cells of a box, wherever modules meet; those whose
-  // scans take the fewest clocks, so where nothing is saved the whole.
+  // scans take the fewest clocks, with what has to be said for each and how long a byte of that
+  // takes to the board. Where nothing is saved, the whole.
   // Errors: InvalidArgument for a box that begins outside of the space, or has no cells or more
   // than that along an axis.
-  [[nodiscard]] Result<std::vector<ScanBlock>> blocks_around(const CamBox& box) const;
+  [[nodiscard]] Result<std::vector<ScanBlock>> blocks_around(const CamBox& box,
+                                                             std::uint64_t clocks_a_byte = 0) const;
   // Of a scan of it, sweeps and refreshes included.
   [[nodiscard]] std::uint64_t clocks_of(const ScanBlock& block) const noexcept;
 

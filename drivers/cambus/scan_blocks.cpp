@@ -13,9 +13,11 @@ namespace {
 // Docs/cambus.md, section 5.
 constexpr std::uint32_t kRefreshEvery_clocks = 390;
 constexpr std::uint32_t kMostRefreshes = 31;
-// SOURCE: the frames that a scan of another block takes, docs/cambus.md, section 5: 24, 120 and 35
-// bits of scan-index, scan-perm and scan-format, twice 30 of a kick, and up to 16 for each frame.
+// SOURCE: what a scan of another block takes, docs/cambus.md, sections 3 and 5: 24, 120 and 35 bits
+// of scan-index, scan-perm and scan-format, and twice 30 of a kick. Each is a frame of up to 16
+// clocks more, and a descriptor of 16 bytes; all but the first have a buffer. And a run.
 constexpr std::uint64_t kOtherBlock_clocks = 24 + 120 + 35 + 2 * 30 + 5 * 16;
+constexpr std::uint64_t kOtherBlock_bytes = 6 * 16 + 240 + 80 + 2 * 64;
 
 int row_bits(const BoardShape& board) { return board.log2_sites == 24 ? 13 : 12; }
 
@@ -98,7 +100,9 @@ std::uint64_t CamSpace::clocks_of(const ScanBlock& block) const noexcept {
   return std::uint64_t{sweeps.count} * sweeps.clocks + refreshes * wire::kClocksPerRefresh;
 }
 
-Result<std::vector<ScanBlock>> CamSpace::blocks_around(const CamBox& box) const {
+Result<std::vector<ScanBlock>> CamSpace::blocks_around(const CamBox& box,
+                                                       std::uint64_t clocks_a_byte) const {
+  const std::uint64_t other_block_clocks = kOtherBlock_clocks + kOtherBlock_bytes * clocks_a_byte;
   std::array<std::vector<Parts>, 3> ways;
   for (std::size_t axis = 0; axis < ways.size(); ++axis) {
     const int length = 1 << (sector_[axis] + log2_parts_[axis]);
@@ -118,7 +122,7 @@ Result<std::vector<ScanBlock>> CamSpace::blocks_around(const CamBox& box) const 
       for (const Parts& x : ways[0]) {
         std::vector<ScanBlock> blocks = all_of({&x, &y, &z});
         std::uint64_t clocks = 0;
-        for (const ScanBlock& block : blocks) clocks += clocks_of(block) + kOtherBlock_clocks;
+        for (const ScanBlock& block : blocks) clocks += clocks_of(block) + other_block_clocks;
         if (clocks >= least) continue;
         least = clocks;
         best = std::move(blocks);

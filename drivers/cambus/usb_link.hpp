@@ -68,6 +68,12 @@ class UsbLink {
   // Of writes that have not been answered.
   [[nodiscard]] std::size_t unwritten_bytes() const noexcept { return unwritten_bytes_; }
   [[nodiscard]] const UsbLinkCounters& counters() const noexcept { return counters_; }
+  // About what the bus carries one way: packets one by one, 16 in a millisecond at full speed (of
+  // 19 that USB 2.0, 5.8.4 has room for), at high speed one in each of its eight microframes.
+  [[nodiscard]] std::uint32_t bytes_per_s() const noexcept {
+    const bool is_high_speed = packet_bytes_ > usb::kFullSpeedPacketBytes;
+    return static_cast<std::uint32_t>(packet_bytes_) * (is_high_speed ? 8'000U : 16'000U);
+  }
 
  private:
   struct Request {

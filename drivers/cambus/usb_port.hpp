@@ -41,6 +41,7 @@ class UsbPort final : public BoardPort {
   IoStatus get(std::uint32_t offset, std::span<std::uint8_t> bytes) override;
   void drop_unsent() override;
 
+  [[nodiscard]] std::uint32_t bytes_per_s() const noexcept override { return bytes_per_s_; }
   [[nodiscard]] Gone why_gone() const noexcept override { return watch_.why_gone(); }
   [[nodiscard]] const PortCounters& counters() const noexcept { return counters_; }
   [[nodiscard]] const UsbLinkCounters& link() const noexcept { return link_.counters(); }
@@ -65,7 +66,12 @@ class UsbPort final : public BoardPort {
   };
 
   UsbPort(UsbLink link, const BoardFacts& facts, std::uint32_t rung, MonotonicTime now)
-      : link_(std::move(link)), facts_(facts), rung_(rung), now_(now), watch_(facts, now) {}
+      : link_(std::move(link)),
+        bytes_per_s_(link_.bytes_per_s()),
+        facts_(facts),
+        rung_(rung),
+        now_(now),
+        watch_(facts, now) {}
 
   IoStatus pump(MonotonicTime now);
   [[nodiscard]] Fetch ask_for_identity();
@@ -73,6 +79,7 @@ class UsbPort final : public BoardPort {
   [[nodiscard]] bool is_in_window(std::uint32_t offset, std::size_t bytes) const noexcept;
 
   UsbLink link_;
+  std::uint32_t bytes_per_s_;
   BoardFacts facts_;
   std::uint32_t rung_;
   std::optional<std::uint32_t> acknowledged_;  // as it was seen last

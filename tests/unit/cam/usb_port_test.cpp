@@ -109,6 +109,7 @@ TEST_F(UsbPortTest, WhatIsPutIsGot) {
     ASSERT_EQ(get(0x40, got), IoStatus::Ok);
     EXPECT_EQ(got, put) << size;
   }
+  EXPECT_EQ(port_->bytes_per_s(), 1'024'000U) << "at full speed";
   EXPECT_EQ(port_->link().restarts, 0U);
   EXPECT_EQ(board_.model().counters().malformed, 0U);
 }

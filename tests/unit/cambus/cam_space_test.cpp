@@ -216,6 +216,15 @@ TEST(CamSpace, ABlockIsWhatThePermuterSays) {
   EXPECT_EQ(format.get(field::kScanMode, 0), 2U) << "an open part of a row";
 }
 
+// Over a slow bus what has to be said of a block counts, too.
+TEST(CamSpace, BlocksAreFewerWhereEachTakesLongToSay) {
+  const CamSpace space = CamSpace::make({{1, 1, 1}, 22}, {9, 9, 0}, Division::StripY).value();
+  const CamBox middle{{240, 240, 0}, {32, 32, 1}};
+  EXPECT_EQ(space.blocks_around(middle).value().size(), 4U);
+  EXPECT_EQ(space.blocks_around(middle, 24).value().size(), 2U) << "25 MHz over 1 MB/s";
+  EXPECT_EQ(space.blocks_around(middle, 1000).value(), std::vector<ScanBlock>{space.whole()});
+}
+
 TEST(CamSpace, ABoxThatLeavesNothingOutIsTheWhole) {
   const CamSpace space = CamSpace::make({{1, 1, 1}, 22}, {9, 9, 0}, Division::StripY).value();
   const std::vector<ScanBlock> whole{space.whole()};

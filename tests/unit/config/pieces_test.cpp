@@ -34,6 +34,16 @@ TEST(ConfigPieces, ReadsEveryKey) {
   EXPECT_EQ(sut->worlds.at(0).workspace_m, 0.1);
 }
 
+TEST(ConfigPieces, TheHandIsFollowedByLeapsByTheTrailOrCellByCell) {
+  const auto search_of = [](const std::string& line) {
+    return parse_text(pieces_with(line)).value().worlds.at(0).pieces->search;
+  };
+  EXPECT_EQ(search_of(""), PieceSearch::Leap);
+  EXPECT_EQ(search_of("pieces.search = \"leap\"\n"), PieceSearch::Leap);
+  EXPECT_EQ(search_of("pieces.search = \"trail\"\n"), PieceSearch::Trail);
+  EXPECT_EQ(search_of("pieces.search = \"one-cell\"\n"), PieceSearch::OneCell);
+}
+
 TEST(ConfigPieces, ARealBoardSaysItselfHowLargeItIs) {
   const auto usb = parse_text(pieces_with("pieces.board = \"usb\"\n"));
   ASSERT_TRUE(usb);

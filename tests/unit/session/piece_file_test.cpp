@@ -97,7 +97,7 @@ TEST_F(PieceFiles, AreTheWorldOfAConfiguration) {
   const auto made = make_piece_world(said, &clock);
   ASSERT_TRUE(made) << made.error().message;
   EXPECT_EQ(made->world->info().cells, (std::array<std::uint32_t, 3>{64, 16, 2}));
-  EXPECT_EQ(made->world->pieces()->board().settings().search, world::cam::SearchKind::Sweep)
+  EXPECT_EQ(made->world->pieces()->board().settings().search, world::cam::SearchKind::BoundedSweep)
       << "they may be thinner than a leap";
   said.pieces->layout = npy("(256, 8, 1)", std::string(256 * 8, '\0'));
   const auto narrow = make_piece_world(said, &clock);
@@ -133,6 +133,21 @@ TEST(PieceWorldOfAConfiguration, HasAsManyAxesAsItSays) {
   EXPECT_EQ(made->world->info().cells, (std::array<std::uint32_t, 3>{32, 32, 32}));
   EXPECT_EQ(made->world->pieces()->board().settings().search, world::cam::SearchKind::Leap);
   EXPECT_DOUBLE_EQ(made->world->info().extent_m[2], 0.09);
+}
+
+TEST(PieceWorldOfAConfiguration, IsFollowedAsItSays) {
+  const sim::VirtualClock clock;
+  config::WorldConfig said;
+  said.source = "pieces";
+  said.pieces = config::PiecesConfig{.cells = 32, .count = 3};
+  const auto search_by = [&](config::PieceSearch search) {
+    said.pieces->search = search;
+    const auto made = make_piece_world(said, &clock);
+    return made.value().world->pieces()->board().settings().search;
+  };
+  EXPECT_EQ(search_by(config::PieceSearch::Leap), world::cam::SearchKind::Leap);
+  EXPECT_EQ(search_by(config::PieceSearch::OneCell), world::cam::SearchKind::OneCell);
+  EXPECT_EQ(search_by(config::PieceSearch::Trail), world::cam::SearchKind::BoundedSweep);
 }
 
 }  // namespace
