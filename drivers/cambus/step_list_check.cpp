@@ -47,8 +47,13 @@ Result<void> check_length(Register target, std::uint32_t length, const ListLimit
 
 Result<void> check_codes(const RegisterWords& words) {
   const RegisterFacts& facts = facts_of(words.number());
+  const auto all = words.words();
+  const bool are_alike = std::all_of(all.begin(), all.end(),
+                                     [](auto word) { return word == 0 || word == kAllLayers; });
+  const int layers = are_alike ? 1 : kLayers;
   for (const Field& of : facts.fields) {
-    for (int layer = 0; layer < kLayers; ++layer) {
+    if (of.codes == Codes::Any) continue;
+    for (int layer = 0; layer < layers; ++layer) {
       const std::uint32_t value = words.get(of, layer);
       if (means_something(of.codes, value)) continue;
       return malformed(std::string(facts.name) + ": " + std::string(of.name) + " " +

@@ -1,5 +1,7 @@
 #include "sim/model/cam/cam_module.hpp"
 
+#include <algorithm>
+
 namespace thimble::sim::cam {
 namespace {
 
@@ -161,6 +163,10 @@ void CamModule::write_register(Register number, std::span<const std::uint16_t> w
   const std::size_t expected =
       number == Register::Event ? registers.get(field::kEventLength, 0) : bits;
   if (words.size() != expected) flag(kRegisterLength);
+  if (writable == 0xffff) {  // nothing verifies
+    std::copy_n(words.begin(), std::min(words.size(), bits), planes.begin());
+    return;
+  }
   for (std::size_t k = 0; k < words.size() && k < bits; ++k) {
     const std::uint16_t old = planes[k];
     const auto differs = static_cast<std::uint16_t>((old ^ words[k]) & ~writable);
@@ -234,13 +240,17 @@ void CamModule::copy_counts(std::uint16_t layers) {
 
 void CamModule::kick(std::uint16_t layers) {
   if (layers == 0) return;
-  const auto offsets = registers.by_layer(field::kOffset[0]);
-  const auto amounts = registers.by_layer(field::kKickAmount);
-  const auto cuts = registers.by_layer(field::kCuts);
+  std::uint32_t moving = 0;  // layers
+  const Field& amount = field::kKickAmount;
+  for (std::size_t bit = 0; bit < amount.bits; ++bit) {
+    moving |= registers.planes(Register::Kick)[amount.first_bit + bit];
+  }
   for (std::size_t layer = 0; layer < cambus::kLayers; ++layer) {
-    if (!has_layer(layers, layer) || amounts[layer] == 0) continue;
-    const std::uint32_t offset = subtract(offsets[layer], amounts[layer], cuts[layer]).value;
-    registers.set(field::kOffset[0], layer, offset);
+    if (!has_layer(static_cast<std::uint16_t>(layers & moving), layer)) continue;
+    const std::uint32_t offset = registers.get(field::kOffset[0], layer);
+    const std::uint32_t by = registers.get(amount, layer);
+    const std::uint32_t cuts = registers.get(field::kCuts, layer);
+    registers.set(field::kOffset[0], layer, subtract(offset, by, cuts).value);
   }
 }
 

@@ -43,6 +43,18 @@ class CamRegisters {
     }
   }
 
+  // In all layers, modulo 2^bits: a carry for each of them from bit to bit.
+  void add(const cambus::Field& of, std::uint32_t amount) noexcept {
+    std::uint32_t carry = 0;
+    for (std::size_t bit = 0; bit < of.bits; ++bit) {
+      std::uint16_t& plane = planes(of.of)[of.first_bit + bit];
+      const std::uint32_t more = (amount >> bit & 1U) != 0 ? 0xffffU : 0U;
+      const std::uint32_t sum = plane ^ more ^ carry;
+      carry = (plane & more) | (carry & (plane ^ more));
+      plane = static_cast<std::uint16_t>(sum);
+    }
+  }
+
   using Planes = std::array<std::uint16_t, cambus::kMaxRegisterBits>;
   [[nodiscard]] Planes& planes(cambus::Register number) noexcept {
     return all_[static_cast<std::size_t>(number)];

@@ -205,10 +205,9 @@ const Word* PlaneStep::where_visited(const Word* words, const Word* others, Word
 void PlaneStep::finish(CamTorus& torus, std::uint64_t visits) {
   for (std::size_t i = 0; i < work_.size(); ++i) {
     CamModule& module = torus.modules[parts_.which[i]];
+    module.registers.add(field::kScanIndex[0], static_cast<std::uint32_t>(visits));
     for (std::size_t layer = 0; layer < kLayers; ++layer) {
       const Work& work = work_[i][layer];
-      const auto index = module.registers.get(field::kScanIndex[0], layer);
-      module.registers.set(field::kScanIndex[0], layer, static_cast<std::uint32_t>(index + visits));
       module.event_counters[layer] = static_cast<std::uint32_t>(
           (module.event_counters[layer] + work.events) & ((1U << cambus::kEventBits) - 1U));
       for (std::size_t half = 0; half < work.ones.size(); ++half) {

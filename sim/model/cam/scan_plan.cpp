@@ -153,13 +153,16 @@ VisitOrder::VisitOrder(const std::array<std::uint32_t, kAddressBits>& permuter, 
     if (code == bit || code >= kAddressBits) known |= 1U << bit;
   }
   is_straight_ = known == kAddresses - 1;
-  std::uint32_t constant = 0;
+  visited_ = 1;
   for (std::uint32_t bit = 0; bit < kLog2Word; ++bit) {
-    if (permuter_[bit] >= kAddressBits) constant |= 1U << bit;
-  }
-  free_ = kLog2Word - static_cast<std::uint32_t>(std::popcount(constant));
-  for (std::uint32_t site = 0; site < kWordSites; ++site) {
-    if ((site & constant) == (ones_ & constant)) visited_ |= Word{1} << site;
+    const Word further = visited_ << (1U << bit);
+    const std::uint32_t code = permuter_[bit];
+    if (code < kAddressBits) {
+      ++free_;
+      visited_ |= further;
+    } else if (code == cambus::kConstant1) {
+      visited_ = further;
+    }
   }
 }
 
