@@ -11,33 +11,36 @@ using page::Interrupt;
 constexpr std::uint32_t kListRegister = 0;
 constexpr std::uint32_t kControlRegister = 1;
 
+bool is_ready(const BoardStatus& status) {
+  return status.is_waiting() && !status.has_exception() && !status.is_halted();
+}
+
 std::string where(const BoardStatus& status) {
   return "at " + hex(status.current()) + ", behind " + hex(status.previous());
 }
 
 }  // namespace
 
-Result<void> ListPlayer::start(const StepList& list, Duration at_most, MonotonicTime now) {
+Result<void> ListPlayer::start(StepList list, Duration at_most, MonotonicTime now) {
   if (is_playing()) return fail(Errc::Busy, "the board still plays the list before");
   const auto summary = check_step_list(list.view(), list.head, limits_);
   if (!summary) {
     ++counters_.refused;
     return tl::unexpected(summary.error());
   }
-  const IoStatus put = port_->put(list.base, list.bytes);
-  if (put == IoStatus::Disconnected) return tl::unexpected(lost_board());
-  if (put == IoStatus::Backlogged) return fail(Errc::Busy, "the port to the board is full");
-  if (put != IoStatus::Ok) {
+  if (port_->why_gone() != Gone::No) return tl::unexpected(lost_board());
+  list.bytes.resize(wire::buffer_end(list.bytes.size()));
+  if (std::uint64_t{list.base} + list.bytes.size() > port_->facts().window_bytes) {
     ++counters_.refused;
     return fail(Errc::TooLarge, "a list of " + std::to_string(list.bytes.size()) + " bytes at " +
                                     hex(list.base) + " does not fit the board's window of " +
                                     std::to_string(port_->facts().window_bytes));
   }
-  head_ = list.head;
+  list_ = std::move(list);
   soft_at_most_ =
       summary->loops ? std::numeric_limits<std::uint64_t>::max() : std::uint64_t{summary->steps};
   until_ = now + at_most;
-  phase_ = Phase::Giving;
+  phase_ = needs_reset_ ? Phase::Clearing : Phase::Putting;
   ++counters_.started;
   return {};
 }
@@ -45,55 +48,70 @@ Result<void> ListPlayer::start(const StepList& list, Duration at_most, Monotonic
 Result<bool> ListPlayer::poll(MonotonicTime now) {
   if (!is_playing()) return true;
   // A board that takes no time to take a doorbell costs none.
-  BoardStatus status;
   for (auto before = Phase::Idle; before != phase_;) {
     before = phase_;
-    const IoStatus seen = port_->poll(now, status);
-    if (seen == IoStatus::Disconnected) return stop(lost_board());
-    if (seen != IoStatus::Ok) break;
-    auto is_over = go_on(status);
+    auto is_over = look(now);
     if (!is_over || *is_over) return is_over;
   }
   if (now < until_) return false;
   ++counters_.timed_out;
   const std::string what = phase_ == Phase::Playing
-                               ? "the list is not over: the board is " + where(status)
+                               ? "the list is not over: the board is " + where(seen_)
                                : "the board does not take a list";
   return stop({Errc::Timeout, what});
+}
+
+Result<bool> ListPlayer::look(MonotonicTime now) {
+  // Over USB the port goes on only while it is polled, even if what it says is of no use now.
+  IoStatus status = phase_ == Phase::Putting ? put() : IoStatus::Ok;
+  if (status != IoStatus::Disconnected) status = port_->poll(now, seen_);
+  if (status == IoStatus::Disconnected) return stop(lost_board());
+  return status == IoStatus::Ok ? go_on(seen_) : Result<bool>(false);
+}
+
+// Where the port has no room now, it is tried again with the next poll.
+IoStatus ListPlayer::put() {
+  const IoStatus done = port_->put(list_.base, list_.bytes);
+  if (done != IoStatus::Ok) return done;
+  list_.bytes = {};
+  phase_ = Phase::Giving;
+  return done;
 }
 
 Result<bool> ListPlayer::go_on(const BoardStatus& status) {
   switch (phase_) {
     case Phase::Idle:
       return true;
+    case Phase::Clearing:
+      needs_set_up_ = true;
+      return ring(kControlRegister, page::kResetInterface, Phase::Resetting);
+    case Phase::Resetting:
+      return after_reset(status);
+    case Phase::Putting:
+      return false;
     case Phase::Giving:
       return give(status);
-    case Phase::Resetting:
-      // What waits for its steps to be over is taken later than it is acknowledged.
-      if (!port_->is_taken(status) || !status.is_waiting() || status.has_exception()) return false;
-      needs_reset_ = false;
-      return ring_for_list(status);
     case Phase::Playing:
       return while_it_plays(status);
   }
   return false;
 }
 
-Result<bool> ListPlayer::give(const BoardStatus& status) {
-  if (before_) {
-    if (const auto what = nonsense(status, 0)) return strange(*what);
-  }
-  const bool is_ready = status.is_waiting() && !status.has_exception() && !status.is_halted();
-  if (is_ready && !needs_reset_) return ring_for_list(status);
-  // The list relies on what was set up before, which somebody else has undone.
-  if (!needs_reset_) return strange("has stopped while it had nothing to do");
-  needs_set_up_ = true;
-  return ring(kControlRegister, page::kResetInterface, Phase::Resetting);
+// What waits for its steps to be over is taken later than it is acknowledged.
+Result<bool> ListPlayer::after_reset(const BoardStatus& status) {
+  if (!port_->is_taken(status) || !is_ready(status)) return false;
+  needs_reset_ = false;
+  before_ = status;
+  phase_ = Phase::Putting;
+  return false;
 }
 
-Result<bool> ListPlayer::ring_for_list(const BoardStatus& status) {
+Result<bool> ListPlayer::give(const BoardStatus& status) {
+  if (const auto what = nonsense(status, 0)) return strange(*what);
+  // The list relies on what was set up before, which somebody else has undone.
+  if (!is_ready(status)) return strange("has stopped while it had nothing to do");
   before_ = status;
-  return ring(kListRegister, head_, Phase::Playing);
+  return ring(kListRegister, list_.head, Phase::Playing);
 }
 
 // Where the doorbell is not free yet, it is tried again with the next poll.
@@ -190,6 +208,7 @@ tl::unexpected<Error> ListPlayer::strange(const std::string& what) {
 
 tl::unexpected<Error> ListPlayer::stop(Error why) {
   phase_ = Phase::Idle;
+  list_ = {};
   before_.reset();
   needs_reset_ = true;
   needs_set_up_ = true;

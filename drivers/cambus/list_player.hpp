@@ -26,8 +26,9 @@ struct PlayCounters {
 
 // Gives a board one list after the other, each checked before, and says when it is over.
 //
-// After a failure the machine's registers are no longer known, and a list may still run: the next
-// one starts behind a reset of the interface and has to set up everything (CamProgram::set_up).
+// After a failure the machine's registers are no longer known, and a list may still run, whose
+// descriptors and buffers are the board's: the next one is kept here until the interface has been
+// reset and waits, and only then written. It has to set up everything (CamProgram::set_up).
 //
 // Thread: one at a time. No call waits. Ownership: the port must outlive it.
 class ListPlayer {
@@ -35,10 +36,9 @@ class ListPlayer {
   ListPlayer(BoardPort& port, const ListLimits& limits) : port_(&port), limits_(limits) {}
 
   // `at_most`: how long it may take until it is over, by the clock that `now` is of.
-  // Errors: Busy while one plays, or while the port has no room; Malformed or TooLarge for a list
-  // that no board is given, or that the window does not hold; Disconnected. None of them changes
-  // what plays.
-  [[nodiscard]] Result<void> start(const StepList& list, Duration at_most, MonotonicTime now);
+  // Errors: Busy while one plays; Malformed or TooLarge for a list that no board is given, or that
+  // the window does not hold; Disconnected. None of them changes what plays.
+  [[nodiscard]] Result<void> start(StepList list, Duration at_most, MonotonicTime now);
   // Whether it is over, or there is none. Once it failed there is none, and each error comes once:
   // Disconnected (for good), Timeout (no module answered, or not in time), System (the machine
   // interrupted), Malformed (a bus fault; or the board says what it cannot have done).
@@ -55,12 +55,16 @@ class ListPlayer {
   [[nodiscard]] const PlayCounters& counters() const noexcept { return counters_; }
 
  private:
-  enum class Phase { Idle, Giving, Resetting, Playing };
+  // What is done next: nothing, ring the reset, wait until it is taken, write the list, ring for
+  // it, wait until it is over.
+  enum class Phase { Idle, Clearing, Resetting, Putting, Giving, Playing };
 
-  // Each goes on with what the page says now; whether the list is over.
+  // Each goes on as far as it can now; whether the list is over.
+  [[nodiscard]] Result<bool> look(MonotonicTime now);
+  [[nodiscard]] IoStatus put();
   [[nodiscard]] Result<bool> go_on(const BoardStatus& status);
+  [[nodiscard]] Result<bool> after_reset(const BoardStatus& status);
   [[nodiscard]] Result<bool> give(const BoardStatus& status);
-  [[nodiscard]] Result<bool> ring_for_list(const BoardStatus& status);
   [[nodiscard]] Result<bool> ring(std::uint32_t which, std::uint32_t word, Phase next);
   [[nodiscard]] Result<bool> while_it_plays(const BoardStatus& status);
   // What ended the list, if something did; counted.
@@ -78,11 +82,12 @@ class ListPlayer {
   ListLimits limits_;
   Phase phase_{Phase::Idle};
   bool needs_set_up_{true};
-  bool needs_reset_{true};  // whatever played before us
-  std::uint32_t head_{0};
+  bool needs_reset_{true};         // whatever played before us
+  StepList list_;                  // its bytes until they are written
   std::uint64_t soft_at_most_{0};  // interrupts that the list raises itself
   MonotonicTime until_{};
-  std::optional<BoardStatus> before_;  // when the list was given, or the last one was over
+  BoardStatus seen_;                   // last
+  std::optional<BoardStatus> before_;  // when nothing ran: the last list was over, or the reset
   PlayCounters counters_;
 };
 

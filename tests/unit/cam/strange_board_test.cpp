@@ -131,6 +131,38 @@ TEST_F(StrangeBoardTest, ASoundOnePlays) {
   EXPECT_EQ(player_.counters(), (PlayCounters{.started = 2, .done = 2}));
 }
 
+// Until it has acknowledged the reset and waits, its descriptors and buffers may be in use: of a
+// list that was given up, or of who was here before.
+TEST_F(StrangeBoardTest, NothingIsWrittenOverAListThatMayStillRun) {
+  const auto is_untouched = [&] {
+    for (std::uint32_t at = 0x1000; at < kBytes; at += 4) {
+      if (memory_->words().load(at) != 0x5eed) return false;
+    }
+    return true;
+  };
+  for (int i = 0; i < 2; ++i) {
+    for (std::uint32_t at = 0x1000; at < kBytes; at += 4) say(at, 0x5eed);
+    say(page::kRead, 0);  // it runs
+    start();
+    for (int k = 0; k < 3; ++k) EXPECT_EQ(poll(), false);
+    EXPECT_EQ(memory_->words().load(page::kMeant), 2U);
+    EXPECT_TRUE(is_untouched()) << "the reset has not been taken";
+    acknowledge();
+    EXPECT_EQ(poll(), false);
+    EXPECT_TRUE(is_untouched()) << "its step is not over";
+    say(page::kRead, page::kIsWaiting);
+    EXPECT_EQ(poll(), false);
+    EXPECT_EQ(memory_->words().load(0x1010), 0x60004000U) << "the delay, ended by a stop";
+    EXPECT_EQ(memory_->words().load(page::kMeant), 1U);
+    acknowledge();
+    say(page::kRead, 0);
+    add(page::Interrupt::NewList, 1);
+    while (poll()) {  // which it never ends
+    }
+  }
+  EXPECT_EQ(player_.counters().timed_out, 2U);
+}
+
 TEST_F(StrangeBoardTest, OneThatFinishesTwice) {
   begin();
   end();
