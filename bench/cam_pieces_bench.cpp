@@ -70,7 +70,7 @@ class Table {
     return at;
   }
   [[nodiscard]] Result<std::unique_ptr<CamBoard>> open(MonotonicTime now) {
-    auto port = cambus::PciPort::open(slot_.open_window(), now);
+    auto port = cambus::PciPort::open(slot_.open_window(), now, cambus::kMemoryTurn);
     if (!port) return tl::unexpected(port.error());
     return std::make_unique<cambus::Board>(*std::move(port));
   }

@@ -158,7 +158,7 @@ class Stroke {
     return {};
   }
   [[nodiscard]] Result<std::unique_ptr<CamBoard>> open(MonotonicTime now) {
-    auto port = cambus::PciPort::open(slot_.open_window(), now);
+    auto port = cambus::PciPort::open(slot_.open_window(), now, cambus::kMemoryTurn);
     if (!port) return tl::unexpected(port.error());
     return std::make_unique<SlowHost>(std::make_unique<cambus::Board>(*std::move(port)), cost_);
   }

@@ -221,7 +221,7 @@ Result<std::string> report_separator(std::uint64_t seed) {
   if (!layout) return tl::unexpected(layout.error());
   pieces::PieceBoard board(
       [&](MonotonicTime now) -> Result<std::unique_ptr<CamBoard>> {
-        auto port = cambus::PciPort::open(slot.open_window(), now);
+        auto port = cambus::PciPort::open(slot.open_window(), now, cambus::kMemoryTurn);
         if (!port) return tl::unexpected(port.error());
         return std::make_unique<cambus::Board>(*std::move(port));
       },

@@ -44,8 +44,9 @@ class UsbOpener {
   std::optional<cambus::UsbOpening> opening_;  // before what the claim keeps goes
 };
 
-Opened open_window(std::unique_ptr<bus::MemoryWindow> window, MonotonicTime now) {
-  auto port = cambus::PciPort::open(std::move(window), now);
+Opened open_window(std::unique_ptr<bus::MemoryWindow> window, MonotonicTime now,
+                   const cambus::PciTurn& turn) {
+  auto port = cambus::PciPort::open(std::move(window), now, turn);
   if (!port) return tl::unexpected(port.error());
   return std::make_unique<cambus::Board>(*std::move(port));
 }
@@ -62,7 +63,9 @@ world::cam::PieceBoard::Opener opener_of(UsbOpener::Claim claim,
 world::cam::PieceBoard::Opener open_in_slot(const Clock& clock,
                                             const sim::cam::BoardOptions& options) {
   const auto slot = std::make_shared<sim::cam::SimCamBoard>(clock, options);
-  return [slot](MonotonicTime now) { return open_window(slot->open_window(), now); };
+  return [slot](MonotonicTime now) {
+    return open_window(slot->open_window(), now, cambus::kMemoryTurn);
+  };
 }
 
 world::cam::PieceBoard::Opener open_on_usb(std::shared_ptr<sim::cam::SimUsbCamBoard> board) {
@@ -88,7 +91,7 @@ world::cam::PieceBoard::Opener open_in_real_slot(const BoardPlugs& plugs) {
   return [search](MonotonicTime now) -> Opened {
     auto window = search->take(now);
     if (!window) return tl::unexpected(window.error());
-    auto board = open_window(*std::move(window), now);
+    auto board = open_window(*std::move(window), now, cambus::kBusTurn);
     if (!board) return board;
     return std::make_unique<ProvenBoard>(*std::move(board), [search] { search->note_works(); });
   };

@@ -43,13 +43,15 @@ class BoardPort {
                         std::uint32_t meant) = 0;
   // Whether the board has taken what was rung last, as of `status`.
   [[nodiscard]] virtual bool is_taken(const BoardStatus& status) const noexcept = 0;
-  // Bytes of the board's window, at an offset in it; both multiples of 4. Backlogged, nothing is
-  // written: the port has no room for them now.
+  // Of the thread of who calls: what put() and get() do in one is bounded.
+  virtual void begin_turn() {}
+  // Bytes of the board's window, at an offset in it; both multiples of 4. Backlogged, the port has
+  // no room for all of them now: they are written when the same is put again, often enough.
   virtual IoStatus put(std::uint32_t offset, std::span<const std::uint8_t> bytes) = 0;
   // NoData, `bytes` untouched: they are on their way to who asks for the same again.
   virtual IoStatus get(std::uint32_t offset, std::span<std::uint8_t> bytes) = 0;
-  // What was put, rung and asked for is of no use any more: what has not left yet does not leave.
-  // The board may have had a part of it.
+  // What was put, rung and asked for is of no use any more: what has not left yet does not leave,
+  // and what is put next begins at its beginning. The board may have had a part of it.
   virtual void drop_unsent() = 0;
 
   // How fast a list goes to the board, about; 0: as memory does.

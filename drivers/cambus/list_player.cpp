@@ -46,6 +46,7 @@ Result<void> ListPlayer::start(StepList list, Duration at_most, MonotonicTime no
 }
 
 Result<bool> ListPlayer::poll(MonotonicTime now) {
+  port_->begin_turn();
   if (!is_playing()) return true;
   // A board that takes no time to take a doorbell costs none.
   for (auto before = Phase::Idle; before != phase_;) {
@@ -209,6 +210,7 @@ tl::unexpected<Error> ListPlayer::strange(const std::string& what) {
 tl::unexpected<Error> ListPlayer::stop(Error why) {
   phase_ = Phase::Idle;
   list_ = {};
+  port_->drop_unsent();
   before_.reset();
   needs_reset_ = true;
   needs_set_up_ = true;

@@ -39,12 +39,14 @@ class ListPlayer {
   // Errors: Busy while one plays; Malformed or TooLarge for a list that no board is given, or that
   // the window does not hold; Disconnected. None of them changes what plays.
   [[nodiscard]] Result<void> start(StepList list, Duration at_most, MonotonicTime now);
-  // Whether it is over, or there is none. Once it failed there is none, and each error comes once:
-  // Disconnected (for good), Timeout (no module answered, or not in time), System (the machine
-  // interrupted), Malformed (a bus fault; or the board says what it cannot have done).
+  // Begins a turn of the port. Whether it is over, or there is none. Once it failed there is none,
+  // and each error comes once: Disconnected (for good), Timeout (no module answered, or not in
+  // time), System (the machine interrupted), Malformed (a bus fault; or the board says what it
+  // cannot have done).
   [[nodiscard]] Result<bool> poll(MonotonicTime now);
   // What the last list has read; the list must be over.
-  // Errors: Disconnected; Busy, the port has not brought it yet: ask again; InvalidArgument for
+  // Errors: Disconnected; Busy, the port has not brought it yet: ask again, after poll();
+  // InvalidArgument for
   // what does not lie in the window.
   [[nodiscard]] Result<std::vector<std::uint16_t>> words_of(const ReadSlot& slot,
                                                             MonotonicTime now);

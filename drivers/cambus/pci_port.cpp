@@ -1,5 +1,6 @@
 #include "drivers/cambus/pci_port.hpp"
 
+#include <algorithm>
 #include <string>
 
 #include "drivers/cambus/little_endian.hpp"
@@ -15,7 +16,7 @@ constexpr int kMostLooks = 8;
 }  // namespace
 
 Result<std::unique_ptr<PciPort>> PciPort::open(std::unique_ptr<bus::MemoryWindow> window,
-                                               MonotonicTime now) {
+                                               MonotonicTime now, const PciTurn& turn) {
   if (window->bytes() < page::kPageBytes) {
     return fail(Errc::NotMine, "no CAM board answers: a BAR of " + std::to_string(window->bytes()) +
                                    " bytes has no page");
@@ -28,7 +29,7 @@ Result<std::unique_ptr<PciPort>> PciPort::open(std::unique_ptr<bus::MemoryWindow
   }
   const auto facts = parse_board_facts(words, window->bytes());
   if (!facts) return tl::unexpected(facts.error());
-  return std::unique_ptr<PciPort>(new PciPort(std::move(window), *facts, rung, now));
+  return std::unique_ptr<PciPort>(new PciPort(std::move(window), *facts, rung, now, turn));
 }
 
 IoStatus PciPort::poll(MonotonicTime now, BoardStatus& out) {
@@ -43,6 +44,12 @@ IoStatus PciPort::poll(MonotonicTime now, BoardStatus& out) {
   if (status != IoStatus::Ok) return status;
   ++counters_.restless;
   return IoStatus::NoData;
+}
+
+// After each of many small buffers, so that it counts.
+IoStatus PciPort::confirm(MonotonicTime now) {
+  left_.reads -= std::min<std::size_t>(left_.reads, page::kIdentityBytes / kWordBytes);
+  return look_for_board(now);
 }
 
 // Is it the one that was opened, and does it live?
@@ -77,6 +84,7 @@ IoStatus PciPort::ring(const std::array<std::uint32_t, page::kHostRegisters>& re
     ++counters_.held_back;
     return IoStatus::Backlogged;
   }
+  getting_.reset();
   status = note(window_->write_block(page::kWritten, registers));
   if (status == IoStatus::Ok) status = note(window_->write(page::kMeant, meant));
   if (status != IoStatus::Ok) return status;
@@ -93,22 +101,59 @@ bool PciPort::is_in_window(std::uint32_t offset, std::size_t bytes) const noexce
          bus::lies_within(facts_.window_bytes, offset, bytes / kWordBytes);
 }
 
+bool PciPort::Moving::is_it(std::uint32_t of, std::size_t bytes) const noexcept {
+  return offset == of && words == bytes / kWordBytes;
+}
+
+std::uint32_t PciPort::Moving::next() const noexcept {
+  return offset + static_cast<std::uint32_t>(kWordBytes * done);
+}
+
 IoStatus PciPort::put(std::uint32_t offset, std::span<const std::uint8_t> bytes) {
   if (watch_.is_gone()) return IoStatus::Disconnected;
   if (!is_in_window(offset, bytes.size())) return IoStatus::ProtocolError;
-  words_.resize(bytes.size() / kWordBytes);
-  for (std::size_t i = 0; i < words_.size(); ++i) words_[i] = load32(bytes.subspan(4 * i));
-  return note(window_->write_block(facts_.window_offset + offset, words_));
+  if (!putting_ || !putting_->is_it(offset, bytes.size())) {
+    putting_ = Moving{offset, bytes.size() / kWordBytes, 0};
+  }
+  leaving_.resize(std::min(putting_->words - putting_->done, left_.writes));
+  const auto rest = bytes.subspan(kWordBytes * putting_->done);
+  for (std::size_t i = 0; i < leaving_.size(); ++i) {
+    leaving_[i] = load32(rest.subspan(kWordBytes * i));
+  }
+  const std::uint32_t at = facts_.window_offset + putting_->next();
+  const IoStatus status = note(window_->write_block(at, leaving_));
+  if (status != IoStatus::Ok) return status;
+  left_.writes -= leaving_.size();
+  putting_->done += leaving_.size();
+  if (!putting_->is_done()) return IoStatus::Backlogged;
+  putting_.reset();
+  return status;
 }
 
 IoStatus PciPort::get(std::uint32_t offset, std::span<std::uint8_t> bytes) {
   if (watch_.is_gone()) return IoStatus::Disconnected;
   if (!is_in_window(offset, bytes.size())) return IoStatus::ProtocolError;
-  words_.resize(bytes.size() / kWordBytes);
-  const IoStatus status = note(window_->read_block(facts_.window_offset + offset, words_));
+  if (!getting_) {
+    getting_ = Moving{offset, bytes.size() / kWordBytes, 0};
+    got_.resize(getting_->words);
+  }
+  if (!getting_->is_it(offset, bytes.size())) return IoStatus::NoData;
+  const std::size_t words = std::min(getting_->words - getting_->done, left_.reads);
+  const std::uint32_t at = facts_.window_offset + getting_->next();
+  const IoStatus status =
+      note(window_->read_block(at, std::span(got_).subspan(getting_->done, words)));
   if (status != IoStatus::Ok) return status;
-  for (std::size_t i = 0; i < words_.size(); ++i) store32(bytes.subspan(4 * i), words_[i]);
+  left_.reads -= words;
+  getting_->done += words;
+  if (!getting_->is_done()) return IoStatus::NoData;
+  getting_.reset();
+  for (std::size_t i = 0; i < got_.size(); ++i) store32(bytes.subspan(4 * i), got_[i]);
   return status;
+}
+
+void PciPort::drop_unsent() {
+  putting_.reset();
+  getting_.reset();
 }
 
 IoStatus PciPort::note(IoStatus status) noexcept {

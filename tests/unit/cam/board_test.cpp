@@ -62,6 +62,40 @@ class LatePort final : public BoardPort {
   bool is_full_{false};
 };
 
+// Counts what moves over the bus: a word read is a microsecond of who waits for it.
+class CountedWindow final : public bus::MemoryWindow {
+ public:
+  struct Words {
+    std::size_t read{0};
+    std::size_t written{0};
+  };
+  CountedWindow(std::unique_ptr<bus::MemoryWindow> window, Words& words)
+      : window_(std::move(window)), words_(&words) {}
+  [[nodiscard]] std::size_t bytes() const noexcept override { return window_->bytes(); }
+  IoStatus read(std::uint32_t offset, std::uint32_t& out) noexcept override {
+    ++words_->read;
+    return window_->read(offset, out);
+  }
+  IoStatus write(std::uint32_t offset, std::uint32_t word) noexcept override {
+    ++words_->written;
+    return window_->write(offset, word);
+  }
+  IoStatus read_block(std::uint32_t offset, std::span<std::uint32_t> out) noexcept override {
+    words_->read += out.size();
+    return window_->read_block(offset, out);
+  }
+  IoStatus write_block(std::uint32_t offset,
+                       std::span<const std::uint32_t> words) noexcept override {
+    words_->written += words.size();
+    return window_->write_block(offset, words);
+  }
+  void barrier() noexcept override { window_->barrier(); }
+
+ private:
+  std::unique_ptr<bus::MemoryWindow> window_;
+  Words* words_;
+};
+
 class BoardTest : public testing::Test {
  protected:
   std::unique_ptr<PciPort> port() {
@@ -213,6 +247,46 @@ TEST_F(BoardTest, WhatAPortBringsLateIsWaitedForAndNoLonger) {
   EXPECT_EQ(wait(never, clock_).error().code, Errc::Timeout);
   EXPECT_LE(clock_.now() - before, kPatience + microseconds(20));
   EXPECT_TRUE(never.needs_lay_out());
+}
+
+// The thread that moves them serves all links: whatever a program writes and reads, half a
+// millisecond at a time.
+TEST(ABoardOverPci, MovesAFewWordsATurn) {
+  constexpr CamGeometry kLarge{{7, 7, 2}, CamDivision::StripY};
+  constexpr std::size_t kPage = 150;  // of looks at it, and doorbells
+  sim::VirtualClock clock;
+  SimCamBoard slot(
+      clock, {.shape = {{2, 2, 2}, 13}, .window_bytes = std::size_t{1} << 21, .is_paced = false});
+  CountedWindow::Words words;
+  auto window = std::make_unique<CountedWindow>(slot.open_window(), words);
+  Board sut(PciPort::open(std::move(window), clock.now()).value());
+  ASSERT_TRUE(sut.lay_out(kLarge));
+  CamCells cells(kLarge.cells());
+  for (std::size_t i = 0; i < cells.size(); ++i) cells[i] = static_cast<std::uint16_t>(77 * i + 1);
+  CamSteps steps{cam_step::LoadTable{identity()},
+                 cam_step::Run{{.is_scan = false, .swaps_tables = true}},
+                 cam_step::WriteCells{std::make_shared<const CamCells>(cells)},
+                 cam_step::ReadCells{}, cam_step::Count{CamEvents::Site}};
+  for (int i = 0; i < 30; ++i) {
+    steps.emplace_back(cam_step::Run{{.takes_counts = true}});
+    steps.emplace_back(cam_step::ReadCounts{});
+  }
+  ASSERT_TRUE(sut.start(steps, kPatience, clock.now()));
+  std::optional<CamAnswer> answer;
+  std::size_t turns = 0;
+  while (!answer) {
+    const CountedWindow::Words before = words;
+    auto said = sut.poll(clock.now());
+    ASSERT_TRUE(said) << said.error().message;
+    answer = *std::move(said);
+    ASSERT_LE(words.read - before.read, kBusTurn.reads + kPage) << "turn " << turns;
+    ASSERT_LE(words.written - before.written, kBusTurn.writes + kPage) << "turn " << turns;
+    clock.run_for(microseconds(20));
+    ++turns;
+  }
+  EXPECT_EQ(answer->cells.at(0), cells);
+  EXPECT_EQ(answer->counts.size(), 30U);
+  EXPECT_GT(turns, cells.size() / 2 / kBusTurn.reads);
 }
 
 }  // namespace

@@ -141,6 +141,7 @@ class Carried : public Carriage {
       EXPECT_EQ(words.error().code, Errc::Busy) << words.error().message;
       if (words.error().code != Errc::Busy) return {};
       clock_.run_for(std::chrono::microseconds(125));
+      EXPECT_TRUE(player_->poll(clock_.now()));  // another turn
       static_cast<void>(port_->poll(clock_.now(), status_));
     }
   }
