@@ -23,13 +23,15 @@ constexpr Duration kUsbPatience = std::chrono::seconds(3);
 }
 
 // Modules of just the sites that the space needs.
-[[nodiscard]] sim::cam::BoardOptions board_options(const CamAxes& log2_cells, int boards) {
+[[nodiscard]] sim::cam::BoardOptions board_options(const CamAxes& log2_cells, int boards,
+                                                   const Clock& clock) {
   sim::cam::BoardOptions options;
   int left = log2_of(boards);
   options.shape.log2_sites = log2_cells[0] + log2_cells[1] + log2_cells[2] - left;
   for (auto& along : options.shape.modules) along = left-- > 0 ? 2 : 1;
   options.window_bytes = std::size_t{1} << 21;  // all cells there, or back, and a table
   options.is_paced = false;
+  options.thread_clock = &clock;
   return options;
 }
 
@@ -76,7 +78,7 @@ constexpr Duration kUsbPatience = std::chrono::seconds(3);
                                            std::to_string(of.boards) + " of them " +
                                            std::to_string(2 * of.boards) + " along y");
   }
-  const auto options = board_options(log2_cells, of.boards);
+  const auto options = board_options(log2_cells, of.boards, clock);
   if (of.board == config::PieceBoardKind::Sim) return open_in_slot(clock, options);
   made.usb_board = std::make_shared<sim::cam::SimUsbCamBoard>(clock, options);
   return open_on_usb(made.usb_board);

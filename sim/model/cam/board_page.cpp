@@ -30,7 +30,8 @@ BoardPage::BoardPage(const BoardOptions& options, bus::SharedWords memory, Monot
       interface_(machine_, window_of(memory, options.window_bytes)),
       start_(now),
       clock_hz_(options.clock_hz),
-      is_paced_(options.is_paced) {
+      is_paced_(options.is_paced),
+      thread_clock_(options.thread_clock) {
   show_identity(options);
   look();
   show(now);
@@ -75,11 +76,24 @@ void BoardPage::catch_up(std::uint64_t clocks) {
     has_next_list_ = false;
     look();
     if (interface_.state() != State::Executing) break;
+    if (!may_go_on()) return;
     static_cast<void>(interface_.step());
   }
   const bool is_idle = interface_.state() != State::Executing;
   if (is_idle && machine_.now_clocks() < clocks) machine_.spend(clocks - machine_.now_clocks());
   if (is_idle) look();
+  if (is_idle) working_since_.reset();
+}
+
+bool BoardPage::may_go_on() {
+  if (thread_clock_ == nullptr) return true;
+  const MonotonicTime now = thread_clock_->now();
+  if (now < rests_until_) return false;
+  if (!working_since_) working_since_ = now;
+  if (now - *working_since_ < kMostAtOnce) return true;
+  working_since_.reset();
+  rests_until_ = now + kRest;
+  return false;
 }
 
 // All that are meant, the list last.

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "drivers/cambus/cambus_page_wire.hpp"
 #include "hal/base/time.hpp"
@@ -19,6 +20,9 @@ struct BoardOptions {
   // The machine's clock keeps to the time it is served at; else every list is over at once.
   bool is_paced{true};
   Scanning scanning{Scanning::Fast};
+  // Of the thread that serves it, where that serves others too: a list that takes long is played
+  // BoardPage::kMostAtOnce at a time. Nothing: it is played to its end. Has to outlive the board.
+  const Clock* thread_clock{nullptr};
 };
 
 struct BoardCounters {
@@ -45,6 +49,11 @@ class BoardPage {
 
   // A list that never ends is left after so many steps, until the next time.
   static constexpr int kMostSteps = 100'000;
+  // By the thread's clock: so long, and what the last step takes more; then it rests, as a host
+  // serves it several times in one look. Ours: half a period of the servo's default, and more than
+  // a look takes.
+  static constexpr Duration kMostAtOnce = std::chrono::microseconds(500);
+  static constexpr Duration kRest = std::chrono::microseconds(50);
   void serve(MonotonicTime now);
 
   // The inside, for tests and for what puts patterns into a world.
@@ -63,6 +72,7 @@ class BoardPage {
   [[nodiscard]] std::uint64_t clocks_at(MonotonicTime now) const noexcept;
   void show_identity(const BoardOptions& options);
   void catch_up(std::uint64_t clocks);
+  [[nodiscard]] bool may_go_on();
   void take_doorbell();
   void control(std::uint32_t word);
   void look();
@@ -76,6 +86,9 @@ class BoardPage {
   MonotonicTime start_;
   std::uint32_t clock_hz_;
   bool is_paced_;
+  const Clock* thread_clock_;
+  std::optional<MonotonicTime> working_since_;  // by it
+  MonotonicTime rests_until_{};
   std::uint32_t acknowledged_{0};
   bool has_next_list_{false};  // given during a step, which it waits for
   std::uint32_t next_list_{0};

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "drivers/cambus/cambus_wire.hpp"
 #include "sim/model/cam/sim_cam_board.hpp"
 #include "sim/time/virtual_clock.hpp"
@@ -184,6 +186,55 @@ TEST(BoardPageFreeRunning, AListIsOverAtOnce) {
   sut.serve({});
   EXPECT_EQ(memory.words().load(0x800) & 0xfU, page::kIsWaiting);
   EXPECT_EQ(sut.machine().now_clocks(), 25'000'000U);
+}
+
+// Each look at it takes a while, as each step of a list does.
+class BusyThread final : public Clock {
+ public:
+  [[nodiscard]] MonotonicTime now() const noexcept override {
+    now_ = now_ + each_;
+    return now_;
+  }
+  Duration sleep_until(MonotonicTime deadline) noexcept override {
+    now_ = std::max(now_, deadline);
+    return {};
+  }
+  void take(Duration each) noexcept { each_ = each; }
+
+ private:
+  mutable MonotonicTime now_{};
+  Duration each_{};
+};
+
+TEST(BoardPageFreeRunning, ALongListIsPlayedByAndByWhereTheThreadHasOtherThingsToDo) {
+  constexpr std::uint32_t kSteps = 20;
+  BusyThread thread;
+  const BoardOptions options{
+      .shape = {{1, 1, 1}, 6}, .window_bytes = 0x400, .is_paced = false, .thread_clock = &thread};
+  SimMemory memory(BoardPage::bytes_of(options));
+  const bus::SharedWords words = memory.words();
+  BoardPage sut(options, words, {});
+  for (std::uint32_t i = 1; i <= kSteps; ++i) {
+    words.store(0x1000 + 16 * i, i < kSteps ? wire::kDelay : wire::kDelay | wire::kStop);
+    words.store(0x1008 + 16 * i, 1000);
+    words.store(0x100c + 16 * i, 16 * (i + 1));
+  }
+  words.store(0x400, 0x10);
+  words.store(0x410, 1);
+  words.store(0x414, 1);
+  thread.take(microseconds(100));
+  sut.serve({});
+  EXPECT_EQ(sut.machine().now_clocks(), 5000U) << "half a millisecond's";
+  EXPECT_EQ(words.load(0x810), 1U) << "the doorbell is taken";
+  EXPECT_EQ(words.load(0x800) & 0xfU, 0U);
+  thread.take({});
+  for (int i = 0; i < 10; ++i) sut.serve({});
+  EXPECT_EQ(sut.machine().now_clocks(), 5000U) << "the looks of one turn";
+  thread.take(microseconds(100));
+  for (int i = 0; i < 3; ++i) sut.serve({});
+  EXPECT_EQ(words.load(0x800) & 0xfU, page::kIsWaiting);
+  EXPECT_EQ(sut.machine().now_clocks(), 1000U * kSteps) << "and no other clocks";
+  EXPECT_EQ(words.load(0x824), 1U) << "one list";
 }
 
 }  // namespace
