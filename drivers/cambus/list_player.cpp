@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace thimble::cambus {
 namespace {
@@ -55,6 +56,7 @@ Result<bool> ListPlayer::poll(MonotonicTime now) {
     if (!is_over || *is_over) return is_over;
   }
   if (now < until_) return false;
+  if (interrupted_) return stop(*interrupted_);
   ++counters_.timed_out;
   const std::string what = phase_ == Phase::Playing
                                ? "the list is not over: the board is " + where(seen_)
@@ -94,6 +96,8 @@ Result<bool> ListPlayer::go_on(const BoardStatus& status) {
       return give(status);
     case Phase::Playing:
       return while_it_plays(status);
+    case Phase::Naming:
+      return name_flags();
   }
   return false;
 }
@@ -127,15 +131,50 @@ Result<bool> ListPlayer::ring(std::uint32_t which, std::uint32_t word, Phase nex
 
 Result<bool> ListPlayer::while_it_plays(const BoardStatus& status) {
   if (const auto what = nonsense(status, 1)) return strange(*what);
-  if (const auto why = ended_by(status)) return stop(*why);
+  if (auto why = ended_by(status)) {
+    const bool can_ask = why->code == Errc::System && !interrupted_;
+    return can_ask ? ask_for_flags(*std::move(why)) : stop(*why);
+  }
   if (status.has_exception() || status.is_halted()) return strange("has stopped without a reason");
   const bool has_begun = port_->is_taken(status) && since(status, Interrupt::NewList) > 0;
   if (!has_begun || !status.is_waiting() || status.is_list_pending()) return false;
+  if (interrupted_) {
+    phase_ = Phase::Naming;
+    return false;
+  }
   phase_ = Phase::Idle;
   before_ = status;
   needs_set_up_ = false;
   ++counters_.done;
   return true;
+}
+
+// What the selected modules answer is ORed, so that none has to be known by its number.
+Result<bool> ListPlayer::ask_for_flags(Error why) {
+  interrupted_ = std::move(why);
+  StepListBuilder builder;
+  builder.write(default_words(Register::Select));
+  flags_ = builder.read(Register::IntFlags, static_cast<std::uint32_t>(kMachineInterrupts));
+  list_ = builder.finish();
+  soft_at_most_ = 0;
+  phase_ = Phase::Clearing;
+  return false;
+}
+
+Result<bool> ListPlayer::name_flags() {
+  std::array<std::uint8_t, wire::buffer_end(2 * kMachineInterrupts)> bytes{};
+  const IoStatus status = port_->get(flags_.offset, bytes);
+  if (status == IoStatus::NoData) return false;
+  if (status != IoStatus::Ok) return stop(*interrupted_);
+  std::string names;
+  for (std::uint32_t bit = 0; bit < kMachineInterrupts; ++bit) {
+    if (buffer_word({0, bytes}, 0, bit) == 0) continue;
+    ++counters_.flags[bit];
+    names += (names.empty() ? ": " : ", ");
+    names += field::kInterrupts<Register::IntFlags>[bit].name;
+  }
+  interrupted_->message += names.empty() ? ": none of its flags is set" : names;
+  return stop(*interrupted_);
 }
 
 std::optional<Error> ListPlayer::ended_by(const BoardStatus& status) {
@@ -208,6 +247,7 @@ tl::unexpected<Error> ListPlayer::strange(const std::string& what) {
 }
 
 tl::unexpected<Error> ListPlayer::stop(Error why) {
+  if (interrupted_) why = *std::exchange(interrupted_, std::nullopt);  // that came first
   phase_ = Phase::Idle;
   list_ = {};
   port_->drop_unsent();

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -11,12 +13,16 @@
 
 namespace thimble::cambus {
 
+// By the bits of register 26.
+inline constexpr std::size_t kMachineInterrupts = field::kInterrupts<Register::IntFlags>.size();
+
 // What became of the lists that were given to a board.
 struct PlayCounters {
   std::uint64_t started{0};
   std::uint64_t done{0};
-  std::uint64_t refused{0};             // by the check: no board saw them
-  std::uint64_t machine_interrupts{0};  // that ended a list, and likewise:
+  std::uint64_t refused{0};                               // by the check: no board saw them
+  std::uint64_t machine_interrupts{0};                    // that ended a list, and likewise:
+  std::array<std::uint64_t, kMachineInterrupts> flags{};  // of these, as far as the machine said
   std::uint64_t bus_faults{0};
   std::uint64_t module_timeouts{0};  // no module answered
   std::uint64_t timed_out{0};        // we waited no longer
@@ -30,6 +36,9 @@ struct PlayCounters {
 // descriptors and buffers are the board's: the next one is kept here until the interface has been
 // reset and waits, and only then written. It has to set up everything (CamProgram::set_up).
 //
+// Behind an interrupt of the machine a list of ours asks, in the rest of the time, for the flags
+// that a reset leaves, of all modules at once.
+//
 // Thread: one at a time. No call waits. Ownership: the port must outlive it.
 class ListPlayer {
  public:
@@ -41,13 +50,12 @@ class ListPlayer {
   [[nodiscard]] Result<void> start(StepList list, Duration at_most, MonotonicTime now);
   // Begins a turn of the port. Whether it is over, or there is none. Once it failed there is none,
   // and each error comes once: Disconnected (for good), Timeout (no module answered, or not in
-  // time), System (the machine interrupted), Malformed (a bus fault; or the board says what it
-  // cannot have done).
+  // time), System (the machine interrupted, by which flags if it can be asked), Malformed (a bus
+  // fault; or the board says what it cannot have done).
   [[nodiscard]] Result<bool> poll(MonotonicTime now);
   // What the last list has read; the list must be over.
   // Errors: Disconnected; Busy, the port has not brought it yet: ask again, after poll();
-  // InvalidArgument for
-  // what does not lie in the window.
+  // InvalidArgument for what does not lie in the window.
   [[nodiscard]] Result<std::vector<std::uint16_t>> words_of(const ReadSlot& slot,
                                                             MonotonicTime now);
 
@@ -58,8 +66,8 @@ class ListPlayer {
 
  private:
   // What is done next: nothing, ring the reset, wait until it is taken, write the list, ring for
-  // it, wait until it is over.
-  enum class Phase { Idle, Clearing, Resetting, Putting, Giving, Playing };
+  // it, wait until it is over; and of a list of ours, fetch the flags that it has read.
+  enum class Phase { Idle, Clearing, Resetting, Putting, Giving, Playing, Naming };
 
   // Each goes on as far as it can now; whether the list is over.
   [[nodiscard]] Result<bool> look(MonotonicTime now);
@@ -69,6 +77,8 @@ class ListPlayer {
   [[nodiscard]] Result<bool> give(const BoardStatus& status);
   [[nodiscard]] Result<bool> ring(std::uint32_t which, std::uint32_t word, Phase next);
   [[nodiscard]] Result<bool> while_it_plays(const BoardStatus& status);
+  [[nodiscard]] Result<bool> ask_for_flags(Error why);
+  [[nodiscard]] Result<bool> name_flags();
   // What ended the list, if something did; counted.
   [[nodiscard]] std::optional<Error> ended_by(const BoardStatus& status);
   // What cannot be, since `before_`, with so many lists given.
@@ -84,7 +94,9 @@ class ListPlayer {
   ListLimits limits_;
   Phase phase_{Phase::Idle};
   bool needs_set_up_{true};
-  bool needs_reset_{true};         // whatever played before us
+  bool needs_reset_{true};            // whatever played before us
+  std::optional<Error> interrupted_;  // while the machine is asked why
+  ReadSlot flags_;
   StepList list_;                  // its bytes until they are written
   std::uint64_t soft_at_most_{0};  // interrupts that the list raises itself
   MonotonicTime until_{};

@@ -52,6 +52,11 @@ class CamMachine {
   [[nodiscard]] bool has_interrupt() const noexcept;
   [[nodiscard]] const CamCounters& counters() const noexcept { return counters_; }
 
+  // An injected fault: what is never wrong here (parity, contention, a skewed scan) or has no wire
+  // (multi, external). The module flags this interrupt, a bit of register 26; where it is enabled,
+  // the card hears of it with the next transfer.
+  void raise(std::size_t module, std::size_t interrupt) { torus_.modules[module].flag(interrupt); }
+
   // The inside, for tests and for what puts patterns into a world.
   // DRAM and tables as they are now; not valid after the next write() or read() of a fast machine.
   [[nodiscard]] CamTorus& torus() {

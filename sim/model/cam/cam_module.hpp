@@ -27,6 +27,8 @@ class CamModule {
   // scan (docs/cambus.md, section 1); the scan itself is the machine's.
   void write(cambus::Register number, std::span<const std::uint16_t> words);
   [[nodiscard]] std::vector<std::uint16_t> read(cambus::Register number, std::uint32_t length);
+  // Sets a flag of register 26 in all layers, as who finds such a thing does.
+  void flag(std::size_t interrupt);
   // Of a register that does not exist.
   void note_unknown_register();
 
@@ -63,7 +65,6 @@ class CamModule {
   void begin_run(std::uint16_t layers);
   void copy_counts(std::uint16_t layers);
   void kick(std::uint16_t layers);
-  void flag(std::size_t interrupt);
 
   bool is_marked_;
   std::size_t active_table_{0};

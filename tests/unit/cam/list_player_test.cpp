@@ -145,6 +145,96 @@ TEST_F(ListPlayerTest, AnInterruptOfTheMachineEndsTheList) {
   expect_set_up_works();
 }
 
+// Whatever module it is in, and whatever a board with such a defect has enabled.
+TEST_F(ListPlayerTest, EachInterruptOfTheMachineIsNamedAndCountedAndTheBoardWorksBehindIt) {
+  const auto& flags = field::kInterrupts<Register::IntFlags>;
+  RegisterWords all_enabled(Register::IntEnable);
+  for (const Field& of : field::kInterrupts<Register::IntEnable>) all_enabled.set(of, 1);
+  for (std::size_t i = 0; i < flags.size(); ++i) {
+    expect_set_up_works();
+    StepListBuilder builder;
+    builder.write(all_enabled);
+    builder.delay(25'000);  // 1 ms
+    builder.write(default_words(Register::Select));
+    builder.delay(1);
+    ASSERT_TRUE(player_.start(builder.finish(), kPatience, clock_.now()));
+    for (int k = 0; k < 50; ++k) {
+      ASSERT_EQ(player_.poll(clock_.now()), false);
+      clock_.run_for(microseconds(10));
+    }
+    board_.board().machine().raise(i % 2, i);
+    const auto is_over = wait();
+    ASSERT_FALSE(is_over) << flags[i].name;
+    EXPECT_EQ(is_over.error().code, Errc::System);
+    const std::string end = ": " + std::string(flags[i].name);
+    const std::string& message = is_over.error().message;
+    EXPECT_EQ(message.substr(message.size() - end.size()), end);
+    EXPECT_EQ(player_.counters().flags[i], 1U);
+    EXPECT_EQ(player_.counters().machine_interrupts, i + 1);
+    EXPECT_TRUE(player_.needs_set_up());
+  }
+  expect_set_up_works();
+  EXPECT_EQ(player_.counters().started, 2 * flags.size() + 1);
+  EXPECT_EQ(player_.counters().done, flags.size() + 1) << "asking is none of the lists";
+}
+
+StepList one_that_interrupts() {
+  constexpr std::size_t kRegisterLength = 7;
+  StepListBuilder builder;
+  builder.write(default_words(Register::Select));
+  builder.write(default_words(Register::IntEnable));
+  builder.write(RegisterWords(Register::IntFlags)
+                    .set(field::kInterrupts<Register::IntFlags>[kRegisterLength], 1));
+  builder.delay(1);
+  return builder.finish();
+}
+
+TEST_F(ListPlayerTest, SeveralFlagsAreNamedAndWhereThereIsNoneItIsSaid) {
+  expect_set_up_works();
+  const auto& flags = field::kInterrupts<Register::IntFlags>;
+  StepListBuilder two;
+  two.write(RegisterWords(Register::IntFlags).set(flags[2], 1, 0x0001).set(flags[6], 1, 0x8000));
+  const auto both = play(two.finish());
+  ASSERT_FALSE(both);
+  EXPECT_NE(both.error().message.find(": glue-contention, external"), std::string::npos)
+      << both.error().message;
+  expect_set_up_works();
+  StepListBuilder verify;
+  verify.write(RegisterWords(Register::Verify).set(field::kVerify[1], 1).set(field::kVerify[2], 1));
+  const auto none = play(verify.finish());
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().code, Errc::System);
+  EXPECT_NE(none.error().message.find("none of its flags"), std::string::npos)
+      << none.error().message;
+  EXPECT_EQ(player_.counters().machine_interrupts, 2U);
+  expect_set_up_works();
+}
+
+TEST_F(ListPlayerTest, AMachineThatThereIsNoTimeToAskHasInterruptedAllTheSame) {
+  expect_set_up_works();
+  const MonotonicTime before = clock_.now();
+  const auto is_over = play(one_that_interrupts(), microseconds(10));
+  ASSERT_FALSE(is_over);
+  EXPECT_EQ(is_over.error().code, Errc::System) << is_over.error().message;
+  EXPECT_EQ(clock_.now() - before, microseconds(10));
+  EXPECT_EQ(player_.counters().timed_out, 0U);
+  EXPECT_EQ(player_.counters().flags, PlayCounters{}.flags);
+  expect_set_up_works();
+}
+
+TEST_F(ListPlayerTest, AMachineThatIsPulledWhileItIsAskedHasInterruptedAllTheSame) {
+  expect_set_up_works();
+  ASSERT_TRUE(player_.start(one_that_interrupts(), kPatience, clock_.now()));
+  ASSERT_EQ(player_.poll(clock_.now()), false);
+  clock_.run_for(microseconds(10));
+  ASSERT_EQ(player_.poll(clock_.now()), false) << "it is asked";
+  board_.unplug();
+  const auto is_over = wait();
+  ASSERT_FALSE(is_over);
+  EXPECT_EQ(is_over.error().code, Errc::System) << is_over.error().message;
+  EXPECT_EQ(player_.start(set_up(), kPatience, clock_.now()).error().code, Errc::Disconnected);
+}
+
 TEST_F(ListPlayerTest, AModuleThatDoesNotAnswerEndsTheList) {
   expect_set_up_works();
   StepListBuilder builder;

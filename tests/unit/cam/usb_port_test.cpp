@@ -37,6 +37,28 @@ Result<CamAnswer> play(Board& board, const CamSteps& steps, sim::VirtualClock& c
   return fail(Errc::Timeout, "");
 }
 
+TEST(UsbPort, AnInterruptOfTheMachineIsNamed) {
+  sim::VirtualClock clock;
+  SimUsbCamBoard board(clock, kBoard);
+  const auto port = test::open_usb_port(board, clock);
+  ListPlayer player(*port, {.module_sites = 64});
+  const auto& flags = field::kInterrupts<Register::IntFlags>;
+  StepListBuilder builder;
+  builder.write(default_words(Register::Select));
+  builder.write(default_words(Register::IntEnable));
+  builder.write(RegisterWords(Register::IntFlags).set(flags[9], 1));
+  ASSERT_TRUE(player.start(builder.finish(), std::chrono::seconds(1), clock.now()));
+  auto is_over = player.poll(clock.now());
+  while (is_over && !*is_over) {
+    clock.run_for(microseconds(125));
+    is_over = player.poll(clock.now());
+  }
+  EXPECT_EQ(is_over.error().code, Errc::System);
+  EXPECT_NE(is_over.error().message.find(": invalid-sync"), std::string::npos)
+      << is_over.error().message;
+  EXPECT_EQ(player.counters().flags[9], 1U);
+}
+
 TEST(UsbBoardMatch, ABoardIsKnownByItsNameAndItsPipes) {
   sim::VirtualClock clock;
   const bus::BusDeviceInfo info = SimUsbCamBoard(clock, kBoard).info();
