@@ -17,7 +17,8 @@ IoStatus BoardWatch::check_identity(const IdentityWords& words) noexcept {
   return status();
 }
 
-// The beat was the same from when it was first seen to when it was asked for this time, at least.
+// As it only counts up, the beat was the same from when it was first seen to when it was asked for
+// this time, at least, whether or not anybody looked meanwhile.
 IoStatus BoardWatch::check_beat(const IdentityWords& words, MonotonicTime asked_at,
                                 MonotonicTime now) noexcept {
   const std::uint32_t beat = at(words, page::kBeat);

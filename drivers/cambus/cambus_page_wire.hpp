@@ -40,7 +40,8 @@ inline constexpr std::uint32_t kStatusBytes = kMoment + 4 - kRead;
 inline constexpr std::uint32_t kMagicValue = 0x384d4143;  // CAM8
 inline constexpr std::uint32_t kVersionValue = 1;
 
-// Milliseconds: a board changes its beat at least so often; a host gives it up after so long.
+// Milliseconds: a board's beat counts up at least so often; a host that sees the same one after so
+// long gives it up, however seldom it looked.
 inline constexpr int kBeatAtLeastEvery_ms = 100;
 inline constexpr int kBeatGivenUp_ms = 300;
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <random>
 
 #include "drivers/cambus/cambus_wire.hpp"
 #include "sim/model/cam/sim_cam_board.hpp"
@@ -159,6 +160,20 @@ TEST_F(BoardPageTest, TheHostHaltsAndResetsIt) {
   run_us(10);
   EXPECT_EQ(word(0x800) & 0xfU, page::kIsWaiting);
   EXPECT_EQ(raised(page::Interrupt::NewList), 0U);
+}
+
+// So that a host that looks seldom does not take one that went round for one that stands still.
+TEST_F(BoardPageTest, ItsBeatOnlyCountsUpAndInTime) {
+  std::mt19937 random(1);
+  std::uint32_t before = word(page::kBeat);
+  for (int i = 0; i < 200; ++i) {
+    const int ms = static_cast<int>(random() % 1000);
+    clock_.run_for(milliseconds(ms));
+    const std::uint32_t beats = word(page::kBeat) - before;
+    EXPECT_GE(beats, static_cast<std::uint32_t>(ms / page::kBeatAtLeastEvery_ms));
+    EXPECT_LE(beats, static_cast<std::uint32_t>(ms) + 1);
+    before += beats;
+  }
 }
 
 TEST_F(BoardPageTest, EnablesAreReadBack) {

@@ -47,6 +47,18 @@ TEST_F(BoardWatchTest, ABeatThatChangesInTimeKeepsItAlive) {
   }
 }
 
+// A beat only counts up (docs/cambus.md), so that no other one can have come between.
+TEST_F(BoardWatchTest, HoweverSeldomItIsLookedAtAnotherBeatIsALifeAndTheSameIsNone) {
+  for (int n = 0; n < 5; ++n) {
+    const MonotonicTime now = at_ms(n * 3'600'000);
+    const auto beats = static_cast<std::uint32_t>(n * 36'000);
+    EXPECT_EQ(sut.check_beat(words(beats), now, now), IoStatus::Ok) << n;
+  }
+  const MonotonicTime later = at_ms(5 * 3'600'000);
+  EXPECT_EQ(sut.check_beat(words(4 * 36'000), later, later), IoStatus::Disconnected);
+  EXPECT_EQ(sut.why_gone(), Gone::NoBeat);
+}
+
 TEST_F(BoardWatchTest, ABeatThatStandsIsGivenUpByTheTimeOfTheQuestionNotOfTheAnswer) {
   ASSERT_EQ(sut.check_beat(words(1), at_ms(0), at_ms(10)), IoStatus::Ok);
   const int last_ms = 10 + page::kBeatGivenUp_ms - 1;
