@@ -233,6 +233,31 @@ TEST(CamMachine, SubScansMakeTheSameAsOne) {
   EXPECT_EQ(parts.get(), whole.get());
 }
 
+// docs/cambus.md, scan-io: the scan is as long as the transfer.
+TEST(CamMachine, AScanAtThePaceOfTheHostEndsWithItsTransfer) {
+  for (const auto scanning : {sim::cam::Scanning::SiteBySite, sim::cam::Scanning::Fast}) {
+    CamMachine sut({{1, 1, 1}, 8}, scanning);
+    select_all(sut);
+    send(sut, default_words(Register::ScanPerm));
+    send(sut, default_words(Register::ScanFormat).set(field::kEndOfScan, 8));
+    send(sut, RegisterWords(Register::SiteSrc)
+                  .set(field::kSource<Register::SiteSrc>[0], kSelectHost)
+                  .set(field::kSource<Register::SiteSrc>[1], kMapSource));
+    std::uint32_t written = 0;
+    for (const std::uint32_t length : {64U, 1U, 63U, 128U, 256U}) {
+      send(sut, Register::ScanIo, Words(length, static_cast<std::uint16_t>(length)));
+      written += length;
+      EXPECT_FALSE(sut.is_scanning());
+      EXPECT_FALSE(sut.hangs());
+      const auto before = sut.now_clocks();
+      sut.wait_for_scan();
+      EXPECT_EQ(sut.now_clocks(), before);
+      EXPECT_EQ(sut.torus().modules[0].registers.get(field::kScanIndex[0], 5), written);
+      EXPECT_EQ(sut.torus().modules[0].dram[(written - 1) % 256], length);
+    }
+  }
+}
+
 TEST(CamMachine, TheOrderOfTheScanChangesNothing) {
   std::mt19937 random(8);
   const test::Layout layout{{1, 1, 0}, {4, 4, 0}, Division::StripX};
