@@ -43,7 +43,9 @@ INSTANTIATE_TEST_SUITE_P(Layouts, OnAnyBoard,
                                          Layout{{1, 1, 1}, {3, 4, 2}, Division::StripY},
                                          Layout{{1, 1, 1}, {2, 2, 4}, Division::StripZ},
                                          Layout{{2, 1, 0}, {4, 3, 0}, Division::Mesh},
-                                         Layout{{2, 1, 0}, {3, 4, 0}, Division::StripY}));
+                                         Layout{{2, 1, 0}, {3, 4, 0}, Division::StripY},
+                                         Layout{{2, 2, 2}, {4, 4, 3}, Division::Mesh},
+                                         Layout{{2, 2, 2}, {2, 7, 1}, Division::StripY}));
 
 TEST_P(OnAnyBoard, ModulesAreNumberedAlongTheWay) {
   CamBench bench(GetParam());

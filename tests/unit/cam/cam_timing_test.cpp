@@ -118,6 +118,20 @@ TEST(CamTiming, AsManyModulesAsThereAreScanInTheTimeOfOne) {
             scan_clocks({{0, 0, 0}, {5, 3, 2}, Division::Mesh}));
 }
 
+// The largest there is; its bits are not moved, which would take a second.
+TEST(CamTiming, AModuleOf16MillionSitesScansRowByRow) {
+  CamBench bench({{0, 0, 0}, {13, 11, 0}, Division::Mesh}, 24);
+  bench.machine().keep_only_time();
+  CamProgram program(bench.space());
+  program.run();
+  bench.play(program);
+  const auto before = bench.machine().now_clocks();
+  bench.machine().wait_for_scan();
+  constexpr std::uint64_t kRow = 8192 + 40 + 22 * 4;
+  EXPECT_EQ(bench.machine().now_clocks() - before, 2048 * kRow);
+  EXPECT_EQ(bench.machine().counters().scans, 1U);
+}
+
 TEST(CamTiming, ATableTakesItsEntries) {
   CamBench bench({{0, 0, 0}, {3, 3, 0}, Division::Mesh});
   CamProgram program(bench.space());
