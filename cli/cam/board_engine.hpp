@@ -43,6 +43,8 @@ class BoardEngine final : public sim::cam::Engine {
     machine_.wait_for_scan();
     return machine_.now_clocks();
   }
+  // Registers that were set to what the simulated board does not do.
+  [[nodiscard]] std::uint64_t unmodelled() const noexcept { return machine_.counters().unmodelled; }
   // Sends a bank's table, if it is not the one in force: steps do so themselves.
   [[nodiscard]] Result<void> show_table(std::size_t bank);
 

@@ -32,8 +32,12 @@ Result<PlaneCounts> take_steps(Engine& engine, const Rule& rule, std::uint64_t s
 }
 
 // The same steps on a board that keeps only time.
-Result<std::uint64_t> clocks_of(const Rule& rule, const SiteSpace& space,
-                                const RunOptions& options) {
+struct BoardTime {
+  std::uint64_t clocks{0};
+  std::uint64_t unmodelled{0};
+};
+
+Result<BoardTime> time_of(const Rule& rule, const SiteSpace& space, const RunOptions& options) {
   const auto board = BoardEngine::make(space, options.modules, BoardEngine::Keeps::OnlyTime);
   if (!board) return tl::unexpected(board.error());
   // The table is sent before the clocks are looked at.
@@ -41,7 +45,7 @@ Result<std::uint64_t> clocks_of(const Rule& rule, const SiteSpace& space,
   const std::uint64_t before = (*board)->clocks();
   const auto taken = take_steps(**board, rule, options.steps, false);
   if (!taken) return tl::unexpected(taken.error());
-  return (*board)->clocks() - before;
+  return BoardTime{(*board)->clocks() - before, (*board)->unmodelled()};
 }
 
 Result<std::unique_ptr<Engine>> make_engine(const SiteSpace& space, const RunOptions& options) {
@@ -103,7 +107,10 @@ Result<RunReport> run_world(const Rule& rule, const SiteSpace& space, const RunO
     report.path = planes->compiled_ops(0) ? "compiled" : "table";
     report.kernels = sim::cam::usable_kernels().front()->name;
   }
-  if (const auto clocks = clocks_of(rule, space, options)) report.board_clocks = *clocks;
+  if (const auto board = time_of(rule, space, options)) {
+    report.board_clocks = board->clocks;
+    report.unmodelled = board->unmodelled;
+  }
   report.sites.resize(space.sites());
   if (const auto got = (*engine)->get(report.sites); !got) return tl::unexpected(got.error());
   return report;

@@ -42,7 +42,8 @@ struct RunReport {
   std::string path{};                           // "board", "table", "compiled"
   std::string kernels{};                        // the instruction set; empty for the board
   std::optional<std::uint64_t> board_clocks{};  // of the steps alone; none: no such board
-  double host_s{0};                             // of the steps alone
+  std::uint64_t unmodelled{0};  // of what that board was told, without effect on a simulated one
+  double host_s{0};             // of the steps alone
   std::vector<std::uint16_t> sites{};
 };
 

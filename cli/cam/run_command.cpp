@@ -42,7 +42,8 @@ void print_json(const RunOptions& options, const RunReport& report) {
     document["board"] = {{"modules", options.modules},
                          {"clock_mhz", options.clock_mhz},
                          {"clocks", *report.board_clocks},
-                         {"time_s", board_time_s(options, *report.board_clocks)}};
+                         {"time_s", board_time_s(options, *report.board_clocks)},
+                         {"unmodelled", report.unmodelled}};
   }
   std::cout << json::serialize(document) << '\n';
 }

@@ -10,6 +10,8 @@
 
 namespace thimble::plugin {
 
+class ModelPanel;  // sim_model.hpp
+
 // What a device answers to one transaction, USB 2.0, 8.4.5.
 enum class UsbHandshake : std::uint8_t {
   Ack,
@@ -51,6 +53,7 @@ class SimUsbModel {
   // Power cut and restored, as on unplug and replug: what is in volatile memory is lost.
   virtual void power_cycle() noexcept = 0;
   [[nodiscard]] virtual ArmBackend* arm_backend() noexcept = 0;  // nullptr: not an arm
+  [[nodiscard]] virtual ModelPanel* panel() noexcept { return nullptr; }
 };
 
 }  // namespace thimble::plugin

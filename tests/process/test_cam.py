@@ -157,6 +157,10 @@ class Worlds(ProcessTest):
             shown = self.run_world("life", "--size", "8x8", "--steps", "1", "--clock-mhz", wrong)
             self.assertEqual((shown.returncode, shown.stdout), (2, ""), wrong)
 
+    def test_what_the_simulated_board_does_not_model_is_counted(self):
+        shown = self.run_world("hpp", "--size", "32x32", "--steps", "10", "--modules", "2", "--json")
+        self.assertEqual(json.loads(shown.stdout)["board"]["unmodelled"], 0)
+
     def test_threads_share_a_world_and_come_to_the_same(self):
         worlds = []
         for threads in "1", "3":

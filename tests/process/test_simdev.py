@@ -114,6 +114,7 @@ class Simdev(ProcessTest):
         self.assertEqual(self.ask_board(host, 1, 2, words=2)[:4], b"CAM8")
         self.ask_board(host, 2, 3, words=2, offset=0x1000, payload=b"thimble!")
         self.assertEqual(self.ask_board(host, 1, 4, words=2, offset=0x1000), b"thimble!")
+        self.assertEqual(self.say("status")[0][0]["readings"]["unmodelled"], 0)
 
     def test_its_verbs_are_answered_while_it_runs(self):
         self.offer("phantom-vintage", "--serial", "ABC")

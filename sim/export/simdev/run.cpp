@@ -77,6 +77,7 @@ class Simdev {
   Result<void> plug_in(const SimdevOptions& options) {
     plugin::SimHidModel* hid = face<plugin::SimHidModel>();
     if (hid != nullptr) panel_ = hid->panel();
+    if (auto* usb = face<plugin::SimUsbModel>()) panel_ = usb->panel();
     return options.usbip_port ? offer_by_usbip(*options.usbip_port) : offer_through_uhid(hid);
   }
   Result<void> take_verbs_at(const std::string& path) {

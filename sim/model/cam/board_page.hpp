@@ -58,6 +58,7 @@ class BoardPage {
 
   // The inside, for tests and for what puts patterns into a world.
   [[nodiscard]] CamMachine& machine() noexcept { return machine_; }
+  [[nodiscard]] const CamMachine& machine() const noexcept { return machine_; }
   [[nodiscard]] const BoardCounters& counters() const noexcept { return counters_; }
 
  private:

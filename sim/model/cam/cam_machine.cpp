@@ -32,12 +32,26 @@ void CamMachine::spend_frame(std::uint32_t number, std::size_t words) {
           words + kParity_clocks + kHop_clocks;
 }
 
-void CamMachine::note_touch(std::uint32_t number, bool is_write) {
-  const auto of = static_cast<Register>(number);
+void CamMachine::note_touch(Register of) {
   if (cambus::facts_of(of).waits && is_scanning()) ++counters_.disturbed_scans;
-  const bool is_modelled =
-      of != Register::FlySrc && of != Register::Multi && of != Register::Environment;
-  if (is_write && !is_modelled) ++counters_.unmodelled;
+}
+
+// A flywheel that is always 0 is what there is; of the environment select-read and the active table
+// are.
+void CamMachine::note_effect(Register of, std::span<const std::uint16_t> words) {
+  const auto is_zero = [&](const cambus::Field& from, const cambus::Field& to) {
+    const std::size_t end = std::min<std::size_t>(words.size(), to.first_bit + to.bits);
+    const std::size_t begin = std::min<std::size_t>(from.first_bit, end);
+    return std::all_of(words.begin() + static_cast<std::ptrdiff_t>(begin),
+                       words.begin() + static_cast<std::ptrdiff_t>(end),
+                       [](std::uint16_t word) { return word == 0; });
+  };
+  const auto& map = field::kSource<Register::FlySrc>[1];
+  const bool is_modelled = of == Register::FlySrc ? is_zero(map, map)
+                           : of == Register::Environment
+                               ? is_zero(field::kEnvironment[0], field::kEnvironment[5])
+                               : of != Register::Multi;
+  if (!is_modelled) ++counters_.unmodelled;
 }
 
 std::vector<std::size_t> CamMachine::selected() const {
@@ -60,8 +74,9 @@ void CamMachine::write(std::uint32_t number, std::span<const std::uint16_t> word
     for (const std::size_t i : selected()) torus_.modules[i].note_unknown_register();
     return;
   }
-  note_touch(number, true);
   const auto of = static_cast<Register>(number);
+  note_touch(of);
+  note_effect(of, words);
   if (of == Register::ScanIo) return write_sites(words);
   if (of == Register::Select) {
     for (CamModule& module : torus_.modules) module.write(of, words);
@@ -88,8 +103,8 @@ std::optional<std::vector<std::uint16_t>> CamMachine::read(std::uint32_t number,
     for (const std::size_t i : talkers) torus_.modules[i].note_unknown_register();
     return words;
   }
-  note_touch(number, false);
   const auto of = static_cast<Register>(number);
+  note_touch(of);
   const std::vector<std::uint16_t> silence(length);
   for (const std::size_t i : talkers) {
     const auto said =

@@ -15,7 +15,7 @@ namespace thimble::sim::cam {
 struct CamCounters {
   std::uint64_t scans{0};
   std::uint64_t disturbed_scans{0};  // registers that wait were touched while one ran
-  std::uint64_t unmodelled{0};       // registers were set whose effect is not modelled (README)
+  std::uint64_t unmodelled{0};       // registers were set to what has effects that are not modelled
   std::uint64_t site_by_site{
       0};  // scans and transfers of a fast machine that only the reference can
   bool operator==(const CamCounters&) const = default;
@@ -66,7 +66,8 @@ class CamMachine {
 
  private:
   void spend_frame(std::uint32_t number, std::size_t words);
-  void note_touch(std::uint32_t number, bool is_write);
+  void note_touch(cambus::Register of);
+  void note_effect(cambus::Register of, std::span<const std::uint16_t> words);
   [[nodiscard]] std::vector<std::size_t> selected() const;
   void latch_selection();
   void start_scan();

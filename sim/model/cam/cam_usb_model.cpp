@@ -1,7 +1,5 @@
 #include "sim/model/cam/cam_usb_model.hpp"
 
-#include <vector>
-
 namespace thimble::sim::cam {
 namespace {
 
@@ -75,6 +73,16 @@ void CamUsbModel::power_cycle() noexcept {
   requests_.clear();
   replies_.clear();
   next_number_.reset();
+}
+
+std::vector<plugin::ModelPanel::Reading> CamUsbModel::readings() const {
+  if (!board_) return {};
+  const CamCounters& machine = board_->machine().counters();
+  const BoardCounters& board = board_->counters();
+  return {{"doorbells", static_cast<double>(board.doorbells)},
+          {"scans", static_cast<double>(machine.scans)},
+          {"disturbed_scans", static_cast<double>(machine.disturbed_scans)},
+          {"unmodelled", static_cast<double>(machine.unmodelled + board.unmodelled)}};
 }
 
 void CamUsbModel::take(std::span<const std::uint8_t> transfer) {

@@ -2,7 +2,9 @@
 
 #include <memory>
 #include <optional>
+#include <vector>
 
+#include "hal/plugin/sim_model.hpp"
 #include "hal/plugin/sim_usb_model.hpp"
 #include "sim/bus/sim_memory_window.hpp"
 #include "sim/model/cam/board_page.hpp"
@@ -26,7 +28,7 @@ struct CamUsbCounters {
 // Exact: frames, order, flow. Left out: how long the board's own processor takes.
 // Thread: one. Not RT, other than other models: a scan is done in it and it allocates, so its bus
 // is run by the thread of a world (SimUsbCamBoard), never by that of an arm.
-class CamUsbModel final : public plugin::SimUsbModel {
+class CamUsbModel final : public plugin::SimUsbModel, public plugin::ModelPanel {
  public:
   explicit CamUsbModel(const BoardOptions& options,
                        std::size_t packet_bytes = cambus::usb::kFullSpeedPacketBytes);
@@ -41,6 +43,11 @@ class CamUsbModel final : public plugin::SimUsbModel {
   // Another incarnation, with nothing in its memory.
   void power_cycle() noexcept override;
   [[nodiscard]] plugin::ArmBackend* arm_backend() noexcept override { return nullptr; }
+  [[nodiscard]] plugin::ModelPanel* panel() noexcept override { return this; }
+
+  // Of what nobody presses: what its machine has counted since it has power.
+  bool press(unsigned /*number*/, bool /*pressed*/) noexcept override { return false; }
+  [[nodiscard]] std::vector<Reading> readings() const override;
 
   // It answers, but its machine does nothing any more, nor does its beat.
   void freeze() noexcept { is_frozen_ = true; }

@@ -50,6 +50,21 @@ TEST(CamMachine, RegistersKeepWhatIsWritten) {
   EXPECT_EQ(sut.counters().unmodelled, 3U);  // fly-src, environment, multi
 }
 
+TEST(CamMachine, WhatProgramsSetUpIsModelledAndIsNotCounted) {
+  CamBench bench({{1, 1, 0}, {4, 4, 0}, Division::Mesh});
+  EXPECT_EQ(bench.machine().counters().unmodelled, 0U);
+  CamMachine& sut = bench.machine();
+  const auto& environment = field::kEnvironment;
+  send(sut, RegisterWords(Register::Environment).set(environment[6], 1).set(environment[7], 1));
+  EXPECT_EQ(sut.counters().unmodelled, 0U);
+  send(sut, RegisterWords(Register::Environment).set(environment[5], 1, 0x0100));
+  EXPECT_EQ(sut.counters().unmodelled, 1U);
+  send(sut, RegisterWords(Register::FlySrc).set(field::kSource<Register::FlySrc>[1], kMapOne));
+  EXPECT_EQ(sut.counters().unmodelled, 2U);
+  send(sut, default_words(Register::Multi));
+  EXPECT_EQ(sut.counters().unmodelled, 3U);
+}
+
 TEST(CamMachine, AfterAResetOneModuleIsMarkedAndAllIsZero) {
   CamMachine sut({{2, 2, 1}, 6});
   select_all(sut);

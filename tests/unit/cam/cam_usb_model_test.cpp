@@ -238,5 +238,25 @@ TEST_F(CamUsbModelTest, NothingThatAHostSaysBreaksIt) {
   EXPECT_EQ(expect({Kind::Read, Status::Done, number_, 1, 0}).front(), 'C');
 }
 
+TEST_F(CamUsbModelTest, ItsPanelSaysWhatItsMachineHasCounted) {
+  const auto reading = [&](const std::string& name) {
+    for (const auto& said : model_.panel()->readings()) {
+      if (said.name == name) return said.value;
+    }
+    return -1.0;
+  };
+  EXPECT_EQ(reading("unmodelled"), 0);
+  begin();
+  Bytes display_lengths(24);  // registers, which of them are meant, and the doorbell
+  display_lengths[16] = 1U << 2;
+  display_lengths[20] = 1;
+  say(Kind::Write, 6, page::kWritten, display_lengths);
+  EXPECT_TRUE(hear());
+  EXPECT_EQ(reading("unmodelled"), 1);
+  EXPECT_EQ(reading("doorbells"), 1);
+  EXPECT_EQ(reading("scans"), 0);
+  EXPECT_FALSE(model_.panel()->press(0, true));
+}
+
 }  // namespace
 }  // namespace thimble::sim::cam
