@@ -22,6 +22,10 @@ constexpr Duration kUsbPatience = std::chrono::seconds(3);
   return std::countr_zero(static_cast<unsigned>(power));
 }
 
+[[nodiscard]] bool is_on_usb(config::PieceBoardKind board) noexcept {
+  return board == config::PieceBoardKind::Usb || board == config::PieceBoardKind::SimUsb;
+}
+
 // Modules of just the sites that the space needs.
 [[nodiscard]] sim::cam::BoardOptions board_options(const CamAxes& log2_cells, int boards,
                                                    const Clock& clock) {
@@ -110,7 +114,7 @@ Result<MadeWorld> make_piece_world(const config::WorldConfig& said, const Clock*
   MadeWorld made;
   auto open = opener_for(said, file->log2_cells, *clock, plugs, made);
   if (!open) return tl::unexpected(open.error());
-  if (of.board != config::PieceBoardKind::Sim) settings.pieces.patience = kUsbPatience;
+  if (is_on_usb(of.board)) settings.pieces.patience = kUsbPatience;
   auto world =
       pieces::PieceWorld::create(settings, *std::move(open), std::move(file->layout), *clock);
   if (!world) return tl::unexpected(world.error());

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sim/model/cam/cam_usb_model.hpp"
@@ -33,11 +35,14 @@ class PluggedInBoard : public testing::Test, protected test::TwoRealArms {
   }
   void plug_board(const bus::DeviceAddress& address, int log2_sites) {
     const sim::cam::BoardOptions options{.shape = {{1, 1, 1}, log2_sites}};
-    ASSERT_TRUE(plugs_.plug(address, std::make_unique<sim::cam::CamUsbModel>(options)));
+    auto model = std::make_unique<sim::cam::CamUsbModel>(options);
+    model_ = model.get();
+    ASSERT_TRUE(plugs_.plug(address, std::move(model)));
   }
   void push(const Force3& newton) {
     plugs_.arm_backend({test::kAddresses[kLeft]})->push_tip(newton);
   }
+  sim::cam::CamMachine& machine() { return model_->board().machine(); }
   std::string trouble() { return sut_->worlds().front()->trouble(); }
   bool is_pushed() { return frame(kLeft).is_in_contact && norm(frame(kLeft).force) > 1; }
   // Whatever the board does, the arm goes on.
@@ -55,6 +60,8 @@ class PluggedInBoard : public testing::Test, protected test::TwoRealArms {
     EXPECT_TRUE(is_pushed());
     expect_well();
   }
+
+  sim::cam::CamUsbModel* model_{nullptr};  // the board plugged in last
 };
 
 TEST_F(PluggedInBoard, IsFeltWheneverItComesAndLetsGoWhenItIsPulledOut) {
@@ -92,6 +99,26 @@ TEST_F(PluggedInBoard, TooSmallForTheWorldIsPassedOverForTheNext) {
   expect_well();
   plug_board(kOtherPlug, 16);
   expect_felt_after(2 * kFound_s);
+}
+
+// A list that never ends, as far as a host can tell; the page goes on beating.
+TEST_F(PluggedInBoard, WhoseMachineHangsLetsGoLongBeforeItIsGivenUp) {
+  plug_board(kPlug, 16);
+  start(kPieces);
+  expect_felt_after(kFound_s);
+  constexpr std::uint64_t kClocksOfAMinute = 60 * 25'000'000ULL;
+  machine().spend(kClocksOfAMinute);
+  run(0.8);
+  EXPECT_EQ(norm(frame(kLeft).force), 0);
+  EXPECT_EQ(trouble(), "");
+  expect_well();
+  run(4);
+  EXPECT_THAT(trouble(), HasSubstr("the list is not over"));
+  expect_well();
+  ASSERT_TRUE(plugs_.unplug(kPlug));
+  run(0.5);
+  ASSERT_TRUE(plugs_.replug(kPlug));
+  expect_felt_after(kFound_s);
 }
 
 TEST_F(PluggedInBoard, NobodyWaitsForTheKernelThatOpensIt) {

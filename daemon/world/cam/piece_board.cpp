@@ -142,6 +142,7 @@ void PieceBoard::end_task() {
 }
 
 bool PieceBoard::play(const CamSteps& steps, MonotonicTime now) {
+  given_at_ = now;
   const auto started = board_->start(steps, settings_.patience, now);
   return started ? true : fail_with(started.error(), now);
 }
@@ -162,6 +163,11 @@ bool PieceBoard::fail_with(const Error& why, MonotonicTime now) {
   }
   if (never_heals(why.code)) close();
   return false;
+}
+
+std::optional<MonotonicTime> PieceBoard::running_since() const noexcept {
+  const bool is_running = board_ && board_->is_running();
+  return is_running ? std::optional(given_at_) : std::nullopt;
 }
 
 void PieceBoard::close() {

@@ -28,7 +28,8 @@ struct PieceBoardCounters {
 //
 // A board that fails is tried again every kRetry, opened anew if it is gone, does not fit
 // the space or its programs, or was too late kMostTimeouts times in a row, and then what it holds
-// is read and made whole. Thread: one, the world's. Not RT. Errors: trouble().
+// is read and made whole.
+// Thread: one, the world's. Not RT. Errors: trouble().
 class PieceBoard {
  public:
   // Errors: why there is no board now; it is asked again.
@@ -53,6 +54,8 @@ class PieceBoard {
   void pump(const Clock& clock);
   // It is there, and nothing is under way.
   [[nodiscard]] bool is_ready() const noexcept { return phase_ == Phase::Working && !task_; }
+  // When the program that is under way was given to the board; nothing: none is.
+  [[nodiscard]] std::optional<MonotonicTime> running_since() const noexcept;
   // Only when it is ready: else mistakes of the caller. pump() does it.
   void move(const CamAxes& desired);
   // The same, whatever lies on the way; nowhere: only looks whether the board is there.
@@ -105,7 +108,8 @@ class PieceBoard {
   std::optional<PieceOutcome> outcome_;
   PieceLayout picture_;
   std::optional<MonotonicTime> retry_at_;
-  int timeouts_{0};  // since the board was opened, or since a program was over
+  MonotonicTime given_at_{};  // the program that was given last
+  int timeouts_{0};           // since the board was opened, or since a program was over
   std::optional<Error> trouble_;
   PieceBoardCounters counters_;
 };

@@ -188,9 +188,14 @@ double PieceWorld::face_m(std::size_t axis, int index) const noexcept {
   return (2 * index - cells_[axis]) * (0.5 * info_.cell_m);
 }
 
+bool PieceWorld::is_overdue() const {
+  const auto since = goal_ ? std::optional(looked_at_) : board_.running_since();
+  return since && clock_->now() - *since > kOverdue;
+}
+
 ProbeMotion PieceWorld::motion() const {
   ProbeMotion motion{hand_, {}, board_.state().is_embedded};
-  if (board_.trouble() || is_placing_ || board_.counters().moves == 0) {
+  if (board_.trouble() || is_overdue() || is_placing_ || board_.counters().moves == 0) {
     motion.is_silent = true;
     return motion;
   }

@@ -25,8 +25,8 @@ struct PieceWorldSettings {
 // grasp point, and follows the hand as far as the board says; along an axis of a single cell
 // nothing holds the hand. The world has walls, though a held piece passes from edge to edge.
 //
-// A board takes its time: between two of its answers the last one holds. While it has failed, the
-// world is silent (ProbeMotion::is_silent).
+// A board takes its time: between two of its answers the last one holds, for kOverdue. After that,
+// and while the board has failed, the world is silent (ProbeMotion::is_silent).
 //
 // Thread: one, the world's. Not RT: move_probe() plays step lists, and waits for none; a simulated
 // board scans in it. Ownership: the clock must outlive it.
@@ -36,6 +36,13 @@ class PieceWorld final : public World {
   static constexpr std::size_t kMaxWaiting = 64;
   // Ours: how soon a board is missed that nothing is asked of.
   static constexpr Duration kLookEvery = std::chrono::milliseconds(100);
+
+  // How long a move may take, or one program of anything else, before what was felt last is not
+  // believed any more; a board's patience is longer, and its page may beat while its machine hangs.
+  // As long as a move took on the slowest machine of the thesis, of four boards; a table over USB
+  // at full speed takes 130 ms. A hand that is at rest lets go as soon after as its constraints
+  // are old (250 ms) and faded (100 ms).
+  static constexpr Duration kOverdue = std::chrono::milliseconds(250);
 
   // Ours, of dynamic pieces: a particle gets a cell along each axis of a space within 60 ms, and a
   // drift is one scan.
@@ -95,6 +102,7 @@ class PieceWorld final : public World {
   // One beyond the space where the hand is beyond it.
   [[nodiscard]] CamAxes cell_of(Position3 hand) const noexcept;
   [[nodiscard]] CamAxes nearest_within(CamAxes cell) const noexcept;
+  [[nodiscard]] bool is_overdue() const;
   [[nodiscard]] double face_m(std::size_t axis, int index) const noexcept;
   [[nodiscard]] ProbeMotion motion() const;
 

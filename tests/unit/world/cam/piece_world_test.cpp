@@ -5,89 +5,19 @@
 #include <algorithm>
 #include <cmath>
 
-#include "drivers/cambus/board.hpp"
-#include "drivers/cambus/pci_port.hpp"
-#include "sim/model/cam/sim_cam_board.hpp"
-#include "sim/time/virtual_clock.hpp"
+#include "tests/unit/world/cam/hand_in_world.hpp"
 
 namespace thimble::world::cam {
 namespace {
 
 using std::chrono::milliseconds;
+using test::at;
+using test::kCell_m;
+using test::kSpace;
+using test::one_square;
+using test::two_squares;
 
-constexpr CamGeometry kSpace{{5, 5, 0}, CamDivision::StripY};
-constexpr double kCell_m = 0.09 / 32;
-
-// A square of 8 cells a side, left of the middle of 32.
-PieceLayout one_square() {
-  PieceLayout layout(kSpace.cells());
-  for (int y = 12; y < 20; ++y) {
-    for (int x = 4; x < 12; ++x) layout[index_of(kSpace, {x, y, 0})] = 7;
-  }
-  return layout;
-}
-
-// And another, half as high on the right.
-PieceLayout two_squares() {
-  PieceLayout layout = one_square();
-  for (int y = 16; y < 24; ++y) {
-    for (int x = 20; x < 28; ++x) layout[index_of(kSpace, {x, y, 0})] = 9;
-  }
-  return layout;
-}
-
-// The middle of a cell.
-Position3 at(int x, int y, double z_m = 0) {
-  return {(x - 15.5) * kCell_m, (y - 15.5) * kCell_m, z_m};
-}
-
-// A hand in a world on a board that takes its time: 25 MHz, two modules.
-class PieceWorldTest : public testing::Test {
- protected:
-  Result<std::unique_ptr<CamBoard>> open(MonotonicTime now) {
-    if (!slot_) return fail(Errc::NotFound, "no board is plugged in");
-    auto port = cambus::PciPort::open(slot_->open_window(), now);
-    if (!port) return tl::unexpected(port.error());
-    return std::make_unique<cambus::Board>(*std::move(port));
-  }
-  void plug_in() {
-    slot_ = std::make_unique<sim::cam::SimCamBoard>(
-        clock_, sim::cam::BoardOptions{.shape = {{2, 1, 1}, 9}, .window_bytes = 1 << 20});
-  }
-  ProbeMotion hold(Position3 hand, Duration time = milliseconds(20)) {
-    ProbeMotion motion;
-    for (const MonotonicTime end = clock_.now() + time; clock_.now() < end;) {
-      clock_.run_for(milliseconds(1));
-      motion = world_->move_probe(probe_, hand, milliseconds(1));
-    }
-    return motion;
-  }
-  std::optional<PieceOutcome> act(PieceAction action, Position3 hand) {
-    const auto number = world_->submit(action);
-    if (!number) return std::nullopt;
-    hold(hand, milliseconds(50));
-    const auto finished = world_->take_finished();
-    if (finished.size() != 1 || finished[0].number != *number) return std::nullopt;
-    return finished[0].outcome;
-  }
-  void SetUp() override { begin({.space = kSpace}); }
-  void begin(const PieceSettings& settings) {
-    begin({.pieces = settings, .source = "pieces"}, one_square());
-  }
-  void begin(const PieceWorldSettings& settings, PieceLayout layout) {
-    plug_in();
-    auto world = PieceWorld::create(
-        settings, [this](MonotonicTime now) { return open(now); }, std::move(layout), clock_);
-    ASSERT_TRUE(world) << world.error().message;
-    world_ = *std::move(world);
-    probe_ = world_->add_probe(at(16, 16)).value();
-  }
-
-  sim::VirtualClock clock_;
-  std::unique_ptr<sim::cam::SimCamBoard> slot_;
-  std::unique_ptr<PieceWorld> world_;
-  ProbeId probe_;
-};
+using PieceWorldTest = test::HandInWorld;
 
 TEST_F(PieceWorldTest, IsSilentUntilTheBoardHasAnswered) {
   EXPECT_TRUE(world_->move_probe(probe_, at(16, 16), milliseconds(1)).is_silent);
