@@ -35,10 +35,19 @@ using world::cam::PieceOutcome;
     case PieceOutcome::NothingHeld:
     case PieceOutcome::AlreadyHeld:
     case PieceOutcome::BoardFailed:
+    case PieceOutcome::NoBoard:
       return false;
     default:
       return true;
   }
+}
+
+// With the reason, where there is one that can still be seen.
+[[nodiscard]] std::string told(PieceOutcome outcome, const world::cam::PieceBoard& board) {
+  std::string text(to_string(outcome));
+  const bool is_boards = outcome == PieceOutcome::BoardFailed || outcome == PieceOutcome::NoBoard;
+  if (is_boards && board.trouble()) text += ": " + board.trouble()->message;
+  return text;
 }
 
 }  // namespace
@@ -86,9 +95,9 @@ void PieceActions::poll() {
         return one.world == host.get() && one.number == finished.number;
       });
       if (wait == waits_.end()) continue;
-      answers.emplace_back(
-          std::move(wait->answer),
-          api::PieceDone{std::string(to_string(finished.outcome)), is_done(finished.outcome)});
+      answers.emplace_back(std::move(wait->answer),
+                           api::PieceDone{told(finished.outcome, host->pieces()->board()),
+                                          is_done(finished.outcome)});
       waits_.erase(wait);
     }
   }
@@ -98,10 +107,11 @@ void PieceActions::poll() {
       ++wait;
       continue;
     }
-    const auto& trouble = wait->world->pieces()->board().trouble();
-    answers.emplace_back(std::move(wait->answer),
-                         fail(Errc::Timeout, "the board does not come to it" +
-                                                 (trouble ? ": " + trouble->message : "")));
+    const bool is_withdrawn = wait->world->pieces()->withdraw(wait->number);
+    answers.emplace_back(
+        std::move(wait->answer),
+        fail(Errc::Timeout, is_withdrawn ? "the board does not come to it, and it is not done"
+                                         : "the board is not ready with it; it may yet be done"));
     wait = waits_.erase(wait);
   }
   for (const auto& [answer, done] : answers) answer(done);

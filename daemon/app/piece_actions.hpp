@@ -9,8 +9,9 @@
 
 namespace thimble::app {
 
-// Takes what clients want done to pieces, and tells what came of it. A board that is away may keep
-// them waiting as long as it is: kPatience, then the answer is Timeout, and it may yet be done.
+// Takes what clients want done to pieces, and tells what came of it. A board that is slow may keep
+// them waiting: kPatience, then the answer is Timeout, and what was not begun is withdrawn; what
+// was may yet be done.
 //
 // Thread: the net plane's one thread. Not RT. Ownership: the runtime and the clock must outlive it.
 class PieceActions {

@@ -35,6 +35,8 @@ std::string_view to_string(PieceOutcome outcome) noexcept {
       return "a piece is held already";
     case PieceOutcome::BoardFailed:
       return "the board failed meanwhile";
+    case PieceOutcome::NoBoard:
+      return "the board does not work, so nothing was done";
   }
   return "unknown";
 }

@@ -35,6 +35,7 @@ enum class PieceOutcome : std::uint8_t {
   NothingHeld,   // to drop or delete
   AlreadyHeld,   // a piece: another one cannot be selected
   BoardFailed,   // and it is not known whether it was done; the world says how it is now
+  NoBoard,       // that works: it was not begun, nor will be
 };
 [[nodiscard]] std::string_view to_string(PieceOutcome outcome) noexcept;
 

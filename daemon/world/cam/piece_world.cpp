@@ -82,12 +82,20 @@ void PieceWorld::press(ProbeId probe, std::uint32_t buttons) noexcept {
 Result<std::uint64_t> PieceWorld::submit(PieceAction action) { return enqueue(action); }
 
 Result<std::uint64_t> PieceWorld::enqueue(std::optional<PieceAction> action) {
+  if (board_.trouble()) {
+    finished_.push_back({++last_number_, PieceOutcome::NoBoard});
+    return last_number_;
+  }
   if (waiting_.size() >= kMaxWaiting) {
     return fail(Errc::Busy,
                 info_.source + ": " + std::to_string(kMaxWaiting) + " actions wait for the board");
   }
   waiting_.push_back({++last_number_, action});
   return last_number_;
+}
+
+bool PieceWorld::withdraw(std::uint64_t number) {
+  return std::erase_if(waiting_, [&](const Waiting& one) { return one.number == number; }) > 0;
 }
 
 std::vector<PieceWorld::Finished> PieceWorld::take_finished() {
@@ -98,8 +106,8 @@ void PieceWorld::pump() {
   bool has_moved = false;  // one move a call: the hand is asked anew for the next
   while (true) {
     board_.pump(*clock_);
-    if (board_.trouble()) goal_.reset();
     note_end();
+    if (board_.trouble()) give_up();
     if (!board_.is_ready()) return;
     if (!waiting_.empty()) {
       begin_action();
@@ -123,6 +131,13 @@ void PieceWorld::note_end() {
   const CamAxes& grasp = board_.state().grasp;
   for (std::size_t axis = 0; axis < 3; ++axis) pressed_[axis] = sign((*goal_)[axis] - grasp[axis]);
   goal_.reset();
+}
+
+// What was asked of a board that failed was asked where the hand was then.
+void PieceWorld::give_up() {
+  goal_.reset();
+  for (const Waiting& one : waiting_) finished_.push_back({one.number, PieceOutcome::NoBoard});
+  waiting_.clear();
 }
 
 void PieceWorld::begin_action() {

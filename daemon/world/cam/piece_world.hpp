@@ -65,12 +65,17 @@ class PieceWorld final : public World {
   [[nodiscard]] Result<ProbeId> add_probe(Position3 hand) override;
   void remove_probe(ProbeId probe) noexcept override;
   // The first selects the piece that the hand presses, or drops the held one; the second deletes
-  // it. What does not fit into the queue is as if it had not been pressed.
+  // it. What does not fit into the queue is as if it had not been pressed, and so is what is
+  // pressed while the board has failed.
   void press(ProbeId probe, std::uint32_t buttons) noexcept override;
   ProbeMotion move_probe(ProbeId probe, Position3 hand, Duration dt) noexcept override;
 
   // To be done in their order. The number, from 1. Errors: Busy while kMaxWaiting wait.
+  // None outlives a failure of the board: those that wait come to an end with it, and what is asked
+  // while it lasts at once (NoBoard). Whoever asked has gone on, and the hand is elsewhere.
   [[nodiscard]] Result<std::uint64_t> submit(PieceAction action);
+  // Not to be done any more. False: it has begun, or is over.
+  bool withdraw(std::uint64_t number);
   // What came to an end since the last call.
   [[nodiscard]] std::vector<Finished> take_finished();
   // Goes on, hand or not.
@@ -95,6 +100,7 @@ class PieceWorld final : public World {
              const Clock& clock);
   [[nodiscard]] Result<std::uint64_t> enqueue(std::optional<PieceAction> action);
   void note_end();
+  void give_up();
   void begin_action();
   // Whether one was begun.
   [[nodiscard]] bool begin_move(MonotonicTime now);

@@ -17,6 +17,22 @@ class PieceSilence : public test::HandInWorld {
     hold(at(16, 16));
     ASSERT_EQ(hold(at(9, 15)).planes.size(), 1U) << "the piece's right face";
   }
+  // Away, until it is back with all that it held.
+  void lose_board(Position3 hand) {
+    hang(seconds(2));
+    hold(hand, milliseconds(1200));
+    ASSERT_TRUE(world_->board().trouble());
+  }
+  void find_board(Position3 hand) {
+    hold(hand, seconds(2));
+    ASSERT_FALSE(world_->board().trouble()) << world_->board().trouble()->message;
+    ASSERT_EQ(world_->board().counters().resets, 0U);
+  }
+  std::vector<PieceOutcome> outcomes() {
+    std::vector<PieceOutcome> outcomes;
+    for (const auto& finished : world_->take_finished()) outcomes.push_back(finished.outcome);
+    return outcomes;
+  }
 };
 
 TEST_F(PieceSilence, AMachineThatHangsWhileItsPageBeatsIsNotBelievedForLong) {
@@ -39,6 +55,48 @@ TEST_F(PieceSilence, AMachineThatGoesOnBeforeThePatienceIsOverIsFeltAgain) {
   EXPECT_FALSE(motion.is_silent);
   EXPECT_EQ(motion.planes.size(), 1U);
   EXPECT_EQ(world_->board().counters().failures, 0U);
+}
+
+TEST_F(PieceSilence, WhatIsPressedOrAskedWhileTheBoardIsAwayIsNotDoneWhenItComesBack) {
+  ASSERT_EQ(act(PieceAction::Select, at(9, 15)), PieceOutcome::Selected);
+  lose_board(at(9, 15));
+  world_->press(probe_, 1);
+  world_->press(probe_, 2);
+  ASSERT_TRUE(world_->submit(PieceAction::Delete));
+  EXPECT_EQ(outcomes(), std::vector(3, PieceOutcome::NoBoard)) << "at once";
+  find_board(at(9, 15));
+  EXPECT_EQ(world_->board().state().held, 7);
+  EXPECT_EQ(world_->board().state().sizes[7], 64U);
+  EXPECT_EQ(world_->board().counters().actions, 1U);
+}
+
+TEST_F(PieceSilence, WhatWaitsWhenTheBoardFailsIsNotDoneWhenItComesBack) {
+  ASSERT_EQ(act(PieceAction::Select, at(9, 15)), PieceOutcome::Selected);
+  ASSERT_TRUE(world_->submit(PieceAction::ToggleFree));
+  world_->pump();
+  for (int i = 0; i < 3; ++i) world_->press(probe_, 2);
+  lose_board(at(9, 15));
+  EXPECT_EQ(outcomes(), (std::vector{PieceOutcome::BoardFailed, PieceOutcome::NoBoard,
+                                     PieceOutcome::NoBoard, PieceOutcome::NoBoard}))
+      << "in the order in which they were asked for";
+  find_board(at(9, 15));
+  EXPECT_EQ(world_->board().state().held, 7);
+  ASSERT_EQ(act(PieceAction::Delete, at(9, 15)), PieceOutcome::Deleted) << "now it is";
+}
+
+TEST_F(PieceSilence, WhatIsWithdrawnIsNotDone) {
+  ASSERT_EQ(act(PieceAction::Select, at(9, 15)), PieceOutcome::Selected);
+  hang(milliseconds(500));
+  const auto begun = world_->submit(PieceAction::ToggleFree);
+  hold(at(9, 15), milliseconds(2));
+  const auto waiting = world_->submit(PieceAction::Delete);
+  ASSERT_TRUE(begun && waiting);
+  EXPECT_FALSE(world_->withdraw(*begun)) << "nobody knows what the board does";
+  EXPECT_TRUE(world_->withdraw(*waiting));
+  EXPECT_FALSE(world_->withdraw(*waiting));
+  hold(at(9, 15), seconds(1));
+  EXPECT_EQ(outcomes(), std::vector{PieceOutcome::FreeMotionOn});
+  EXPECT_EQ(world_->board().state().held, 7);
 }
 
 }  // namespace
