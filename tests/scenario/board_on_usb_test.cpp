@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -34,6 +35,7 @@ class BoardOnUsb : public testing::Test {
     loop_.run_until_leaning();
     ASSERT_TRUE(is_pushed());
     watch_.emplace(loop_);
+    watch_->see();
   }
   // What the hand pushes against is gone, and nothing else happens to it.
   void expect_let_go() {
@@ -64,6 +66,26 @@ TEST_F(BoardOnUsb, PulledOutDuringAProgramTheConstraintsFadeAndPluggedInTheyCome
     EXPECT_TRUE(is_pushed()) << "the wall is where it was";
     EXPECT_EQ(watch_->breach(), "");
   }
+}
+
+// Its memory had no power: the grasp point is in the middle at first, and the wall is not.
+TEST_F(BoardOnUsb, AHandThatWentThroughTheWallMeanwhileFeelsItAsAnyOther) {
+  const double pushed_newton = watch_->peak_motor_newton();
+  plug().unplug();
+  run(1);
+  expect_let_go();
+  const double beyond_m = loop_.frame().tip.x - 0.01;
+  ASSERT_GT(beyond_m, 0.005);
+  plug().replug();
+  double most_offset_m = 0;
+  loop_.run(1.5, [&] {
+    watch_->see();
+    most_offset_m = std::max(most_offset_m, norm(loop_.frame().offset));
+  });
+  EXPECT_TRUE(loop_.frame().is_in_contact);
+  EXPECT_LE(most_offset_m, beyond_m + 0.001);
+  EXPECT_LE(watch_->peak_motor_newton(), pushed_newton + 0.1);
+  EXPECT_EQ(watch_->breach(), "");
 }
 
 TEST_F(BoardOnUsb, StandingStillItIsGivenUp) {

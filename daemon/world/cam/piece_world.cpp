@@ -55,8 +55,7 @@ Result<ProbeId> PieceWorld::add_probe(Position3 hand) {
   if (probe_) return fail(Errc::Busy, info_.source + ": its one grasp point is taken");
   probe_ = ProbeId{++last_id_};
   hand_ = hand;
-  is_placing_ = true;
-  pressed_ = {};
+  begin_anew();
   return *probe_;
 }
 
@@ -126,16 +125,31 @@ void PieceWorld::note_end() {
   }
   // Put back to where they were, the grasp point is not where the hand is.
   const std::uint64_t resets = board_.counters().resets;
-  if (std::exchange(resets_seen_, resets) != resets) is_placing_ = true;
+  if (std::exchange(resets_seen_, resets) != resets) begin_anew();
   if (!board_.is_ready() || !goal_) return;
   const CamAxes& grasp = board_.state().grasp;
   for (std::size_t axis = 0; axis < 3; ++axis) pressed_[axis] = sign((*goal_)[axis] - grasp[axis]);
   goal_.reset();
+  has_looked_ = true;
+}
+
+// The grasp point is to be put where the hand is.
+void PieceWorld::begin_anew() noexcept {
+  is_placing_ = true;
+  forget_hand();
+}
+
+// What was felt is of another hand, or of a board that was another one then.
+void PieceWorld::forget_hand() noexcept {
+  goal_.reset();
+  last_try_.reset();
+  pressed_ = {};
+  has_looked_ = false;
 }
 
 // What was asked of a board that failed was asked where the hand was then.
 void PieceWorld::give_up() {
-  goal_.reset();
+  forget_hand();
   for (const Waiting& one : waiting_) finished_.push_back({one.number, PieceOutcome::NoBoard});
   waiting_.clear();
 }
@@ -146,9 +160,9 @@ void PieceWorld::begin_action() {
   under_way_ = next.number;
   const auto otherwise = board_.state().held != 0 ? PieceAction::Drop : PieceAction::Select;
   const PieceAction action = next.action.value_or(otherwise);
-  if (action == PieceAction::Reset) is_placing_ = true;
   last_try_.reset();
   board_.act(action, pressed_);
+  if (action == PieceAction::Reset) begin_anew();
 }
 
 bool PieceWorld::begin_move(MonotonicTime now) {
@@ -210,7 +224,7 @@ bool PieceWorld::is_overdue() const {
 
 ProbeMotion PieceWorld::motion() const {
   ProbeMotion motion{hand_, {}, board_.state().is_embedded};
-  if (board_.trouble() || is_overdue() || is_placing_ || board_.counters().moves == 0) {
+  if (board_.trouble() || is_overdue() || !has_looked_) {
     motion.is_silent = true;
     return motion;
   }

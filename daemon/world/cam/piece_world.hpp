@@ -26,7 +26,8 @@ struct PieceWorldSettings {
 // nothing holds the hand. The world has walls, though a held piece passes from edge to edge.
 //
 // A board takes its time: between two of its answers the last one holds, for kOverdue. After that,
-// and while the board has failed, the world is silent (ProbeMotion::is_silent).
+// while the board has failed, and until it has looked where the hand is now, the world is silent
+// (ProbeMotion::is_silent).
 //
 // Thread: one, the world's. Not RT: move_probe() plays step lists, and waits for none; a simulated
 // board scans in it. Ownership: the clock must outlive it.
@@ -100,6 +101,8 @@ class PieceWorld final : public World {
              const Clock& clock);
   [[nodiscard]] Result<std::uint64_t> enqueue(std::optional<PieceAction> action);
   void note_end();
+  void begin_anew() noexcept;
+  void forget_hand() noexcept;
   void give_up();
   void begin_action();
   // Whether one was begun.
@@ -123,6 +126,7 @@ class PieceWorld final : public World {
   bool is_placing_{false};  // the ghost starts at the hand, whatever is between
   std::uint64_t resets_seen_{0};
   std::optional<CamAxes> goal_;  // of the move under way: the hand's cell
+  bool has_looked_{false};       // for this hand, on the board as it is
   CamAxes pressed_{};            // by the hand, as the last answer has it: -1, 0, 1
   std::optional<Try> last_try_;
   MonotonicTime looked_at_{};

@@ -28,6 +28,13 @@ class PieceSilence : public test::HandInWorld {
     ASSERT_FALSE(world_->board().trouble()) << world_->board().trouble()->message;
     ASSERT_EQ(world_->board().counters().resets, 0U);
   }
+  // What it says once it says anything.
+  ProbeMotion first_word(Position3 hand) {
+    ProbeMotion motion{.is_silent = true};
+    for (int ms = 0; ms < 3000 && motion.is_silent; ++ms) motion = hold(hand, milliseconds(1));
+    EXPECT_FALSE(motion.is_silent);
+    return motion;
+  }
   std::vector<PieceOutcome> outcomes() {
     std::vector<PieceOutcome> outcomes;
     for (const auto& finished : world_->take_finished()) outcomes.push_back(finished.outcome);
@@ -82,6 +89,58 @@ TEST_F(PieceSilence, WhatWaitsWhenTheBoardFailsIsNotDoneWhenItComesBack) {
   find_board(at(9, 15));
   EXPECT_EQ(world_->board().state().held, 7);
   ASSERT_EQ(act(PieceAction::Delete, at(9, 15)), PieceOutcome::Deleted) << "now it is";
+}
+
+TEST_F(PieceSilence, TheFirstWordAfterAReturnIsOfWhereTheHandIsNow) {
+  lose_board(at(9, 15));
+  const ProbeMotion motion = first_word(at(25, 28));
+  EXPECT_TRUE(motion.planes.empty()) << "it is far from the face that it pressed before";
+  EXPECT_EQ(motion.ghost, at(25, 28));
+  EXPECT_EQ(world_->board().counters().resets, 0U);
+}
+
+TEST_F(PieceSilence, AHandThatWentOnMeanwhileFeelsTheSameFaceAfterAReturn) {
+  lose_board(at(9, 15));
+  const ProbeMotion motion = first_word(at(6, 15));
+  ASSERT_EQ(motion.planes.size(), 1U);
+  EXPECT_NEAR(motion.planes[0].offset_m, 4 * test::kCell_m, 1e-12);
+}
+
+TEST_F(PieceSilence, ABoardThatLostItsMemoryHasNoWallInTheMiddleOfTheSpace) {
+  hold(at(16, 16));
+  ASSERT_EQ(hold(at(33, 16)).planes.size(), 1U) << "the world's wall";
+  slot_->unplug();
+  hold(at(40, 16), milliseconds(300));
+  ASSERT_TRUE(world_->board().trouble());
+  plug_in();
+  const ProbeMotion motion = first_word(at(40, 16));
+  ASSERT_EQ(world_->board().counters().resets, 1U);
+  ASSERT_EQ(motion.planes.size(), 1U);
+  EXPECT_NEAR(motion.planes[0].offset_m, 0.045, 1e-12);
+}
+
+TEST_F(PieceSilence, AResetIsNotFeltBeforeTheHandHasItsPlaceAgain) {
+  hold(at(16, 16));
+  ASSERT_EQ(hold(at(33, 16)).planes.size(), 1U);
+  ASSERT_TRUE(world_->submit(PieceAction::Reset));
+  for (int us = 0; us < 30000; us += 100) {
+    clock_.run_for(std::chrono::microseconds(100));
+    const ProbeMotion motion = world_->move_probe(probe_, at(33, 16), milliseconds(1));
+    if (motion.is_silent) continue;
+    ASSERT_EQ(motion.planes.size(), 1U);
+    EXPECT_NEAR(motion.planes[0].offset_m, 0.045, 1e-12);
+  }
+  EXPECT_EQ(outcomes(), std::vector{PieceOutcome::WasReset});
+}
+
+TEST_F(PieceSilence, AnotherHandFeelsNothingOfTheOneBefore) {
+  world_->move_probe(probe_, at(9, 16), milliseconds(1));  // a move is under way
+  ASSERT_FALSE(world_->board().is_ready());
+  world_->remove_probe(probe_);
+  probe_ = world_->add_probe(at(25, 28)).value();
+  const ProbeMotion motion = first_word(at(25, 28));
+  EXPECT_TRUE(motion.planes.empty());
+  EXPECT_EQ(motion.ghost, at(25, 28));
 }
 
 TEST_F(PieceSilence, WhatIsWithdrawnIsNotDone) {
