@@ -1,5 +1,6 @@
 #include "daemon/world/cam/piece_board.hpp"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -46,6 +47,26 @@ namespace {
 // Gone, or not one for this world: what is opened next may be.
 bool never_heals(Errc code) {
   return code == Errc::Disconnected || code == Errc::InvalidArgument || code == Errc::TooLarge;
+}
+
+// Counters have 25 bits, and no scan of ours counts a cell twice.
+std::optional<Error> impossible_count(const CamAnswer& answer, const CamGeometry& space) {
+  for (const CamCounts& counts : answer.counts) {
+    const std::uint64_t most = *std::max_element(counts.begin(), counts.end());
+    if (most <= space.cells()) continue;
+    return Error{Errc::Malformed, "the board says what cannot be: it has counted " +
+                                      std::to_string(most) + " of " +
+                                      std::to_string(space.cells()) + " cells"};
+  }
+  return std::nullopt;
+}
+
+// Of a select, before the board is told to do it.
+std::optional<Error> impossible_piece(const PieceState& state) {
+  const int part = state.held_next.value_or(0);
+  if (part == 0 || state.sizes[static_cast<std::size_t>(part)] != 0) return std::nullopt;
+  return Error{Errc::Malformed, "the board says what cannot be: the hand is at piece " +
+                                    std::to_string(part) + ", and there is none"};
 }
 
 }  // namespace
@@ -105,6 +126,9 @@ bool PieceBoard::open(MonotonicTime now) {
 }
 
 bool PieceBoard::go_on(const CamAnswer* answer, MonotonicTime now) {
+  if (answer != nullptr) {
+    if (const auto why = impossible_count(*answer, settings_.space)) return fail_with(*why, now);
+  }
   if (phase_ == Phase::Reading) {
     CamCells cells = answer->cells.at(0);
     if (settings_.is_dynamic) take_particles(cells);  // they are no numbers of pieces
@@ -118,7 +142,12 @@ bool PieceBoard::go_on(const CamAnswer* answer, MonotonicTime now) {
     }
     return true;
   }
-  if (const auto steps = task_->next(answer)) return play(*steps, now);
+  const auto steps = task_->next(answer);
+  if (const auto why = impossible_piece(state_)) {
+    state_.held_next.reset();
+    return fail_with(*why, now);
+  }
+  if (steps) return play(*steps, now);
   end_task();
   return false;
 }

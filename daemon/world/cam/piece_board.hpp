@@ -26,6 +26,8 @@ struct PieceBoardCounters {
 // Pieces on a board of cellular automata, which is the only one to know where they are: the host
 // remembers what it confirmed (PieceState). Does one thing after the other, none of which waits.
 //
+// What a board counts is believed as far as it can be: more cells than there are, or a piece that
+// there is none of, is a failure.
 // A board that fails is tried again every kRetry, opened anew if it is gone, does not fit
 // the space or its programs, or was too late kMostTimeouts times in a row, and then what it holds
 // is read and made whole.

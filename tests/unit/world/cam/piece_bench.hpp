@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <memory>
 #include <utility>
 
@@ -17,6 +18,8 @@ namespace thimble::world::cam::test {
 struct Accident {
   std::uint64_t at_program{0};  // counted from 1; 0: never
   bool is_done{false};          // the board has done all of it, and nobody knows
+  // What a board makes of what it should have said; none: it says that.
+  std::function<void(CamAnswer&)> lie{};
 };
 
 // A board over a simulated slot that a test can read, and that fails when it is told to: as one
@@ -44,6 +47,7 @@ class WatchedBoard final : public CamBoard {
   }
   [[nodiscard]] Result<std::optional<CamAnswer>> poll(MonotonicTime now) override {
     auto answer = board_.poll(now);
+    if (answer && *answer && accident_->lie) accident_->lie(**answer);
     if (!is_struck_ || !answer || !*answer) return answer;
     has_failed_ = true;
     return fail(Errc::Timeout, "an accident");
@@ -97,8 +101,9 @@ class PieceBench {
     ADD_FAILURE() << (board_.trouble() ? board_.trouble()->message : "it is never ready");
   }
   void strike(std::uint64_t programs_from_now, bool is_done) {
-    accident_ = {watched_->programs() + programs_from_now, is_done};
+    accident_ = {watched_->programs() + programs_from_now, is_done, {}};
   }
+  void lie(std::function<void(CamAnswer&)> how) { accident_.lie = std::move(how); }
   [[nodiscard]] PieceBoard& board() noexcept { return board_; }
   // Of the machine, so far.
   [[nodiscard]] std::uint64_t clocks() { return slot_.board().machine().now_clocks(); }
