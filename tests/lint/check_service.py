@@ -85,8 +85,15 @@ _BOARD_NEEDS = {
     "PrivateNetwork=yes": "it talks to nobody but the daemon",
     "SystemCallFilter=~@privileged @resources": "the right that it has is that of mounting, too",
 }
-_BOARD_BOUNDS = {"TimeoutStartSec": "the daemon waits for it", "MemoryMax": "it maps one board"}
-_BOARD_REFUSED = {re.compile(r"^DeviceAllow="): "it opens none"}
+_BOARD_BOUNDS = {
+    "RuntimeMaxSec": "one that hangs keeps a connection of the socket",
+    "TimeoutStopSec": "one that does not end when told to, likewise",
+    "MemoryMax": "it maps one board",
+}
+_BOARD_REFUSED = {
+    re.compile(r"^DeviceAllow="): "it opens none",
+    re.compile(r"^Type=oneshot$"): "RuntimeMaxSec= bounds none of those",
+}
 
 
 class Unit(typing.NamedTuple):

@@ -36,7 +36,13 @@ class CheckService(PlantedTreeTest):
         self.assert_one_breach(self.breaches_with("CapabilityBoundingSet=CAP_SYS_ADMIN", "CapabilityBoundingSet=CAP_SYS_ADMIN CAP_SYS_RAWIO", BOARD),
                                "nothing it does needs more")
         self.assert_one_breach(self.breaches_with("[Service]", "[Service]\nDeviceAllow=char-hidraw rw", BOARD), "opens none")
-        self.assert_one_breach(self.breaches_with("TimeoutStartSec=5\n", "", BOARD), "daemon waits")
+
+    def test_refuses_a_helper_that_may_hang(self):
+        for line in ("RuntimeMaxSec=5\n", "TimeoutStopSec=5\n"):
+            with self.subTest(line):
+                self.assert_one_breach(self.breaches_with(line, "", BOARD), line.partition("=")[0], "keeps a connection" if "Run" in line else "likewise")
+        self.assert_one_breach(self.breaches_with("RuntimeMaxSec=5\n", "RuntimeMaxSec=infinity\n", BOARD), "RuntimeMaxSec")
+        self.assert_one_breach(self.breaches_with("[Service]", "[Service]\nType=oneshot", BOARD), "RuntimeMaxSec")
 
     def test_refuses_more_exposure(self):
         self.assert_one_breach(self.breaches_with("CapabilityBoundingSet=\n", ""), "exposure")
