@@ -78,6 +78,21 @@ void check_listeners(std::vector<Entry<WorldConfig>>& worlds) {
   }
 }
 
+// What root names is one slot: two worlds would ring the same doorbell.
+void check_board_in_slot(std::vector<Entry<WorldConfig>>& worlds) {
+  const WorldConfig* first = nullptr;
+  for (auto& [reader, world] : worlds) {
+    if (!world.pieces || world.pieces->board != PieceBoardKind::Pci) continue;
+    if (first != nullptr) {
+      // The world's own table knows "pieces", not what is below it.
+      reader.reject("pieces", "expected board = \"pci\" of one world only, found it of " +
+                                  in_quotes(first->name) + ", too; there is one board in a slot");
+    } else {
+      first = &world;
+    }
+  }
+}
+
 }  // namespace
 
 void check_relations(std::vector<Entry<ArmConfig>>& arms, std::vector<Entry<WorldConfig>>& worlds) {
@@ -87,6 +102,7 @@ void check_relations(std::vector<Entry<ArmConfig>>& arms, std::vector<Entry<Worl
   check_materials(arms, worlds);
   check_devices(arms);
   check_listeners(worlds);
+  check_board_in_slot(worlds);
 }
 
 }  // namespace thimble::config

@@ -94,6 +94,24 @@ TEST(ConfigPieces, TheirTableBesideAnotherSourceIsAMistake) {
               ElementsAre(AllOf(HasSubstr("world.0.pieces"), HasSubstr("\"box:3\""))));
 }
 
+std::string on_boards(const std::string& first, const std::string& second) {
+  const auto world = [](const std::string& name, const std::string& board) {
+    return "[[world]]\nname = \"" + name + "\"\nsource = \"pieces\"\npieces.board = \"" + board +
+           "\"\n";
+  };
+  return world("a", first) + world("b", second);
+}
+
+TEST(ConfigPieces, TheOneBoardInASlotIsOfOneWorld) {
+  EXPECT_THAT(mistakes(on_boards("pci", "pci")),
+              ElementsAre(AllOf(HasSubstr("world.1.pieces"), HasSubstr("found it of \"a\", too"))));
+  for (const char* other : {"usb", "sim", "sim-usb"}) {
+    EXPECT_TRUE(parse_text(on_boards("pci", other))) << other;
+    EXPECT_TRUE(parse_text(on_boards(other, "pci"))) << other;
+    EXPECT_TRUE(parse_text(on_boards(other, other))) << other << ": there may be as many";
+  }
+}
+
 struct BadPieces {
   const char* lines;
   const char* expected;
