@@ -1,6 +1,7 @@
 #include "board/board_bar.hpp"
 
 #include <fcntl.h>
+#include <sys/file.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -39,6 +40,13 @@ Result<void> enable(const std::filesystem::path& file) {
   return {};
 }
 
+// For as long as anybody has what was opened, open or mapped (flock(2)).
+Result<void> lock(const Descriptor& node, const std::string& name) {
+  if (::flock(node.get(), LOCK_EX | LOCK_NB) == 0) return {};
+  if (errno == EWOULDBLOCK) return fail(Errc::Busy, name + ": somebody else has this board");
+  return tl::unexpected(system_error(name, errno));
+}
+
 }  // namespace
 
 Result<PciBar> parse_bar(std::string_view slot, std::string_view number) {
@@ -59,6 +67,9 @@ Result<Descriptor> open_board(const std::filesystem::path& devices, const PciBar
   const std::filesystem::path file = device / ("resource" + std::to_string(bar.number));
   Descriptor node(::open(file.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW));
   if (node.get() < 0) return tl::unexpected(system_error(file.string(), errno));
+  if (Result<void> locked = lock(node, file.string()); !locked) {
+    return tl::unexpected(locked.error());
+  }
   const auto window = linux::MappedWindow::map(node, file.string());
   if (!window) return tl::unexpected(window.error());
   std::uint32_t magic = 0;

@@ -20,9 +20,11 @@ struct PciBar {
 [[nodiscard]] Result<PciBar> parse_bar(std::string_view slot, std::string_view number);
 
 // Makes the device answer to its memory, and opens the BAR for reading and writing once a CAM board
-// stands behind it (docs/cambus.md, section 6). `devices`: /sys/bus/pci/devices.
-// Thread: any, not RT. Errors: NotMine where no board answers, which may come yet; Permission,
-// NotFound, System, InvalidArgument and TooLarge of the file.
+// stands behind it (docs/cambus.md, section 6). Nobody else is given it meanwhile: the file is
+// locked until whoever got it has neither it nor its memory any more. `devices`:
+// /sys/bus/pci/devices.
+// Thread: any, not RT. Errors: NotMine where no board answers, which may come yet; Busy, it was
+// given to somebody else; Permission, NotFound, System, InvalidArgument and TooLarge of the file.
 [[nodiscard]] Result<linux::Descriptor> open_board(const std::filesystem::path& devices,
                                                    const PciBar& bar);
 

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <future>
 #include <iterator>
+#include <memory>
 #include <random>
 #include <thread>
 
@@ -98,6 +99,20 @@ TEST_F(BoardInASlot, IsSwitchedOnOnceAndOpened) {
     write("enable", "1, untouched");
   }
   EXPECT_EQ(enable(), "1, untouched");
+}
+
+TEST_F(BoardInASlot, IsGivenToNobodyElseWhileItsMemoryIsUsed) {
+  auto node = std::make_unique<Descriptor>(open_board(devices, bar).value());
+  EXPECT_EQ(open_board(devices, bar).error().code, Errc::Busy);
+  auto window = linux::MappedWindow::map(*node, "it");
+  ASSERT_TRUE(window);
+  node.reset();
+  const auto other = open_board(devices, bar);
+  ASSERT_FALSE(other);
+  EXPECT_EQ(other.error().code, Errc::Busy);
+  EXPECT_NE(other.error().message.find("somebody else"), std::string::npos);
+  window->reset();
+  EXPECT_TRUE(open_board(devices, bar));
 }
 
 TEST_F(BoardInASlot, MemoryBehindWhichNoBoardAnswersIsNotHandedOut) {
