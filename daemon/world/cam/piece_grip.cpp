@@ -110,6 +110,7 @@ class Deposit final : public PieceTask {
   [[nodiscard]] CamSteps deposit() {
     phase_ = Phase::Depositing;
     context_.state.held_next = 0;
+    context_.state.is_deleting = is_deleted_;
     CamSteps steps;
     add_with_table(steps, context_.tables.deposit, is_deleted_ ? 0 : context_.state.held);
     steps.pop_back();  // the table's counts mean nothing
@@ -121,6 +122,7 @@ class Deposit final : public PieceTask {
     state.held_next.reset();
     const auto part = static_cast<std::size_t>(state.held);
     state.boxes[part] = shape_box(context_);
+    state.is_deleting = false;
     if (is_deleted_) state.sizes[part] = 0;
     state.held = 0;
     state.is_embedded = overlaps(answer);

@@ -38,7 +38,9 @@ struct Found {
   for (int part = 1; part <= kMostPieces; ++part) {
     const auto n = static_cast<std::size_t>(part);
     if (found.sizes[n] == (part == held ? 0 : state.sizes[n])) continue;
-    const bool is_deleted = has_let_go && part == state.held && found.sizes[n] == 0;
+    // Of a drop it is a loss: half a scan, or no power in the middle of it.
+    const bool is_deleted =
+        has_let_go && state.is_deleting && part == state.held && found.sizes[n] == 0;
     if (!is_deleted) return false;
   }
   if (has_let_go) {
@@ -95,6 +97,7 @@ bool repair(CamCells& cells, PieceState& state, const PieceSettings& settings) {
   if (!held || !agrees(found, *held, state)) return false;
   state.held = *held;
   state.held_next.reset();
+  state.is_deleting = false;
   state.boxes = boxes_of(settings.space, resting(cells, *held));
   for (std::uint16_t& bits : cells) bits &= kPart | kOrigin;
   if (state.held != 0) {

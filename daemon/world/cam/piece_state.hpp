@@ -68,6 +68,7 @@ struct PieceState {
   // A program under way that changes which piece is held: what it will be. Its failure leaves open
   // whether it was done.
   std::optional<int> held_next{};
+  bool is_deleting{false};  // likewise: it deletes the held piece
   bool operator==(const PieceState&) const = default;
 };
 
