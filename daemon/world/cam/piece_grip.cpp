@@ -11,13 +11,16 @@ class Select final : public PieceTask {
  public:
   Select(const PieceContext& context, const CamAxes& pressed)
       : context_(context), start_(context.state.grasp) {
-    // Where it lies, then along each axis that the hand presses.
+    // Where it lies, then along each axis that the hand presses; what lies beyond the world's wall
+    // is at its other end.
+    const CamAxes cells = cells_along(context.settings.space);
     places_.push_back({});
     for (std::size_t axis = 0; axis < 3; ++axis) {
       if (pressed[axis] == 0) continue;
       CamAxes place{};
       place[axis] = pressed[axis] < 0 ? -1 : 1;
-      places_.push_back(place);
+      const int there = start_[axis] + place[axis];
+      if (there >= 0 && there < cells[axis]) places_.push_back(place);
     }
   }
   [[nodiscard]] std::optional<CamSteps> next(const CamAnswer* before) override {

@@ -149,6 +149,18 @@ TEST_F(PieceWorldTest, AButtonSelectsWhatIsPressedAndDropsIt) {
   EXPECT_EQ(finished[0].outcome, PieceOutcome::NothingHeld);
 }
 
+// The space is a torus to the board, and has walls to the hand.
+TEST_F(PieceWorldTest, AHandAtTheWorldsWallSelectsNothingThroughIt) {
+  PieceLayout layout(kSpace.cells());
+  for (int y = 24; y < 32; ++y) layout[index_of(kSpace, {0, y, 0})] = 5;
+  begin({.pieces = {.space = kSpace}}, layout);
+  hold(at(16, 31));
+  ASSERT_EQ(hold(at(33, 31)).planes.size(), 1U);
+  EXPECT_EQ(act(PieceAction::Select, at(33, 31)), PieceOutcome::NothingThere);
+  EXPECT_EQ(world_->board().state().held, 0);
+  EXPECT_EQ(world_->board().state().grasp, (CamAxes{31, 31, 0}));
+}
+
 TEST_F(PieceWorldTest, ActionsAreDoneWithoutAHandAndInTheirOrder) {
   world_->remove_probe(probe_);
   const PieceAction actions[] = {PieceAction::Drop, PieceAction::ToggleFree, PieceAction::Reset};
