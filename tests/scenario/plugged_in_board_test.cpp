@@ -33,8 +33,9 @@ class PluggedInBoard : public testing::Test, protected test::TwoRealArms {
     motion_ = sim::HandMotion::Still;
     plug(kLeft);
   }
-  void plug_board(const bus::DeviceAddress& address, int log2_sites) {
-    const sim::cam::BoardOptions options{.shape = {{1, 1, 1}, log2_sites}};
+  void plug_board(const bus::DeviceAddress& address, int log2_sites,
+                  std::uint32_t clock_hz = 25'000'000) {
+    const sim::cam::BoardOptions options{.shape = {{1, 1, 1}, log2_sites}, .clock_hz = clock_hz};
     auto model = std::make_unique<sim::cam::CamUsbModel>(options);
     model_ = model.get();
     ASSERT_TRUE(plugs_.plug(address, std::move(model)));
@@ -55,8 +56,11 @@ class PluggedInBoard : public testing::Test, protected test::TwoRealArms {
     push({});
     run(s);
     EXPECT_EQ(trouble(), "");
-    push({4.5, 0, 0});
-    run(1);
+    // No faster than a slow board's answers come: the wall is where it is, and not later.
+    for (int tenths = 1; tenths <= 20; ++tenths) {
+      push({4.5 * tenths / 20, 0, 0});
+      run(0.1);
+    }
     EXPECT_TRUE(is_pushed());
     expect_well();
   }
@@ -119,6 +123,28 @@ TEST_F(PluggedInBoard, WhoseMachineHangsLetsGoLongBeforeItIsGivenUp) {
   run(0.5);
   ASSERT_TRUE(plugs_.replug(kPlug));
   expect_felt_after(kFound_s);
+}
+
+// A scan of 64 x 64 cells takes 2 ms then: what began within the last tick is not over.
+TEST_F(PluggedInBoard, PulledOutWhileItsMachineScansLetsGoAndIsFeltAgain) {
+  plug_board(kPlug, 16, 2'000'000);
+  auto large = kDesk;
+  large.emplace_back("world.pieces.cells=64");
+  start(large);
+  expect_felt_after(kFound_s);
+  for (int i = 0; i < 3; ++i) {
+    const std::uint64_t scans = machine().counters().scans;
+    for (int ms = 0; ms < 500 && machine().counters().scans == scans; ++ms) tick();
+    ASSERT_EQ(machine().counters().scans, scans + 1) << "it looks, by one scan";
+    ASSERT_EQ(trouble(), "");
+    ASSERT_TRUE(plugs_.unplug(kPlug));
+    run(0.5);
+    EXPECT_EQ(norm(frame(kLeft).force), 0);
+    EXPECT_NE(trouble(), "");
+    expect_well();
+    ASSERT_TRUE(plugs_.replug(kPlug));
+    expect_felt_after(kFound_s);
+  }
 }
 
 TEST_F(PluggedInBoard, NobodyWaitsForTheKernelThatOpensIt) {
