@@ -108,7 +108,7 @@ TEST_F(PluggedInBoard, TooSmallForTheWorldIsPassedOverForTheNext) {
 // A list that never ends, as far as a host can tell; the page goes on beating.
 TEST_F(PluggedInBoard, WhoseMachineHangsLetsGoLongBeforeItIsGivenUp) {
   plug_board(kPlug, 16);
-  start(kPieces);
+  start(kDesk);
   expect_felt_after(kFound_s);
   constexpr std::uint64_t kClocksOfAMinute = 60 * 25'000'000ULL;
   machine().spend(kClocksOfAMinute);
