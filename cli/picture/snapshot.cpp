@@ -45,6 +45,15 @@ double place_of(double at_m, const api::WorldStatus& world, double times, std::s
   return (at_m / world.cell_m + 0.5 * world.cells[axis]) * times - 0.5;
 }
 
+// The middle of the cell.
+std::array<double, 3> grasp_point(const api::PiecesStatus& pieces, double times) {
+  std::array<double, 3> center{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    center[axis] = (pieces.grasp_cell[axis] + 0.5) * times - 0.5;
+  }
+  return center;
+}
+
 void add_ball(ColorVolume& volume, const std::array<double, 3>& center) {
   const std::size_t longest = *std::max_element(volume.cells.begin(), volume.cells.end());
   const double radius = std::max(1.25, static_cast<double>(longest) / 64);
@@ -82,8 +91,13 @@ Result<Picture> take(cli::Client& client, const std::string& name) {
   if (!body) return tl::unexpected(body.error());
   const auto cells = cli::parse_cells(*body);
   if (!cells) return tl::unexpected(cells.error());
+  // Once more, as new as the cells: these may have been waited for.
+  const auto as_new = cli::ask_status(client);
+  if (!as_new) return tl::unexpected(as_new.error());
+  const auto there = cli::find_world(*as_new, world->name);
+  if (!there) return tl::unexpected(there.error());
   ColorVolume volume = volume_of(*cells);
-  add_fingers(volume, cells->every, *world, *status);
+  add_fingers(volume, cells->every, *there, *as_new);
   const std::size_t longer = std::max(volume.cells[0], volume.cells[1]);
   return render(volume, std::max<std::size_t>(1, kLeastPixels / longer));
 }
@@ -121,6 +135,7 @@ void add_fingers(ColorVolume& volume, std::uint32_t every, const api::WorldStatu
   const std::size_t shown = (world.cells[longest] + every - 1) / every;
   if (shown == 0) return;
   const double times = static_cast<double>(volume.cells[longest] / shown) / every;
+  if (world.pieces) return add_ball(volume, grasp_point(*world.pieces, times));
   for (const api::ArmStatus& arm : status.arms) {
     if (arm.world != world.name) continue;
     std::array<double, 3> center{};

@@ -14,9 +14,9 @@ namespace thimble::picture {
 // large. One whose front is full is cut in the middle: its front half is left away.
 [[nodiscard]] ColorVolume volume_of(const cli::WorldCells& cells);
 
-// Draws the fingers of arms in `world` as white balls: where the hand is with its coordinate
-// offset, as each arm had it last.
-// `every` as WorldCells has it.
+// Draws fingers as white balls. In a world with pieces it is the grasp point, where its board has
+// it: where the hand was one round trip ago, and what was in its way held it. In others: where the
+// hand of each arm in `world` is now, with its coordinate offset. `every` as WorldCells has it.
 void add_fingers(ColorVolume& volume, std::uint32_t every, const api::WorldStatus& world,
                  const api::Status& status);
 

@@ -194,6 +194,23 @@ TEST(Snapshot, FingersAreWhereTheirHandsAreWithTheirOffsets) {
   EXPECT_EQ(plane.colors[6 + 8 * 4], 7);
 }
 
+TEST(Snapshot, AmongPiecesTheFingerIsWhereTheBoardHasTheGraspPointAndNotWhereTheHandIsNow) {
+  api::Status status;
+  status.worlds.push_back({.name = "w", .source = "pieces", .cells = {8, 8, 8}, .cell_m = 0.01});
+  status.worlds[0].pieces = api::PiecesStatus{.grasp_cell = {6, 4, 0}};
+  status.arms.resize(1);
+  status.arms[0].world = "w";
+  status.arms[0].position_m = {-0.035, -0.035, 0.035};  // it has gone on
+  ColorVolume volume{{8, 8, 8}, std::vector<std::uint8_t>(512)};
+  add_fingers(volume, 1, status.worlds[0], status);
+  EXPECT_EQ(std::count(volume.colors.begin(), volume.colors.end(), 7), 1 + 5);
+  EXPECT_EQ(volume.colors[6 + 8 * 4], 7);
+  ColorVolume large{{64, 64, 64}, std::vector<std::uint8_t>(64 * 64 * 64)};
+  add_fingers(large, 1, status.worlds[0], status);
+  EXPECT_EQ(large.colors[52 + 64 * (36 + 64 * 4)], 7) << "the middle of the cell";
+  EXPECT_EQ(large.colors[0], 0);
+}
+
 TEST(Snapshot, FingersAreWhereTheyAreAmongCellsDrawnLargeAndAmongThinnedOnes) {
   api::Status status;
   status.worlds.push_back({.name = "w", .source = "box", .cells = {4, 4, 4}, .cell_m = 0.01});
