@@ -110,7 +110,7 @@ TEST_P(OnAnyBoard, NeitherTheScanModeNorTheBankChangesWhatComesOut) {
       bench.put(first);
       for (int i = 0; i < loads; ++i) bench.load(rule_of);
       StepListBuilder builder;
-      builder.write(bench.space().scan_format().set(field::kScanMode, mode));
+      builder.write(bench.space().scan_format(bench.space().whole()).set(field::kScanMode, mode));
       bench.play(builder.finish());
       bench.step({{layers(0, 6), {1, -1, 0}}, {layers(7, 15), {-2, 0, 0}}}, 2);
       const Cells after = bench.get();

@@ -15,7 +15,7 @@ StepList by_rows(const CamSpace& space) {
   const auto sweep = static_cast<std::uint32_t>(std::min(12, space.log2_sector_sites()));
   const std::uint32_t clocks = (1U << sweep) + 40;
   StepListBuilder builder;
-  builder.write(space.scan_format()
+  builder.write(space.scan_format(space.whole())
                     .set(field::kEndOfSweep, sweep)
                     .set(field::kSweepsBetweenRefresh, std::max(1U, 390 / clocks))
                     .set(field::kRefreshLength, std::min(31U, clocks / 390 + 1)));
