@@ -206,8 +206,8 @@ class Stroke {
 
 std::vector<CamLatencyCase> cam_latency_cases(int clock_mhz) {
   using Kind = pieces::SearchKind;
-  constexpr CamAxes kPlane{9, 9, 0};
-  constexpr CamAxes kSpace{6, 6, 6};
+  static constexpr CamAxes kPlane{9, 9, 0};
+  static constexpr CamAxes kSpace{6, 6, 6};
   constexpr int kWide = 1 << (kPlane[0] - kSpace[0]);
   // SOURCE: ours; a piece as wide as random_layout() makes them with some hundred of them.
   constexpr int kPiece = 32;
