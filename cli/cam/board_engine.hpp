@@ -43,8 +43,11 @@ class BoardEngine final : public sim::cam::Engine {
     machine_.wait_for_scan();
     return machine_.now_clocks();
   }
-  // Registers that were set to what the simulated board does not do.
+  // What the simulated board was told and does not do.
   [[nodiscard]] std::uint64_t unmodelled() const noexcept { return machine_.counters().unmodelled; }
+  [[nodiscard]] const std::vector<sim::cam::UnmodelledTouch>& unmodelled_touches() const noexcept {
+    return machine_.unmodelled_touches();
+  }
   // Sends a bank's table, if it is not the one in force: steps do so themselves.
   [[nodiscard]] Result<void> show_table(std::size_t bank);
 

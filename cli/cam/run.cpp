@@ -35,6 +35,7 @@ Result<PlaneCounts> take_steps(Engine& engine, const Rule& rule, std::uint64_t s
 struct BoardTime {
   std::uint64_t clocks{0};
   std::uint64_t unmodelled{0};
+  std::vector<sim::cam::UnmodelledTouch> touches;
 };
 
 Result<BoardTime> time_of(const Rule& rule, const SiteSpace& space, const RunOptions& options) {
@@ -45,7 +46,8 @@ Result<BoardTime> time_of(const Rule& rule, const SiteSpace& space, const RunOpt
   const std::uint64_t before = (*board)->clocks();
   const auto taken = take_steps(**board, rule, options.steps, false);
   if (!taken) return tl::unexpected(taken.error());
-  return BoardTime{(*board)->clocks() - before, (*board)->unmodelled()};
+  return BoardTime{(*board)->clocks() - before, (*board)->unmodelled(),
+                   (*board)->unmodelled_touches()};
 }
 
 Result<std::unique_ptr<Engine>> make_engine(const SiteSpace& space, const RunOptions& options) {
@@ -67,6 +69,16 @@ Result<std::unique_ptr<Engine>> make_engine(const SiteSpace& space, const RunOpt
 }
 
 }  // namespace
+
+std::string log_of(const std::vector<sim::cam::UnmodelledTouch>& touches) {
+  std::string log;
+  for (const sim::cam::UnmodelledTouch& touch : touches) {
+    log += "the simulated board does not model what register '" +
+           std::string(cambus::facts_of(touch.of).name) + "' was set to at clock " +
+           std::to_string(touch.at_clocks) + "\n";
+  }
+  return log;
+}
 
 Result<SiteSpace> parse_size(const std::string& text) {
   SiteSpace space;
@@ -110,6 +122,7 @@ Result<RunReport> run_world(const Rule& rule, const SiteSpace& space, const RunO
   if (const auto board = time_of(rule, space, options)) {
     report.board_clocks = board->clocks;
     report.unmodelled = board->unmodelled;
+    report.unmodelled_touches = board->touches;
   }
   report.sites.resize(space.sites());
   if (const auto got = (*engine)->get(report.sites); !got) return tl::unexpected(got.error());

@@ -10,6 +10,7 @@
 #include "drivers/cambus/cambus_registers.hpp"
 #include "hal/base/result.hpp"
 #include "hal/base/time.hpp"
+#include "sim/model/cam/cam_machine.hpp"
 #include "sim/model/cam/engine/engine.hpp"
 #include "sim/model/cam/rules/rule.hpp"
 
@@ -43,7 +44,8 @@ struct RunReport {
   std::string kernels{};                        // the instruction set; empty for the board
   std::optional<std::uint64_t> board_clocks{};  // of the steps alone; none: no such board
   std::uint64_t unmodelled{0};  // of what that board was told, without effect on a simulated one
-  double host_s{0};             // of the steps alone
+  std::vector<sim::cam::UnmodelledTouch> unmodelled_touches{};
+  double host_s{0};  // of the steps alone
   std::vector<std::uint16_t> sites{};
 };
 
@@ -54,6 +56,9 @@ struct RunReport {
 // Errors: one sentence that names what was wrong.
 [[nodiscard]] Result<RunReport> run_world(const Rule& rule, const sim::cam::SiteSpace& space,
                                           const RunOptions& options, const Clock& clock);
+
+// A line each, for a person: which register, and when by the board's clock.
+[[nodiscard]] std::string log_of(const std::vector<sim::cam::UnmodelledTouch>& touches);
 
 // Sites as a file by the end of its name: .npy (16-bit numbers, [x, y, z]) or .rle (of a world in a
 // plane: its cells, or the sites with anything of the rule's matter). Errors: InvalidArgument.

@@ -100,6 +100,7 @@ int run_run(const RunOptions& options, const Clock& clock) {
               << cli::plain(report.error().message) << '\n';
     return cli::kExitRefused;
   }
+  std::cerr << log_of(report->unmodelled_touches);
   if (options.is_json) {
     print_json(options, *report);
   } else {

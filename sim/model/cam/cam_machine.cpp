@@ -51,7 +51,9 @@ void CamMachine::note_effect(Register of, std::span<const std::uint16_t> words) 
                            : of == Register::Environment
                                ? is_zero(field::kEnvironment[0], field::kEnvironment[5])
                                : of != Register::Multi;
-  if (!is_modelled) ++counters_.unmodelled;
+  if (is_modelled) return;
+  ++counters_.unmodelled;
+  if (touches_.size() < kMostTouches) touches_.push_back({now_, of});
 }
 
 std::vector<std::size_t> CamMachine::selected() const {

@@ -21,6 +21,13 @@ struct CamCounters {
   bool operator==(const CamCounters&) const = default;
 };
 
+// A register was set to what has effects that are not modelled.
+struct UnmodelledTouch {
+  std::uint64_t at_clocks{0};
+  cambus::Register of{};
+  bool operator==(const UnmodelledTouch&) const = default;
+};
+
 // How bits move: as in cam_scan.hpp, site by site; or as in plane_scan.hpp wherever that can.
 enum class Scanning : std::uint8_t { SiteBySite, Fast };
 
@@ -51,6 +58,11 @@ class CamMachine {
   [[nodiscard]] bool is_scanning() const noexcept { return hangs_ || scan_end_ > now_; }
   [[nodiscard]] bool has_interrupt() const noexcept;
   [[nodiscard]] const CamCounters& counters() const noexcept { return counters_; }
+  // The first of them; of others only the count is kept.
+  static constexpr std::size_t kMostTouches = 64;
+  [[nodiscard]] const std::vector<UnmodelledTouch>& unmodelled_touches() const noexcept {
+    return touches_;
+  }
 
   // An injected fault: what is never wrong here (parity, contention, a skewed scan) or has no wire
   // (multi, external). The module flags this interrupt, a bit of register 26; where it is enabled,
@@ -84,6 +96,7 @@ class CamMachine {
   bool hangs_{false};
   bool moves_bits_{true};
   CamCounters counters_;
+  std::vector<UnmodelledTouch> touches_;
 };
 
 }  // namespace thimble::sim::cam

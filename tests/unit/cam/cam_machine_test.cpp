@@ -63,6 +63,22 @@ TEST(CamMachine, WhatProgramsSetUpIsModelledAndIsNotCounted) {
   EXPECT_EQ(sut.counters().unmodelled, 2U);
   send(sut, default_words(Register::Multi));
   EXPECT_EQ(sut.counters().unmodelled, 3U);
+
+  const auto& touches = sut.unmodelled_touches();
+  ASSERT_EQ(touches.size(), 3U);
+  EXPECT_EQ(touches[0].of, Register::Environment);
+  EXPECT_EQ(touches[1].of, Register::FlySrc);
+  EXPECT_EQ(touches[2].of, Register::Multi);
+  EXPECT_LT(touches[0].at_clocks, touches[1].at_clocks);
+}
+
+TEST(CamMachine, OfWhatIsNotModelledTheFirstTouchesAreKeptAndAllAreCounted) {
+  CamMachine sut({{1, 1, 1}, 6});
+  select_all(sut);
+  const std::uint64_t most = CamMachine::kMostTouches;
+  for (std::uint64_t i = 0; i <= most; ++i) send(sut, default_words(Register::Multi));
+  EXPECT_EQ(sut.counters().unmodelled, most + 1);
+  EXPECT_EQ(sut.unmodelled_touches().size(), most);
 }
 
 TEST(CamMachine, AfterAResetOneModuleIsMarkedAndAllIsZero) {

@@ -75,6 +75,15 @@ TEST_F(RunWorldTest, OnlyFastEnginesHaveSeveralThreads) {
   EXPECT_EQ(run(options).error().message, "the reference engine has one thread");
 }
 
+TEST(LogOfTheBoard, NamesEachRegisterAndItsClock) {
+  using cambus::Register;
+  EXPECT_EQ(log_of({}), "");
+  EXPECT_EQ(
+      log_of({{120, Register::Multi}, {7000, Register::FlySrc}}),
+      "the simulated board does not model what register 'multi' was set to at clock 120\n"
+      "the simulated board does not model what register 'fly-src' was set to at clock 7000\n");
+}
+
 TEST_F(RunWorldTest, TheSeedDecides) {
   RunOptions options{.world = "life", .size = "64x64", .steps = 3, .seed = 1};
   const auto first = run(options).value().sites;
