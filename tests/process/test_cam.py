@@ -102,7 +102,7 @@ class Latencies(ProcessTest):
             self.assertLessEqual(abs(off), 10, name)
             self.assertAlmostEqual(float(offset_mm), 0.2 * float(latency_ms), delta=0.1, msg=name)
         cells, host_ms = re.search(r" (\d+) cells of the plane an update, ([\d.]+) ms of host", shown.stdout).groups()
-        self.assertEqual(len(re.findall(r"(?m)^64\^3, 8 boards.* \d", shown.stdout)), 4)
+        self.assertEqual(len(re.findall(r"(?m)^64\^3, 8 boards.* \d", shown.stdout)), 5)
         self.assertRegex(shown.stdout, r"(?m)^8 boards, trail .* \d")
         slower = self.run_program("thimble", "lab", "cam-latency", "--clock-mhz", "20")
         self.assertEqual((slower.returncode, slower.stderr), (0, ""))
