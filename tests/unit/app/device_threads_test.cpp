@@ -82,6 +82,7 @@ TEST_F(DeviceThreadsTest, ABoardOfAWorldHasOneOfItsOwnWhateverAnArmIsCalled) {
   EXPECT_EQ(sut->late_after(std::chrono::milliseconds(1), clock),
             std::vector<std::string>{"the board of world 'left'"});
   answer.set_value();
+  sut.reset();  // what waits for the answer is over before the answer goes
 }
 
 TEST_F(DeviceThreadsTest, WhatIsSimulatedHasNone) {
