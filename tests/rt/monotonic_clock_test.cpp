@@ -76,7 +76,10 @@ TEST(MonotonicClock, ASignalDoesNotEndTheSleepEarly) {
 // A suspended machine is one whose boot-time clock ran on and whose CLOCK_MONOTONIC did not: so it
 // is in a time namespace that shifts the former alone, for whoever is born in it.
 std::string seconds_after_a_suspension(int suspended_s) {
-  if (::unshare(CLONE_NEWUSER | CLONE_NEWTIME) != 0) return "no time namespace";
+  // Whoever may do the former needs no user namespace, which takes a process of one thread.
+  const bool has_one =
+      ::unshare(CLONE_NEWTIME) == 0 || ::unshare(CLONE_NEWUSER | CLONE_NEWTIME) == 0;
+  if (!has_one) return "no time namespace";
   std::ofstream offsets("/proc/self/timens_offsets");
   offsets << "boottime " << suspended_s << " 0\n";
   if (!offsets.flush()) return "no offset";
