@@ -84,7 +84,8 @@ void BlockTeam::stand_by(std::size_t member) {
 bool BlockTeam::await_scan(std::uint64_t last) {
   for (int look = 0; look < kLooks && scans_ == last; ++look) pause();
   std::unique_lock lock(mutex_);
-  called_.wait(lock, [&] { return scans_ != last; });
+  // The end may have come with a scan that this member saw before it.
+  called_.wait(lock, [&] { return is_over_ || scans_ != last; });
   return !is_over_;
 }
 
