@@ -39,9 +39,10 @@ void add_separate(CLI::App& app, int& code) {
       "separate", "Move interlocking pieces at random until all are apart (thesis 4.2.1)");
   separate->add_option("--seed", said->seed, "Of the pieces and the moves")->capture_default_str();
   separate
-      ->add_option("--write", said->write,
-                   "The pieces before they are moved, to a file for world.pieces.layout: .npy or "
-                   ".nrrd")
+      ->add_option(
+          "--write", said->write,
+          "Instead: the pieces before they are moved, to a file for world.pieces.layout: .npy or "
+          ".nrrd")
       ->type_name("FILE");
   separate->callback([&code, said] { code = run_separate(said->seed, said->write); });
 }
@@ -80,6 +81,8 @@ int run_separate(std::uint64_t seed, const std::string& write) {
       std::cerr << "thimble: " << cli::plain(written.error().in(write).message) << '\n';
       return kExitRefused;
     }
+    std::cout << "the pieces are written to " << cli::plain(write) << '\n';
+    return kExitOk;
   }
   const auto report = lab::report_separator(seed);
   if (!report) {

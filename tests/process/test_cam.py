@@ -69,7 +69,7 @@ class Separating(ProcessTest):
     def test_the_layout_of_the_example_is_what_they_begin_with(self):
         file = self.folder / "layout.npy"
         shown = self.run_program("thimble", "lab", "separate", "--seed", "1", "--write", file)
-        self.assertEqual((shown.returncode, shown.stderr), (0, ""))
+        self.assertEqual((shown.returncode, shown.stdout, shown.stderr), (0, f"the pieces are written to {file}\n", ""))
         self.assertEqual(file.read_bytes(), (ROOT / "examples/interlocking.npy").read_bytes())
 
     def test_where_no_layout_can_be_written_nothing_is_moved(self):
