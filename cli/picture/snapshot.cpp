@@ -134,7 +134,8 @@ void add_fingers(ColorVolume& volume, std::uint32_t every, const api::WorldStatu
   // What each of its cells is drawn as, or the other way around.
   const std::size_t shown = (world.cells[longest] + every - 1) / every;
   if (shown == 0) return;
-  const double times = static_cast<double>(volume.cells[longest] / shown) / every;
+  const std::size_t drawn_as = volume.cells[longest] / shown;  // whole: a cell is drawn as cells
+  const double times = static_cast<double>(drawn_as) / every;
   if (world.pieces) return add_ball(volume, grasp_point(*world.pieces, times));
   for (const api::ArmStatus& arm : status.arms) {
     if (arm.world != world.name) continue;

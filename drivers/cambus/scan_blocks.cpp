@@ -154,7 +154,8 @@ RegisterWords CamSpace::scan_perm(const ScanBlock& block) const {
   std::uint32_t index_bit = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (int bit = 0; bit < sector_[axis]; ++bit) {
-      const auto& of_site = field::kScanPerm[static_cast<std::size_t>(first_bit(axis) + bit)];
+      const int of_axis = first_bit(axis) + bit;
+      const auto& of_site = field::kScanPerm[static_cast<std::size_t>(of_axis)];
       const bool is_varying = bit < block.log2_cells[axis];
       const bool is_one = (block.first[axis] >> bit & 1) != 0;
       words.set(of_site, is_varying ? index_bit : is_one ? kConstant1 : kConstant0);

@@ -29,9 +29,9 @@ constexpr std::uint16_t kDynamicNumber = kMostDynamicPieces << kPartLayer;
 constexpr std::uint16_t kNotShown = kSelect & ~selecting(kMostDynamicPieces);
 
 // A rule of static pieces, which neither sees nor changes particles and dice.
-template <std::uint16_t (*rule)(std::uint16_t) noexcept>
+template <std::uint16_t (*Rule)(std::uint16_t) noexcept>
 std::uint16_t beside_particles(std::uint16_t bits) noexcept {
-  const std::uint16_t after = rule(static_cast<std::uint16_t>(bits & ~kBeside));
+  const std::uint16_t after = Rule(static_cast<std::uint16_t>(bits & ~kBeside));
   return static_cast<std::uint16_t>((after & ~(kBeside | kNotShown)) | (bits & kBeside));
 }
 
