@@ -6,6 +6,7 @@
 #include <random>
 #include <vector>
 
+#include "tests/support/allocation_count.hpp"
 #include "tests/unit/cam_engine/plain_space.hpp"
 
 namespace thimble::sim::cam {
@@ -192,6 +193,35 @@ TEST(PlaneEngineMake, WhatDoesNotFitIsRefusedAndChangesNothing) {
 TEST(PlaneEngineMake, ASpaceIsEmptyAtFirst) {
   const auto engine = PlaneEngine::make({{3, 3, 0}}, TablePath::Auto).value();
   EXPECT_EQ(engine->population(), PlaneCounts{});
+}
+
+// While it steps, whatever the tables and kicks.
+TEST(PlaneEngineMake, TakesTwoBytesASiteAndAtMostAsMuchAgain) {
+  constexpr SiteSpace kSpace{{10, 10, 0}};
+  constexpr std::int64_t kHalfMiB = 1 << 19;
+  const auto two_bytes_a_site = static_cast<std::int64_t>(2 * kSpace.sites());
+  for (const TablePath path : {TablePath::General, TablePath::Auto}) {
+    std::mt19937 random(7);
+    const std::int64_t before = thimble::test::allocated_bytes();
+    const auto engine = PlaneEngine::make(kSpace, path).value();
+    for (std::size_t bank = 0; bank < Engine::kBanks; ++bank) {
+      const auto table = path == TablePath::General ? test::random_table(random)
+                                                    : test::random_small_table(random);
+      ASSERT_TRUE(engine->load(bank, table));
+    }
+    thimble::test::begin_most_allocated_bytes();
+    for (int i = 0; i < 8; ++i) {
+      std::vector<PlaneKick> kicks;
+      for (unsigned layer = 0; layer < 16; ++layer) {
+        kicks.push_back(random_kick(layer, kSpace, random));
+      }
+      ASSERT_TRUE(engine->step(kicks, random_options(random)));
+    }
+    const std::int64_t most = thimble::test::most_allocated_bytes() - before;
+    EXPECT_GE(most, two_bytes_a_site);
+    // A thread's own, and two tables of 128 KiB with what is made of them.
+    EXPECT_LE(most, 2 * two_bytes_a_site + 2 * kHalfMiB);
+  }
 }
 
 }  // namespace
