@@ -9,6 +9,7 @@
 #include "daemon/world/cam/piece_board.hpp"
 #include "drivers/cambus/board.hpp"
 #include "drivers/cambus/pci_port.hpp"
+#include "hal/device/wrapped_cam_board.hpp"
 #include "sim/model/cam/sim_cam_board.hpp"
 #include "sim/time/virtual_clock.hpp"
 
@@ -23,15 +24,10 @@ constexpr Duration kLook = std::chrono::microseconds(2);
 constexpr Duration kLongestScan = std::chrono::milliseconds(20);
 
 // A host that needs some time before each list.
-class SlowHost final : public CamBoard {
+class SlowHost final : public WrappedCamBoard {
  public:
   SlowHost(std::unique_ptr<CamBoard> board, Duration cost)
-      : board_(std::move(board)), cost_(cost) {}
-  [[nodiscard]] const CamBoardInfo& info() const noexcept override { return board_->info(); }
-  [[nodiscard]] Result<void> lay_out(const CamGeometry& geometry) override {
-    return board_->lay_out(geometry);
-  }
-  [[nodiscard]] bool needs_lay_out() const noexcept override { return board_->needs_lay_out(); }
+      : WrappedCamBoard(std::move(board)), cost_(cost) {}
   [[nodiscard]] Result<void> start(const CamSteps& steps, Duration at_most,
                                    MonotonicTime now) override {
     steps_ = steps;
@@ -43,20 +39,16 @@ class SlowHost final : public CamBoard {
     if (starts_at_ && now < *starts_at_) return std::nullopt;
     if (starts_at_) {
       starts_at_.reset();
-      const auto started = board_->start(steps_, at_most_, now);
+      const auto started = WrappedCamBoard::start(steps_, at_most_, now);
       if (!started) return tl::unexpected(started.error());
     }
-    return board_->poll(now);
+    return WrappedCamBoard::poll(now);
   }
   [[nodiscard]] bool is_running() const noexcept override {
-    return starts_at_.has_value() || board_->is_running();
-  }
-  [[nodiscard]] const CamBoardCounters& counters() const noexcept override {
-    return board_->counters();
+    return starts_at_.has_value() || WrappedCamBoard::is_running();
   }
 
  private:
-  std::unique_ptr<CamBoard> board_;
   Duration cost_;
   CamSteps steps_;
   Duration at_most_{};

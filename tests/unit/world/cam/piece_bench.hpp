@@ -9,6 +9,7 @@
 #include "daemon/world/cam/piece_board.hpp"
 #include "drivers/cambus/board.hpp"
 #include "drivers/cambus/pci_port.hpp"
+#include "hal/device/wrapped_cam_board.hpp"
 #include "sim/model/cam/sim_cam_board.hpp"
 #include "sim/time/virtual_clock.hpp"
 
@@ -24,51 +25,47 @@ struct Accident {
 
 // A board over a simulated slot that a test can read, and that fails when it is told to: as one
 // whose lists are lost. What it holds stays.
-class WatchedBoard final : public CamBoard {
+class WatchedBoard final : public WrappedCamBoard {
  public:
   WatchedBoard(sim::cam::SimCamBoard& slot, const Clock& clock, Accident& accident)
-      : board_(cambus::PciPort::open(slot.open_window(), clock.now()).value()),
+      : WrappedCamBoard(std::make_unique<cambus::Board>(
+            cambus::PciPort::open(slot.open_window(), clock.now()).value())),
         accident_(&accident) {}
 
-  [[nodiscard]] const CamBoardInfo& info() const noexcept override { return board_.info(); }
   [[nodiscard]] Result<void> lay_out(const CamGeometry& geometry) override {
     has_failed_ = false;
-    return board_.lay_out(geometry);
+    return WrappedCamBoard::lay_out(geometry);
   }
   [[nodiscard]] bool needs_lay_out() const noexcept override {
-    return has_failed_ || board_.needs_lay_out();
+    return has_failed_ || WrappedCamBoard::needs_lay_out();
   }
   [[nodiscard]] Result<void> start(const CamSteps& steps, Duration at_most,
                                    MonotonicTime now) override {
     EXPECT_FALSE(has_failed_) << "it was not laid out anew";
     is_struck_ = ++programs_ == accident_->at_program;
-    if (is_struck_ && !accident_->is_done) return board_.start({}, at_most, now);
-    return board_.start(steps, at_most, now);
+    if (is_struck_ && !accident_->is_done) return WrappedCamBoard::start({}, at_most, now);
+    return WrappedCamBoard::start(steps, at_most, now);
   }
   [[nodiscard]] Result<std::optional<CamAnswer>> poll(MonotonicTime now) override {
-    auto answer = board_.poll(now);
+    auto answer = WrappedCamBoard::poll(now);
     if (answer && *answer && accident_->lie) accident_->lie(**answer);
     if (!is_struck_ || !answer || !*answer) return answer;
     has_failed_ = true;
     return fail(Errc::Timeout, "an accident");
   }
-  [[nodiscard]] bool is_running() const noexcept override { return board_.is_running(); }
-  [[nodiscard]] const CamBoardCounters& counters() const noexcept override {
-    return board_.counters();
-  }
   [[nodiscard]] std::uint64_t programs() const noexcept { return programs_; }
 
   // All cells as they are; what moves is where it is seen.
   [[nodiscard]] CamCells read(const Clock& clock) {
-    EXPECT_TRUE(board_.start({cam_step::ReadCells{}}, std::chrono::seconds(1), clock.now()));
-    auto answer = board_.poll(clock.now());
-    for (int i = 0; i < 100 && answer && !*answer; ++i) answer = board_.poll(clock.now());
+    EXPECT_TRUE(
+        WrappedCamBoard::start({cam_step::ReadCells{}}, std::chrono::seconds(1), clock.now()));
+    auto answer = WrappedCamBoard::poll(clock.now());
+    for (int i = 0; i < 100 && answer && !*answer; ++i) answer = WrappedCamBoard::poll(clock.now());
     if (!answer || !*answer) return {};
     return (*answer)->cells.at(0);
   }
 
  private:
-  cambus::Board board_;
   Accident* accident_;
   std::uint64_t programs_{0};
   bool is_struck_{false};
