@@ -198,36 +198,34 @@ class Stroke {
 
 std::vector<CamLatencyCase> cam_latency_cases(int clock_mhz) {
   using Kind = pieces::SearchKind;
-  static constexpr CamAxes kPlane{9, 9, 0};
-  static constexpr CamAxes kSpace{6, 6, 6};
+  constexpr CamAxes kPlane{9, 9, 0};
+  constexpr CamAxes kSpace{6, 6, 6};
   constexpr int kWide = 1 << (kPlane[0] - kSpace[0]);
   // SOURCE: ours; a piece as wide as random_layout() makes them with some hundred of them.
   constexpr int kPiece = 32;
   constexpr int kBody = 12;
-  const auto ours = [clock_mhz](const char* name, Kind search, int held) {
-    return CamLatencyCase{name, 3, kPlane, 1, search, false, 7, 0, clock_mhz, held};
-  };
-  const auto in_space = [clock_mhz](const char* name, Kind search, int held) {
-    return CamLatencyCase{name, 3, kSpace, kWide, search, false, 7, 0, clock_mhz, held};
+  const auto ours = [=](const CamAxes& cells, const char* name, Kind search, int held) {
+    const int wide = 1 << (kPlane[0] - cells[0]);
+    return CamLatencyCase{name, 3, cells, wide, search, false, 7, 0, clock_mhz, held};
   };
   return {
       {"4 boards", 2, kPlane, 1, Kind::OneCell, true, 1, 0.250, clock_mhz},
       {"8 boards", 3, kPlane, 1, Kind::OneCell, true, 1, 0.125, clock_mhz},
       {"8 boards, leap", 3, kPlane, 1, Kind::Leap, true, 7, 0.035, clock_mhz},
-      ours("8 boards, leap, one scan a look", Kind::Leap, 0),
-      ours("8 boards, trail", Kind::Sweep, 0),
-      ours("8 boards, trail in its box", Kind::BoundedSweep, 0),
-      ours("a piece of 32 x 32, leap", Kind::Leap, kPiece),
-      ours("a piece of 32 x 32, trail", Kind::Sweep, kPiece),
-      ours("a piece of 32 x 32, trail in its box", Kind::BoundedSweep, kPiece),
+      ours(kPlane, "8 boards, leap, one scan a look", Kind::Leap, 0),
+      ours(kPlane, "8 boards, trail", Kind::Sweep, 0),
+      ours(kPlane, "8 boards, trail in its box", Kind::BoundedSweep, 0),
+      ours(kPlane, "a piece of 32 x 32, leap", Kind::Leap, kPiece),
+      ours(kPlane, "a piece of 32 x 32, trail", Kind::Sweep, kPiece),
+      ours(kPlane, "a piece of 32 x 32, trail in its box", Kind::BoundedSweep, kPiece),
       {"64^3, 8 boards", 3, kSpace, kWide, Kind::OneCell, true, 1, 0, clock_mhz},
       {"64^3, 8 boards, leap", 3, kSpace, kWide, Kind::Leap, true, 7, 0, clock_mhz},
-      in_space("64^3, 8 boards, leap, one scan a look", Kind::Leap, 0),
-      in_space("64^3, 8 boards, trail", Kind::Sweep, 0),
-      in_space("64^3, 8 boards, trail in its box", Kind::BoundedSweep, 0),
-      in_space("64^3, a piece of 12^3, leap", Kind::Leap, kBody),
-      in_space("64^3, a piece of 12^3, trail", Kind::Sweep, kBody),
-      in_space("64^3, a piece of 12^3, trail in box", Kind::BoundedSweep, kBody),
+      ours(kSpace, "64^3, 8 boards, leap, one scan a look", Kind::Leap, 0),
+      ours(kSpace, "64^3, 8 boards, trail", Kind::Sweep, 0),
+      ours(kSpace, "64^3, 8 boards, trail in its box", Kind::BoundedSweep, 0),
+      ours(kSpace, "64^3, a piece of 12^3, leap", Kind::Leap, kBody),
+      ours(kSpace, "64^3, a piece of 12^3, trail", Kind::Sweep, kBody),
+      ours(kSpace, "64^3, a piece of 12^3, trail in box", Kind::BoundedSweep, kBody),
   };
 }
 
