@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <random>
 #include <set>
 #include <vector>
@@ -56,10 +57,12 @@ TEST(BlockTeam, OthersDoWhatTheCallerLeaves) {
 }
 
 TEST(BlockTeam, EndsWhetherOrNotItWasUsed) {
+  std::atomic<int> done{0};
   for (int i = 0; i < 100; ++i) {
     BlockTeam sut(4);
-    if (i % 2 == 0) sut.run(1, [](std::size_t, std::size_t) {});
+    if (i % 2 == 0) sut.run(1, [&](std::size_t, std::size_t) { ++done; });
   }
+  EXPECT_EQ(done, 50);
 }
 
 class SharedScans : public testing::TestWithParam<TablePath> {};
