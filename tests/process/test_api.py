@@ -116,13 +116,18 @@ class Leases(ProcessTest):
             self.assertEqual(holder.wait(TIMEOUT_S), 0 if number == signal.SIGINT else -number)
             daemon.status_when(state_is("inactive"))
 
-    def test_thimble_activate_ends_when_somebody_else_deactivates_the_arm(self):
-        daemon = self.start(config=IDLE)
+    def hold_arm(self, daemon):
+        """A `thimble activate` that has the arm; whoever calls reads what it says until it ends."""
         holder = subprocess.Popen([str(BIN / "thimble"), "activate", "--socket", daemon.socket],
                                   stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                   text=True, env=clean_environment(), preexec_fn=die_with_parent)
         self.addCleanup(holder.kill)
         self.assertIn("Ctrl-C releases it", holder.stdout.readline())
+        return holder
+
+    def test_thimble_activate_ends_when_somebody_else_deactivates_the_arm(self):
+        daemon = self.start(config=IDLE)
+        holder = self.hold_arm(daemon)
         self.assertEqual(self.thimble(daemon, "deactivate").returncode, 0)
         out, err = holder.communicate(timeout=TIMEOUT_S)
         self.assertEqual((holder.returncode, out), (1, ""))
@@ -130,11 +135,7 @@ class Leases(ProcessTest):
 
     def test_thimble_activate_ends_when_somebody_else_takes_the_arm_over_at_once(self):
         daemon = self.start(config=IDLE)
-        holder = subprocess.Popen([str(BIN / "thimble"), "activate", "--socket", daemon.socket],
-                                  stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                                  text=True, env=clean_environment(), preexec_fn=die_with_parent)
-        self.addCleanup(holder.kill)
-        self.assertIn("Ctrl-C releases it", holder.stdout.readline())
+        holder = self.hold_arm(daemon)
         with unix_connection(daemon.socket) as connection:
             for verb in ("deactivate", "activate"):
                 code, _, body = http_request(connection, "POST", f"/v1/arms/right/{verb}")
