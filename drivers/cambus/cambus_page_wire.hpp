@@ -53,6 +53,8 @@ inline constexpr std::uint32_t kClearFault = 1U << 13;
 inline constexpr std::uint32_t kClearException = 1U << 14;
 inline constexpr std::uint32_t kHalt = 1U << 15;
 inline constexpr std::uint32_t kResetInterface = 1U << 31;
+inline constexpr std::uint32_t kLengthMask = 0xffff;  // of 2 and 3: clocks of a line,
+inline constexpr unsigned kLinesShift = 16;           // and lines of a frame
 
 // Read: low bits of 0, 2 (current instruction) and 3 (previous instruction).
 inline constexpr std::uint32_t kIsListPending = 1U << 0;

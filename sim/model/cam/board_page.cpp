@@ -100,7 +100,7 @@ bool BoardPage::may_go_on() {
 void BoardPage::take_doorbell() {
   const std::uint32_t meant = memory_.load(page::kMeant);
   if ((meant & 2U) != 0) control(memory_.load(page::kWritten + kWordBytes));
-  if ((meant & 0xcU) != 0) ++counters_.unmodelled;
+  take_display_lengths(meant);
   if ((meant & 1U) != 0) {
     has_next_list_ = true;
     next_list_ = memory_.load(page::kWritten) & page::kListPointer;
@@ -112,6 +112,8 @@ void BoardPage::take_doorbell() {
 void BoardPage::control(std::uint32_t word) {
   if ((word & page::kResetInterface) != 0) {
     interface_.reset();
+    display_ = {};
+    machine_.set_sync(display_);
     has_next_list_ = false;
     enabled_ = 0;
     exceptions_ = 0;
@@ -123,6 +125,21 @@ void BoardPage::control(std::uint32_t word) {
   exceptions_ |= (word >> kEnableExceptionsShift) & kExceptionMask;
   if ((word & page::kHalt) != 0) interface_.stop_for_host();
   if ((word & page::kClearException) != 0) interface_.clear_exception();
+}
+
+// Whichever is written, the counters begin anew.
+void BoardPage::take_display_lengths(std::uint32_t meant) {
+  if ((meant & 4U) != 0) {
+    const std::uint32_t scan = memory_.load(page::kWritten + 2 * kWordBytes);
+    display_.scan_clocks = scan & page::kLengthMask;
+    display_.scan_lines = scan >> page::kLinesShift;
+  }
+  if ((meant & 8U) != 0) {
+    const std::uint32_t blank = memory_.load(page::kWritten + 3 * kWordBytes);
+    display_.blank_clocks = blank & page::kLengthMask;
+    display_.blank_lines = blank >> page::kLinesShift;
+  }
+  if ((meant & 12U) != 0) machine_.set_sync(display_);
 }
 
 // Keeps what a host is to see of this moment.

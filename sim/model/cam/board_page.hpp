@@ -27,7 +27,6 @@ struct BoardOptions {
 
 struct BoardCounters {
   std::uint64_t doorbells{0};
-  std::uint64_t unmodelled{0};  // display lengths were written, which do nothing here
   bool operator==(const BoardCounters&) const = default;
 };
 
@@ -76,6 +75,7 @@ class BoardPage {
   [[nodiscard]] bool may_go_on();
   void take_doorbell();
   void control(std::uint32_t word);
+  void take_display_lengths(std::uint32_t meant);
   void look();
   [[nodiscard]] std::uint32_t list_register() const noexcept;
   [[nodiscard]] std::uint32_t control_register() const noexcept;
@@ -91,6 +91,7 @@ class BoardPage {
   std::optional<MonotonicTime> working_since_;  // by it
   MonotonicTime rests_until_{};
   std::uint32_t acknowledged_{0};
+  SyncLengths display_{};
   bool has_next_list_{false};  // given during a step, which it waits for
   std::uint32_t next_list_{0};
   std::uint32_t enabled_{0};     // interrupts

@@ -128,6 +128,22 @@ std::uint64_t CamMachine::move_bits(std::span<const std::size_t> which) {
   return scan(torus_, which);
 }
 
+// In words, a line alone: as programs show their cells.
+std::uint64_t CamMachine::move_bits_in_sync(std::span<const std::size_t> which,
+                                            const ScanSync& sync) {
+  if (!planes_ || !moves_bits_) return scan(torus_, which, moves_bits_, &sync);
+  const auto on_video = module_on_video(torus_, which);
+  const auto line = planes_->scan_line(torus_, which, on_video);
+  if (!line) {
+    ++counters_.site_by_site;
+    return scan(torus_, which, true, &sync);
+  }
+  const std::uint64_t pulse =
+      sync.mode == cambus::kSyncFrame ? sync.pulses.next_frame(now_) : sync.pulses.next_line(now_);
+  if (on_video) monitor_.draw(pulses_.place_of(pulse), line->shown);
+  return pulse - now_ + line->clocks;
+}
+
 std::vector<std::uint16_t> CamMachine::transfer(std::size_t module,
                                                 std::span<const std::uint16_t> told) {
   if (!planes_) return scan_io(torus_, module, told);
@@ -138,14 +154,19 @@ std::vector<std::uint16_t> CamMachine::transfer(std::size_t module,
 
 void CamMachine::start_scan() {
   std::vector<std::size_t> which;
+  std::uint32_t mode = cambus::kSyncNone;
   for (const std::size_t i : selected()) {
     const std::uint32_t sync = torus_.modules[i].registers.get(field::kSync, 0);
-    if (sync == cambus::kSyncFrame || sync == cambus::kSyncLine) hangs_ = true;
-    if (sync == cambus::kSyncFree) which.push_back(i);
+    if (sync == cambus::kSyncNone) continue;
+    if (sync != cambus::kSyncFree && !pulses_.run()) hangs_ = true;
+    if (which.empty()) mode = sync;
+    which.push_back(i);
   }
   if (hangs_ || which.empty()) return;
   ++counters_.scans;
-  scan_end_ = now_ + move_bits(which);
+  const ScanSync sync{pulses_, now_, mode, monitor_};
+  scan_end_ =
+      now_ + (mode == cambus::kSyncFree ? move_bits(which) : move_bits_in_sync(which, sync));
   for (const std::size_t i : which) torus_.modules[i].registers.planes(Register::Run) = {};
 }
 

@@ -8,8 +8,12 @@
 
 #include "sim/model/cam/cam_torus.hpp"
 #include "sim/model/cam/plane_scan.hpp"
+#include "sim/model/cam/sync_pulses.hpp"
+#include "sim/model/cam/video_monitor.hpp"
 
 namespace thimble::sim::cam {
+
+struct ScanSync;
 
 // What was asked of the machine that it answers in a way of its own, since construction.
 struct CamCounters {
@@ -51,13 +55,17 @@ class CamMachine {
   // From now on scans take their clocks and move no bits: for who has the bits elsewhere.
   void keep_only_time() noexcept { moves_bits_ = false; }
   void spend(std::uint64_t clocks) { now_ += clocks; }
+  // The interface's counters of lines and frames; a frame begins now.
+  void set_sync(const SyncLengths& lengths) { pulses_ = SyncPulses(lengths, now_); }
 
   [[nodiscard]] std::uint64_t now_clocks() const noexcept { return now_; }
-  // A scan runs that never ends: it waits for sync pulses, which there are none of.
+  // A scan runs that never ends: it waits for sync pulses, and when it began there were none.
   [[nodiscard]] bool hangs() const noexcept { return hangs_; }
   [[nodiscard]] bool is_scanning() const noexcept { return hangs_ || scan_end_ > now_; }
   [[nodiscard]] bool has_interrupt() const noexcept;
   [[nodiscard]] const CamCounters& counters() const noexcept { return counters_; }
+  // What is on the video port: synchronized scans are seen there.
+  [[nodiscard]] const VideoMonitor& monitor() const noexcept { return monitor_; }
   // The first of them; of others only the count is kept.
   static constexpr std::size_t kMostTouches = 64;
   [[nodiscard]] const std::vector<UnmodelledTouch>& unmodelled_touches() const noexcept {
@@ -84,11 +92,15 @@ class CamMachine {
   void latch_selection();
   void start_scan();
   [[nodiscard]] std::uint64_t move_bits(std::span<const std::size_t> which);
+  [[nodiscard]] std::uint64_t move_bits_in_sync(std::span<const std::size_t> which,
+                                                const ScanSync& sync);
   [[nodiscard]] std::vector<std::uint16_t> transfer(std::size_t module,
                                                     std::span<const std::uint16_t> told);
   void write_sites(std::span<const std::uint16_t> words);
 
   CamTorus torus_;
+  SyncPulses pulses_{};
+  VideoMonitor monitor_{};
   std::optional<PlaneScan> planes_{};
   std::vector<bool> is_selected_ = std::vector<bool>(torus_.size(), false);
   std::uint64_t now_{0};

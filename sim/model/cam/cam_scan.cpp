@@ -104,8 +104,8 @@ struct Bit {
 class Lockstep {
  public:
   Lockstep(CamTorus& torus, std::span<const std::size_t> which);
-  // One site of each module; `host` is what the host says, and what comes back is shown last.
-  std::uint16_t visit(std::uint16_t host);
+  // One site of each module; `host` is what the host says. Returns what one of them shows.
+  std::uint16_t visit(std::uint16_t host, std::size_t looked_at = 0);
   // Leaves the scan indices where the scan has come to.
   void finish();
 
@@ -138,13 +138,16 @@ Lockstep::Lockstep(CamTorus& torus, std::span<const std::size_t> which)
   }
 }
 
-std::uint16_t Lockstep::visit(std::uint16_t host) {
+std::uint16_t Lockstep::visit(std::uint16_t host, std::size_t looked_at) {
   for (std::size_t i = 0; i < which_.size(); ++i) fetch(i);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (std::size_t layer = 0; layer < cambus::kLayers; ++layer) glue(layer, axis);
   }
   std::uint16_t shown = 0;
-  for (std::size_t i = 0; i < which_.size(); ++i) shown = work(i, host);
+  for (std::size_t i = 0; i < which_.size(); ++i) {
+    const std::uint16_t of_module = work(i, host);
+    if (i == looked_at) shown = of_module;
+  }
   return shown;
 }
 
@@ -229,9 +232,27 @@ void Lockstep::finish() {
   }
 }
 
+// From the scan's beginning, as `clocks` is: where the next pulse comes.
+std::uint64_t clocks_until_sweep(const ScanSync& sync, std::uint64_t clocks, bool is_first) {
+  const std::uint64_t now = sync.now_clocks + clocks;
+  const bool waits_for_frame = is_first && sync.mode == cambus::kSyncFrame;
+  const std::uint64_t begin =
+      waits_for_frame ? sync.pulses.next_frame(now) : sync.pulses.next_line(now);
+  return begin - sync.now_clocks;
+}
+
 }  // namespace
 
-std::uint64_t scan(CamTorus& torus, std::span<const std::size_t> which, bool moves_bits) {
+std::optional<std::size_t> module_on_video(const CamTorus& torus,
+                                           std::span<const std::size_t> which) {
+  for (std::size_t i = 0; i < which.size(); ++i) {
+    if (torus.modules[which[i]].registers.get(field::kShowScan[0], 0) != 0) return i;
+  }
+  return std::nullopt;
+}
+
+std::uint64_t scan(CamTorus& torus, std::span<const std::size_t> which, bool moves_bits,
+                   const ScanSync* sync) {
   if (which.empty()) return 0;
   const CamRegisters& format = torus.modules[which.front()].registers;
   const std::uint32_t end_of_scan = format.get(field::kEndOfScan, 0);
@@ -242,13 +263,22 @@ std::uint64_t scan(CamTorus& torus, std::span<const std::size_t> which, bool mov
       format.get(field::kScanMode, 0) >= 2 && format.get(field::kEndOfStretch, 0) > 0;
   const std::uint64_t sweeps_between = std::max(1U, format.get(field::kSweepsBetweenRefresh, 0));
   const std::uint64_t refreshes = format.get(field::kRefreshLength, 0);
+  const auto on_video = module_on_video(torus, which);
   std::uint64_t clocks = 0;
   std::uint64_t sweeps = 0;
   Lockstep modules(torus, which);
+  std::vector<std::uint16_t> line;
   for (std::uint64_t visited = 0; visited < sites; visited += sweep) {
+    if (sync != nullptr) clocks = clocks_until_sweep(*sync, clocks, sweeps == 0);
+    const std::uint64_t began = clocks;
+    line.clear();
     for (std::uint64_t site = 0; site < sweep; ++site) {
-      if (moves_bits) modules.visit(0);
+      const std::uint16_t shown = moves_bits ? modules.visit(0, on_video.value_or(0)) : 0;
+      if (sync != nullptr) line.push_back(shown);
       clocks += is_fast ? 1 : wire::kSlowSite_clocks;
+    }
+    if (sync != nullptr && on_video && moves_bits) {
+      sync->monitor.draw(sync->pulses.place_of(sync->now_clocks + began), line);
     }
     clocks += wire::kSweepOverhead_clocks;
     if (++sweeps % sweeps_between == 0) clocks += wire::kClocksPerRefresh * refreshes;

@@ -82,7 +82,7 @@ std::vector<plugin::ModelPanel::Reading> CamUsbModel::readings() const {
   return {{"doorbells", static_cast<double>(board.doorbells)},
           {"scans", static_cast<double>(machine.scans)},
           {"disturbed_scans", static_cast<double>(machine.disturbed_scans)},
-          {"unmodelled", static_cast<double>(machine.unmodelled + board.unmodelled)}};
+          {"unmodelled", static_cast<double>(machine.unmodelled)}};
 }
 
 void CamUsbModel::take(std::span<const std::uint8_t> transfer) {

@@ -32,7 +32,8 @@ void PlaneScan::bring_back(CamTorus& torus) {
 }
 
 PlaneStep PlaneScan::begin(const CamTorus& torus, const ScanPlan& plan,
-                           std::span<const std::size_t> which, bool is_shown) {
+                           std::span<const std::size_t> which,
+                           std::optional<std::size_t> looked_at) {
   hold(torus);
   tables_.resize(torus.size());
   in_force_.clear();
@@ -45,7 +46,7 @@ PlaneStep PlaneScan::begin(const CamTorus& torus, const ScanPlan& plan,
     }
     in_force_.push_back(bank.table);
   }
-  return PlaneStep(torus, {*kernels_, plan, which, in_force_, drams_, rooms_, is_shown});
+  return PlaneStep(torus, {*kernels_, plan, which, in_force_, drams_, rooms_, looked_at});
 }
 
 std::optional<std::uint64_t> PlaneScan::scan(CamTorus& torus, std::span<const std::size_t> which) {
@@ -54,7 +55,7 @@ std::optional<std::uint64_t> PlaneScan::scan(CamTorus& torus, std::span<const st
     bring_back(torus);
     return std::nullopt;
   }
-  PlaneStep step = begin(torus, plan, which, false);
+  PlaneStep step = begin(torus, plan, which, std::nullopt);
   LayerWords silence;
   const WordBlock zeros{};
   silence.fill(zeros.words.data());
@@ -67,6 +68,22 @@ std::optional<std::uint64_t> PlaneScan::scan(CamTorus& torus, std::span<const st
   return plan.clocks;
 }
 
+std::optional<PlaneScan::Line> PlaneScan::scan_line(CamTorus& torus,
+                                                    std::span<const std::size_t> which,
+                                                    std::optional<std::size_t> looked_at) {
+  const ScanPlan plan = plan_scan(torus, which);
+  if (plan.sweeps != 1 || !can(plan, plan.sites, torus) ||
+      !plan.orders.front().is_in_turn_in_words()) {
+    bring_back(torus);
+    return std::nullopt;
+  }
+  PlaneStep step = begin(torus, plan, which, looked_at);
+  const std::vector<std::uint16_t> silence(plan.sites);
+  Line line{plan.clocks, go_through(step, silence)};
+  step.finish(torus, plan.sites);
+  return line;
+}
+
 std::optional<std::vector<std::uint16_t>> PlaneScan::scan_io(CamTorus& torus, std::size_t module,
                                                              std::span<const std::uint16_t> told) {
   const std::array<std::size_t, 1> which{module};
@@ -76,7 +93,14 @@ std::optional<std::vector<std::uint16_t>> PlaneScan::scan_io(CamTorus& torus, st
     bring_back(torus);
     return std::nullopt;
   }
-  PlaneStep step = begin(torus, plan, which, true);
+  PlaneStep step = begin(torus, plan, which, 0);
+  auto shown = go_through(step, told);
+  step.finish(torus, told.size());
+  return shown;
+}
+
+std::vector<std::uint16_t> PlaneScan::go_through(PlaneStep& step,
+                                                 std::span<const std::uint16_t> told) {
   std::vector<std::uint16_t> shown(told.size());
   std::array<std::uint16_t, kBlockSites> sites{};
   LayerBlocks host{};
@@ -96,7 +120,6 @@ std::optional<std::vector<std::uint16_t>> PlaneScan::scan_io(CamTorus& torus, st
     kernels_->to_sites(shown_words.data(), sites.data());
     std::copy_n(sites.begin(), count, shown.begin() + from);
   }
-  step.finish(torus, told.size());
   return shown;
 }
 

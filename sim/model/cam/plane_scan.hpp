@@ -31,6 +31,14 @@ class PlaneScan {
   // The clocks; nothing where it is left to the reference, for which the DRAM is then where it was.
   [[nodiscard]] std::optional<std::uint64_t> scan(CamTorus& torus,
                                                   std::span<const std::size_t> which);
+  // A scan of a single sweep, and what one of the modules shows in it, as in `which`: nothing, none
+  // is looked at.
+  struct Line {
+    std::uint64_t clocks{0};
+    std::vector<std::uint16_t> shown{};
+  };
+  [[nodiscard]] std::optional<Line> scan_line(CamTorus& torus, std::span<const std::size_t> which,
+                                              std::optional<std::size_t> looked_at);
   // What the module's display shows; nothing as above.
   [[nodiscard]] std::optional<std::vector<std::uint16_t>> scan_io(
       CamTorus& torus, std::size_t module, std::span<const std::uint16_t> told);
@@ -46,7 +54,11 @@ class PlaneScan {
   [[nodiscard]] static bool can(const ScanPlan& plan, std::uint64_t visits, const CamTorus& torus);
   void hold(const CamTorus& torus);
   [[nodiscard]] PlaneStep begin(const CamTorus& torus, const ScanPlan& plan,
-                                std::span<const std::size_t> which, bool is_shown);
+                                std::span<const std::size_t> which,
+                                std::optional<std::size_t> looked_at);
+  // Goes on through all that the host tells, in turn; what is shown meanwhile.
+  [[nodiscard]] std::vector<std::uint16_t> go_through(PlaneStep& step,
+                                                      std::span<const std::uint16_t> told);
 
   const VectorKernels* kernels_;
   TableCache cache_;

@@ -182,7 +182,7 @@ void PlaneStep::work_on(std::size_t i, std::size_t layer, const LayerWords& host
     const Word* const events = where_visited(all, kZeros.words.data(), room);
     work.events += parts_.kernels.count_ones(events, words_);
   }
-  if (parts_.is_shown) {
+  if (parts_.looked_at == i) {
     std::copy_n(evaluate(plan.display, i, layer, host, output, room), words_,
                 rooms.shown[layer].words.begin());
   }

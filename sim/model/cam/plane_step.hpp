@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -46,12 +47,12 @@ class PlaneStep {
     std::span<const std::shared_ptr<const PreparedTable>> tables;  // as `which`
     std::vector<PlaneDram>& drams;                                 // of all modules
     StepRooms& rooms;
-    bool is_shown;  // the display is looked at
+    std::optional<std::size_t> looked_at;  // whose display is, as `which`
   };
   PlaneStep(const CamTorus& torus, const Parts& parts);
 
-  // So many words from visit `first` on; `host` is what the host says. What the last module shows
-  // is in the rooms then.
+  // So many words from visit `first` on; `host` is what the host says. What the module shows
+  // that is looked at is in the rooms then.
   void visit(std::uint64_t first, std::size_t words, const LayerWords& host);
   // Leaves counters and scan indices as they are after so many visits.
   void finish(CamTorus& torus, std::uint64_t visits);

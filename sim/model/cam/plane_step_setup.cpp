@@ -86,6 +86,7 @@ void PlaneStep::add_wire(std::size_t module, std::size_t pin, std::size_t layer,
 void PlaneStep::find_work(std::size_t i) {
   const PreparedTable& table = *parts_.tables[i];
   const LayerBits inputs = table.rule ? table.rule->inputs : table.shape.inputs;
+  const bool is_shown = parts_.looked_at == i;
   bool is_looked_up = false;
   for (std::size_t layer = 0; layer < kLayers; ++layer) {
     const LayerPlan& plan = parts_.plan.modules[i].layers[layer];
@@ -99,12 +100,11 @@ void PlaneStep::find_work(std::size_t i) {
     Work& work = work_[i][layer];
     work.is_stored = is_glued || !keeps_bit;
     const bool is_put_out = (work.is_stored && needs_table(plan.site_data)) ||
-                            needs_table(plan.event) ||
-                            (parts_.is_shown && needs_table(plan.display));
+                            needs_table(plan.event) || (is_shown && needs_table(plan.display));
     is_looked_up |= is_put_out && !is_kept;
     work.is_told = has(inputs, layer) || (is_kept && is_put_out);
     work.is_fetched = work.is_stored || (work.is_told && !is_constant(plan.lut)) ||
-                      !is_constant(plan.event) || parts_.is_shown;
+                      !is_constant(plan.event) || is_shown;
   }
   is_looked_up_[i] = is_looked_up;
 }

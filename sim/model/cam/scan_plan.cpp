@@ -103,14 +103,17 @@ void plan_order(const CamRegisters& registers, ScanPlan& scan, ModulePlan& plan)
   }
 }
 
-// Sweep by sweep, with the refreshes that come between them.
-std::uint64_t count_clocks(const CamRegisters& format, std::uint64_t sites) {
+std::uint64_t count_sweeps(const CamRegisters& format, std::uint64_t sites) {
   const std::uint64_t sweep =
       std::min(sites, std::uint64_t{1} << format.get(field::kEndOfSweep, 0));
+  return (sites + sweep - 1) / sweep;
+}
+
+// Sweep by sweep, with the refreshes that come between them.
+std::uint64_t count_clocks(const CamRegisters& format, std::uint64_t sites, std::uint64_t sweeps) {
   const bool is_fast =
       format.get(field::kScanMode, 0) >= 2 && format.get(field::kEndOfStretch, 0) > 0;
   const std::uint64_t between = std::max(1U, format.get(field::kSweepsBetweenRefresh, 0));
-  const std::uint64_t sweeps = (sites + sweep - 1) / sweep;
   return sites * (is_fast ? 1 : wire::kSlowSite_clocks) + sweeps * wire::kSweepOverhead_clocks +
          sweeps / between * wire::kClocksPerRefresh * format.get(field::kRefreshLength, 0);
 }
@@ -231,7 +234,8 @@ ScanPlan plan_scan(const CamTorus& torus, std::span<const std::size_t> which) {
   const CamRegisters& format = torus.modules[which.front()].registers;
   const std::uint32_t end = format.get(field::kEndOfScan, 0);
   scan.sites = std::uint64_t{1} << std::min<std::uint32_t>(end, kAddressBits);
-  scan.clocks = count_clocks(format, scan.sites);
+  scan.sweeps = count_sweeps(format, scan.sites);
+  scan.clocks = count_clocks(format, scan.sites, scan.sweeps);
   return scan;
 }
 

@@ -92,6 +92,7 @@ struct ScanPlan {
   std::vector<VisitOrder> orders{};
   // As the first module's layer 0 has them.
   std::uint64_t sites{0};
+  std::uint64_t sweeps{0};
   std::uint64_t clocks{0};
 };
 

@@ -13,7 +13,7 @@ namespace thimble::sim::cam {
 
 // The interface card: fetches step lists from a window of memory and plays them on the machine
 // (docs/cambus.md, sections 3 and 4). Whatever the window holds, it stays within it and each step
-// ends. What a host writes and reads of it is in board_page.hpp; display lengths are not there.
+// ends. What a host writes and reads of it is in board_page.hpp.
 // Thread: one at a time.
 class StepInterface {
  public:

@@ -1,4 +1,5 @@
 #include "sim/model/cam/board_page.hpp"
+#include "drivers/cambus/register_words.hpp"
 
 #include <gtest/gtest.h>
 
@@ -183,10 +184,31 @@ TEST_F(BoardPageTest, EnablesAreReadBack) {
   EXPECT_EQ(word(0x804), 0x1c00U);
 }
 
-TEST_F(BoardPageTest, DisplayLengthsAreTakenAndCounted) {
-  ring(2, 0x00100010);
-  EXPECT_EQ(word(0x810), 1U);
-  EXPECT_EQ(board_.board().counters().unmodelled, 1U);
+// Of a line of 100 clocks and a frame of 5 lines: a pulse would have to come.
+TEST_F(BoardPageTest, DisplayLengthsStartTheSyncPulsesAndAResetStopsThem) {
+  auto& machine = board_.board().machine();
+  const auto scan_in_sync = [&] {
+    machine.reset();
+    machine.write(static_cast<std::uint32_t>(cambus::Register::Select),
+                  cambus::default_words(cambus::Register::Select).words());
+    machine.write(static_cast<std::uint32_t>(cambus::Register::Run),
+                  cambus::RegisterWords(cambus::Register::Run)
+                      .set(cambus::field::kSync, cambus::kSyncFrame)
+                      .words());
+    const bool ends = !machine.hangs();
+    machine.wait_for_scan();
+    return ends;
+  };
+  EXPECT_FALSE(scan_in_sync());
+  ring(2, 3U << 16 | 60);
+  EXPECT_TRUE(scan_in_sync());
+  ring(3, 2U << 16 | 40);
+  EXPECT_TRUE(scan_in_sync());
+  ring(1, page::kResetInterface);
+  EXPECT_FALSE(scan_in_sync());
+  // Blank lengths alone show no line.
+  ring(3, 2U << 16 | 40);
+  EXPECT_FALSE(scan_in_sync());
 }
 
 TEST(BoardPageFreeRunning, AListIsOverAtOnce) {

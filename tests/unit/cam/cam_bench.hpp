@@ -51,8 +51,9 @@ class CamBench {
   // Plays what has been put into the program; what it reads is looked for with words_of().
   void play(CamProgram& program) { play(program.finish()); }
   void play(const StepList& list) {
-    const auto summary =
-        check_step_list(list.view(), list.head, {.module_sites = 1U << space_.board().log2_sites});
+    const auto summary = check_step_list(
+        list.view(), list.head,
+        {.module_sites = 1U << space_.board().log2_sites, .has_sync = true});  // if a test likes
     ASSERT_TRUE(summary) << summary.error().message;
     window_ = HandWindow(list.base + list.bytes.size());
     std::copy(list.bytes.begin(), list.bytes.end(), window_.bytes().begin() + list.base);

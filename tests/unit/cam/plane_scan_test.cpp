@@ -58,7 +58,9 @@ Table small_table(Random& random) {
 
 class BothMachines {
  public:
-  explicit BothMachines(const TorusShape& shape) : plain(shape), fast(shape, Scanning::Fast) {}
+  explicit BothMachines(const TorusShape& shape) : plain(shape), fast(shape, Scanning::Fast) {
+    for (CamMachine* machine : {&plain, &fast}) machine->set_sync({547, 247, kLines, 3});
+  }
 
   void write(const RegisterWords& words) {
     write(static_cast<std::uint32_t>(words.number()), words.words());
@@ -101,6 +103,12 @@ class BothMachines {
     ASSERT_EQ(plain.has_interrupt(), fast.has_interrupt());
     ASSERT_EQ(plain.counters().scans, fast.counters().scans);
     ASSERT_EQ(plain.counters().disturbed_scans, fast.counters().disturbed_scans);
+    ASSERT_EQ(plain.monitor().frames(), fast.monitor().frames());
+    for (std::size_t line = 0; line < kLines; ++line) {
+      const auto a = plain.monitor().line(line);
+      const auto b = fast.monitor().line(line);
+      ASSERT_TRUE(std::equal(a.begin(), a.end(), b.begin(), b.end())) << line;
+    }
     for (std::size_t i = 0; i < plain.torus().size(); ++i) {
       const CamModule& a = plain.torus().modules[i];
       const CamModule& b = fast.torus().modules[i];
@@ -114,9 +122,12 @@ class BothMachines {
     }
   }
 
+  static constexpr std::uint32_t kLines = 40;
   CamMachine plain, fast;
-  std::uint64_t scans_in_words{0};
-  std::uint64_t parts_in_words{0};  // of those, scans of a part of the space
+  std::uint64_t free_scans{0};
+  std::uint64_t scans_in_words{0};  // of those
+  std::uint64_t lines_in_words{0};  // of the others
+  std::uint64_t parts_in_words{0};  // of free scans, those of a part of the space
 };
 
 class WildRegisters {
@@ -236,6 +247,7 @@ void write_wildly(BothMachines& sut, WildRegisters& wild, Random& random) {
   if (one_in(random, 2)) sut.write(wild.anything(R::Offset));
   if (one_in(random, 4)) sut.write(wild.anything(R::Connect));
   if (one_in(random, 4)) sut.write(wild.anything(R::SaBit));
+  if (one_in(random, 2)) sut.write(wild.anything(R::ShowScan));
   if (one_in(random, 2)) sut.write(wild.source(R::LutSrc, field::kSource<R::LutSrc>));
   if (one_in(random, 2)) sut.write(wild.source(R::SiteSrc, field::kSource<R::SiteSrc>));
   if (one_in(random, 2)) sut.write(wild.source(R::EventSrc, field::kSource<R::EventSrc>));
@@ -247,14 +259,21 @@ void run(BothMachines& sut, WildRegisters& wild, Random& random, int log2_sites)
   sut.write(wild.format());
   sut.write(wild.kick());
   const CamCounters before = sut.fast.counters();
+  const std::uint32_t sync = !one_in(random, 4)  ? cambus::kSyncFree
+                             : one_in(random, 2) ? cambus::kSyncLine
+                                                 : cambus::kSyncFrame;
   sut.write(RegisterWords(Register::Run)
-                .set(field::kSync, cambus::kSyncFree)
+                .set(field::kSync, sync)
                 .set(field::kNewCount, random() % 2)
                 .set(field::kRepeatKick, random() % 2)
                 .set(field::kNewTable, random() % 2));
-  if (sut.fast.counters().site_by_site == before.site_by_site) {
-    ++sut.scans_in_words;
-    if (wild.is_part()) ++sut.parts_in_words;
+  const bool is_in_words = sut.fast.counters().site_by_site == before.site_by_site;
+  if (sync != cambus::kSyncFree) {
+    if (is_in_words) ++sut.lines_in_words;
+  } else {
+    ++sut.free_scans;
+    if (is_in_words) ++sut.scans_in_words;
+    if (is_in_words && wild.is_part()) ++sut.parts_in_words;
   }
   if (!one_in(random, 3)) return;
   std::vector<std::uint16_t> told(std::size_t{1}
@@ -287,6 +306,8 @@ TEST_P(WildPrograms, AreTheSameSiteBySiteAndInWords) {
   std::uint64_t scans = 0;
   std::uint64_t in_words = 0;
   std::uint64_t parts = 0;
+  std::uint64_t lines = 0;
+  std::uint64_t drawn = 0;
   // Of many modules fewer: their tables take the time.
   const unsigned seeds = GetParam().size() > 8 ? 2 : 5;
   for (unsigned seed = 0; seed < seeds; ++seed) {
@@ -306,12 +327,16 @@ TEST_P(WildPrograms, AreTheSameSiteBySiteAndInWords) {
       ASSERT_NO_FATAL_FAILURE(run(sut, wild, random, log2_sites));
       ASSERT_NO_FATAL_FAILURE(sut.expect_same()) << "seed " << seed << ", program " << i;
     }
-    scans += sut.fast.counters().scans;
+    scans += sut.free_scans;
     in_words += sut.scans_in_words;
     parts += sut.parts_in_words;
+    lines += sut.lines_in_words;
+    drawn += sut.fast.monitor().frames();
   }
-  EXPECT_GT(in_words, scans / 2);
+  EXPECT_GT(in_words, scans / 3);
   EXPECT_GT(parts, scans / 8);
+  EXPECT_GT(lines, 0U);
+  EXPECT_GT(drawn, 0U);
   EXPECT_LT(in_words, scans);
 }
 
