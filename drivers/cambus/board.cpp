@@ -110,6 +110,7 @@ Result<void> Board::add(const CamStep& step, CamProgram& program) {
                           return add_cells(it.cells.get(), program);
                         },
                         [&](const cam_step::ReadCells&) { return add_cells(nullptr, program); },
+                        [&](const cam_step::Show& it) { return add_show(it, program); },
                     },
                     step);
 }
@@ -173,21 +174,39 @@ void Board::send_kick_again(CamProgram& program) const {
   static_cast<void>(program.kick(state_.kicks));
 }
 
-// Writes them, or reads all where there are none. Both make the kick register stand still, and are
-// scans in which no program expects to count.
-Result<void> Board::add_cells(const CamCells* cells, CamProgram& program) {
+Result<void> Board::begin_apart(CamProgram& program) {
   if (state_.kicked == Kicked::Waiting) {
     return fail(Errc::InvalidArgument, "the kick before has had no scan");
   }
   state_.kicked = Kicked::Nothing;
   visit(space_->whole(), program);
   program.count(CamEvents::None);
+  return {};
+}
+
+void Board::end_apart(CamProgram& program) const {
+  program.count(state_.counted.what, state_.counted.layers);
+}
+
+// Writes them, or reads all where there are none.
+Result<void> Board::add_cells(const CamCells* cells, CamProgram& program) {
+  if (auto begun = begin_apart(program); !begun) return begun;
   if (cells != nullptr) {
     write_cells(*cells, program);
   } else {
     read_cells(program);
   }
-  program.count(state_.counted.what, state_.counted.layers);
+  end_apart(program);
+  return {};
+}
+
+Result<void> Board::add_show(const cam_step::Show& step, CamProgram& program) {
+  if (!player_.video()) {
+    return fail(Errc::Unsupported, "at this clock the board shows nothing on a monitor");
+  }
+  if (auto begun = begin_apart(program); !begun) return begun;
+  if (auto shown = program.show(step.slice); !shown) return shown;
+  end_apart(program);
   return {};
 }
 

@@ -56,6 +56,11 @@ class Board final : public CamBoard {
   void visit(const ScanBlock& block, CamProgram& program);
   void send_kick_again(CamProgram& program) const;
   [[nodiscard]] Result<void> add_cells(const CamCells* cells, CamProgram& program);
+  // A step that makes the kick register stand still, and is scans in which no program expects to
+  // count.
+  [[nodiscard]] Result<void> begin_apart(CamProgram& program);
+  void end_apart(CamProgram& program) const;
+  [[nodiscard]] Result<void> add_show(const cam_step::Show& step, CamProgram& program);
   void write_cells(const CamCells& cells, CamProgram& program) const;
   void read_cells(CamProgram& program);
   // Whether all that was read is here.

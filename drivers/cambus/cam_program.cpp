@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 
 #include "hal/base/check.hpp"
 
@@ -57,9 +58,7 @@ void CamProgram::set_up() {
     select(module);
     builder_.write(space_.connect(module));
   }
-  // Who says when a scan ends: one is enough, they scan in lockstep.
-  select(0);
-  builder_.write(RegisterWords(Register::ShowScan).set(field::kShowScan[0], 1));
+  put_on_video(0);
   select_all();
 }
 
@@ -141,6 +140,49 @@ ReadSlot CamProgram::read_sites(int module) {
   set_source(Register::Display, kSelectLutOrAddress, kMapZero);
   select_all();
   return slot;
+}
+
+Result<void> CamProgram::show(int slice) {
+  const Result<CamRaster> raster = space_.raster(slice);
+  if (!raster) return tl::unexpected(raster.error());
+  stand_still();
+  set_source(Register::SiteSrc, kSelectLutOrAddress, kMapSite);
+  set_source(Register::Display, kSelectLutOrAddress, kMapSite);
+  builder_.write(default_words(Register::ScanIndex));
+  builder_.write(space_.scan_format(raster->line));
+  builder_.write(space_.scan_perm(raster->sector));
+  bool is_first = true;
+  for (const int module : raster->modules) {
+    put_on_video(module);
+    for (int row = 0; row < 1 << raster->sector.log2_cells[1]; ++row) {
+      run_line(std::exchange(is_first, false));
+    }
+  }
+  put_on_video(0);
+  select_all();
+  set_source(Register::SiteSrc, kSelectLutOrAddress, kMapSource);
+  set_source(Register::Display, kSelectLutOrAddress, kMapZero);
+  scan_within(space_.whole());
+  return {};
+}
+
+// It alone says when a scan ends: one is enough, all that scan do so in lockstep. It is selected
+// afterwards.
+void CamProgram::put_on_video(int module) {
+  select_all();
+  builder_.write(RegisterWords(Register::ShowScan));
+  select(module);
+  builder_.write(RegisterWords(Register::ShowScan).set(field::kShowScan[0], 1));
+}
+
+// Line by line, as MIT's software does, with the run types that it sets for whoever listens to the
+// multi pins (docs/cambus.md, section 2).
+void CamProgram::run_line(bool is_first) {
+  constexpr LayerMask kFrameLayer = 1U << 5;
+  constexpr LayerMask kLineLayer = 1U << 10;
+  builder_.write(RegisterWords(Register::Run)
+                     .set(field::kSync, is_first ? kSyncFrame : kSyncLine)
+                     .set(field::kRunType, 1, is_first ? kFrameLayer : kLineLayer));
 }
 
 void CamProgram::select_all() { builder_.write(default_words(Register::Select)); }

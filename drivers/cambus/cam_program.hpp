@@ -53,6 +53,14 @@ class CamProgram {
   void write_sites(int module, std::span<const std::uint16_t> sites);
   [[nodiscard]] ReadSlot read_sites(int module);
 
+  // A slice of the space, whose number along z is `slice`, on a monitor, once: from a frame's
+  // beginning on, a line of cells in each of its lines, as the space is now. Nothing may be kicked,
+  // nothing is counted, no table is used, and every cell stays as it is; then everything is
+  // visited again. Takes the rest of a frame and as many lines as there are rows.
+  // Errors: InvalidArgument, no such slice, or x is divided among modules; TooLarge, the monitor
+  // has fewer or shorter lines.
+  Result<void> show(int slice);
+
   void delay(std::uint32_t clocks) { builder_.delay(clocks); }
   // The list so far; what is set holds for the next one.
   [[nodiscard]] StepList finish() { return builder_.finish(); }
@@ -62,6 +70,8 @@ class CamProgram {
   void select(int module);
   void set_source(Register destination, std::uint32_t select, std::uint32_t map);
   void stand_still();
+  void put_on_video(int module);
+  void run_line(bool is_first);
 
   CamSpace space_;
   StepListBuilder builder_;

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "drivers/cambus/cambus_wire.hpp"
+#include "drivers/cambus/video_timing.hpp"
 
 namespace thimble::cambus {
 namespace {
@@ -100,6 +101,26 @@ CellPlace CamSpace::place_of(const Axes& cell) const noexcept {
   }
   while (place.module < modules() && position_of(board_, place.module) != part) ++place.module;
   return place;
+}
+
+Result<CamRaster> CamSpace::raster(int slice) const {
+  const auto log2_cells = [&](std::size_t axis) { return sector_[axis] + log2_parts_[axis]; };
+  if (slice < 0 || slice >= 1 << log2_cells(2)) {
+    return fail(Errc::InvalidArgument, "there is no slice " + std::to_string(slice));
+  }
+  if (is_divided(0)) {
+    return fail(Errc::InvalidArgument, "a row of cells has to be within one module to be shown");
+  }
+  if (log2_cells(0) > kLog2LineSites || log2_cells(1) > kLog2Lines) {
+    return fail(Errc::TooLarge, "a monitor shows 512 rows of 512 cells at most");
+  }
+  const int inside = slice & ((1 << sector_[2]) - 1);
+  CamRaster raster{
+      {{0, 0, inside}, {sector_[0], 0, 0}}, {{0, 0, inside}, {sector_[0], sector_[1], 0}}, {}};
+  for (int strip = 0; strip < 1 << log2_parts_[1]; ++strip) {
+    raster.modules.push_back(place_of({0, strip << sector_[1], slice}).module);
+  }
+  return raster;
 }
 
 RegisterWords CamSpace::dimension() const {

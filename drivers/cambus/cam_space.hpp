@@ -49,6 +49,13 @@ struct ScanBlock {
   bool operator==(const ScanBlock&) const = default;
 };
 
+// A slice of a space as a monitor has it: rows one after the other, those of a module together.
+struct CamRaster {
+  ScanBlock line;            // the first row of a module
+  ScanBlock sector;          // all rows of a module
+  std::vector<int> modules;  // in their order
+};
+
 // A space of cells on a board: sizes are powers of two, each axis wraps. Gives the registers that
 // lay it out (docs/cambus.md, sections 1 and 2). Pure.
 class CamSpace {
@@ -78,6 +85,10 @@ class CamSpace {
                                                              std::uint64_t clocks_a_byte = 0) const;
   // Of a scan of it, sweeps and refreshes included.
   [[nodiscard]] std::uint64_t clocks_of(const ScanBlock& block) const noexcept;
+
+  // Errors: InvalidArgument, there is no such slice, or rows are divided among modules; TooLarge,
+  // more or longer rows than a monitor has lines.
+  [[nodiscard]] Result<CamRaster> raster(int slice) const;
 
   [[nodiscard]] RegisterWords dimension() const;
   // `block` must be one of a module's.

@@ -202,6 +202,7 @@ inline constexpr std::array<Field, 2> kDramCount{{
 
 // Fields that programs and lists are about.
 inline constexpr const Field& kSync = kRun[0];
+inline constexpr const Field& kRunType = kRun[1];
 inline constexpr const Field& kNewCount = kRun[2];
 inline constexpr const Field& kRepeatKick = kRun[3];
 inline constexpr const Field& kNewTable = kRun[4];

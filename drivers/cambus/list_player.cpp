@@ -9,8 +9,10 @@ namespace {
 
 using page::Interrupt;
 
-constexpr std::uint32_t kListRegister = 0;
-constexpr std::uint32_t kControlRegister = 1;
+// Of the host registers, as bits of what is meant.
+constexpr std::uint32_t kList = 1U << 0;
+constexpr std::uint32_t kControl = 1U << 1;
+constexpr std::uint32_t kDisplayLengths = 3U << 2;
 
 bool is_ready(const BoardStatus& status) {
   return status.is_waiting() && !status.has_exception() && !status.is_halted();
@@ -21,6 +23,11 @@ std::string where(const BoardStatus& status) {
 }
 
 }  // namespace
+
+ListPlayer::ListPlayer(BoardPort& port, const ListLimits& limits)
+    : port_(&port), video_(video_timing(port.facts().clock_hz)), limits_(limits) {
+  limits_.has_sync = video_.has_value();
+}
 
 Result<void> ListPlayer::start(StepList list, Duration at_most, MonotonicTime now) {
   if (is_playing()) return fail(Errc::Busy, "the board still plays the list before");
@@ -87,7 +94,7 @@ Result<bool> ListPlayer::go_on(const BoardStatus& status) {
       return true;
     case Phase::Clearing:
       needs_set_up_ = true;
-      return ring(kControlRegister, page::kResetInterface, Phase::Resetting);
+      return ring_reset();
     case Phase::Resetting:
       return after_reset(status);
     case Phase::Putting:
@@ -100,6 +107,15 @@ Result<bool> ListPlayer::go_on(const BoardStatus& status) {
       return name_flags();
   }
   return false;
+}
+
+// The board takes the control word first: the reset stops the counters that the lengths start.
+Result<bool> ListPlayer::ring_reset() {
+  Registers registers{0, page::kResetInterface};
+  if (!video_) return ring(registers, kControl, Phase::Resetting);
+  registers[2] = video_->scan_length();
+  registers[3] = video_->blank_length();
+  return ring(registers, kControl | kDisplayLengths, Phase::Resetting);
 }
 
 // What waits for its steps to be over is taken later than it is acknowledged.
@@ -116,14 +132,12 @@ Result<bool> ListPlayer::give(const BoardStatus& status) {
   // The list relies on what was set up before, which somebody else has undone.
   if (!is_ready(status)) return strange("has stopped while it had nothing to do");
   before_ = status;
-  return ring(kListRegister, list_.head, Phase::Playing);
+  return ring({list_.head}, kList, Phase::Playing);
 }
 
 // Where the doorbell is not free yet, it is tried again with the next poll.
-Result<bool> ListPlayer::ring(std::uint32_t which, std::uint32_t word, Phase next) {
-  std::array<std::uint32_t, page::kHostRegisters> registers{};
-  registers[which] = word;
-  const IoStatus rung = port_->ring(registers, 1U << which);
+Result<bool> ListPlayer::ring(const Registers& registers, std::uint32_t meant, Phase next) {
+  const IoStatus rung = port_->ring(registers, meant);
   if (rung == IoStatus::Disconnected) return stop(lost_board());
   if (rung == IoStatus::Ok) phase_ = next;
   return false;

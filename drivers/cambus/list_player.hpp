@@ -10,6 +10,7 @@
 #include "drivers/cambus/board_port.hpp"
 #include "drivers/cambus/step_list_builder.hpp"
 #include "drivers/cambus/step_list_check.hpp"
+#include "drivers/cambus/video_timing.hpp"
 
 namespace thimble::cambus {
 
@@ -36,13 +37,17 @@ struct PlayCounters {
 // descriptors and buffers are the board's: the next one is kept here until the interface has been
 // reset and waits, and only then written. It has to set up everything (CamProgram::set_up).
 //
+// With the reset the counters of a monitor's lines begin, where the board's clock allows it: lists
+// may have synchronized scans then.
+//
 // Behind an interrupt of the machine a list of ours asks, in the rest of the time, for the flags
 // that a reset leaves, of all modules at once.
 //
 // Thread: one at a time. No call waits. Ownership: the port must outlive it.
 class ListPlayer {
  public:
-  ListPlayer(BoardPort& port, const ListLimits& limits) : port_(&port), limits_(limits) {}
+  // Whether pulses run is settled here, whatever `limits` say.
+  ListPlayer(BoardPort& port, const ListLimits& limits);
 
   // `at_most`: how long it may take until it is over, by the clock that `now` is of.
   // Errors: Busy while one plays; Malformed or TooLarge for a list that no board is given, or that
@@ -63,6 +68,8 @@ class ListPlayer {
   // What the registers of the machine were is lost.
   [[nodiscard]] bool needs_set_up() const noexcept { return needs_set_up_; }
   [[nodiscard]] const PlayCounters& counters() const noexcept { return counters_; }
+  // Nothing: the board shows nothing.
+  [[nodiscard]] const std::optional<VideoTiming>& video() const noexcept { return video_; }
 
  private:
   // What is done next: nothing, ring the reset, wait until it is taken, write the list, ring for
@@ -75,7 +82,9 @@ class ListPlayer {
   [[nodiscard]] Result<bool> go_on(const BoardStatus& status);
   [[nodiscard]] Result<bool> after_reset(const BoardStatus& status);
   [[nodiscard]] Result<bool> give(const BoardStatus& status);
-  [[nodiscard]] Result<bool> ring(std::uint32_t which, std::uint32_t word, Phase next);
+  using Registers = std::array<std::uint32_t, page::kHostRegisters>;
+  [[nodiscard]] Result<bool> ring(const Registers& registers, std::uint32_t meant, Phase next);
+  [[nodiscard]] Result<bool> ring_reset();
   [[nodiscard]] Result<bool> while_it_plays(const BoardStatus& status);
   [[nodiscard]] Result<bool> ask_for_flags(Error why);
   [[nodiscard]] Result<bool> name_flags();
@@ -91,6 +100,7 @@ class ListPlayer {
   [[nodiscard]] tl::unexpected<Error> strange(const std::string& what);
 
   BoardPort* port_;
+  std::optional<VideoTiming> video_;
   ListLimits limits_;
   Phase phase_{Phase::Idle};
   bool needs_set_up_{true};

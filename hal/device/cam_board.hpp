@@ -103,10 +103,16 @@ struct WriteCells {
   std::shared_ptr<const CamCells> cells;
 };
 struct ReadCells {};
+// A slice of the space, by its number along z, on the monitor of a board that has one, once: the
+// rest of its frame and as many lines as there are rows. Changes and counts nothing; like the two
+// above it cannot come between a kick and its scan.
+struct Show {
+  int slice{0};
+};
 }  // namespace cam_step
-using CamStep =
-    std::variant<cam_step::Kick, cam_step::LoadTable, cam_step::Fix, cam_step::Count, cam_step::Run,
-                 cam_step::Within, cam_step::ReadCounts, cam_step::WriteCells, cam_step::ReadCells>;
+using CamStep = std::variant<cam_step::Kick, cam_step::LoadTable, cam_step::Fix, cam_step::Count,
+                             cam_step::Run, cam_step::Within, cam_step::ReadCounts,
+                             cam_step::WriteCells, cam_step::ReadCells, cam_step::Show>;
 using CamSteps = std::vector<CamStep>;
 
 // Of the layers, over all modules.
@@ -155,8 +161,8 @@ class CamBoard {
   [[nodiscard]] virtual bool needs_lay_out() const noexcept = 0;
   // `at_most`: the program is given up, and poll() says so, when it is not over by then.
   // Errors, and the board sees nothing: InvalidArgument for a step that cannot be on this space,
-  // or before lay_out(); TooLarge, the program does not fit the board's memory; Busy;
-  // Disconnected.
+  // or before lay_out(); TooLarge, the program does not fit the board's memory, or a slice its
+  // monitor; Unsupported, the board shows nothing; Busy; Disconnected.
   [[nodiscard]] virtual Result<void> start(const CamSteps& steps, Duration at_most,
                                            MonotonicTime now) = 0;
   // Nothing while it runs; what it has read, once, when it is over. Never waits.

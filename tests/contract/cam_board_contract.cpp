@@ -114,6 +114,9 @@ TEST_P(CamBoardContract, WhatCannotBeIsRefusedAndTheBoardSeesNothing) {
 
       {kick, kick},
       {kick, ReadCells{}},
+      {kick, cam_step::Show{}},
+      {cam_step::Show{-1}},
+      {cam_step::Show{1 << space.log2_cells[2]}},
       {kick, cam_step::Run{{.repeats_kick = true}}},
       {cam_step::Run{{.is_scan = false, .repeats_kick = true}}},
       {Within{CamBox{{0, 0, 0}, {1, 0, 1}}}},
@@ -125,7 +128,7 @@ TEST_P(CamBoardContract, WhatCannotBeIsRefusedAndTheBoardSeesNothing) {
     ASSERT_FALSE(answer);
     EXPECT_EQ(answer.error().code, Errc::InvalidArgument) << answer.error().message;
   }
-  EXPECT_EQ(sut.counters(), (CamBoardCounters{.started = 1, .done = 1, .refused = 11}));
+  EXPECT_EQ(sut.counters(), (CamBoardCounters{.started = 1, .done = 1, .refused = 14}));
   EXPECT_TRUE(play({kick, cam_step::Run{}})) << "a refused kick does not wait";
 }
 

@@ -59,6 +59,10 @@ class CamBoardOracle {
     kick_ = {};
     is_waiting_ = false;
   }
+  void take(const cam_step::Show&) {
+    kick_ = {};
+    is_waiting_ = false;
+  }
   void take(const cam_step::Run& it) {
     if (it.options.takes_counts) latched_ = std::exchange(counts_, {});
     if (it.options.swaps_tables) std::swap(table_, other_);
@@ -142,6 +146,7 @@ inline CamSteps random_steps(std::mt19937& random, std::size_t cells) {
       steps.emplace_back(Count{static_cast<CamEvents>(below(3)), layers});
     }
     if (what == 3) steps.emplace_back(WriteCells{CamBoardOracle::random_words(random, cells)});
+    if (what == 6) steps.emplace_back(Show{static_cast<int>(below(2))});
     const bool is_kicked = what == 4 || what == 5;
     if (is_kicked) {
       Kick kick;

@@ -99,7 +99,7 @@ TEST_F(ListPlayerTest, OneListAtATimeAndARefusedOneIsNeverSeen) {
   ASSERT_TRUE(wait());
   const auto rings = port_->counters().rings;
   StepListBuilder builder;
-  builder.write(RegisterWords(Register::Run).set(field::kSync, kSyncFrame));
+  builder.write_port(Register::Event, std::vector<std::uint16_t>(kEventBits + 1));
   EXPECT_EQ(play(builder.finish()).error().code, Errc::Malformed);
   StepListBuilder large;
   large.write_port(Register::LutIo, std::vector<std::uint16_t>(kTableEntries, 1));

@@ -66,6 +66,7 @@ TEST(StrangeBoard, FactsThatCannotBeAreRefused) {
 
 class StrangeBoardTest : public testing::Test {
  protected:
+  static constexpr std::uint32_t kResetMeant = 0b1110;  // with the display lengths
   static StepList list() {
     StepListBuilder builder;
     builder.delay(1);
@@ -88,7 +89,7 @@ class StrangeBoardTest : public testing::Test {
   void begin() {
     start();
     EXPECT_EQ(poll(), false);
-    if (memory_->words().load(page::kMeant) == 2) {  // the reset, the first time
+    if (memory_->words().load(page::kMeant) == kResetMeant) {  // the first time
       acknowledge();
       EXPECT_EQ(poll(), false);
     }
@@ -145,7 +146,7 @@ TEST_F(StrangeBoardTest, NothingIsWrittenOverAListThatMayStillRun) {
     say(page::kRead, 0);  // it runs
     start();
     for (int k = 0; k < 3; ++k) EXPECT_EQ(poll(), false);
-    EXPECT_EQ(memory_->words().load(page::kMeant), 2U);
+    EXPECT_EQ(memory_->words().load(page::kMeant), kResetMeant);
     EXPECT_TRUE(is_untouched()) << "the reset has not been taken";
     acknowledge();
     EXPECT_EQ(poll(), false);
