@@ -178,6 +178,7 @@ struct PiecesConfig {
       layout{};            // path of a volume file, instead of cells, axes, count, seed
   bool is_dynamic{false};  // the held piece gives off particles; up to 7 pieces
   std::optional<double> pressure_newton_per_m{};  // of a face, for each cell that presses on it
+  std::optional<int> display_every{};  // moves after which the board shows itself on its monitor
   bool operator==(const PiecesConfig&) const = default;
 };
 

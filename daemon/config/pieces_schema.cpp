@@ -56,6 +56,10 @@ PiecesConfig read_pieces_table(TableReader reader, const std::filesystem::path& 
   reader.read("search", std::span<const Choice<PieceSearch>>(kSearches), out.search);
   reader.read("dynamic", out.is_dynamic);
   reader.read("pressure_newton_per_m", {0, 20000, true}, out.pressure_newton_per_m);
+  // Ours: a picture in two minutes of a hand at rest, which is looked for ten times a second.
+  if (reader.read_integer("display_every", {1, 1000}, number)) {
+    out.display_every = static_cast<int>(number);
+  }
   if (out.is_dynamic) limit_dynamic(reader, is_counted, out);
   read_power(reader, "boards", {1, 8}, out.boards);
   reader.read("board", std::span<const Choice<PieceBoardKind>>(kBoardKinds), out.board);

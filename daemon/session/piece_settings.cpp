@@ -106,6 +106,7 @@ Result<MadeWorld> make_piece_world(const config::WorldConfig& said, const Clock*
                                            std::to_string(most) + " then");
   }
   settings.pieces.is_dynamic = of.is_dynamic;
+  settings.pieces.moves_a_picture = of.display_every.value_or(0);
   settings.pieces.space = {file->log2_cells, CamDivision::StripY};
   settings.pieces.search = search_of(of);
   settings.workspace_m = said.workspace_m;

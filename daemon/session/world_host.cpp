@@ -115,7 +115,9 @@ Result<std::uint64_t> WorldHost::submit_edits(std::vector<world::CellEdit> edits
 
 std::string WorldHost::trouble() const {
   const auto* there = pieces();
-  const auto why = there == nullptr ? std::nullopt : there->board().trouble();
+  if (there == nullptr) return "";
+  const auto& board = there->board();
+  const auto& why = board.trouble() ? board.trouble() : board.why_dark();
   return why ? why->in("world '" + name_ + "'").message : "";
 }
 

@@ -153,29 +153,39 @@ bool PieceBoard::go_on(const CamAnswer* answer, MonotonicTime now) {
 }
 
 void PieceBoard::end_task() {
-  const auto outcome = task_->outcome();
+  const Doing done = std::exchange(doing_, Doing::Nothing);
+  const auto outcome = phase_ == Phase::Filling ? PieceOutcome::WasReset : task_->outcome();
   task_.reset();
   if (phase_ == Phase::Filling) {
     phase_ = Phase::Working;
     has_cells_ = true;
     trouble_.reset();
     retry_at_.reset();
-    if (is_action_) outcome_ = PieceOutcome::WasReset;
-  } else if (is_action_) {
-    outcome_ = outcome;
-  } else if (is_drift_) {
-    ++counters_.drifts;
-  } else {
-    ++counters_.moves;
   }
-  is_drift_ = false;
-  if (std::exchange(is_action_, false)) ++counters_.actions;
+  if (done == Doing::Action) outcome_ = outcome;
+  if (done == Doing::Action) ++counters_.actions;
+  if (done == Doing::Move) ++counters_.moves;
+  if (done == Doing::Drift) ++counters_.drifts;
+  if (done == Doing::Picture) ++counters_.pictures;
 }
 
 bool PieceBoard::play(const CamSteps& steps, MonotonicTime now) {
   given_at_ = now;
   const auto started = board_->start(steps, settings_.patience, now);
-  return started ? true : fail_with(started.error(), now);
+  if (started) return true;
+  // Only what cannot be is refused.
+  const Errc code = started.error().code;
+  const bool is_refused =
+      code == Errc::Unsupported || code == Errc::InvalidArgument || code == Errc::TooLarge;
+  if (doing_ == Doing::Picture && is_refused) return stay_dark(started.error());
+  return fail_with(started.error(), now);
+}
+
+bool PieceBoard::stay_dark(const Error& why) {
+  why_dark_ = why.in("nothing is shown on the board's monitor");
+  task_.reset();
+  doing_ = Doing::Nothing;
+  return false;
 }
 
 bool PieceBoard::fail_with(const Error& why, MonotonicTime now) {
@@ -185,8 +195,7 @@ bool PieceBoard::fail_with(const Error& why, MonotonicTime now) {
   retry_at_ = now + kRetry;
   phase_ = Phase::Closed;
   task_.reset();
-  is_drift_ = false;
-  if (std::exchange(is_action_, false)) outcome_ = PieceOutcome::BoardFailed;
+  if (std::exchange(doing_, Doing::Nothing) == Doing::Action) outcome_ = PieceOutcome::BoardFailed;
   if (why.code == Errc::Timeout && ++timeouts_ == kMostTimeouts) {
     trouble_->message +=
         "; that was time " + std::to_string(timeouts_) + " in a row, the board is opened anew";
@@ -204,6 +213,7 @@ std::optional<MonotonicTime> PieceBoard::running_since() const noexcept {
 void PieceBoard::close() {
   board_.reset();
   timeouts_ = 0;
+  why_dark_.reset();
 }
 
 void PieceBoard::fill(CamCells cells) {
@@ -221,11 +231,13 @@ void PieceBoard::start_over() {
 
 void PieceBoard::move(const CamAxes& desired) {
   THIMBLE_CHECK(is_ready());
+  doing_ = Doing::Move;
   task_ = make_move(context(), desired);
 }
 
 void PieceBoard::place(const CamAxes& desired) {
   THIMBLE_CHECK(is_ready());
+  doing_ = Doing::Move;
   task_ = make_placing(context(), desired);
 }
 
@@ -253,13 +265,19 @@ void PieceBoard::act(PieceAction action, const CamAxes& pressed) {
       fill(cells_of(layout_, settings_, state_));
       break;
   }
-  is_action_ = true;
+  doing_ = Doing::Action;
 }
 
 void PieceBoard::drift() {
   THIMBLE_CHECK(is_ready() && settings_.is_dynamic);
-  is_drift_ = true;
+  doing_ = Doing::Drift;
   task_ = make_drift(context(), counters_.drifts);
+}
+
+void PieceBoard::show() {
+  THIMBLE_CHECK(is_ready());
+  doing_ = Doing::Picture;
+  task_ = make_picture(context());
 }
 
 std::optional<PieceOutcome> PieceBoard::take_outcome() noexcept {

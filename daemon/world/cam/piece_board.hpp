@@ -16,6 +16,7 @@ struct PieceBoardCounters {
   std::uint64_t programs{0};  // that are over
   std::uint64_t moves{0};     // likewise
   std::uint64_t drifts{0};    // likewise
+  std::uint64_t pictures{0};  // likewise
   std::uint64_t actions{0};
   std::uint64_t failures{0};  // of the board
   std::uint64_t repairs{0};   // after which all pieces were there
@@ -65,6 +66,9 @@ class PieceBoard {
   void act(PieceAction action, const CamAxes& pressed);
   // A step of all particles. Only of dynamic pieces.
   void drift();
+  // The slice of the grasp point on the board's monitor, once, which takes a frame of it or two. A
+  // board that cannot is not asked again (why_dark()).
+  void show();
   // Of an action, once.
   [[nodiscard]] std::optional<PieceOutcome> take_outcome() noexcept;
 
@@ -75,9 +79,13 @@ class PieceBoard {
   [[nodiscard]] const PieceSettings& settings() const noexcept { return settings_; }
   // Why there is nothing to be felt; nothing: it works, or has not been begun.
   [[nodiscard]] const std::optional<Error>& trouble() const noexcept { return trouble_; }
+  // Why this board shows nothing; nothing: it does, or has not been asked.
+  [[nodiscard]] const std::optional<Error>& why_dark() const noexcept { return why_dark_; }
   [[nodiscard]] const PieceBoardCounters& counters() const noexcept { return counters_; }
 
  private:
+  // What the task under way is; the cells that are put onto a board anew are nobody's.
+  enum class Doing { Nothing, Move, Action, Drift, Picture };
   enum class Phase { Closed, Reading, Filling, Working };
 
   [[nodiscard]] bool is_due(MonotonicTime now) const noexcept {
@@ -88,6 +96,8 @@ class PieceBoard {
   [[nodiscard]] bool go_on(const CamAnswer* answer, MonotonicTime now);
   [[nodiscard]] bool play(const CamSteps& steps, MonotonicTime now);
   bool fail_with(const Error& why, MonotonicTime now);
+  // Of a picture, as a board has refused it.
+  bool stay_dark(const Error& why);
   void close();
   void fill(CamCells cells);
   void start_over();
@@ -105,14 +115,14 @@ class PieceBoard {
   PieceState state_;
   std::unique_ptr<PieceTask> task_;
   bool is_sweep_ready_{false};  // as PieceContext
-  bool is_action_{false};
-  bool is_drift_{false};
+  Doing doing_{Doing::Nothing};
   std::optional<PieceOutcome> outcome_;
   PieceLayout picture_;
   std::optional<MonotonicTime> retry_at_;
   MonotonicTime given_at_{};  // the program that was given last
   int timeouts_{0};           // since the board was opened, or since a program was over
   std::optional<Error> trouble_;
+  std::optional<Error> why_dark_;
   PieceBoardCounters counters_;
 };
 

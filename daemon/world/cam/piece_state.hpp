@@ -51,6 +51,9 @@ struct PieceSettings {
   // Thesis 4.2.4: the held piece gives off particles, a deleted one becomes a cloud of them; at
   // most kMostDynamicPieces. They are seen, not felt.
   bool is_dynamic{false};
+  // Moves after which the slice of the grasp point is shown on the board's monitor (thesis 4.2.2:
+  // 7); 0: never. Of a world; a PieceBoard shows when it is told to.
+  int moves_a_picture{0};
   // For one program. Ours: the longest, 512 x 512 cells there and a table, takes 20 ms at 25 MHz.
   Duration patience{std::chrono::seconds(1)};
 };

@@ -94,6 +94,18 @@ class Fill final : public PieceTask {
   std::shared_ptr<const CamCells> cells_;
 };
 
+class Picture final : public PieceTask {
+ public:
+  explicit Picture(int slice) : slice_(slice) {}
+  [[nodiscard]] std::optional<CamSteps> next(const CamAnswer* before) override {
+    if (before == nullptr) return CamSteps{cam_step::Show{slice_}};
+    return std::nullopt;
+  }
+
+ private:
+  int slice_;
+};
+
 class Look final : public PieceTask {
  public:
   Look(const PieceContext& context, PieceLayout& picture) : context_(context), picture_(picture) {}
@@ -124,6 +136,10 @@ class Look final : public PieceTask {
 };
 
 }  // namespace
+
+std::unique_ptr<PieceTask> make_picture(const PieceContext& context) {
+  return std::make_unique<Picture>(context.state.grasp[2]);
+}
 
 std::unique_ptr<PieceTask> make_look(const PieceContext& context, PieceLayout& picture) {
   return std::make_unique<Look>(context, picture);

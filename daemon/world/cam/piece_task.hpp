@@ -51,6 +51,8 @@ struct PieceContext {
 // Reads where pieces are into `picture`, which must outlive it.
 [[nodiscard]] std::unique_ptr<PieceTask> make_look(const PieceContext& context,
                                                    PieceLayout& picture);
+// The slice of the grasp point on the board's monitor.
+[[nodiscard]] std::unique_ptr<PieceTask> make_picture(const PieceContext& context);
 // Puts cells onto a board that has been laid out, and the rules in force. The cells show what the
 // state says.
 [[nodiscard]] std::unique_ptr<PieceTask> make_fill(const PieceContext& context,

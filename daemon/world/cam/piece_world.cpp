@@ -110,7 +110,10 @@ void PieceWorld::pump() {
     if (!board_.is_ready()) return;
     if (!waiting_.empty()) {
       begin_action();
-    } else if (!has_moved && begin_move(clock_->now())) {
+      continue;
+    }
+    if (begin_picture()) continue;  // a hand that never rests would have none
+    if (!has_moved && begin_move(clock_->now())) {
       has_moved = true;
     } else if (!begin_drift(clock_->now())) {
       return;
@@ -193,6 +196,16 @@ bool PieceWorld::begin_drift(MonotonicTime now) {
   if (!board_.settings().is_dynamic || (drift_at_ && now < *drift_at_)) return false;
   drift_at_ = now + kDriftEvery;
   board_.drift();
+  return true;
+}
+
+// What the move before it has found is felt meanwhile.
+bool PieceWorld::begin_picture() {
+  const auto every = static_cast<std::uint64_t>(board_.settings().moves_a_picture);
+  const std::uint64_t moves = board_.counters().moves;
+  if (every == 0 || moves - moves_shown_ < every || board_.why_dark()) return false;
+  moves_shown_ = moves;
+  board_.show();
   return true;
 }
 

@@ -108,6 +108,7 @@ class PieceWorld final : public World {
   // Whether one was begun.
   [[nodiscard]] bool begin_move(MonotonicTime now);
   [[nodiscard]] bool begin_drift(MonotonicTime now);
+  [[nodiscard]] bool begin_picture();
   // One beyond the space where the hand is beyond it.
   [[nodiscard]] CamAxes cell_of(Position3 hand) const noexcept;
   [[nodiscard]] CamAxes nearest_within(CamAxes cell) const noexcept;
@@ -131,6 +132,7 @@ class PieceWorld final : public World {
   std::optional<Try> last_try_;
   MonotonicTime looked_at_{};
   std::optional<MonotonicTime> drift_at_;
+  std::uint64_t moves_shown_{0};  // before the last picture
   std::deque<Waiting> waiting_;
   std::optional<std::uint64_t> under_way_;
   std::vector<Finished> finished_;

@@ -83,6 +83,12 @@ TEST(ConfigPieces, PressureIsOffUnlessItIsSaid) {
             25);
 }
 
+TEST(ConfigPieces, ABoardShowsItselfOnlyIfItIsSaid) {
+  EXPECT_EQ(parse_text(pieces_with(""))->worlds.at(0).pieces->display_every, std::nullopt);
+  EXPECT_EQ(
+      parse_text(pieces_with("pieces.display_every = 7\n"))->worlds.at(0).pieces->display_every, 7);
+}
+
 TEST(ConfigPieces, ALayoutLiesBesideTheConfiguration) {
   const auto sut = parse_text(pieces_with("pieces.layout = \"parts/puzzle.npy\"\n"));
   ASSERT_TRUE(sut);
@@ -138,6 +144,8 @@ INSTANTIATE_TEST_SUITE_P(
                     BadPieces{"pieces.dynamic = 1\n", "pieces.dynamic"},
                     BadPieces{"pieces.pressure_newton_per_m = 0\n", "above 0"},
                     BadPieces{"pieces.pressure_newton_per_m = 2e5\n", "20000"},
+                    BadPieces{"pieces.display_every = 0\n", "1 to 1000"},
+                    BadPieces{"pieces.display_every = 7.5\n", "pieces.display_every"},
                     BadPieces{"pieces.seed = -1\n", "pieces.seed"},
                     BadPieces{"pieces.search = \"fast\"\n", "\"leap\""},
                     BadPieces{"pieces.axes = 1\n", "2 to 3"},

@@ -60,6 +60,7 @@ TEST(PieceFaults, AfterAnyLostProgramBoardAndHostAgree) {
   std::mt19937 random(5);
   const auto below = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
   std::uint64_t repairs = 0;
+  std::uint64_t pictures = 0;
   int failed_actions = 0;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     const PieceLayout layout = random_layout(kSpace, 5, seed).value();
@@ -80,6 +81,8 @@ TEST(PieceFaults, AfterAnyLostProgramBoardAndHostAgree) {
           const int left = before[axis] + way[axis] - bench.board().state().grasp[axis];
           pressed[axis] = left < 0 ? -1 : left > 0 ? 1 : 0;
         }
+      } else if (below(5) == 0) {
+        bench.board().show();
       } else {
         // Mostly what changes which piece is held.
         bench.board().act(static_cast<PieceAction>(below(8) == 0 ? 3 : below(3)), pressed);
@@ -93,9 +96,11 @@ TEST(PieceFaults, AfterAnyLostProgramBoardAndHostAgree) {
     EXPECT_EQ(bench.board().counters().resets, 0U) << "no piece was lost";
     EXPECT_EQ(bench.board().counters().repairs, bench.board().counters().failures);
     repairs += bench.board().counters().repairs;
+    pictures += bench.board().counters().pictures;
   }
   EXPECT_GT(repairs, 40U);
   EXPECT_GT(failed_actions, 10);
+  EXPECT_GT(pictures, 10U);
 }
 
 }  // namespace
