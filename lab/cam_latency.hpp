@@ -33,14 +33,15 @@ struct CamLatencyRun {
   std::uint64_t lists{0};
   std::uint64_t clocks{0};  // of the board, the host's waiting included
   double time_s{0};         // of the update, host and board
+  double picture_s{0};      // of one on the monitor, with the wait for its frame: the mean
   double latency_s{0};      // with picture and network
   double offset_m{0};       // at kHandSpeed_m_s
 };
 
 // Thesis 4.2.1: what its offsets were divided by.
 inline constexpr double kHandSpeed_m_s = 0.2;
-// Thesis 4.2.2: until the next frame boundary, on average.
-inline constexpr double kPicture_s = 0.033;
+// Thesis 4.2.2: until the next frame boundary, on average. Only to compare with.
+inline constexpr double kThesisPicture_s = 0.033;
 // Thesis 4.2: round trip of a datagram.
 inline constexpr double kNetwork_s = 0.001;
 inline constexpr double kTolerance_percent = 10;
@@ -53,6 +54,9 @@ struct CamLatencyFit {
 
 // The three of the thesis, then ours in the same plane, and in space.
 [[nodiscard]] std::vector<CamLatencyCase> cam_latency_cases(int clock_mhz = 25);
+
+// An update ends anywhere in a frame of the monitor: so many moments, evenly apart, are tried.
+inline constexpr int kPictures = 8;
 
 // Moves the grasp point, or the piece in the middle, as far as the fit says along x through free
 // space, which has to have four thirds of it; tables that searches need only once after each
@@ -68,6 +72,7 @@ struct CamLatencyProbe {
   CamLatencyCase of;
   double free_s{0};
   double paid_s{0};
+  double picture_s{0};  // as CamLatencyRun, with a host that costs nothing
 };
 [[nodiscard]] Result<CamLatencyProbe> probe_cam_latency(const CamLatencyCase& of);
 

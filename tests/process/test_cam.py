@@ -85,7 +85,7 @@ class Separating(ProcessTest):
 
 
 class Latencies(ProcessTest):
-    ROW = re.compile(r"^(\d boards.*?) +\d+ +\d+ +\d+ +\d+ +(\d+) +([\d.]+) +([\d.]+) +(\d+) ms +(\d+) mm +([+-][\d.]+) %$",
+    ROW = re.compile(r"^(\d boards.*?) +\d+ +\d+ +\d+ +\d+ +[\d.]+ / (\d+) +([\d.]+) +([\d.]+) +(\d+) ms +(\d+) mm +([+-][\d.]+) %$",
                      re.MULTILINE)
 
     def test_those_of_the_thesis_come_out_of_the_simulated_board(self):

@@ -37,8 +37,34 @@ TEST(CamLatency, ALookTakesTwoScansAndWhatTheirSweepsTake) {
   EXPECT_GE(run->clocks, scans);
   EXPECT_LE(run->clocks, scans + 2 * 3000) << "the frames of two looks, and the host's own";
   EXPECT_NEAR(run->time_s, static_cast<double>(run->clocks) / 25e6, 1e-6);
-  EXPECT_DOUBLE_EQ(run->latency_s, run->time_s + kPicture_s + kNetwork_s);
+  EXPECT_DOUBLE_EQ(run->latency_s, run->time_s + run->picture_s + kNetwork_s);
   EXPECT_DOUBLE_EQ(run->offset_m, 0.2 * run->latency_s);
+}
+
+// 64 lines of a monitor of 525, 60 frames a second: half a frame's wait, on average.
+TEST(CamLatency, APictureTakesItsLinesAndHalfAFrameOfWaiting) {
+  for (const int clock_mhz : {20, 25}) {
+    CamLatencyCase of = eight_boards();
+    of.clock_mhz = clock_mhz;
+    const auto run = run_cam_latency(of, {2, 0});
+    ASSERT_TRUE(run) << run.error().message;
+    const double frame_s = 525 * (clock_mhz == 25 ? 794 / 25e6 : 636 / 20e6);
+    const double step_s = frame_s / kPictures;
+    EXPECT_NEAR(run->picture_s, frame_s * 64 / 525 + frame_s / 2, step_s / 2 + 1e-4);
+  }
+  CamLatencyCase of = eight_boards();
+  of.updates_per_picture = 7;
+  const auto run = run_cam_latency(of, {2, 0});
+  ASSERT_TRUE(run) << run.error().message;
+  EXPECT_DOUBLE_EQ(run->latency_s, run->time_s + run->picture_s / 7 + kNetwork_s);
+}
+
+TEST(CamLatency, AHostThatCostsCostsAPictureOnce) {
+  const auto free = run_cam_latency(eight_boards(), {2, 0});
+  const auto paid = run_cam_latency(eight_boards(), {2, 3e-4});
+  ASSERT_TRUE(free && paid);
+  // It may miss a frame that it would have had.
+  EXPECT_NEAR(paid->picture_s, free->picture_s, 1.0 / 60 / kPictures + 3e-4);
 }
 
 TEST(CamLatency, AClockThatIsSlowerTakesAsManyClocksAndLonger) {
@@ -130,16 +156,17 @@ TEST(CamLatency, AStrokeTakesALookACellOrALeap) {
 // Latencies that were made with a known fit: it is found again, and nothing else.
 TEST(CamLatency, AFitFindsWhatLatenciesWereMadeWith) {
   const CamLatencyFit truth{41, 0.00017};
+  constexpr double kPicture_s = 0.03;
   std::vector<CamLatencyProbe> probes;
   for (CamLatencyCase of : cam_latency_cases()) {
     const double look_s = of.log2_modules == 2 ? 0.0058 : 0.0029;
     if (of.thesis_s > 0) {
       of.thesis_s =
           looks_of(truth.cells, of.search == SearchKind::Leap) * (look_s + truth.host_cost_s) +
-          kPicture_s / of.updates_per_picture + kNetwork_s;
+          (kPicture_s + truth.host_cost_s) / of.updates_per_picture + kNetwork_s;
     }
     const int looks = looks_of(CamLatencyProbe::kCells, of.search == SearchKind::Leap);
-    probes.push_back({of, looks * look_s, looks * (look_s + CamLatencyProbe::kHost_s)});
+    probes.push_back({of, looks * look_s, looks * (look_s + CamLatencyProbe::kHost_s), kPicture_s});
   }
   const CamLatencyFit fit = fit_cam_latency(probes);
   EXPECT_EQ(fit.cells, truth.cells);
