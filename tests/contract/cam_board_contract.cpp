@@ -15,7 +15,7 @@ TEST_P(CamBoardContract, RandomProgramsDoWhatAPlainArrayDoes) {
   CamBoardOracle oracle(space);
   ASSERT_TRUE(play(oracle.first_program(random)));
   for (int i = 0; i < 40; ++i) {
-    const CamSteps steps = random_steps(random, space.cells());
+    const CamSteps steps = random_steps(random, space);
     const auto answer = play(steps);
     ASSERT_TRUE(answer) << answer.error().message;
     const CamAnswer expected = oracle.play(steps);

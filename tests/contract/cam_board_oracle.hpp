@@ -129,7 +129,7 @@ class CamBoardOracle {
 };
 
 // Steps that any board takes: kicks of up to two cells, each with its scan.
-inline CamSteps random_steps(std::mt19937& random, std::size_t cells) {
+inline CamSteps random_steps(std::mt19937& random, const CamGeometry& space) {
   using namespace cam_step;
   const auto below = [&](unsigned n) { return static_cast<unsigned>(random() % n); };
   const auto few = [&] { return static_cast<int>(below(5)) - 2; };
@@ -145,8 +145,13 @@ inline CamSteps random_steps(std::mt19937& random, std::size_t cells) {
       const auto layers = static_cast<CamLayers>(below(2) == 0 ? 0xffff : below(0x10000));
       steps.emplace_back(Count{static_cast<CamEvents>(below(3)), layers});
     }
-    if (what == 3) steps.emplace_back(WriteCells{CamBoardOracle::random_words(random, cells)});
-    if (what == 6) steps.emplace_back(Show{static_cast<int>(below(2))});
+    if (what == 3) {
+      steps.emplace_back(WriteCells{CamBoardOracle::random_words(random, space.cells())});
+    }
+    // A board need not show rows that it divides.
+    const bool has_rows =
+        space.division == CamDivision::StripY || space.division == CamDivision::StripZ;
+    if (what == 6 && has_rows) steps.emplace_back(Show{static_cast<int>(below(2))});
     const bool is_kicked = what == 4 || what == 5;
     if (is_kicked) {
       Kick kick;

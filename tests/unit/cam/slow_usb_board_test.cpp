@@ -177,15 +177,14 @@ TEST_P(AProgramThatIsGivenUp, DoesNotSpoilTheNext) {
     // Short ones, too, whose steps do not lie where those of the next lie.
     const Duration soon = microseconds(random_() % 6'000);
     const bool is_short = random_() % 2 == 0;
-    CamSteps left =
-        is_short ? test::random_steps(random_, kSpace.cells()) : oracle.first_program(random_);
+    CamSteps left = is_short ? test::random_steps(random_, kSpace) : oracle.first_program(random_);
     left.emplace_back(cam_step::Run{{.is_scan = false, .takes_counts = true}});
     if (!play(sut, left, clock_, soon)) ++given_up;
     oracle = test::CamBoardOracle(kSpace);
     ASSERT_TRUE(sut.lay_out(kSpace));
     const auto first = play(sut, oracle.first_program(random_), clock_, seconds(2));
     ASSERT_TRUE(first) << first.error().message << ' ' << i;
-    const CamSteps steps = test::random_steps(random_, kSpace.cells());
+    const CamSteps steps = test::random_steps(random_, kSpace);
     const auto answer = play(sut, steps, clock_, seconds(2));
     ASSERT_TRUE(answer) << answer.error().message << ' ' << i;
     const CamAnswer expected = oracle.play(steps);

@@ -303,7 +303,7 @@ TEST(UsbPortBehindABadCable, NoProgramOutlastsItsTimeAndNoAnswerIsWrong) {
         oracle = test::CamBoardOracle(kSpace);
       }
       const CamSteps steps =
-          is_first ? oracle.first_program(random) : test::random_steps(random, kSpace.cells());
+          is_first ? oracle.first_program(random) : test::random_steps(random, kSpace);
       const auto answer = play(sut, steps, clock, std::chrono::seconds(2));
       ++(answer ? done : failed);
       if (!answer || is_first) continue;
