@@ -65,6 +65,10 @@ plugin::UsbAnswer CamUsbModel::in_packet(std::uint8_t endpoint,
   return {UsbHandshake::Ack, *size};
 }
 
+MonotonicTime CamUsbModel::unchanged_until() const noexcept {
+  return replies_.transfers() == 0 ? MonotonicTime{Duration::max()} : now_;
+}
+
 void CamUsbModel::power_cycle() noexcept {
   board_.reset();
   const bus::SharedWords words = memory_.words();

@@ -40,6 +40,8 @@ class CamUsbModel final : public plugin::SimUsbModel, public plugin::ModelPanel 
   plugin::UsbHandshake out_packet(std::uint8_t endpoint,
                                   std::span<const std::uint8_t> bytes) noexcept override;
   plugin::UsbAnswer in_packet(std::uint8_t endpoint, std::span<std::uint8_t> out) noexcept override;
+  // Nothing comes from it unasked.
+  [[nodiscard]] MonotonicTime unchanged_until() const noexcept override;
   // Another incarnation, with nothing in its memory.
   void power_cycle() noexcept override;
   [[nodiscard]] plugin::ArmBackend* arm_backend() noexcept override { return nullptr; }
