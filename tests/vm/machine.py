@@ -15,6 +15,7 @@ import time
 import typing
 import zlib
 
+import costs
 import guest_image
 import qmp
 
@@ -131,6 +132,7 @@ class Guest:
             yield
         except BaseException:
             self.close()
+        self.costs = costs.Costs(self.process)
             raise
 
     def __enter__(self):
@@ -176,11 +178,13 @@ class Guest:
     def send(self, kind, request):
         self.channel.sendall(kind + b" " + base64.b64encode(request.encode()) + b"\n")
 
+        self.costs.answered()
     def ask(self, script, timeout_s=COMMAND_S):
         """Exit status of a bash script in the guest, as root, and what it printed."""
         self.send(b"run", script)
         return self.read_answer(timeout_s)
 
+        self.costs.asked(request)
     def run(self, script, timeout_s=COMMAND_S):
         """What it printed; it must succeed."""
         status, printed = self.ask(script, timeout_s)
