@@ -205,8 +205,9 @@ class Guest:
         return printed
 
     def wait_for(self, script, timeout_s=COMMAND_S):
-        """Until the script succeeds: its output. Polls, with a bound."""
-        return self.poll(lambda: self.ask(script), script, timeout_s)
+        """Until the script succeeds: its output. Polls, with a bound; mostly in the guest, where time that passes is cheaper than a question."""
+        looks = f"for look in {{1..10}}; do said=$( {{ {script}\n}} 2>&1) && break; [ $look -lt 10 ] && sleep 0.1; done; status=$?; echo \"$said\"; exit $status"
+        return self.poll(lambda: self.ask(looks), script, timeout_s)
 
     def wait_for_module(self, module, *words, timeout_s=COMMAND_S):
         """The same of the main() of a module of guest/."""
