@@ -21,26 +21,27 @@ count = 3
 seed = 2
 board = "{board}"
 """
-# What lies where, cell by cell.
-SAVE = "thimble world save --file /tmp/desk.npy"
-# Each a stroke along an axis, so that nothing depends on how soon the board answers, or what is done.
+# Each a stroke along an axis, so that nothing depends on how soon the board answers; and the cell that the grasp point ends in: where the hand is, or where pieces
+# stop it.
 PLAY = (
-    "move 0.001 -0.005 0 0.3",  # beside piece 3
-    "thimble reset",
-    "move -0.009 -0.005 0 0.5",  # against it, from the right
-    "thimble select",
-    "move -0.011 -0.005 0 0.5",
-    "move -0.011 0.021 0 0.8",  # up, to the left of piece 1
-    "move 0.009 0.021 0 0.8",  # against piece 1, with piece 3
-    "thimble drop",
-    "move 0.009 0.001 0 0.5",  # away, and up again below what was dropped
-    "move -0.013 0.001 0 0.5",
-    "move -0.013 0.025 0 0.5",
-    SAVE,
+    ("move 0.001 -0.005 0 0.3", [16, 13, 0]),  # beside piece 3
+    ("thimble reset", [16, 13, 0]),
+    ("move -0.009 -0.005 0 0.5", [14, 13, 0]),  # against it, from the right
+    ("thimble select", [11, 13, 0]),
+    ("move -0.011 -0.005 0 0.5", [10, 13, 0]),
+    ("move -0.011 0.021 0 0.8", [10, 26, 0]),  # up, to the left of piece 1
+    ("move 0.009 0.021 0 0.8", [12, 26, 0]),  # against piece 1, with piece 3
+    ("thimble drop", [20, 26, 0]),
+    ("move 0.009 0.001 0 0.5", [20, 16, 0]),  # away, and up again below what was dropped
+    ("move -0.013 0.001 0 0.5", [9, 16, 0]),
+    ("move -0.013 0.025 0 0.5", [9, 23, 0]),
 )
+# What lies where in the end, cell by cell.
+SAVE = "timeout 20 thimble world save --file /tmp/desk.npy > /dev/null && sha256sum < /tmp/desk.npy"
 AGAINST_PIECE_3 = 3  # so many steps
 PIECE_3_IN_HAND = 5
-MOVE_S = 2.5
+CELL = "worlds.0.pieces.grasp_cell"
+REST_S = 0.3  # in which it goes no further
 
 
 class Pieces(guest.GuestTest):
@@ -72,26 +73,30 @@ class Pieces(guest.GuestTest):
     def pieces(self):
         return self.status()["worlds"][0]["pieces"]
 
-    def do(self, step):
-        """What was said of it; of a move, the cell in which the grasp point ended: where the hand is, or where pieces stop it; or the digest of what was
-        saved.
-        """
-        if step == SAVE:
-            return self.guest.run(f"timeout 20 {step} > /dev/null && sha256sum < /tmp/desk.npy").split()[0]
-        if not step.startswith("move"):
-            return self.guest.run(f"timeout 20 {step}").strip()
-        self.arm.say(step)
-        self.guest.run(f"sleep {MOVE_S}")
-        return self.pieces()["grasp_cell"]
+    def do(self, step, cell):
+        """What was said of it, the cell in which the grasp point ended, and which piece is held then."""
+        if step.startswith("move"):
+            self.arm.say(step)
+            self.guest.run(f"sleep {step.split()[-1]}")
+            said = ""
+        else:
+            said = self.guest.run(f"timeout 20 {step}").strip()
+        self.guest.wait_for_module("status_until", CELL, json.dumps(cell))
+        self.guest.run(f"sleep {REST_S}")
+        pieces = self.pieces()
+        return said, pieces["grasp_cell"], pieces["held"]
 
     def play(self, steps=len(PLAY)):
-        """Of each step its end, and which piece is held then."""
-        return [(step, self.do(step), self.pieces()["held"]) for step in PLAY[:steps]]
+        """What each step led to; of a whole play, where the pieces lie afterwards."""
+        report = [self.do(*step) for step in PLAY[:steps]]
+        return report if steps < len(PLAY) else [*report, self.guest.run(SAVE).split()[0]]
 
     def assert_grasped_moved_and_dropped(self, report):
-        self.assertEqual([done for step, done, _ in report if step.startswith("thimble") and step != SAVE],
+        said, cells, held = zip(*report[:-1])
+        self.assertEqual([words for words in said if words],
                          [f"world desk: {done}" for done in ("all pieces are as they were at first", "selected", "dropped")])
-        self.assertEqual([held for _, _, held in report], 3 * [0] + 4 * [3] + 5 * [0])
+        self.assertEqual(list(cells), [cell for _, cell in PLAY])
+        self.assertEqual(list(held), 3 * [0] + 4 * [3] + 4 * [0])
         self.assertGreater(simdev.norm(self.arm.felt(0.2)), 1)
 
     def assert_let_go(self):
