@@ -51,11 +51,15 @@ ON_TWO = Pace("on-two", ("-smp", "2", "-accel", "tcg,thread=multi"), AS_HOST_LET
 
 
 def counted(name, shift):
+# What a kernel does for real processors, at each wake-up or copy (decision 0396); clearcpuid: no copying by "rep movs", one translated block a word.
+CHEAP_TO_EMULATE = "mitigations=off psi=0 cpuidle.off=1 clearcpuid=112"
+
+
     """The guest's clock counts instructions, 2^shift ns each, and leaps over idle time: however busy the host is, nobody in the
     guest is late for it. For tests with a device that must be served in time; it runs in the guest, too. No memory is gathered into
     huge pages: that takes the only processor for 1.5 ms (decision 0383)."""
     return Pace(name, ("-smp", "1", "-accel", "tcg,thread=single", "-icount", f"shift={shift},sleep=off"),
-                "clocksource=tsc tsc=reliable transparent_hugepage=never", is_counted=True)
+                f"clocksource=tsc tsc=reliable transparent_hugepage=never {CHEAP_TO_EMULATE}", is_counted=True)
 
 
 # A slower guest costs more, not less: while a program runs, the device has its frames (decision 0382).
