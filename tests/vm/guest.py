@@ -9,25 +9,22 @@ __all__ = ["AS_IT_COMES", "COUNTED", "COUNTED_SLOWLY", "DEBS", "ON_TWO", "Guest"
 
 
 class GuestTest(unittest.TestCase):
-    """A class of tests in one guest, in the order of their names. `installed`: it has the packages already, and the daemon runs;
-    `runs_daemon`: it goes on doing so, or the devices of the test are not for it."""
+    """A class of tests in one guest, in the order of their names. `runs_daemon`: it does so, or the devices of the test are not for it."""
 
     kernel = "amd64"
     pace = AS_IT_COMES
-    installed = True
     runs_daemon = True
 
     @classmethod
     def setUpClass(cls):
         cls.guest = cls.start_guest()
         cls.addClassCleanup(cls.guest.close)
-        if cls.installed and not cls.runs_daemon:
+        if not cls.runs_daemon:
             cls.guest.run("systemctl stop thimbled")
 
     @classmethod
     def start_guest(cls):
-        """Also one with more devices than others have."""
-        return guest_states.start(cls.kernel, cls.pace) if cls.installed else Guest(cls.kernel, pace=cls.pace)
+        return guest_states.start(cls.kernel, cls.pace)
 
     @classmethod
     def properties(cls, *names, unit="thimbled.service"):

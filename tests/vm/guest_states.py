@@ -1,7 +1,7 @@
-"""Guests that begin where an earlier one was saved: with the packages installed, and switched off, or running and settled.
+"""Guests that begin where an earlier one was saved: without the packages, running; with them, running and settled, or switched off.
 
-A boot and an installation cost minutes of an emulated processor, and end in the same for the same packages. They are done once,
-by whoever needs them first, and kept beside the image (decision 0376).
+A boot and an installation cost a minute of an emulated processor, and end in the same for the same image and packages. They are done once,
+by whoever needs them first, and kept beside the image (decisions 0376, 0396).
 """
 
 import contextlib
@@ -13,22 +13,36 @@ import machine
 import qmp
 import state_cache
 
-RECIPE = 2  # to be counted up when install() or settle() does something else, or the machine has other devices
+RECIPE = 3  # to be counted up when install() or settle() does something else, or the machine has other devices
 INSTALLED = ("thimbled", "thimble")
-KEPT = 3  # sets of packages; with every pace one has 2 GB
+KERNEL = "amd64"
+KEPT_MACHINES = 2
+KEPT = 3  # sets of packages; with every pace one has 0.5 GB
 SETTLE_S = 300
+BARE = "bare"
 
 
-def key():
-    """Of all that decides what is saved but kernel and pace, which name the parts."""
+def machine_key():
+    """Of all that decides what is saved but packages, kernel and pace."""
     version = subprocess.run(["qemu-system-x86_64", "--version"], stdout=subprocess.PIPE, check=True).stdout
-    debs = [path for name in INSTALLED for path in machine.DEBS.glob(f"{name}_*.deb")]
-    return state_cache.key((RECIPE, guest_image.key(), version, *(machine.words("", pace) for pace in machine.PACES)), debs)
+    return state_cache.key((RECIPE, guest_image.key(), version, *(machine.words("", pace) for pace in machine.PACES)), [])
+
+
+def packages_key():
+    return state_cache.key((), [path for name in INSTALLED for path in machine.DEBS.glob(f"{name}_*.deb")])
 
 
 def can_be_offered(one):
     """From now on devices can be."""
     one.run("modprobe -a uhid vhci-hcd cdc-acm")
+
+
+def install(one):
+    """With the worst that may happen between the two steps, for vm.udev: udev reads the rules while the package is not configured yet."""
+    debs = " ".join(f"/run/debs/{name}_*.deb" for name in INSTALLED)
+    one.run(f"export DEBIAN_FRONTEND=noninteractive; dpkg --unpack {debs}\n"
+            "sleep 4; udevadm trigger --settle /sys/class/mem/null\n"
+            "dpkg --configure --pending", SETTLE_S)
 
 
 def settle(one):
@@ -38,40 +52,96 @@ def settle(one):
     can_be_offered(one)
 
 
-def install(folder):
-    with machine.Guest() as one:
-        one.install(*INSTALLED)
-        one.save_disk(folder / "disk.qcow2")
+@contextlib.contextmanager
+def of_this_machine():
+    """The entry of guests that are alike but for packages. All disks in it lie one on the other, so it goes as a whole."""
+    with state_cache.entry(guest_image.image_folder() / "saved", machine_key(), KEPT_MACHINES) as entry:
+        yield entry
 
 
 @contextlib.contextmanager
-def installed():
-    """The entry of these packages, whose part `installed` is there, and the disk in it."""
-    with state_cache.entry(guest_image.image_folder() / "states", key(), KEPT) as entry:
-        yield entry, state_cache.part(entry, "installed", install) / "disk.qcow2"
+def of_these_packages():
+    """Its entry, and in it that of these packages."""
+    with of_this_machine() as alike, state_cache.entry(alike / "packages", packages_key(), KEPT) as entry:
+        yield alike, entry
 
 
-def boot(kernel, pace, devices=()):
-    """A guest that has the packages and was just switched on. `devices`: more of them, in words for QEMU."""
-    with installed() as (_, disk):
-        return machine.Guest(kernel, pace=pace, disk=disk, devices=devices)
+def save(one, folder):
+    one.save_state(folder / "disk.qcow2", folder / "memory")
 
 
-def saved(entry, disk, kernel, pace):
-    """The part of a guest that was switched on and has settled."""
-    def save(folder):
-        with machine.Guest(kernel, pace=pace, disk=disk) as one:
+def go_on(part, pace, **words):
+    """Where save() wrote."""
+    return machine.Guest(KERNEL, pace=pace, disk=part / "disk.qcow2", memory=part / "memory", **words)
+
+
+def bare_part(alike):
+    """Of a guest that has no packages and counts."""
+    def make(folder):
+        with machine.Guest(KERNEL, pace=machine.COUNTED) as one:
+            one.run("systemctl is-system-running --wait", SETTLE_S)
+            save(one, folder)
+
+    return state_cache.part(alike, BARE, make)
+
+
+def counted_part(alike, entry):
+    """Of one that has been given them since."""
+    def make(folder):
+        with go_on(bare_part(alike), machine.COUNTED) as one:
+            install(one)
             settle(one)
-            one.save_state(folder / "disk.qcow2", folder / "memory")
+            save(one, folder)
 
-    return state_cache.part(entry, f"{kernel}-{pace.name}", save)
+    return state_cache.part(entry, machine.COUNTED.name, make)
 
 
-def resume(kernel, pace):
+def disk_part(alike, entry):
+    """Of the same, switched off."""
+    def make(folder):
+        with go_on(counted_part(alike, entry), machine.COUNTED) as one:
+            one.save_disk(folder / "disk.qcow2")
+
+    return state_cache.part(entry, machine.AS_IT_COMES.name, make)
+
+
+def booted_part(alike, entry, pace):
+    """Of one that was switched on with them, and has settled."""
+    def make(folder):
+        with machine.Guest(KERNEL, pace=pace, disk=disk_part(alike, entry) / "disk.qcow2") as one:
+            settle(one)
+            save(one, folder)
+
+    return state_cache.part(entry, pace.name, make)
+
+
+def part(alike, entry, pace):
+    """What a guest of this pace begins with."""
+    if pace == machine.COUNTED:
+        return counted_part(alike, entry)
+    return booted_part(alike, entry, pace) if pace.is_counted else disk_part(alike, entry)
+
+
+def boot(kernel, pace):
+    """A guest that has the packages and was just switched on."""
+    with of_these_packages() as (alike, entry):
+        return machine.Guest(kernel, pace=pace, disk=disk_part(alike, entry) / "disk.qcow2")
+
+
+def resume(pace):
     """A guest that has the packages and was switched on a while ago."""
-    with installed() as (entry, disk):
-        part = saved(entry, disk, kernel, pace)
-        return machine.Guest(kernel, pace=pace, disk=part / "disk.qcow2", memory=part / "memory")
+    with of_these_packages() as (alike, entry):
+        return go_on(part(alike, entry, pace), pace)
+
+
+def start_bare(share=machine.DEBS):
+    """A guest that counts, has no packages and was switched on a while ago. `share`: in place of the folder of packages."""
+    try:
+        with of_this_machine() as alike:
+            return go_on(bare_part(alike), machine.COUNTED, share=share)
+    except (OSError, machine.GuestError, qmp.QmpError) as error:
+        print(f"No saved guest, this one boots: {error}", file=sys.stderr)
+        return machine.Guest(KERNEL, pace=machine.COUNTED, share=share)
 
 
 def start(kernel, pace):
@@ -80,7 +150,7 @@ def start(kernel, pace):
     if not pace.is_counted:
         return boot(kernel, pace)
     try:
-        return resume(kernel, pace)
+        return resume(pace)
     except (OSError, machine.GuestError, qmp.QmpError) as error:
         print(f"No saved guest, this one boots: {error}", file=sys.stderr)
         one = boot(kernel, pace)
@@ -88,8 +158,8 @@ def start(kernel, pace):
         return one
 
 
-def prepare(pace):
-    """Makes what start() needs, where it is not there, and says what it costs."""
-    with installed() as (entry, disk):
-        part = saved(entry, disk, "amd64", pace) if pace.is_counted else disk.parent
-    print(f"{part}: {sum(path.stat().st_blocks for path in part.iterdir()) // 2048} MiB")
+def prepare(name):
+    """Makes what start() of that pace or start_bare() needs, where it is not there, and says what it costs."""
+    with of_these_packages() as (alike, entry):
+        made = bare_part(alike) if name == BARE else part(alike, entry, {pace.name: pace for pace in machine.PACES}[name])
+    print(f"{made}: {sum(path.stat().st_blocks for path in made.iterdir()) // 2048} MiB")

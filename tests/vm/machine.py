@@ -28,6 +28,7 @@ BOOT_S = 400
 START_S = 30
 SAVE_S = 120
 COMMAND_S = 120
+SLOT_BYTES = 1 << 22  # of memory behind a BAR, at most
 
 
 class GuestError(Exception):
@@ -50,11 +51,11 @@ AS_IT_COMES = Pace("as-it-comes", ("-smp", "1", "-accel", "tcg,thread=single"), 
 ON_TWO = Pace("on-two", ("-smp", "2", "-accel", "tcg,thread=multi"), AS_HOST_LETS)
 
 
-def counted(name, shift):
 # What a kernel does for real processors, at each wake-up or copy (decision 0396); clearcpuid: no copying by "rep movs", one translated block a word.
 CHEAP_TO_EMULATE = "mitigations=off psi=0 cpuidle.off=1 clearcpuid=112"
 
 
+def counted(name, shift):
     """The guest's clock counts instructions, 2^shift ns each, and leaps over idle time: however busy the host is, nobody in the
     guest is late for it. For tests with a device that must be served in time; it runs in the guest, too. No memory is gathered into
     huge pages: that takes the only processor for 1.5 ms (decision 0383)."""
@@ -73,6 +74,8 @@ def words(kernel, pace):
     return ("-nodefaults", "-no-shutdown", "-display", "none", "-machine", "q35", "-m", "1024", *pace.machine,
             # Never KVM: it is there on machines where it hangs. Under it all processors look alike.
             "-cpu", "qemu64,+ssse3,+sse4.1,+sse4.2,+popcnt",
+            # Empty, for what put_into_slot() is given.
+            "-device", f"pcie-root-port,id=free-slot,chassis=1,pref64-reserve={4 * SLOT_BYTES}",
             # norandmaps: what a program has translated lies where it lay before, and is not translated again (decision 0381).
             "-append", f"root=LABEL=root rw console=ttyS0 quiet panic=-1 norandmaps {pace.kernel}")
 
@@ -83,7 +86,7 @@ class Guest:
     It boots, from `disk`, a qcow2 file that save_disk() made, or from the image; or it goes on where save_state() wrote both.
     """
 
-    def __init__(self, kernel="amd64", share=DEBS, pace=AS_IT_COMES, disk=None, memory=None, devices=()):
+    def __init__(self, kernel="amd64", share=DEBS, pace=AS_IT_COMES, disk=None, memory=None):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="thimble-vm-"))
         self.console = self.folder / "console"
         image = guest_image.image_folder()
@@ -96,7 +99,7 @@ class Guest:
             "-serial", f"file:{self.console}",
             "-chardev", f"socket,id=qmp,path={self.folder / 'qmp'}", "-mon", "chardev=qmp,mode=control",
             "-device", "virtio-serial-pci", "-chardev", f"socket,id=cmd,path={self.folder / 'cmd'}",
-            "-device", "virtserialport,chardev=cmd,name=vm.cmd", *devices]
+            "-device", "virtserialport,chardev=cmd,name=vm.cmd"]
         for tag, path in (("debs", share), ("tests", HERE / "guest"), ("bin", BIN)):
             command += ["-virtfs", f"local,path={path},mount_tag={tag},security_model=none,readonly=on"]
         if memory:
@@ -129,6 +132,7 @@ class Guest:
                 raise GuestError(f"QEMU did not start: {self.words()}") from None
         channels[0].settimeout(SAVE_S)
         self.monitor, self.channel = qmp.Monitor(channels[0]), channels[1]
+        self.costs = costs.Costs(self.process)
 
     @contextlib.contextmanager
     def closed_on_failure(self):
@@ -136,7 +140,6 @@ class Guest:
             yield
         except BaseException:
             self.close()
-        self.costs = costs.Costs(self.process)
             raise
 
     def __enter__(self):
@@ -175,20 +178,20 @@ class Guest:
             if not data:
                 raise GuestError(f"the guest is gone; it said:\n{self.words()}")
             self.pending += data
+        self.costs.answered()
         line, self.pending = self.pending.split(b"\n", 1)
         status, _, printed = line.partition(b" ")
         return int(status), zlib.decompress(base64.b64decode(printed)).decode(errors="replace")
 
     def send(self, kind, request):
+        self.costs.asked(request)
         self.channel.sendall(kind + b" " + base64.b64encode(request.encode()) + b"\n")
 
-        self.costs.answered()
     def ask(self, script, timeout_s=COMMAND_S):
         """Exit status of a bash script in the guest, as root, and what it printed."""
         self.send(b"run", script)
         return self.read_answer(timeout_s)
 
-        self.costs.asked(request)
     def run(self, script, timeout_s=COMMAND_S):
         """What it printed; it must succeed."""
         status, printed = self.ask(script, timeout_s)
@@ -227,6 +230,12 @@ class Guest:
             if time.monotonic() > end:
                 raise GuestError(f"never: {name}\n{printed}")
             time.sleep(0.1)
+
+    def put_into_slot(self, memory):
+        """A device of PCI whose BAR 2 is this file of the host: its address."""
+        self.monitor.execute("object-add", qom_type="memory-backend-file", id="board", size=memory.stat().st_size, share=True, mem_path=str(memory))
+        self.monitor.execute("device_add", driver="ivshmem-plain", memdev="board", bus="free-slot")
+        return self.wait_for("grep -lx 0x1110 /sys/bus/pci/devices/*/device").split("/")[-2]
 
     def install(self, *names, words=""):
         """Packages of the share, as dpkg does it: their dependencies must be there. `words`: for dpkg."""

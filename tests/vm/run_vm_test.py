@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs one file of guest tests for ctest: run_vm_test.py test_boot. Status 77, with the reason, where there can be no guest.
 
-run_vm_test.py --save PACE makes the saved guest that tests of this pace start from; PACE: its name in machine.py.
+run_vm_test.py --save PACE makes the saved guest that tests of this pace start from; PACE: its name in machine.py; or bare, without the packages.
 """
 
 import os
@@ -34,6 +34,6 @@ if __name__ == "__main__":
         print(f"Skipped\n{REASON}")
         sys.exit(SKIPPED)
     if sys.argv[1] == "--save":
-        guest_states.prepare({pace.name: pace for pace in machine.PACES}[sys.argv[2]])
+        guest_states.prepare(sys.argv[2])
         sys.exit()
     unittest.main(module=sys.argv[1], argv=["vm", "-v"])

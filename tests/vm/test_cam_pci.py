@@ -7,12 +7,10 @@ import shutil
 import subprocess
 import tempfile
 
-import guest_states
+import guest
 import machine
 import pieces
 
-BAR_BYTES = 1 << 22
-SLOT = "0000:00:10.0"
 BAR = 2  # ivshmem-plain's memory
 
 
@@ -22,7 +20,7 @@ class Slot:
     def __init__(self):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="thimble-slot-"))
         self.memory = self.folder / "bar"
-        self.memory.write_bytes(bytes(BAR_BYTES))
+        self.memory.write_bytes(bytes(machine.SLOT_BYTES))
         self.process = None
 
     def insert(self):
@@ -34,23 +32,21 @@ class Slot:
             self.process.communicate()
         shutil.rmtree(self.folder)
 
-    def words(self):
-        return ("-object", f"memory-backend-file,id=board,size={BAR_BYTES},share=on,mem-path={self.memory}",
-                "-device", "ivshmem-plain,memdev=board,addr=0x10")
-
 
 class CamPci(pieces.Pieces):
     """Numbered: each test goes on where the one before it ended."""
 
+    # It is never idle, and a second of the faster one is four times as dear.
+    pace = guest.COUNTED_SLOWLY
+
     @classmethod
-    def start_guest(cls):
+    def setUpClass(cls):
+        super().setUpClass()
         cls.slot = Slot()
         cls.addClassCleanup(cls.slot.close)
-        one = guest_states.boot(cls.kernel, cls.pace, cls.slot.words())
-        guest_states.can_be_offered(one)
+        cls.address = cls.guest.put_into_slot(cls.slot.memory)
         # The board is outside, and knows nothing of this clock: it must not leap.
-        one.run("systemd-run --quiet --unit never-idle -p CPUSchedulingPolicy=idle sh -c 'while :; do :; done'")
-        return one
+        cls.guest.run("systemd-run --quiet --unit never-idle -p CPUSchedulingPolicy=idle sh -c 'while :; do :; done'")
 
     def test_1_without_a_word_of_the_administrators_there_is_no_helper(self):
         self.assertEqual(self.guest.ask("test -e /run/thimble-board.sock")[0], 1)
@@ -58,7 +54,7 @@ class CamPci(pieces.Pieces):
         self.assertIn("thimble-board.socket", self.trouble())
 
     def test_2_a_slot_without_a_board_is_not_handed_over(self):
-        self.guest.run(f"echo 'BOARD={SLOT} {BAR}' > /etc/default/thimble-board; systemctl restart thimble-board.socket")
+        self.guest.run(f"echo 'BOARD={self.address} {BAR}' > /etc/default/thimble-board; systemctl restart thimble-board.socket")
         self.assertEqual(self.guest.run("stat -c '%U:%G %a' /run/thimble-board.sock").strip(), "root:thimble 660")
         self.guest.wait_for("journalctl -u 'thimble-board@*' | grep -q 'no CAM board answers'")
         self.guest.wait_for("thimble status --json | grep -q \"world 'desk': no CAM board in a slot\"")
@@ -68,7 +64,7 @@ class CamPci(pieces.Pieces):
         self.wait_for_board(is_there=True)
         pid = self.properties("MainPID")["MainPID"]
         self.assertEqual(self.guest.run(f"stat -c %U /proc/{pid}").strip(), "thimble")
-        self.assertIn(f"{SLOT}/resource{BAR}", self.guest.run(f"cat /proc/{pid}/maps"))
+        self.assertIn(f"{self.address}/resource{BAR}", self.guest.run(f"cat /proc/{pid}/maps"))
         type(self).played = self.play()
         self.assert_grasped_moved_and_dropped(self.played)
 

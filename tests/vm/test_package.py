@@ -6,6 +6,7 @@ import subprocess
 import tempfile
 
 import guest
+import guest_states
 
 
 def repacked(package, version, folder):
@@ -19,9 +20,6 @@ def repacked(package, version, folder):
 
 class Package(guest.GuestTest):
     """Numbered: each test goes on where the one before it ended."""
-
-    pace = guest.COUNTED
-    installed = False
 
     @classmethod
     def setUpClass(cls):
@@ -41,7 +39,7 @@ class Package(guest.GuestTest):
                 data = link.read_bytes()
                 link.unlink()
                 link.write_bytes(data)
-        cls.guest = guest.Guest(share=share.name, pace=cls.pace)
+        cls.guest = guest_states.start_bare(share.name)
         cls.addClassCleanup(cls.guest.close)
 
     def state(self, package="thimbled"):

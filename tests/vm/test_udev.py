@@ -5,18 +5,12 @@ import guest
 
 class Udev(guest.GuestTest):
     pace = guest.COUNTED
-    installed = False
+    runs_daemon = False  # whose arm would have a third of the processor
 
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        # The worst that may happen between the two: udev reads the rules while the package is not configured yet.
-        cls.guest.run("export DEBIAN_FRONTEND=noninteractive; dpkg --unpack /run/debs/thimbled_*.deb /run/debs/thimble_*.deb\n"
-                      "sleep 4; udevadm trigger --settle /sys/class/mem/null\n"
-                      "dpkg --configure --pending", timeout_s=300)
-        # The rules need no daemon, whose arm would have a third of the processor.
-        cls.guest.run("systemctl stop thimbled")
-        cls.guest.run("modprobe uhid; adduser --quiet --disabled-password --gecos '' member; "
+        cls.guest.run("adduser --quiet --disabled-password --gecos '' member; "
                       "adduser --quiet member thimble-users")
 
     def plug(self, vendor, product):
@@ -38,6 +32,7 @@ class Udev(guest.GuestTest):
         return self.guest.run(f"stat -c '%U:%G %a' {node}").strip()
 
     def test_the_rules_found_their_groups_when_they_were_read_first(self):
+        """That was between unpacking and configuring: guest_states.install()."""
         self.assertEqual(self.guest.ask("journalctl --no-pager -u systemd-udevd | grep \"Unknown group 'thimble\"")[1], "")
 
     def test_an_arm_belongs_to_the_daemon_and_to_nobody_else(self):
