@@ -48,16 +48,17 @@ class Arm(simdev.Simdev):
 
 
 class HidArm(Arm):
-    """Of the PHANToM family; `way`: of WAYS."""
+    """Of the PHANToM family; `way`: of WAYS. `is_named`: in the daemon's configuration, or its caller does that."""
 
     words = f'device = "hid:{SERIAL}"\nmodel = "phantom-vintage"\namplifier_max_a = 3.0'
 
-    def __init__(self, guest, way="uhid", rate_hz=QUIET_HZ):
+    def __init__(self, guest, way="uhid", rate_hz=QUIET_HZ, *, is_named=True):
         super().__init__(guest, "arm", *WAYS[way], "--serial", SERIAL, "phantom-vintage")
         self.way = way
         self.rate_hz = rate_hz
         self.plug()
-        self.configure()
+        if is_named:
+            self.configure()
 
     def plug(self):
         if self.way == "usbip":
@@ -113,9 +114,9 @@ def plugin(guest):
 
 
 class Falcon(Arm):
-    """Nothing is in its memory yet; `address`: how the configuration names it. `plugin`: a driver from outside, a file of the guest."""
+    """Nothing is in its memory yet; `address`: how the configuration names it. `plugin`: a driver from outside, a file of the guest. `is_named`: as above."""
 
-    def __init__(self, guest, plugin=None, rate_hz=QUIET_HZ):
+    def __init__(self, guest, plugin=None, rate_hz=QUIET_HZ, *, is_named=True):
         if plugin is not None:
             self.daemon_words = f'[daemon]\nplugins = ["{plugin}"]\n'
         super().__init__(guest, "falcon", "--usbip", simdev.PORT, "falcon")
@@ -127,10 +128,11 @@ class Falcon(Arm):
         guest.run(f"python3 -c 'import sys; open(sys.argv[1], \"wb\").write(bytes.fromhex(sys.argv[2]))' {FIRMWARE} {image.hex()}")
         self.words = (f'device = "{self.address}"\nfirmware = "{FIRMWARE}"\nfirmware_sha256 = "{hashlib.sha256(image).hexdigest()}"\n'
                       "newton_per_count = 0.00244")
-        self.configure()
+        if is_named:
+            self.configure()
 
     def activate(self):
         # A firmware that runs already knows where it is.
         simdev.wait_for_state(self.guest, "calibrating", "active")
-        self.say("home 0.6")
+        self.say("home 0.3")
         simdev.wait_for_state(self.guest, "active")

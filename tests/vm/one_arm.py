@@ -38,7 +38,7 @@ class OneArm(guest.GuestTest):
         point = [0.0, 0.0, 0.0]
         point[axis] = sign * 0.018
         self.arm.say("move {} {} {} 0.15".format(*point))
-        self.guest.run("sleep 0.5")
+        self.guest.run("sleep 0.3")
         return self.arm.felt(0.1)
 
     def test_2_brought_home_it_becomes_active(self):
@@ -47,8 +47,8 @@ class OneArm(guest.GuestTest):
         self.arm.activate()
 
     def test_3_in_the_middle_of_the_box_nothing_is_felt(self):
-        self.arm.say("move 0 0 0 0.2")
-        self.guest.run("sleep 0.5")
+        self.arm.say("move 0 0 0 0.15")
+        self.guest.run("sleep 0.3")
         self.assertLess(simdev.norm(self.arm.felt(0.1)), 0.1)
 
     def test_4_a_wall_of_the_box_pushes_back(self):
@@ -57,7 +57,7 @@ class OneArm(guest.GuestTest):
                 force = self.press(axis, sign)
                 self.assertLess(sign * force[axis], -WALL_NEWTON, force)
                 self.arm.say("move 0 0 0 0.1")
-                self.guest.run("sleep 0.2")
+                self.guest.run("sleep 0.1")
 
     def test_5_pulled_out_while_the_hand_pushes_it_is_lost_and_comes_back(self):
         self.assertGreater(simdev.norm(self.press()), WALL_NEWTON)

@@ -40,8 +40,8 @@ class Simdev:
     def start(self):
         """Also again, after stop(): another one of its kind."""
         self.guest.run(f"systemd-run --quiet --collect --unit {self.unit} {self.policy} "
-                       f"thimble-simdev --socket {self.socket} " + " ".join(self.options))
-        self.guest.wait_for(f"test -S {self.socket} || ! systemctl is-active --quiet {self.unit}")
+                       f"thimble-simdev --socket {self.socket} {' '.join(self.options)}; "
+                       f"until [ -S {self.socket} ] || ! systemctl is-active --quiet {self.unit}; do sleep 0.05; done")
         self.status()
 
     def attach(self, port=PORT):
@@ -77,10 +77,10 @@ class Simdev:
 
     def calibrate(self):
         """As a person does: the arm to its home pose, the button pressed and let go."""
-        self.say("home 0.4")
-        self.guest.run("sleep 0.6")
+        self.say("home 0.2")
+        self.guest.run("sleep 0.25")
         self.say("press 0")
-        self.guest.run("sleep 0.2")
+        self.guest.run("sleep 0.06")
         self.say("release 0")
 
     def stop(self):

@@ -34,7 +34,7 @@ class Misbehaviour(guest.GuestTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        falcon = arms.Falcon(cls.guest)
+        falcon = arms.Falcon(cls.guest, is_named=False)
         beside = simdev.Simdev(cls.guest, "left", "--usbip", simdev.SECOND_PORT, "--serial", two_arms.BESIDE, "phantom-vintage")
         beside.attach(simdev.SECOND_PORT)
         cls.guest.wait_for(f"thimble devices | grep -q {two_arms.BESIDE}")

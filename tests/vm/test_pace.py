@@ -81,7 +81,7 @@ class Paced(guest.GuestTest):
 class HidArm(Paced):
     @classmethod
     def plug_in(cls):
-        return arms.HidArm(cls.guest, "usbip")
+        return arms.HidArm(cls.guest, "usbip", is_named=False)
 
     def test_1_kHz(self):
         self.assert_in_time(1000, exchanges_hz=1000)
@@ -95,7 +95,7 @@ class Falcon(Paced):
 
     @classmethod
     def plug_in(cls):
-        return arms.Falcon(cls.guest)
+        return arms.Falcon(cls.guest, is_named=False)
 
     def test_1_kHz(self):
         self.assert_in_time(1000, exchanges_hz=500)

@@ -22,11 +22,11 @@ class SecondWay(guest.GuestTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.arm = arms.HidArm(cls.guest, "usbip")
+        cls.arm = arms.HidArm(cls.guest, "usbip", is_named=False)
         cls.hung = simdev.Simdev(cls.guest, "hung", "--usbip", simdev.SECOND_PORT, "--serial", HUNG, "phantom-vintage")
         cls.hung.attach(simdev.SECOND_PORT)
         cls.guest.wait_for(f"thimble devices | grep -q {HUNG}")
-        # Its coming took the only processor for longer than a servo waits.
+        # Not before: its coming takes the only processor for longer than a servo waits.
         cls.arm.configure()
         cls.node = cls.guest.run("for node in /sys/class/hidraw/*; do grep -lqx HID_UNIQ=" + HUNG +
                                  " $node/device/uevent && basename $node; done; true").strip()

@@ -17,7 +17,7 @@ amplifier_max_a = 3.0
 # A sample older than that is stale, and its arm begins to let go (DESIGN): the arm beside never comes near. A command waits longer where
 # another device comes and goes, behind the kernel's one lock of hidraw (decision 0358); at 20 ms the servo would stop the arm.
 GAP_S = {"in": 0.003, "out": 0.005}
-IN_THE_WALL = "move 0.018 0 0 0.3"
+IN_THE_WALL = "move 0.018 0 0 0.15"
 WALL_NEWTON = 0.3
 
 
@@ -37,7 +37,7 @@ class TwoArms(guest.GuestTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.right = arms.HidArm(cls.guest, cls.way, arms.FULL_HZ)
+        cls.right = arms.HidArm(cls.guest, cls.way, arms.FULL_HZ, is_named=False)
         beside = {"uhid": ("--uhid",), "usbip": ("--usbip", simdev.SECOND_PORT)}
         cls.left = simdev.Simdev(cls.guest, "left", *beside[cls.way], "--serial", BESIDE, "phantom-vintage")
         if cls.way == "usbip":
@@ -48,12 +48,12 @@ class TwoArms(guest.GuestTest):
 
     def press(self, arm):
         """From the middle of the box, where nothing is felt, to where its wall pushes back."""
-        arm.say("move 0 0 0 0.3")
-        self.guest.run("sleep 1")
-        self.assertLess(simdev.norm(arm.felt(0.2)), 0.1)
+        arm.say("move 0 0 0 0.15")
+        self.guest.run("sleep 0.4")
+        self.assertLess(simdev.norm(arm.felt(0.1)), 0.1)
         arm.say(IN_THE_WALL)
-        self.guest.run("sleep 1")
-        self.assertLess(arm.felt(0.2)[0], -WALL_NEWTON)
+        self.guest.run("sleep 0.4")
+        self.assertLess(arm.felt(0.1)[0], -WALL_NEWTON)
 
     def press_both(self):
         self.right.activate()
@@ -81,7 +81,7 @@ class TwoArms(guest.GuestTest):
         until SECONDS after it."""
         # In one go: between two commands an idle guest's clock runs ahead.
         at_s = float(self.guest.run(f"sleep 0.3; python3 -c 'import time; print(time.monotonic())'; {blow}; sleep {seconds}").split()[0])
-        return at_s, *([entry for entry in arm.log(seconds + 3) if at_s - 0.3 < entry["machine_s"] < at_s + seconds]
+        return at_s, *([entry for entry in arm.log(seconds + 2) if at_s - 0.3 < entry["machine_s"] < at_s + seconds]
                        for arm in (self.left, self.right))
 
     def assert_pressed_without_a_gap(self, log):
