@@ -38,18 +38,18 @@ class Hidraw(guest.GuestTest):
 
     def lean(self):
         """A hand leans on a wall, and feels it."""
-        self.arm.say("move 0.018 0 0 0.3")
-        self.guest.run("sleep 1")
-        self.assertLess(self.arm.felt()[0], -0.3)
+        self.arm.say("move 0.018 0 0 0.15")
+        self.guest.run("sleep 0.3")
+        self.assertLess(self.arm.felt(0.1)[0], -0.3)
 
     def run_for_daemon(self, script):
         return self.guest.run(f"pid=$(systemctl show thimbled -p MainPID --value)\n{script}")
 
     def trace(self, thread):
-        """System calls of the threads of that name within two seconds, one a line."""
+        """System calls of the threads of that name within a second, one a line."""
         self.lean()
         threads = f"$(grep -lx '{thread}' /proc/$pid/task/*/comm | cut -d / -f 5 | sed 's/^/-p /')"
-        self.run_for_daemon(f"timeout 2 strace -y -o /run/strace {threads}; test -s /run/strace")
+        self.run_for_daemon(f"timeout 1 strace -y -o /run/strace {threads}; test -s /run/strace")
         return self.guest.run("cat /run/strace").splitlines()
 
     def test_its_system_calls_are_the_sleep_and_the_wake_of_others(self):
@@ -65,8 +65,8 @@ class Hidraw(guest.GuestTest):
 
     def test_its_memory_comes_from_nowhere(self):
         self.lean()
-        asked = "(sleep 1; thimble status > /dev/null)&"
-        calls = json.loads(self.run_for_daemon(f"{asked} python3 -B /run/tests/allocations.py $pid 4 || exit 1; wait"))
+        asked = "(sleep 0.5; thimble status > /dev/null)&"
+        calls = json.loads(self.run_for_daemon(f"{asked} python3 -B /run/tests/allocations.py $pid 2 || exit 1; wait"))
         names = [name.split("/")[0] for name in calls]
         self.assertEqual(names.count(SERVO), 1, names)
         for name, counts in calls.items():
