@@ -70,7 +70,7 @@ class RoundTrips(guest.GuestTest):
             self.measure("cdc_acm, USB/IP", "serial", f"serial:{ECHO}", node)
 
 
-# Processor time of each thread of the daemon, by its name, and ticks of the servos, around four seconds in one script: between two
+# Processor time of each thread of the daemon, by its name, and ticks of the servos, around two seconds in one script: between two
 # commands an idle guest's clock runs ahead.
 SHARES = """
 look() {
@@ -79,7 +79,7 @@ look() {
   for task in /proc/$pid/task/*; do echo "$(cat $task/comm) $(awk '{print $1}' $task/schedstat)"; done
 }
 pid=$(systemctl show thimbled -p MainPID --value)
-look > /run/before; sleep 4; look > /run/after
+look > /run/before; sleep 2; look > /run/after
 cat /run/before; echo; cat /run/after
 """
 
@@ -103,7 +103,7 @@ class FourArms(guest.GuestTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        right = arms.HidArm(cls.guest, rate_hz=arms.FULL_HZ)
+        right = arms.HidArm(cls.guest, rate_hz=arms.FULL_HZ, is_named=False)
         cls.arms = [right]
         words = [right.words]
         for name in cls.names[1:]:

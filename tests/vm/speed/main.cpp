@@ -23,7 +23,7 @@ namespace {
 
 using namespace thimble;
 
-constexpr std::size_t kTrips = 200;
+constexpr std::size_t kTrips = 50;
 constexpr double kGoal = 1.15;
 
 Result<void> offer_of(const std::string& kind, const std::string& way) {
