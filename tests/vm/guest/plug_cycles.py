@@ -80,7 +80,7 @@ def cycle_usbip(count, path):
             subprocess.run(["usbip", "attach", "-r", "127.0.0.1", "-b", "1-1"], check=True)
             end = time.monotonic() + PATIENCE_S
             while not (is_used := verbs.say("status")["open"]) and time.monotonic() < end:
-                time.sleep(0.01)
+                time.sleep(0.03)
             used += is_used
             verbs.say("unplug")
     return used
