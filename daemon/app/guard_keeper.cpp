@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <spawn.h>
 #include <sys/socket.h>
-#include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -16,6 +15,7 @@
 #include "guard/guard_session.hpp"
 #include "guard/handover.hpp"
 #include "guard/shared_page.hpp"
+#include "hal/linux/helper_socket.hpp"
 #include "hal/linux/system_error.hpp"
 
 extern char** environ;  // NOLINT: what a child is given; posix_spawn asks for it
@@ -103,19 +103,12 @@ Result<std::unique_ptr<devices::ArmGuard>> GuardKeeper::make() {
 }
 
 Result<Descriptor> GuardKeeper::connect() {
-  sockaddr_un name{};
-  name.sun_family = AF_UNIX;
-  const std::string path = settings_.socket.string();
-  if (path.empty() || path.size() >= sizeof(name.sun_path)) return start();
-  std::copy(path.begin(), path.end(), static_cast<char*>(name.sun_path));
-  Descriptor socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  if (socket.get() < 0) return tl::unexpected(linux::system_error("no socket for a guard", errno));
-  if (::connect(socket.get(), reinterpret_cast<const sockaddr*>(&name), sizeof(name)) == 0) {
-    return socket;
-  }
-  if (errno == ENOENT) return start();
-  return tl::unexpected(
-      linux::system_error(path + " (systemctl status thimble-guard.socket)", errno));
+  auto connection =
+      linux::connect_to_helper(settings_.socket, "(systemctl status thimble-guard.socket)");
+  if (connection) return connection;
+  const Errc code = connection.error().code;
+  const bool has_service = code != Errc::NotFound && code != Errc::InvalidArgument;
+  return has_service ? std::move(connection) : start();
 }
 
 Result<Descriptor> GuardKeeper::start() {
