@@ -3,6 +3,7 @@
 #include <poll.h>
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -12,7 +13,8 @@
 namespace thimble::linux {
 namespace {
 
-constexpr std::size_t kRoomFor = 2;  // one more, so that more are seen to be more
+constexpr std::size_t kRoomFor = 2;       // one more, so that more are seen to be more
+constexpr int kMostPatience_ms = 60'000;  // ours: who needs longer does not answer at all
 
 struct OneByte {
   char byte{0};
@@ -63,8 +65,10 @@ Result<void> send_descriptor(int socket, const Descriptor& file) {
 
 Result<Descriptor> receive_descriptor(int socket, Duration patience) {
   pollfd readable{socket, POLLIN, 0};
+  // To poll(2) less than nothing is for ever.
   const auto patience_ms = std::chrono::duration_cast<std::chrono::milliseconds>(patience).count();
-  const int ready = ::poll(&readable, 1, static_cast<int>(patience_ms));
+  const auto bounded_ms = std::clamp<decltype(patience_ms)>(patience_ms, 0, kMostPatience_ms);
+  const int ready = ::poll(&readable, 1, static_cast<int>(bounded_ms));
   if (ready < 0) return tl::unexpected(system_error("cannot wait for an open file", errno));
   if (ready == 0) return fail(Errc::Timeout, "no open file was passed on in time");
   OneByte packet(CMSG_SPACE(kRoomFor * sizeof(int)));
