@@ -28,8 +28,10 @@ class ArmGuard {
   virtual ~ArmGuard() = default;
   [[nodiscard]] virtual rt::Heartbeat& heartbeat() noexcept = 0;
   // It shall watch the device at `address`, just opened, and no other: from now on nothing watches
-  // until it answers, which is never waited for. Errors: why nobody can be asked: NotFound when
-  // that device is not open or there is no guard's program, Permission, Busy, System.
+  // until it answers, which is never waited for. The device is not closed before this returns:
+  // that would wait for the kernel here (linux::BusEnumerator::share()). Errors: why nobody can be
+  // asked: NotFound when that device is not open or there is no guard's program, Permission, Busy,
+  // System.
   [[nodiscard]] virtual Result<void> ask(const bus::DeviceAddress& address,
                                          const ZeroCommand& zero) = 0;
   // False: it was asked, and has not answered yet. Errors: System when it ended, or was never

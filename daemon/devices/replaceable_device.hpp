@@ -32,6 +32,8 @@ class ReplaceableDevice final : public HapticDevice {
   // a bus may refuse a second one while the first, dead as it is, is open. What was known of
   // the device stays. True when this call did it.
   bool retire();
+  // Since then nothing was offered: the device is closed already, or at any moment.
+  [[nodiscard]] bool is_retired() const noexcept { return is_retired_; }
   // Closes the device that the servo has let go of, if any.
   void collect();
 

@@ -113,6 +113,8 @@ Result<void> ArmSession::follow(MonotonicTime now) {
   device_.collect();
   if (!is_lost_for_servo()) {
     trouble_.clear();
+    // What is being closed is given to no guard: ArmGuard::ask().
+    if (device_.is_retired()) return {};
     // One that dies before its first report was never had: the tries go on as rare as they were.
     if (device_.counters().reports_in > 0) pace_.restart();
     Result<void> guarded = guard_.follow(now);

@@ -40,7 +40,9 @@ class BusEnumerator final : public bus::BusEnumerator {
   [[nodiscard]] Result<std::unique_ptr<bus::SerialPort>> open_serial(
       const bus::DeviceAddress& address, const bus::SerialLine& line) override;
   // A device that this opened and that is open still, for a process that may have to let the arm go
-  // when this one cannot. NotFound or System.
+  // when this one cannot. NotFound or System. Whoever asks sees to it that the device is not closed
+  // before he is through with what he got: the end of the last file waits for the kernel, as long
+  // as a device that hangs lets it, and would do so in his thread.
   [[nodiscard]] Result<SharedDevice> share(const bus::DeviceAddress& address);
 
  private:

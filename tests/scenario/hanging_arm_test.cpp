@@ -69,5 +69,29 @@ TEST_F(HangingArm, IsToldOfAsThatAndNotAsGone) {
   }
 }
 
+// Who asks for a guard has the device's file in his hands for a while: closed meanwhile, it would
+// end in the thread that computes the worlds, however long that takes the kernel.
+TEST_F(HangingArm, OneThatIsBeingClosedIsGivenToNoGuard) {
+  plug(kRight);
+  is_work_postponed_ = true;
+  start();
+  for (int turns_before = 0; turns_before < 5; ++turns_before) {
+    SCOPED_TRACE(turns_before);
+    plug(kRight);
+    guards_.have_ended = false;
+    for (int i = 0; i < 600; ++i) {
+      work_[kRight].do_all();
+      run(0.01);
+    }
+    ASSERT_NE(state(kRight), OperatingState::Lost);
+    guards_.have_ended = true;
+    for (int i = 0; i < turns_before; ++i) tick();
+    guards_.watched.clear();
+    unplug(kRight);
+    run(0.05);
+    EXPECT_THAT(guards_.watched, testing::IsEmpty());
+  }
+}
+
 }  // namespace
 }  // namespace thimble

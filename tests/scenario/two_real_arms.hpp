@@ -82,7 +82,10 @@ class KnownGuards final : public devices::ArmGuards {
       all_.watched.push_back(address.text);
       return {};
     }
-    [[nodiscard]] Result<bool> is_watching() override { return true; }
+    [[nodiscard]] Result<bool> is_watching() override {
+      if (all_.have_ended) return fail(Errc::System, "it ended");
+      return true;
+    }
 
    private:
     KnownGuards& all_;
@@ -92,6 +95,7 @@ class KnownGuards final : public devices::ArmGuards {
     return std::make_unique<Guard>(*this);
   }
   bool is_refusing{false};
+  bool have_ended{false};
   std::vector<std::string> watched;
 };
 
