@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -208,6 +209,82 @@ TEST_P(TextArm, GarbageNeverMovesItBeyondItsLimitsAndAFloodOfItStopsIt) {
     if (chance < 1) continue;
     EXPECT_NE(sut.frame().state, OperatingState::Active);
     EXPECT_EQ(norm(sut.truth().motor_force), 0);
+  }
+}
+
+// What is wrong with the line of one arm, and how often: bits turned over, pieces missing, silence,
+// in small doses and for good.
+std::vector<sim::FaultPlan> troubles() {
+  std::vector<sim::FaultPlan> plans;
+  for (const double chance : {0.02, 1.0}) {
+    for (double sim::RandomFaults::*kind :
+         {&sim::RandomFaults::corrupt_in, &sim::RandomFaults::truncate_in,
+          &sim::RandomFaults::drop_in}) {
+      sim::FaultPlan plan;
+      plan.seed = plans.size() + 1;
+      plan.random.*kind = chance;
+      plans.push_back(plan);
+    }
+  }
+  plans.push_back(plan_from(sim::FaultKind::Stall, kTrouble, std::chrono::hours(1)));
+  return plans;
+}
+
+constexpr const char* kTwoArms = R"(
+[[arm]]
+name = "right"
+device = "sim:phantom-vintage-serial"
+amplifier_max_a = 3.0
+world = "box"
+[arm.hand]
+motion = "explore"
+seed = 1
+[[arm]]
+name = "left"
+device = "sim:phantom-vintage"
+amplifier_max_a = 3.0
+world = "box"
+[arm.hand]
+motion = "explore"
+seed = 2
+[[world]]
+name = "box"
+source = "box:3"
+)";
+
+// The forces of the arm beside, tick by tick, while both hands explore the box.
+std::vector<Force3> felt_beside(const sim::FaultPlan& plan) {
+  ClosedLoop::Setup setup;
+  setup.text = kTwoArms;
+  setup.cables = plan;
+  setup.spares_others = true;
+  ClosedLoop sut({}, setup);
+  ArmWatch with_trouble(sut, 0);
+  ArmWatch beside(sut, 1);
+  std::vector<Force3> forces;
+  sut.run(8, [&] {
+    with_trouble.see();
+    beside.see();
+    forces.push_back(sut.frame(1).force);
+  });
+  // A line on which nothing passes is for the arm's own watchdog.
+  const bool is_silenced = !plan.script.empty();
+  EXPECT_EQ(is_silenced ? "" : with_trouble.breach(), "");
+  if (is_silenced) {
+    EXPECT_EQ(norm(sut.truth(0).motor_force), 0);
+  }
+  EXPECT_EQ(beside.breach(), "");
+  EXPECT_EQ(sut.frame(1).state, OperatingState::Active);
+  EXPECT_GT(sut.snapshot(1).total_contacts, 0U);
+  return forces;
+}
+
+TEST(TextArmBeside, WhateverIsWrongWithALineTheOtherArmFeelsTheSameToTheBit) {
+  const std::vector<Force3> expected = felt_beside({});
+  ASSERT_TRUE(std::any_of(expected.begin(), expected.end(), [](Force3 f) { return norm(f) > 1; }));
+  for (const sim::FaultPlan& plan : troubles()) {
+    SCOPED_TRACE(plan.seed);
+    EXPECT_TRUE(felt_beside(plan) == expected);
   }
 }
 
