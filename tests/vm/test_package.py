@@ -45,6 +45,16 @@ class Package(guest.GuestTest):
     def state(self, package="thimbled"):
         return self.guest.ask(f"dpkg-query -W -f '${{db:Status-Status}}' {package}")[1]
 
+    def dpkg(self, words):
+        return self.guest.run(f"DEBIAN_FRONTEND=noninteractive dpkg {words}", timeout_s=300)
+
+    def upgrade(self):
+        """Of the daemon, to the later version, with which it runs."""
+        words = self.dpkg("-i /run/debs/later.deb")
+        self.assertEqual(self.guest.run("dpkg-query -W -f '${Version}' thimbled"), "9.0")
+        self.guest.wait_for("systemctl is-active thimbled")
+        return words
+
     def test_1_installation_starts_and_enables_the_service(self):
         words = self.guest.install("thimbled", "thimble", "libthimble-dev")
         self.assertNotRegex(words, r"(?i)error|warning|failed")
@@ -69,21 +79,19 @@ class Package(guest.GuestTest):
     def test_4_an_upgrade_keeps_the_configuration_and_starts_the_new_one(self):
         self.guest.run("echo '# mine' >> /etc/thimble/thimble.toml; touch /var/lib/thimble/recording")
         before = self.properties("MainPID")
-        self.guest.run("DEBIAN_FRONTEND=noninteractive dpkg -i /run/debs/later.deb", timeout_s=300)
+        self.upgrade()
         self.guest.run("grep -qx '# mine' /etc/thimble/thimble.toml")
-        self.guest.wait_for("systemctl is-active thimbled")
         self.assertNotEqual(self.properties("MainPID"), before)
-        self.assertEqual(self.guest.run("dpkg-query -W -f '${Version}' thimbled"), "9.0")
 
     def test_5_removal_stops_the_service_and_keeps_what_is_the_persons(self):
-        self.guest.run("DEBIAN_FRONTEND=noninteractive dpkg -r thimbled", timeout_s=300)
+        self.dpkg("-r thimbled")
         self.assertEqual(self.state(), "config-files")
         self.assertEqual(self.guest.run("pgrep -c thimbled || true").strip(), "0")
         self.guest.run("test -e /etc/thimble/thimble.toml -a -e /var/lib/thimble/recording")
         self.guest.run("! ls /lib/udev/rules.d/ | grep thimble")
 
     def test_6_a_purge_leaves_nothing_but_the_users(self):
-        self.guest.run("DEBIAN_FRONTEND=noninteractive dpkg -P thimbled", timeout_s=300)
+        self.dpkg("-P thimbled")
         self.assertNotIn(self.state(), ("installed", "config-files"))
         left = self.guest.run("find / -xdev \\( -path /proc -o -path /sys \\) -prune -o -name '*thimbled*' -print | "
                               "grep -v -e /usr/share/doc -e /var/log -e ^/run || true")
@@ -91,6 +99,18 @@ class Package(guest.GuestTest):
         self.guest.run("! test -e /etc/thimble -o -e /var/lib/thimble")
         self.guest.run("id thimble")
 
-    def test_7_it_can_be_installed_anew(self):
-        self.guest.install("thimbled")
+    def test_7_it_can_be_installed_anew_and_upgraded_without_the_others(self):
+        self.dpkg("-P thimble libthimble-dev")
+        words = self.guest.install("thimbled")
         self.guest.wait_for("systemctl is-active thimbled")
+        words += self.upgrade()
+        self.assertNotRegex(words, r"(?i)error|warning|failed|not found")
+        self.assertEqual(self.guest.run("dpkg --audit"), "")
+        self.guest.run("! command -v thimble")
+
+    def test_8_it_can_be_removed_and_purged_without_them(self):
+        words = self.dpkg("-r thimbled")
+        self.assertEqual(self.state(), "config-files")
+        words += self.dpkg("-P thimbled")
+        self.assertNotIn(self.state(), ("installed", "config-files"))
+        self.assertNotRegex(words, r"(?i)error|warning|failed|not found")
