@@ -45,6 +45,9 @@ class OneArm(guest.GuestTest):
         simdev.wait_for_state(self.guest, "calibrating")
         self.assertLess(max(self.arm.forces(1)), simdev.NOTHING_NEWTON)
         self.arm.activate()
+        # vm.boot shows it of an arm within the daemon; here the threads of a bus are started besides.
+        self.assertEqual(self.guest.run("ps -L -o comm=,cls=,rtprio= -p $(systemctl show thimbled -p MainPID --value) | grep ^servo").split(),
+                         ["servo-right", "FF", "80"])
 
     def test_3_in_the_middle_of_the_box_nothing_is_felt(self):
         self.arm.say("move 0 0 0 0.15")

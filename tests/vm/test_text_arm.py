@@ -15,6 +15,7 @@ class TextArm(one_arm.OneArm):
         self.assert_node(f"/dev/{self.arm.node}")
         self.assertIn("ID_MM_DEVICE_IGNORE=1", self.guest.run(f"udevadm info --query=property /dev/{self.arm.node}").split())
         self.assertEqual(self.guest.run(f"basename $(readlink -f /sys/class/tty/{self.arm.node}/device/driver)").strip(), "cdc_acm")
+        self.assertEqual(self.guest.run(f"cat /sys/class/tty/{self.arm.node}/device/../power/control").strip(), "on")
         self.assertTrue(self.arm.status()["open"])
 
     def test_6_stopped_while_the_hand_pushes_the_daemon_leaves_no_force(self):
