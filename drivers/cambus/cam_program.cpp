@@ -58,7 +58,9 @@ void CamProgram::set_up() {
     select(module);
     builder_.write(space_.connect(module));
   }
-  put_on_video(0);
+  // Who says when a scan ends: one is enough, they scan in lockstep.
+  select(0);
+  builder_.write(RegisterWords(Register::ShowScan).set(field::kShowScan[0], 1));
   select_all();
 }
 
@@ -152,13 +154,15 @@ Result<void> CamProgram::show(int slice) {
   builder_.write(space_.scan_format(raster->line));
   builder_.write(space_.scan_perm(raster->sector));
   bool is_first = true;
+  int on_video = 0;
+  select(on_video);
   for (const int module : raster->modules) {
-    put_on_video(module);
+    give_video(std::exchange(on_video, module), module);
     for (int row = 0; row < 1 << raster->sector.log2_cells[1]; ++row) {
       run_line(std::exchange(is_first, false));
     }
   }
-  put_on_video(0);
+  give_video(on_video, 0);
   select_all();
   set_source(Register::SiteSrc, kSelectLutOrAddress, kMapSource);
   set_source(Register::Display, kSelectLutOrAddress, kMapZero);
@@ -166,12 +170,12 @@ Result<void> CamProgram::show(int slice) {
   return {};
 }
 
-// It alone says when a scan ends: one is enough, all that scan do so in lockstep. It is selected
-// afterwards.
-void CamProgram::put_on_video(int module) {
-  select_all();
+// Whoever is on video is also who says when a scan ends. `from` is selected before, `to` behind it.
+// With the sweep of a row and the run of the next it has to fit into a line (video_timing.cpp).
+void CamProgram::give_video(int from, int to) {
+  if (from == to) return;
   builder_.write(RegisterWords(Register::ShowScan));
-  select(module);
+  select(to);
   builder_.write(RegisterWords(Register::ShowScan).set(field::kShowScan[0], 1));
 }
 

@@ -70,7 +70,7 @@ class CamProgram {
   void select(int module);
   void set_source(Register destination, std::uint32_t select, std::uint32_t map);
   void stand_still();
-  void put_on_video(int module);
+  void give_video(int from, int to);
   void run_line(bool is_first);
 
   CamSpace space_;

@@ -53,6 +53,12 @@ inline constexpr std::uint32_t kClearFault = 1U << 13;
 inline constexpr std::uint32_t kClearException = 1U << 14;
 inline constexpr std::uint32_t kHalt = 1U << 15;
 inline constexpr std::uint32_t kResetInterface = 1U << 31;
+// Of the word that says which are meant.
+inline constexpr std::uint32_t kNextList = 1U << 0;
+inline constexpr std::uint32_t kControl = 1U << 1;
+inline constexpr std::uint32_t kScanLength = 1U << 2;
+inline constexpr std::uint32_t kBlankLength = 1U << 3;
+
 inline constexpr std::uint32_t kLengthMask = 0xffff;  // of 2 and 3: clocks of a line,
 inline constexpr unsigned kLinesShift = 16;           // and lines of a frame
 

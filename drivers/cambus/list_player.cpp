@@ -9,11 +9,6 @@ namespace {
 
 using page::Interrupt;
 
-// Of the host registers, as bits of what is meant.
-constexpr std::uint32_t kList = 1U << 0;
-constexpr std::uint32_t kControl = 1U << 1;
-constexpr std::uint32_t kDisplayLengths = 3U << 2;
-
 bool is_ready(const BoardStatus& status) {
   return status.is_waiting() && !status.has_exception() && !status.is_halted();
 }
@@ -112,10 +107,10 @@ Result<bool> ListPlayer::go_on(const BoardStatus& status) {
 // The board takes the control word first: the reset stops the counters that the lengths start.
 Result<bool> ListPlayer::ring_reset() {
   Registers registers{0, page::kResetInterface};
-  if (!video_) return ring(registers, kControl, Phase::Resetting);
+  if (!video_) return ring(registers, page::kControl, Phase::Resetting);
   registers[2] = video_->scan_length();
   registers[3] = video_->blank_length();
-  return ring(registers, kControl | kDisplayLengths, Phase::Resetting);
+  return ring(registers, page::kControl | page::kScanLength | page::kBlankLength, Phase::Resetting);
 }
 
 // What waits for its steps to be over is taken later than it is acknowledged.
@@ -132,7 +127,7 @@ Result<bool> ListPlayer::give(const BoardStatus& status) {
   // The list relies on what was set up before, which somebody else has undone.
   if (!is_ready(status)) return strange("has stopped while it had nothing to do");
   before_ = status;
-  return ring({list_.head}, kList, Phase::Playing);
+  return ring({list_.head}, page::kNextList, Phase::Playing);
 }
 
 // Where the doorbell is not free yet, it is tried again with the next poll.

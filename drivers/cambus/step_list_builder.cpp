@@ -17,7 +17,10 @@ bool repeats(std::span<const std::uint16_t> words) {
   return true;
 }
 
-std::uint32_t wait_flag(Register number) { return facts_of(number).waits ? wire::kWait : 0; }
+// MIT's software never moves show-scan, which says whose scans are waited for.
+std::uint32_t wait_flag(Register number) {
+  return facts_of(number).waits || number == Register::ShowScan ? wire::kWait : 0;
+}
 
 }  // namespace
 

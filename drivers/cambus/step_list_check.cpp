@@ -235,6 +235,9 @@ Result<void> Walk::check_order(const Descriptor& step) {
     return malformed(std::string(facts.name) +
                      " has to wait for the end of the scan, and does not");
   }
+  if (is_write && facts.number == Register::ShowScan && may_scan_) {
+    return malformed("show-scan moves while a scan may run: who waits for its end would not");
+  }
   if (is_write && facts.number == Register::Run) {
     const auto words = register_words(window_, step);
     may_scan_ = words->words()[0] != 0 || words->words()[1] != 0;  // the bits of sync

@@ -16,9 +16,11 @@ constexpr std::array<std::pair<std::uint32_t, VideoTiming>, 3> kKnown{{
 // Of the fastest of them; what other clocks have is derived.
 constexpr VideoTiming kModel = kKnown.back().second;
 constexpr std::uint32_t kModel_hz = kKnown.back().first;
-// Ours: a sweep of 512 sites with its refreshes takes 560 clocks, and writing the next run 18; the
-// slowest known machine has 636.
-constexpr std::uint32_t kShortestLine_clocks = 620;
+// Of 512 sites with their refreshes; and from there to the next run, where another module is on
+// video: show-scan of both, the select between them, the run (docs/cambus.md, section 5).
+constexpr std::uint32_t kSweep_clocks = 512 + 40 + 2 * 4;
+constexpr std::uint32_t kHandOver_clocks = 16 + 14 + 16 + 18;
+constexpr std::uint32_t kShortestLine_clocks = kSweep_clocks + kHandOver_clocks;
 
 }  // namespace
 

@@ -8,7 +8,8 @@
 
 namespace thimble::cambus {
 
-// The lines and frames of a monitor, by a board's clock: 525 lines, 60 times a second.
+// The lines and frames of a monitor, by a board's clock: 525 lines, about 60 times a second (59.97
+// at 25 MHz, 59.90 at 20, 59.17 at 21).
 //
 // Source: docs/cambus.md, section 4 (MIT's step/step-xlat.fth has those of 20, 21 and 25 MHz).
 struct VideoTiming {
@@ -29,11 +30,12 @@ struct VideoTiming {
   }
 };
 
-// Sites of the longest line, and how many of them.
+// Log2 of the sites of the longest line, and of the most lines.
 inline constexpr int kLog2LineSites = 9;
 inline constexpr int kLog2Lines = 9;
 
-// Nothing: too slow for a line of 512 sites, or faster than registers can say. Pure.
+// Nothing: too slow for a line of 512 sites, or so fast that a line has more clocks than 16 bits
+// say. Pure.
 [[nodiscard]] std::optional<VideoTiming> video_timing(std::uint32_t clock_hz) noexcept;
 
 }  // namespace thimble::cambus

@@ -104,8 +104,9 @@ struct WriteCells {
 };
 struct ReadCells {};
 // A slice of the space, by its number along z, on the monitor of a board that has one, once: the
-// rest of its frame and as many lines as there are rows. Changes and counts nothing; like the two
-// above it cannot come between a kick and its scan.
+// rest of its frame and as many lines as there are rows, two frames of a 60th of a second at most.
+// Of 512 rows of 512 cells at most, none divided among modules along x. Changes and counts nothing;
+// like the two above it cannot come between a kick and its scan.
 struct Show {
   int slice{0};
 };

@@ -111,7 +111,7 @@ TEST_F(PluggedInBoard, WhoseMachineHangsLetsGoLongBeforeItIsGivenUp) {
   start(kDesk);
   expect_felt_after(kFound_s);
   constexpr std::uint64_t kClocksOfAMinute = 60 * 25'000'000ULL;
-  machine().spend(kClocksOfAMinute);
+  machine().hang_for(kClocksOfAMinute);
   run(0.8);
   EXPECT_EQ(norm(frame(kLeft).force), 0);
   EXPECT_EQ(trouble(), "");

@@ -62,7 +62,7 @@ void BoardPage::serve(MonotonicTime now) {
   const std::uint64_t clocks = clocks_at(now);
   catch_up(clocks);
   if (memory_.load(page::kDoorbell) != acknowledged_) {
-    take_doorbell();
+    take_doorbell(clocks);
     catch_up(clocks);
   }
   show(now);
@@ -97,11 +97,13 @@ bool BoardPage::may_go_on() {
 }
 
 // All that are meant, the list last.
-void BoardPage::take_doorbell() {
+void BoardPage::take_doorbell(std::uint64_t clocks) {
   const std::uint32_t meant = memory_.load(page::kMeant);
-  if ((meant & 2U) != 0) control(memory_.load(page::kWritten + kWordBytes));
+  if ((meant & page::kControl) != 0) {
+    control(memory_.load(page::kWritten + kWordBytes), clocks);
+  }
   take_display_lengths(meant);
-  if ((meant & 1U) != 0) {
+  if ((meant & page::kNextList) != 0) {
     has_next_list_ = true;
     next_list_ = memory_.load(page::kWritten) & page::kListPointer;
   }
@@ -109,8 +111,9 @@ void BoardPage::take_doorbell() {
   ++counters_.doorbells;
 }
 
-void BoardPage::control(std::uint32_t word) {
+void BoardPage::control(std::uint32_t word, std::uint64_t clocks) {
   if ((word & page::kResetInterface) != 0) {
+    if (is_paced_) machine_.be_at(clocks);
     interface_.reset();
     display_ = {};
     machine_.set_sync(display_);
@@ -129,17 +132,17 @@ void BoardPage::control(std::uint32_t word) {
 
 // Whichever is written, the counters begin anew.
 void BoardPage::take_display_lengths(std::uint32_t meant) {
-  if ((meant & 4U) != 0) {
+  if ((meant & page::kScanLength) != 0) {
     const std::uint32_t scan = memory_.load(page::kWritten + 2 * kWordBytes);
     display_.scan_clocks = scan & page::kLengthMask;
     display_.scan_lines = scan >> page::kLinesShift;
   }
-  if ((meant & 8U) != 0) {
+  if ((meant & page::kBlankLength) != 0) {
     const std::uint32_t blank = memory_.load(page::kWritten + 3 * kWordBytes);
     display_.blank_clocks = blank & page::kLengthMask;
     display_.blank_lines = blank >> page::kLinesShift;
   }
-  if ((meant & 12U) != 0) machine_.set_sync(display_);
+  if ((meant & (page::kScanLength | page::kBlankLength)) != 0) machine_.set_sync(display_);
 }
 
 // Keeps what a host is to see of this moment.

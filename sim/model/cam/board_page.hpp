@@ -36,7 +36,7 @@ struct BoardCounters {
 // Time: serve() brings the board to a time. What the page shows is as of the end of the last step
 // that was over by then; what a step reads lies in its buffer from the step's beginning on.
 // Exact: the order of everything, and by the machine's clock when it happens. Approximated: a reset
-// in the middle of a step acts when the step is over.
+// in the middle of a step takes back no bit that the step has moved.
 // Thread: one; the host is another. Ownership: the memory must outlive it.
 class BoardPage {
  public:
@@ -73,8 +73,8 @@ class BoardPage {
   void show_identity(const BoardOptions& options);
   void catch_up(std::uint64_t clocks);
   [[nodiscard]] bool may_go_on();
-  void take_doorbell();
-  void control(std::uint32_t word);
+  void take_doorbell(std::uint64_t clocks);
+  void control(std::uint32_t word, std::uint64_t clocks);
   void take_display_lengths(std::uint32_t meant);
   void look();
   [[nodiscard]] std::uint32_t list_register() const noexcept;

@@ -128,20 +128,26 @@ std::uint64_t CamMachine::move_bits(std::span<const std::size_t> which) {
   return scan(torus_, which);
 }
 
-// In words, a line alone: as programs show their cells.
 std::uint64_t CamMachine::move_bits_in_sync(std::span<const std::size_t> which,
                                             const ScanSync& sync) {
   if (!planes_ || !moves_bits_) return scan(torus_, which, moves_bits_, &sync);
   const auto on_video = module_on_video(torus_, which);
-  const auto line = planes_->scan_line(torus_, which, on_video);
-  if (!line) {
+  const auto scanned = planes_->scan_shown(torus_, which, on_video);
+  if (!scanned) {
     ++counters_.site_by_site;
     return scan(torus_, which, true, &sync);
   }
-  const std::uint64_t pulse =
-      sync.mode == cambus::kSyncFrame ? sync.pulses.next_frame(now_) : sync.pulses.next_line(now_);
-  if (on_video) monitor_.draw(pulses_.place_of(pulse), line->shown);
-  return pulse - now_ + line->clocks;
+  std::uint64_t at = now_;
+  for (std::uint64_t sweep = 0; sweep < scanned->pace.sweeps; ++sweep) {
+    const bool waits_for_frame = sweep == 0 && sync.mode == cambus::kSyncFrame;
+    at = waits_for_frame ? pulses_.next_frame(at) : pulses_.next_line(at);
+    const auto seen =
+        std::span(scanned->shown)
+            .subspan(sweep * scanned->pace.sites_a_sweep, scanned->pace.sites_a_sweep);
+    if (on_video) monitor_.draw(pulses_.place_of(at), seen);
+    at += scanned->pace.clocks_of_sweep(sweep);
+  }
+  return at - now_;
 }
 
 std::vector<std::uint16_t> CamMachine::transfer(std::size_t module,
@@ -165,17 +171,38 @@ void CamMachine::start_scan() {
   if (hangs_ || which.empty()) return;
   ++counters_.scans;
   const ScanSync sync{pulses_, now_, mode, monitor_};
-  scan_end_ =
+  const std::uint64_t end =
       now_ + (mode == cambus::kSyncFree ? move_bits(which) : move_bits_in_sync(which, sync));
-  for (const std::size_t i : which) torus_.modules[i].registers.planes(Register::Run) = {};
+  for (const std::size_t i : which) {
+    scan_ends_[i] = end;
+    torus_.modules[i].registers.planes(Register::Run) = {};
+  }
 }
 
-void CamMachine::wait_for_scan() { now_ = std::max(now_, scan_end_); }
+void CamMachine::wait_for_status() {
+  for (std::size_t i = 0; i < torus_.size(); ++i) {
+    if (shows_scan(torus_.modules[i])) now_ = std::max(now_, scan_ends_[i]);
+  }
+}
+
+void CamMachine::wait_for_scan() {
+  now_ = std::max(now_, *std::max_element(scan_ends_.begin(), scan_ends_.end()));
+}
+
+bool CamMachine::is_scanning() const noexcept {
+  return hangs_ || std::any_of(scan_ends_.begin(), scan_ends_.end(),
+                               [this](std::uint64_t end) { return end > now_; });
+}
+
+void CamMachine::be_at(std::uint64_t clocks) noexcept {
+  now_ = std::min(now_, std::max(clocks, stuck_until_));
+  for (std::uint64_t& end : scan_ends_) end = std::min(end, now_);
+}
 
 void CamMachine::reset() {
   for (CamModule& module : torus_.modules) module.reset();
   hangs_ = false;
-  scan_end_ = now_;
+  std::fill(scan_ends_.begin(), scan_ends_.end(), now_);
   latch_selection();
 }
 

@@ -51,7 +51,14 @@ class CamMachine {
   [[nodiscard]] std::optional<std::vector<std::uint16_t>> read(std::uint32_t number,
                                                                std::uint32_t length);
   void reset();
+  // As the interface does: until no module scans of those that show their scan.
+  void wait_for_status();
+  // Until none scans.
   void wait_for_scan();
+  // Not later than that: for a reset that ends whatever is under way, but for a hang.
+  void be_at(std::uint64_t clocks) noexcept;
+  // An injected fault: for so long nothing is done, whatever is reset.
+  void hang_for(std::uint64_t clocks) { stuck_until_ = now_ += clocks; }
   // From now on scans take their clocks and move no bits: for who has the bits elsewhere.
   void keep_only_time() noexcept { moves_bits_ = false; }
   void spend(std::uint64_t clocks) { now_ += clocks; }
@@ -61,7 +68,7 @@ class CamMachine {
   [[nodiscard]] std::uint64_t now_clocks() const noexcept { return now_; }
   // A scan runs that never ends: it waits for sync pulses, and when it began there were none.
   [[nodiscard]] bool hangs() const noexcept { return hangs_; }
-  [[nodiscard]] bool is_scanning() const noexcept { return hangs_ || scan_end_ > now_; }
+  [[nodiscard]] bool is_scanning() const noexcept;
   [[nodiscard]] bool has_interrupt() const noexcept;
   [[nodiscard]] const CamCounters& counters() const noexcept { return counters_; }
   // What is on the video port: synchronized scans are seen there.
@@ -104,7 +111,8 @@ class CamMachine {
   std::optional<PlaneScan> planes_{};
   std::vector<bool> is_selected_ = std::vector<bool>(torus_.size(), false);
   std::uint64_t now_{0};
-  std::uint64_t scan_end_{0};
+  std::uint64_t stuck_until_{0};
+  std::vector<std::uint64_t> scan_ends_ = std::vector<std::uint64_t>(torus_.size(), 0);
   bool hangs_{false};
   bool moves_bits_{true};
   CamCounters counters_;

@@ -243,10 +243,14 @@ std::uint64_t clocks_until_sweep(const ScanSync& sync, std::uint64_t clocks, boo
 
 }  // namespace
 
+bool shows_scan(const CamModule& module) noexcept {
+  return module.registers.get(field::kShowScan[0], 0) != 0;
+}
+
 std::optional<std::size_t> module_on_video(const CamTorus& torus,
                                            std::span<const std::size_t> which) {
   for (std::size_t i = 0; i < which.size(); ++i) {
-    if (torus.modules[which[i]].registers.get(field::kShowScan[0], 0) != 0) return i;
+    if (shows_scan(torus.modules[which[i]])) return i;
   }
   return std::nullopt;
 }

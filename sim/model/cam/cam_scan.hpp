@@ -25,6 +25,7 @@ struct ScanSync {
   VideoMonitor& monitor;
 };
 
+[[nodiscard]] bool shows_scan(const CamModule& module) noexcept;
 // Whose display goes to the video port, as in `which`: the first that shows its scan.
 [[nodiscard]] std::optional<std::size_t> module_on_video(const CamTorus& torus,
                                                          std::span<const std::size_t> which);

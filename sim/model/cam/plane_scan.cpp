@@ -65,23 +65,22 @@ std::optional<std::uint64_t> PlaneScan::scan(CamTorus& torus, std::span<const st
     step.visit(word * sites_of_word, std::min<std::uint64_t>(kBlockWords, words - word), silence);
   }
   step.finish(torus, plan.sites);
-  return plan.clocks;
+  return plan.pace.clocks();
 }
 
-std::optional<PlaneScan::Line> PlaneScan::scan_line(CamTorus& torus,
-                                                    std::span<const std::size_t> which,
-                                                    std::optional<std::size_t> looked_at) {
+std::optional<PlaneScan::Shown> PlaneScan::scan_shown(CamTorus& torus,
+                                                      std::span<const std::size_t> which,
+                                                      std::optional<std::size_t> looked_at) {
   const ScanPlan plan = plan_scan(torus, which);
-  if (plan.sweeps != 1 || !can(plan, plan.sites, torus) ||
-      !plan.orders.front().is_in_turn_in_words()) {
+  if (!can(plan, plan.sites, torus) || !plan.orders.front().is_in_turn_in_words()) {
     bring_back(torus);
     return std::nullopt;
   }
   PlaneStep step = begin(torus, plan, which, looked_at);
   const std::vector<std::uint16_t> silence(plan.sites);
-  Line line{plan.clocks, go_through(step, silence)};
+  Shown shown{plan.pace, go_through(step, silence)};
   step.finish(torus, plan.sites);
-  return line;
+  return shown;
 }
 
 std::optional<std::vector<std::uint16_t>> PlaneScan::scan_io(CamTorus& torus, std::size_t module,

@@ -31,14 +31,13 @@ class PlaneScan {
   // The clocks; nothing where it is left to the reference, for which the DRAM is then where it was.
   [[nodiscard]] std::optional<std::uint64_t> scan(CamTorus& torus,
                                                   std::span<const std::size_t> which);
-  // A scan of a single sweep, and what one of the modules shows in it, as in `which`: nothing, none
-  // is looked at.
-  struct Line {
-    std::uint64_t clocks{0};
-    std::vector<std::uint16_t> shown{};
+  // The same, and what one of the modules shows in it, as in `which`: nothing, none is looked at.
+  struct Shown {
+    ScanPace pace{};
+    std::vector<std::uint16_t> shown{};  // of each site in turn
   };
-  [[nodiscard]] std::optional<Line> scan_line(CamTorus& torus, std::span<const std::size_t> which,
-                                              std::optional<std::size_t> looked_at);
+  [[nodiscard]] std::optional<Shown> scan_shown(CamTorus& torus, std::span<const std::size_t> which,
+                                                std::optional<std::size_t> looked_at);
   // What the module's display shows; nothing as above.
   [[nodiscard]] std::optional<std::vector<std::uint16_t>> scan_io(
       CamTorus& torus, std::size_t module, std::span<const std::uint16_t> told);

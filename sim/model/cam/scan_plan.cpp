@@ -103,19 +103,18 @@ void plan_order(const CamRegisters& registers, ScanPlan& scan, ModulePlan& plan)
   }
 }
 
-std::uint64_t count_sweeps(const CamRegisters& format, std::uint64_t sites) {
-  const std::uint64_t sweep =
-      std::min(sites, std::uint64_t{1} << format.get(field::kEndOfSweep, 0));
-  return (sites + sweep - 1) / sweep;
-}
-
-// Sweep by sweep, with the refreshes that come between them.
-std::uint64_t count_clocks(const CamRegisters& format, std::uint64_t sites, std::uint64_t sweeps) {
+ScanPace pace_of(const CamRegisters& format, std::uint64_t sites) {
+  ScanPace pace;
+  pace.sites_a_sweep = std::min(sites, std::uint64_t{1} << format.get(field::kEndOfSweep, 0));
+  pace.sweeps = sites / pace.sites_a_sweep;
   const bool is_fast =
       format.get(field::kScanMode, 0) >= 2 && format.get(field::kEndOfStretch, 0) > 0;
-  const std::uint64_t between = std::max(1U, format.get(field::kSweepsBetweenRefresh, 0));
-  return sites * (is_fast ? 1 : wire::kSlowSite_clocks) + sweeps * wire::kSweepOverhead_clocks +
-         sweeps / between * wire::kClocksPerRefresh * format.get(field::kRefreshLength, 0);
+  pace.clocks_a_sweep =
+      pace.sites_a_sweep * (is_fast ? 1 : wire::kSlowSite_clocks) + wire::kSweepOverhead_clocks;
+  pace.sweeps_a_refresh = std::max(1U, format.get(field::kSweepsBetweenRefresh, 0));
+  pace.clocks_a_refresh =
+      std::uint64_t{wire::kClocksPerRefresh} * format.get(field::kRefreshLength, 0);
+  return pace;
 }
 
 }  // namespace
@@ -234,8 +233,7 @@ ScanPlan plan_scan(const CamTorus& torus, std::span<const std::size_t> which) {
   const CamRegisters& format = torus.modules[which.front()].registers;
   const std::uint32_t end = format.get(field::kEndOfScan, 0);
   scan.sites = std::uint64_t{1} << std::min<std::uint32_t>(end, kAddressBits);
-  scan.sweeps = count_sweeps(format, scan.sites);
-  scan.clocks = count_clocks(format, scan.sites, scan.sweeps);
+  scan.pace = pace_of(format, scan.sites);
   return scan;
 }
 

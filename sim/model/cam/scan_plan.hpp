@@ -87,13 +87,29 @@ struct ModulePlan {
   std::array<LayerPlan, cambus::kLayers> layers{};
 };
 
+// What a scan's sweeps take, with the refreshes that come between them.
+struct ScanPace {
+  std::uint64_t sites_a_sweep{1};
+  std::uint64_t sweeps{0};
+  std::uint64_t clocks_a_sweep{0};
+  std::uint64_t sweeps_a_refresh{1};
+  std::uint64_t clocks_a_refresh{0};
+
+  [[nodiscard]] std::uint64_t clocks_of_sweep(std::uint64_t number) const noexcept {
+    const bool is_refreshed = (number + 1) % sweeps_a_refresh == 0;
+    return clocks_a_sweep + (is_refreshed ? clocks_a_refresh : 0);
+  }
+  [[nodiscard]] std::uint64_t clocks() const noexcept {
+    return sweeps * clocks_a_sweep + sweeps / sweeps_a_refresh * clocks_a_refresh;
+  }
+};
+
 struct ScanPlan {
   std::vector<ModulePlan> modules{};  // as in `which`
   std::vector<VisitOrder> orders{};
   // As the first module's layer 0 has them.
   std::uint64_t sites{0};
-  std::uint64_t sweeps{0};
-  std::uint64_t clocks{0};
+  ScanPace pace{};
 };
 
 [[nodiscard]] ScanPlan plan_scan(const CamTorus& torus, std::span<const std::size_t> which);

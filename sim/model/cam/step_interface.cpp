@@ -84,7 +84,7 @@ bool StepInterface::step() {
 bool StepInterface::play(const Step& step) {
   if (has(step.opcode, wire::kWait)) {
     if (machine_.hangs()) return halt(Interrupt::Timeout);
-    machine_.wait_for_scan();
+    machine_.wait_for_status();
   }
   if (!has(step.opcode, wire::kDelay)) return move(step);
   if (has(step.opcode, wire::kReset)) machine_.reset();

@@ -15,7 +15,7 @@ namespace thimble::sim::cam {
 // them is not modelled. Thread: one at a time.
 class VideoMonitor {
  public:
-  // Ours: more than a line of 16-bit lengths could show at any clock is kept of none.
+  // Ours: enough for any monitor of its day; what is beyond is dropped.
   static constexpr std::size_t kMostLines = 1024;
   static constexpr std::size_t kMostPixels = 4096;
 

@@ -1,5 +1,4 @@
 #include "sim/model/cam/board_page.hpp"
-#include "drivers/cambus/register_words.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +6,7 @@
 #include <random>
 
 #include "drivers/cambus/cambus_wire.hpp"
+#include "drivers/cambus/register_words.hpp"
 #include "sim/model/cam/sim_cam_board.hpp"
 #include "sim/time/virtual_clock.hpp"
 #include "tests/unit/cambus/hand_list.hpp"
@@ -209,6 +209,20 @@ TEST_F(BoardPageTest, DisplayLengthsStartTheSyncPulsesAndAResetStopsThem) {
   // Blank lengths alone show no line.
   ring(3, 2U << 16 | 40);
   EXPECT_FALSE(scan_in_sync());
+}
+
+// Two million lines of a monitor whose lines take 131,070 clocks each: hours.
+TEST_F(BoardPageTest, AResetEndsAStepThatWouldTakeHours) {
+  auto& machine = board_.board().machine();
+  const std::uint64_t before = machine.now_clocks();
+  machine.spend(std::uint64_t{1} << 40);
+  clock_.run_for(milliseconds(1));
+  ring(1, page::kResetInterface);
+  EXPECT_LT(machine.now_clocks() - before, 1'000'000U);
+  EXPECT_NE(word(page::kRead) & page::kIsWaiting, 0U);
+  machine.hang_for(25'000'000);
+  ring(1, page::kResetInterface);
+  EXPECT_GT(machine.now_clocks() - before, 25'000'000U) << "a hang outlasts it";
 }
 
 TEST(BoardPageFreeRunning, AListIsOverAtOnce) {

@@ -103,6 +103,8 @@ TEST_P(BoardShow, PutsEachRowOfASliceIntoALineAndLeavesEverythingAsItWas) {
   EXPECT_EQ(after->counts.at(0), CamCounts{});
   EXPECT_EQ(after->cells.at(0), cells);
   EXPECT_EQ(bench.machine().counters().disturbed_scans, 0U);
+  const bool is_in_words = width >= 64;
+  EXPECT_EQ(bench.machine().counters().site_by_site == 0, is_in_words);
 }
 
 // 60 times a second at every clock: 512 of 525 lines, after a wait for the first.
@@ -115,7 +117,14 @@ TEST(BoardShowTime, IsTheRestOfAFrameAndTheLines) {
   for (const Known& known :
        {Known{25'000'000, 794}, {21'000'000, 676}, {20'000'000, 636}, {50'000'000, 1588}}) {
     Bench bench(eight, known.clock_hz);
-    ASSERT_TRUE(bench.play({cam_step::Show{}}));
+    const auto cells = random_cells(eight.space);
+    ASSERT_TRUE(bench.play({cam_step::WriteCells{cells}, cam_step::Show{}}));
+    for (std::size_t y = 0; y < 512; ++y) {
+      const auto line = bench.machine().monitor().line(y);
+      ASSERT_TRUE(std::equal(line.begin(), line.end(), cells->begin() + static_cast<long>(512 * y),
+                             cells->begin() + static_cast<long>(512 * (y + 1))))
+          << known.clock_hz << " " << y;
+    }
     const double line_s = known.line_clocks / known.clock_hz;
     EXPECT_NEAR(525 * line_s, 1.0 / 60, 0.02 / 60);
     for (const double since_lines : {0.0, 100.5, 400.0}) {

@@ -61,7 +61,6 @@ TEST_F(SynchronizedScan, MissesALineThatIsShorterThanItsSweep) {
 
 TEST_F(SynchronizedScan, HangsWithoutPulsesUntilAReset) {
   bench_.machine().set_sync({});
-  CamProgram program(bench_.space());
   StepListBuilder builder;
   builder.write(RegisterWords(Register::Run).set(field::kSync, kSyncLine));
   bench_.play(builder.finish());

@@ -239,6 +239,22 @@ TEST(StepListCheck, ALoopComesBackWhileItsScanRuns) {
             "step 2 at 0x20: offset has to wait for the end of the scan, and does not");
 }
 
+TEST(StepListCheck, ShowScanStaysWhileAScanMayRun) {
+  const auto list = [](std::uint32_t sync, bool waits) {
+    StepListBuilder builder;
+    builder.write(default_words(Register::Offset));  // nothing runs
+    builder.write(RegisterWords(Register::Run).set(field::kSync, sync));
+    builder.write(RegisterWords(Register::ShowScan));
+    StepList made = builder.finish();
+    // The second byte of the last opcode.
+    if (!waits) made.bytes.at(made.bytes.size() - wire::kDescriptorBytes + 1) &= 0xef;
+    return check_step_list(made.view(), made.head).has_value();
+  };
+  EXPECT_FALSE(list(kSyncFree, false));
+  EXPECT_TRUE(list(kSyncFree, true));
+  EXPECT_TRUE(list(kSyncNone, false));
+}
+
 TEST(StepListCheck, SynchronisedScansNeedSync) {
   for (const std::uint32_t sync : {kSyncNone, kSyncLine, kSyncFrame, kSyncFree}) {
     StepListBuilder builder;

@@ -56,7 +56,7 @@ class HandInWorld : public testing::Test {
   // Its machine does nothing for so long, and its page beats on; what it holds stays.
   void hang(Duration time) {
     const double clocks = seconds(time) * 25e6;
-    slot_->board().machine().spend(static_cast<std::uint64_t>(clocks));
+    slot_->board().machine().hang_for(static_cast<std::uint64_t>(clocks));
   }
   ProbeMotion hold(Position3 hand, Duration time = std::chrono::milliseconds(20)) {
     ProbeMotion motion;
