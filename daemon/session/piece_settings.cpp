@@ -18,6 +18,9 @@ namespace pieces = world::cam;
 // one a second.
 constexpr Duration kUsbPatience = std::chrono::seconds(3);
 
+// A monitor's lines, and the sites of each (docs/cambus.md, section 4).
+constexpr int kLog2Shown = 9;
+
 [[nodiscard]] int log2_of(int power) noexcept {
   return std::countr_zero(static_cast<unsigned>(power));
 }
@@ -104,6 +107,10 @@ Result<MadeWorld> make_piece_world(const config::WorldConfig& said, const Clock*
   if (std::any_of(numbers.begin(), numbers.end(), [&](int number) { return number > most; })) {
     return fail(Errc::InvalidArgument, said.source + ": dynamic: pieces are numbered 1 to " +
                                            std::to_string(most) + " then");
+  }
+  if (of.display_every && std::max(file->log2_cells[0], file->log2_cells[1]) > kLog2Shown) {
+    return fail(Errc::InvalidArgument,
+                said.source + ": display_every: a monitor shows 512 rows of 512 cells at most");
   }
   settings.pieces.is_dynamic = of.is_dynamic;
   settings.pieces.moves_a_picture = of.display_every.value_or(0);

@@ -44,6 +44,8 @@ std::string_view to_string(PieceOutcome outcome) noexcept {
 
 namespace {
 
+constexpr const char* kNothingIsShown = "nothing is shown on the board's monitor";
+
 // Gone, or not one for this world: what is opened next may be.
 bool never_heals(Errc code) {
   return code == Errc::Disconnected || code == Errc::InvalidArgument || code == Errc::TooLarge;
@@ -96,6 +98,8 @@ void PieceBoard::pump(const Clock& clock) {
     }
     const auto answer = board_->poll(now);
     if (!answer) {
+      // What is felt goes before what is seen.
+      if (doing_ == Doing::Picture) why_dark_ = answer.error().in(kNothingIsShown);
       fail_with(answer.error(), now);
       return;
     }
@@ -182,7 +186,7 @@ bool PieceBoard::play(const CamSteps& steps, MonotonicTime now) {
 }
 
 bool PieceBoard::stay_dark(const Error& why) {
-  why_dark_ = why.in("nothing is shown on the board's monitor");
+  why_dark_ = why.in(kNothingIsShown);
   task_.reset();
   doing_ = Doing::Nothing;
   return false;

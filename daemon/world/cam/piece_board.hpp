@@ -67,7 +67,8 @@ class PieceBoard {
   // A step of all particles. Only of dynamic pieces.
   void drift();
   // The slice of the grasp point on the board's monitor, once, which takes a frame of it or two. A
-  // board that cannot is not asked again (why_dark()).
+  // board that refuses it, or fails at it, is not to be asked again until it is opened anew
+  // (why_dark()).
   void show();
   // Of an action, once.
   [[nodiscard]] std::optional<PieceOutcome> take_outcome() noexcept;

@@ -117,6 +117,8 @@ TEST(PieceWorldOfAConfiguration, NeedsAClockAndRoomForItsPieces) {
   EXPECT_DOUBLE_EQ(made->world->info().cell_m, 0.09 / 32);
   EXPECT_EQ(made->usb_board, nullptr);
   EXPECT_EQ(make_piece_world(said, nullptr).error().code, Errc::Unsupported);
+  said.pieces->display_every = 7;
+  EXPECT_TRUE(make_piece_world(said, &clock));
   said.pieces->board = config::PieceBoardKind::SimUsb;
   EXPECT_NE(make_piece_world(said, &clock)->usb_board, nullptr);
   said.pieces->board = config::PieceBoardKind::Usb;

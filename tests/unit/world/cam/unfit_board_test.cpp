@@ -131,5 +131,28 @@ TEST_F(AnUnfitBoard, ThatWorksMeanwhileIsKept) {
   EXPECT_EQ(opened_, 1);
 }
 
+// What is felt goes before what is seen.
+TEST_F(AnUnfitBoard, ThatFailsAtAPictureIsDarkUntilItIsOpenedAnew) {
+  try_again();
+  ASSERT_TRUE(sut_.is_ready());
+  manners_.poll = Error{Errc::System, "no pulses"};
+  sut_.show();
+  sut_.pump(clock_);
+  EXPECT_TRUE(sut_.trouble());
+  manners_.poll.reset();
+  for (int i = 0; i < 3; ++i) try_again();
+  EXPECT_FALSE(sut_.trouble());
+  ASSERT_TRUE(sut_.why_dark());
+  EXPECT_EQ(sut_.why_dark()->message, "nothing is shown on the board's monitor: no pulses");
+  EXPECT_EQ(sut_.counters().pictures, 0U);
+  manners_.poll = Error{Errc::Disconnected, "unplugged"};
+  sut_.act(PieceAction::Look, {});
+  sut_.pump(clock_);
+  manners_.poll.reset();
+  for (int i = 0; i < 3; ++i) try_again();
+  EXPECT_EQ(opened_, 2);
+  EXPECT_FALSE(sut_.why_dark());
+}
+
 }  // namespace
 }  // namespace thimble::world::cam
