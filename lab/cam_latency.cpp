@@ -9,6 +9,7 @@
 #include "daemon/world/cam/piece_board.hpp"
 #include "drivers/cambus/board.hpp"
 #include "drivers/cambus/pci_port.hpp"
+#include "drivers/cambus/video_timing.hpp"
 #include "hal/device/wrapped_cam_board.hpp"
 #include "sim/model/cam/sim_cam_board.hpp"
 #include "sim/time/virtual_clock.hpp"
@@ -20,8 +21,6 @@ namespace pieces = world::cam;
 
 // How often the host looks. Ours: short beside a list, and beside what a poll over SBus took.
 constexpr Duration kLook = std::chrono::microseconds(2);
-// Of the monitor, within a thousandth at each clock (docs/cambus.md, section 4).
-constexpr double kFrame_hz = 60;
 // Beyond that of a module with all of the thesis's cells, at the slowest clock: 14.3 ms.
 constexpr Duration kLongestScan = std::chrono::milliseconds(20);
 
@@ -109,14 +108,16 @@ class SlowHost final : public WrappedCamBoard {
 class Stroke {
  public:
   Stroke(const CamLatencyCase& of, const CamLatencyFit& fit)
-      : slot_(clock_, {.shape = torus(of.log2_modules),
-                       .clock_hz = static_cast<std::uint32_t>(of.clock_mhz) * 1'000'000,
+      : clock_hz_(static_cast<std::uint32_t>(of.clock_mhz) * 1'000'000),
+        slot_(clock_, {.shape = torus(of.log2_modules),
+                       .clock_hz = clock_hz_,
                        .window_bytes = std::size_t{1} << 22}),
         cost_(std::chrono::duration_cast<Duration>(std::chrono::duration<double>(fit.host_cost_s))),
         board_([this](MonotonicTime now) { return open(now); },
                {.space = space_of(of), .search = of.search, .counts_apart = of.counts_apart},
                layout_of(of), start_of(of)),
         is_held_(of.held_cells > 0),
+        log2_rows_(of.log2_cells[1]),
         has_table_(!sweeps(of)) {}
 
   [[nodiscard]] Result<CamLatencyRun> run(int cells) {
@@ -135,19 +136,25 @@ class Stroke {
     run.lists = board_.counters().programs - lists;
     run.clocks = machine.now_clocks() - clocks;
     run.time_s = std::chrono::duration<double>(clock_.now() - before).count();
-    const auto picture = show_often();
+    const auto picture = show_often(1 << log2_rows_);
     if (!picture) return tl::unexpected(picture.error());
     run.picture_s = *picture;
     return run;
   }
 
  private:
-  // The mean of what a picture takes. The first one ends where all do, by the monitor.
-  [[nodiscard]] Result<double> show_often() {
-    const auto frame = std::chrono::duration<double>(1.0 / kFrame_hz);
+  // The mean of what a picture takes that begins in the middle of each eighth of a frame. The one
+  // before it ends with the last of its rows.
+  [[nodiscard]] Result<double> show_often(int rows) {
+    const auto video = cambus::video_timing(clock_hz_);
+    if (!video) return fail(Errc::Unsupported, "at this clock the board shows nothing");
+    const double line_s = static_cast<double>(video->line_clocks()) / clock_hz_;
+    const double frame_s = static_cast<double>(video->frame_clocks()) / clock_hz_;
     Duration sum{};
     for (int i = -1; i < kPictures; ++i) {
-      clock_.run_for(std::chrono::duration_cast<Duration>(std::max(i, 0) * frame / kPictures));
+      const double wait_s = frame_s - rows * line_s + (i + 0.5) / kPictures * frame_s;
+      if (i >= 0)
+        clock_.run_for(std::chrono::duration_cast<Duration>(std::chrono::duration<double>(wait_s)));
       const MonotonicTime before = clock_.now();
       board_.show();
       if (const auto ready = wait(); !ready) return tl::unexpected(ready.error());
@@ -183,10 +190,12 @@ class Stroke {
   }
 
   sim::VirtualClock clock_;
+  std::uint32_t clock_hz_;
   sim::cam::SimCamBoard slot_;
   Duration cost_;
   pieces::PieceBoard board_;
   bool is_held_;
+  int log2_rows_;
   bool has_table_;  // that the search needs
 };
 
