@@ -1,9 +1,9 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 
 #include "daemon/coupling/messages.hpp"
+#include "daemon/coupling/probe_in_world.hpp"
 #include "daemon/coupling/world_coupling.hpp"
 #include "daemon/world/world.hpp"
 
@@ -22,20 +22,15 @@ class GhostPointWorld final : public WorldCoupling {
   // Sessions are numbered from `first_session` up. A process that restarts passes a number
   // that its forerunner did not reach (e.g. from the clock), so that arms notice.
   GhostPointWorld(world::World& world, std::uint32_t first_session) noexcept;
-  ~GhostPointWorld() override;
-  GhostPointWorld(const GhostPointWorld&) = delete;
-  GhostPointWorld& operator=(const GhostPointWorld&) = delete;
 
   [[nodiscard]] Result<void> open(const HandSample& first) override;
   [[nodiscard]] ConstraintSet answer(const HandSample& sample, Duration dt) noexcept override;
-  void close() noexcept override;
+  void close() noexcept override { probe_.close(); }
 
  private:
-  world::World& world_;
-  std::optional<world::ProbeId> probe_{};
+  ProbeInWorld probe_;
   std::uint32_t next_session_;
   ConstraintSet last_{};
-  std::uint32_t buttons_{0};  // of the sample before
 };
 
 }  // namespace thimble::coupling

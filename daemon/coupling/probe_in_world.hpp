@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "daemon/coupling/messages.hpp"
+#include "daemon/world/world.hpp"
+#include "hal/base/result.hpp"
+
+namespace thimble::coupling {
+
+// The probe of one hand in a world, and the buttons that its person presses there.
+//
+// Thread: the world's. Not RT; touch() neither allocates nor blocks where move_probe() does not.
+// Ownership: the world must outlive it; the destructor closes.
+// Errors: open() refuses a hand that is not finite, and passes on what the world says.
+class ProbeInWorld {
+ public:
+  explicit ProbeInWorld(world::World& world) noexcept : world_(world) {}
+  ~ProbeInWorld() { close(); }
+  ProbeInWorld(const ProbeInWorld&) = delete;
+  ProbeInWorld& operator=(const ProbeInWorld&) = delete;
+
+  [[nodiscard]] Result<void> open(const HandSample& first);
+  [[nodiscard]] bool is_open() const noexcept { return probe_.has_value(); }
+  // Only while open: tells the world the buttons that were pressed since the sample before.
+  void press(std::uint32_t buttons) noexcept;
+  // Only while open: moves the probe towards `at`; `dt` >= 0 since the call before.
+  [[nodiscard]] world::ProbeMotion move(Position3 at, Duration dt) noexcept;
+  void close() noexcept;
+
+ private:
+  world::World& world_;
+  std::optional<world::ProbeId> probe_{};
+  std::uint32_t buttons_{0};  // of the sample before
+};
+
+}  // namespace thimble::coupling
