@@ -4,16 +4,14 @@
 #include <cmath>
 #include <limits>
 
+#include "daemon/coupling/wall_penalty.hpp"
+
 namespace thimble::coupling {
 namespace {
 
 // Normals closer than 14° are the same face of a curved surface; voxel faces differ by 90°.
 constexpr double kSameFaceCosine = 0.97;
 constexpr double kSameNormalCosine = 1 - 1e-9;
-// |n|² may be off by this much; beyond it the plane is garbage, not rounding.
-constexpr double kUnitTolerance = 1e-6;
-// Nothing that a hand touches is as far; beyond it rounding would be felt.
-constexpr double kMaxPlaneOffset_m = 1e6;
 // Shifts below are rounding, not events; relaxation stops this far before a wall.
 constexpr double kNegligible_m = 1e-9;
 constexpr double kStandoff_m = 1e-6;
@@ -22,11 +20,6 @@ constexpr double kLongestStep_s = 0.02;
 
 double depth_m(const ConstraintPlane& plane, Position3 hand) noexcept {
   return dot(plane.normal, hand) - plane.offset_m;
-}
-
-bool is_sound(const ConstraintPlane& plane) noexcept {
-  if (!is_finite(plane.normal) || !(std::abs(plane.offset_m) <= kMaxPlaneOffset_m)) return false;
-  return std::abs(dot(plane.normal, plane.normal) - 1) <= kUnitTolerance;
 }
 
 // The sum in order of size: permuted axes give the same bits.

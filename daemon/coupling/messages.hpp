@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include "hal/base/geometry.hpp"
 #include "hal/base/time.hpp"
@@ -31,6 +33,28 @@ struct ConstraintPlane {
 inline constexpr std::size_t kMaxPlanes = 8;
 using PlaneList = rt::StaticVector<ConstraintPlane, kMaxPlanes>;
 
+// What the hand's tool is like. The arm half owns these numbers, so that both ends of a coupling
+// compute with the same ones; a world half takes them as far as it finds them sound.
+struct ToolProperties {
+  Stiffness stiffness{0};  // of a wall that names none, or of the spring between hand and slave
+  Damping damping{0};      // likewise; of waves the impedance b
+  bool operator==(const ToolProperties&) const = default;
+};
+
+// Square root of a power, per axis: a wave variable (teleop.md 2(c)). √W.
+using Wave3 = Vector3<struct WaveTag>;
+// Time integral of a wave. √W·s.
+using WaveDistance3 = Vector3<struct WaveDistanceTag>;
+
+// What was put into one direction of a wave channel since its epoch began: it only grows by what
+// its sender adds, so of several messages the newest says all that the others did, and a lost one
+// is made up for by the next. Per axis.
+struct WaveSums {
+  WaveDistance3 distance{};       // U = ∫u dt
+  std::array<double, 3> joule{};  // E = ½∫u² dt, >= 0, never falls
+  bool operator==(const WaveSums&) const = default;
+};
+
 // Arm side to world side, once per report of the arm. World frame: q = p + o, the hand's position p
 // in the arm's base frame displaced by the coordinate offset o.
 struct HandSample {
@@ -45,6 +69,20 @@ struct HandSample {
   // Changes when the arm half was reset: the ghost starts again at the hand. A carriage that
   // cannot tell leaves it.
   std::uint32_t restart{0};
+  // Below: only for the schemes that compute at the far end; the datagrams of 1999 carry none of
+  // it.
+  ToolProperties tool{};
+  WaveSums waves{};  // of u, since `restart` changed
+};
+
+// What the far end computed, for the schemes in which it does. World frame; which of the numbers
+// mean something is the scheme's affair.
+struct FarEnd {
+  Force3 force{};           // on the hand
+  Position3 slave{};        // where the mass is that follows the hand
+  Velocity3 velocity{};     // of the slave
+  WaveSums waves{};         // of the returning wave, since the session began
+  bool is_pressing{false};  // the world pushes at the far end
 };
 
 // World side to arm side: everything that constrains the hand, replacing what was known.
@@ -57,6 +95,12 @@ struct ConstraintSet {
   Position3 ghost{};  // valid when has_ghost
   bool has_ghost{false};
   bool is_embedded{false};  // the ghost sits in filled cells: pushed out or released
+  FarEnd far{};             // valid when has_far
+  bool has_far{false};
 };
+
+// Both cross threads and queues by copying, on the servo's side without an allocation.
+static_assert(std::is_trivially_copyable_v<HandSample> && sizeof(HandSample) <= 256);
+static_assert(std::is_trivially_copyable_v<ConstraintSet> && sizeof(ConstraintSet) <= 1024);
 
 }  // namespace thimble::coupling
