@@ -1,0 +1,34 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "daemon/coupling/remote_force_arm.hpp"
+#include "daemon/coupling/remote_force_world.hpp"
+#include "daemon/world/world.hpp"
+
+namespace thimble::coupling::testing {
+
+// A scheme that computes at the far end, as it is made where nothing else is said.
+struct FarEndScheme {
+  std::string name;
+  std::function<std::unique_ptr<ArmCoupling>()> make_arm;
+  std::function<std::unique_ptr<WorldCoupling>(world::World&, std::uint32_t first_session)>
+      make_world;
+};
+
+template <class Arm, class World>
+FarEndScheme far_end_scheme(const std::string& name) {
+  return {name, [] { return std::make_unique<Arm>(); },
+          [](world::World& world, std::uint32_t first_session) {
+            return std::make_unique<World>(world, first_session);
+          }};
+}
+
+inline std::vector<FarEndScheme> far_end_schemes() {
+  return {far_end_scheme<RemoteForceArm, RemoteForceWorld>("remote-force")};
+}
+
+}  // namespace thimble::coupling::testing
