@@ -11,9 +11,7 @@ namespace {
 
 using testing::HandOnArm;
 using testing::Pace;
-
-constexpr int kHoldFrom_tick = 2500;
-constexpr int kHoldTo_tick = 4500;
+using testing::Reference;
 
 struct Course {
   double swing_m{0};  // peak to peak while the hand holds
@@ -23,25 +21,21 @@ struct Course {
   double generated_joule{0};
 };
 
-// Approach from 30 mm before the wall at 0.2 m/s to 20 mm behind it, hold, retract; `rounds`
-// times.
+// The approach, hold and retreat of Reference, `rounds` times.
 Course push(int delay_ms, Pace pace, int rounds = 1) {
   GhostPointArm arm{GhostPointSettings{}};
   HandOnArm hand(arm, std::chrono::milliseconds(delay_ms), pace, -0.015);
   Course course;
   double least_m = 1;
   double most_m = -1;
-  double reference_m = -0.015;
-  for (int i = 0; i < rounds * 5000; ++i) {
-    const int tick = i % 5000;
-    double v_m_per_s = 0;
-    if (tick < kHoldTo_tick && reference_m < 0.035) v_m_per_s = 0.2;
-    if (tick >= kHoldTo_tick && reference_m > -0.015) v_m_per_s = -0.2;
-    reference_m += 1e-3 * v_m_per_s;
-    const ArmOutput out = hand.tick(reference_m, v_m_per_s);
+  Reference reference;
+  for (int i = 0; i < rounds * Reference::kTicks; ++i) {
+    const int tick = i % Reference::kTicks;
+    reference.advance(tick);
+    const ArmOutput out = hand.tick(reference.x_m, reference.v_m_per_s);
     course.peak_newton = std::max(course.peak_newton, std::abs(out.force.x));
     course.largest_offset_m = std::max(course.largest_offset_m, norm(out.offset));
-    if (tick < kHoldFrom_tick || tick >= kHoldTo_tick || i >= 5000) continue;
+    if (tick < Reference::kHoldFrom_tick || i >= Reference::kHoldTo_tick) continue;
     least_m = std::min(least_m, hand.x_m());
     most_m = std::max(most_m, hand.x_m());
   }
