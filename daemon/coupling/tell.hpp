@@ -5,6 +5,20 @@
 
 namespace thimble::coupling {
 
+// What holds a probe back, as messages say it. Errors: none.
+inline PlaneList planes_of(const world::ProbeMotion& motion) noexcept {
+  static_assert(world::kMaxContactPlanes <= kMaxPlanes, "every push_back() below finds room");
+  PlaneList planes;
+  for (const world::ContactPlane& plane : motion.planes) {
+    planes.push_back(
+        {.normal = plane.normal,
+         .offset_m = plane.offset_m,
+         .surface = {
+             .stiffness = plane.stiffness, .damping = plane.damping, .friction = plane.friction}});
+  }
+  return planes;
+}
+
 // Makes `set` the next reply of its session: what the world says of the hand in `sample`. The
 // ghost is left to the caller.
 // Thread: the world's thread. Errors: none.
@@ -13,15 +27,7 @@ inline void tell(const world::ProbeMotion& motion, const HandSample& sample,
   ++set.sequence;
   set.answers = sample.sequence;
   set.sampled_at = sample.sampled_at;
-  set.planes.clear();
-  static_assert(world::kMaxContactPlanes <= kMaxPlanes, "every push_back() below finds room");
-  for (const world::ContactPlane& plane : motion.planes) {
-    set.planes.push_back(
-        {.normal = plane.normal,
-         .offset_m = plane.offset_m,
-         .surface = {
-             .stiffness = plane.stiffness, .damping = plane.damping, .friction = plane.friction}});
-  }
+  set.planes = planes_of(motion);
   set.is_embedded = motion.is_embedded;
 }
 

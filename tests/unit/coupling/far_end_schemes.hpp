@@ -7,6 +7,8 @@
 
 #include "daemon/coupling/remote_force_arm.hpp"
 #include "daemon/coupling/remote_force_world.hpp"
+#include "daemon/coupling/spring_damper_arm.hpp"
+#include "daemon/coupling/spring_damper_world.hpp"
 #include "daemon/world/world.hpp"
 
 namespace thimble::coupling::testing {
@@ -28,7 +30,16 @@ FarEndScheme far_end_scheme(const std::string& name) {
 }
 
 inline std::vector<FarEndScheme> far_end_schemes() {
-  return {far_end_scheme<RemoteForceArm, RemoteForceWorld>("remote-force")};
+  return {
+      far_end_scheme<RemoteForceArm, RemoteForceWorld>("remote-force"),
+      far_end_scheme<SpringDamperArm, SpringDamperWorld>("spring-damper"),
+      {"spring-damper, force at both ends",
+       [] {
+         return std::make_unique<SpringDamperArm>(SpringDamperSettings{.force_at = ForceAt::Both});
+       },
+       [](world::World& world, std::uint32_t first_session) {
+         return std::make_unique<SpringDamperWorld>(world, first_session, ForceAt::Both);
+       }}};
 }
 
 }  // namespace thimble::coupling::testing

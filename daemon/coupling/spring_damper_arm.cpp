@@ -1,0 +1,88 @@
+#include "daemon/coupling/spring_damper_arm.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+namespace thimble::coupling {
+namespace {
+
+constexpr double kMargin = 1.05;  // teleop.md 3
+// The master's own steps: its grip stays stable at the slowest servo.
+constexpr Duration kLongestStep = std::chrono::microseconds(500);
+
+}  // namespace
+
+SpringDamperArm::SpringDamperArm(const SpringDamperSettings& settings) noexcept
+    : settings_(settings), tool_(settings.tool), port_(settings.age) {
+  if (settings_.master_mass_kg > 0) {
+    settings_.master_mass_kg =
+        std::max(settings_.master_mass_kg, SpringDamperSettings::kLightestMaster_kg);
+  }
+}
+
+void SpringDamperArm::reset(MonotonicTime now, Position3 tip) noexcept {
+  port_.reset(now, tip);
+  tool_ = settings_.tool;
+  has_far_ = false;
+  master_ = {is_finite(tip) ? tip : Position3{}, {}};
+}
+
+ArmOutput SpringDamperArm::step(const ArmInput& input) noexcept {
+  if (!is_finite(input.tip) || !is_finite(input.tip_velocity)) return port_.refuse(input);
+  const FarEnd* const far = port_.listen(input);
+  if (port_.is_new_epoch()) {
+    has_far_ = false;
+    master_ = {input.tip, input.tip_velocity};
+  }
+  if (far != nullptr) {
+    far_ = *far;
+    has_far_ = true;
+  }
+  soften(input.link.round_trip);
+
+  Force3 wish{};
+  if (settings_.master_mass_kg > 0) {
+    wish = move_master(input);
+  } else {
+    master_ = {input.tip, input.tip_velocity};
+    wish = pull(master_);
+  }
+  ArmOutput output = port_.show(input, wish, has_far_ && far_.is_pressing, tool_);
+  output.sample.hand = master_.at;
+  output.sample.velocity = master_.velocity;
+  return output;
+}
+
+void SpringDamperArm::soften(Duration round_trip) noexcept {
+  if (!settings_.softens_with_delay || round_trip <= Duration::zero()) return;
+  const double reach_s = seconds(round_trip) * (settings_.force_at == ForceAt::Both ? 0.5 : 1.0);
+  const double most = tool_.damping.newton_s_per_m / (kMargin * reach_s);
+  tool_.stiffness.newton_per_m = std::min(tool_.stiffness.newton_per_m, most);
+}
+
+// On the master; nothing while the far end is unknown.
+Force3 SpringDamperArm::pull(const Motion& master) const noexcept {
+  if (!has_far_) return {};
+  const Force3 drag = tool_.damping * master.velocity;
+  if (settings_.force_at == ForceAt::World) return far_.force - drag;
+  return tool_.stiffness * (far_.slave - master.at) - drag;
+}
+
+// Returns what the hand feels of it.
+Force3 SpringDamperArm::move_master(const ArmInput& input) noexcept {
+  const auto steps = (input.dt + kLongestStep - Duration(1)) / kLongestStep;
+  const double step_s = seconds(input.dt) / static_cast<double>(steps);
+  Force3 grip{};
+  for (auto i = steps; i > 0; --i) {
+    grip = settings_.grip.stiffness * (input.tip - master_.at) +
+           settings_.grip.damping * (input.tip_velocity - master_.velocity);
+    const Force3 force = pull(master_) + grip;
+    const double share = step_s / settings_.master_mass_kg;
+    master_.velocity += {share * force.x, share * force.y, share * force.z};
+    const Velocity3& v = master_.velocity;
+    master_.at = master_.at + Displacement3{step_s * v.x, step_s * v.y, step_s * v.z};
+  }
+  return -grip;
+}
+
+}  // namespace thimble::coupling

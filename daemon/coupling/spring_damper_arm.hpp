@@ -1,0 +1,72 @@
+#pragma once
+
+#include "daemon/coupling/arm_coupling.hpp"
+#include "daemon/coupling/far_end_port.hpp"
+#include "daemon/coupling/spring_damper.hpp"
+
+namespace thimble::coupling {
+
+struct SpringDamperSettings {
+  // K_c as hard as the ghost point's wall, B as a PHANToM takes it (teleop.md 1).
+  ToolProperties tool{.stiffness = {800}, .damping = {5}};
+  ForceAt force_at{ForceAt::World};
+  // Whether K_c falls with delay so that the pair stays stable (teleop.md 2(b): "K_c ≤ B/T").
+  bool softens_with_delay{true};
+  // Of a mass between the tip and the spring, which makes the hand's tool heavier; 0: the arm and
+  // the hand are the master's mass, else at least kLightestMaster_kg.
+  double master_mass_kg{0};
+  // What binds it to the tip, where there is one.
+  ToolProperties grip{.stiffness = {1000}, .damping = {5}};
+  ConstraintAgeSettings age{};
+
+  static constexpr double kLightestMaster_kg = 0.02;
+};
+
+// The arm half of a PD teleoperator (thesis 3.4): a spring and dampers between the hand, the
+// master, and a mass in the world, the slave (SpringDamperWorld), each delayed by T on its way.
+//
+//   World:  F = −F_s(t−T) − B·v                    F_s  of the controller on the slave, N
+//   Both:   F = K_c·(x_s(t−T) − x) − B·v           x_s  of the slave, m
+//
+// F  force on the master, N      K_c  coupling spring, N/m      T  one way, s; D = 2T
+// x, v  of the master: m, m/s    B    damper of the master, N·s/m
+//
+// Limits (teleop.md 2(b), decision 0421), each for a hand that damps nothing itself:
+//   Both:   stable for 4·B_m·B_s > D²·K_c², here K_c < B/T. Drag (2·B + K_c·D)·v.
+//   World:  stable for K_c < 1.5·B/D.  Drag B·v.
+// K_c is held below B/T or B/D by 5 %, for the longest round trip since reset(): it only falls,
+// which takes energy out. Steady stiffness in contact: K_c in series with the world's.
+//
+// With a master's mass m: m·dv/dt = F + F_g, F_g = K_g·(p − x) + B_g·(p' − v), and −F_g is felt.
+//
+// What the hand feels of a silent world, an outage, a restart: FarEndPort. Thread: one servo
+// thread. RT: reset(), step() THIMBLE_RT. Frames: base frame of the arm, which is the world's; no
+// offset.
+class SpringDamperArm final : public ArmCoupling {
+ public:
+  explicit SpringDamperArm(const SpringDamperSettings& settings = {}) noexcept;
+
+  THIMBLE_RT void reset(MonotonicTime now, Position3 tip) noexcept override;
+  THIMBLE_RT ArmOutput step(const ArmInput& input) noexcept override;
+  [[nodiscard]] const FarEndPort& port() const noexcept { return port_; }
+  // K_c as it is now.
+  [[nodiscard]] Stiffness stiffness() const noexcept { return tool_.stiffness; }
+
+ private:
+  struct Motion {
+    Position3 at{};
+    Velocity3 velocity{};
+  };
+  void soften(Duration round_trip) noexcept;
+  [[nodiscard]] Force3 pull(const Motion& master) const noexcept;
+  [[nodiscard]] Force3 move_master(const ArmInput& input) noexcept;
+
+  SpringDamperSettings settings_;
+  ToolProperties tool_;
+  FarEndPort port_;
+  FarEnd far_{};
+  bool has_far_{false};
+  Motion master_{};
+};
+
+}  // namespace thimble::coupling
