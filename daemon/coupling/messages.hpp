@@ -46,6 +46,9 @@ using Wave3 = Vector3<struct WaveTag>;
 // Time integral of a wave. √W·s.
 using WaveDistance3 = Vector3<struct WaveDistanceTag>;
 
+// Time integral of a force. N·s.
+using Impulse3 = Vector3<struct ImpulseTag>;
+
 // What was put into one direction of a wave channel since its epoch began: it only grows by what
 // its sender adds, so of several messages the newest says all that the others did, and a lost one
 // is made up for by the next. Per axis.
@@ -72,7 +75,8 @@ struct HandSample {
   // Below: only for the schemes that compute at the far end; the datagrams of 1999 carry none of
   // it.
   ToolProperties tool{};
-  WaveSums waves{};  // of u, since `restart` changed
+  WaveSums waves{};    // of u, since `restart` changed
+  Impulse3 impulse{};  // of what the hand put in lately: WaveArm
 };
 
 // What the far end computed, for the schemes in which it does. World frame; which of the numbers

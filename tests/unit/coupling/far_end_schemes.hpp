@@ -9,6 +9,8 @@
 #include "daemon/coupling/remote_force_world.hpp"
 #include "daemon/coupling/spring_damper_arm.hpp"
 #include "daemon/coupling/spring_damper_world.hpp"
+#include "daemon/coupling/wave_arm.hpp"
+#include "daemon/coupling/wave_world.hpp"
 #include "daemon/world/world.hpp"
 
 namespace thimble::coupling::testing {

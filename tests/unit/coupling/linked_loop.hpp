@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <optional>
+#include <utility>
 
 #include "daemon/coupling/arm_coupling.hpp"
 #include "daemon/link/in_process_link.hpp"
@@ -16,12 +17,11 @@ inline link::ImpairmentSettings delayed_by(double delay_s) { return {.delay_s = 
 class LinkedLoop {
  public:
   LinkedLoop(ArmCoupling& arm, WorldCoupling& world, Duration dt,
-             const link::ImpairmentSettings& impairment, Position3 start = {})
-      : arm_(arm), link_({.impairment = impairment}, world), dt_(dt) {
-    arm_.reset(now_, start);
-  }
+             const link::ImpairmentSettings& impairment)
+      : arm_(arm), link_({.impairment = impairment}, world), dt_(dt) {}
 
   ArmOutput tick(Position3 tip, Velocity3 velocity) {
+    if (std::exchange(is_first_, false)) arm_.reset(now_, tip);
     run_link_until(now_ + dt_);
     now_ = now_ + dt_;
     ConstraintSet reply;
@@ -54,6 +54,7 @@ class LinkedLoop {
   link::InProcessLink link_;
   Duration dt_;
   MonotonicTime now_{};
+  bool is_first_{true};
 };
 
 }  // namespace thimble::coupling::testing

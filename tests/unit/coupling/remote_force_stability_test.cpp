@@ -30,7 +30,7 @@ bool is_stable(double stiffness_newton_per_m, double damping_newton_s_per_m, Dur
   FakeBox box(0);
   RemoteForceWorld world(box, 1);
   HandMass hand(kMass_kg, damping_newton_s_per_m, 0.001);
-  LinkedLoop loop(arm, world, dt, delayed_by(delay_s), {hand.x_m, 0, 0});
+  LinkedLoop loop(arm, world, dt, delayed_by(delay_s));
   // The size of the swing early and late: what is stable shrinks. Both last many of its periods.
   std::array<double, 2> swing_m{};
   const auto ticks = static_cast<int>(6 / seconds(dt));

@@ -1,0 +1,237 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "daemon/coupling/wave_arm.hpp"
+#include "daemon/coupling/wave_world.hpp"
+#include "fake_box.hpp"
+#include "finger.hpp"
+#include "linked_loop.hpp"
+
+namespace thimble::coupling {
+namespace {
+
+using testing::delayed_by;
+using testing::FakeBox;
+using testing::Finger;
+using testing::LinkedLoop;
+using testing::Reference;
+
+constexpr double kServo_s = 1e-3;
+constexpr double kFar_m = 1000;  // a box without walls
+constexpr double kBox_m = 0.015;
+
+// Both halves of it on a link.
+struct Waves {
+  Waves(const WaveSettings& settings, const link::ImpairmentSettings& impairment,
+        double half_m = kFar_m, const WaveWorldSettings& world_settings = {})
+      : arm(settings),
+        box(half_m),
+        world(box, 1, world_settings),
+        loop(arm, world, Finger::kServo, impairment) {}
+
+  ArmOutput tick(double x_m, double v_m_per_s) { return loop.tick({x_m, 0, 0}, {v_m_per_s, 0, 0}); }
+
+  WaveArm arm;
+  FakeBox box;
+  WaveWorld world;
+  LinkedLoop loop;
+};
+
+WaveSettings of_impedance(double b) { return {.impedance = {b}}; }
+WaveSettings unfiltered(double b) { return {.impedance = {b}, .filter = {}, .filter_share = 0}; }
+
+// The theory's slave has no mass, which this one comes near to.
+constexpr double kLightSlave_kg = 0.02;
+WaveWorldSettings light_slave() { return {.slave = {.mass_kg = kLightSlave_kg}}; }
+
+// What a hand feels that swings slowly in free space, less the slave's own mass, kg.
+double felt_mass_kg(Waves& sut, double one_way_s) {
+  const double omega = 0.1 / one_way_s;  // b·tan(ωT) is b·ωT within 0.4 %
+  const auto period = static_cast<int>(std::lround(2 * std::numbers::pi / omega / kServo_s));
+  double in_phase = 0;
+  for (int i = 0; i < 3 * period; ++i) {
+    const double phase = omega * kServo_s * i;
+    const ArmOutput out = sut.tick(0.02 * std::sin(phase), 0.02 * omega * std::cos(phase));
+    if (i >= period) in_phase += out.force.x * std::sin(phase);
+  }
+  return in_phase / period / (0.02 * omega * omega) - kLightSlave_kg;
+}
+
+// teleop.md 2(c): b·T within 10 %.
+TEST(Wave, InFreeSpaceIsFeltAsAMassOfImpedanceTimesDelay) {
+  for (const double b : {2.0, 10.0, 40.0}) {
+    for (const double one_way_s : {0.02, 0.05, 0.1}) {
+      Waves sut(unfiltered(b), delayed_by(2 * one_way_s), kFar_m, light_slave());
+      const double kg = felt_mass_kg(sut, one_way_s);
+      EXPECT_NEAR(kg, b * one_way_s, 0.1 * b * one_way_s) << b << ", " << one_way_s;
+      RecordProperty("mass_b_" + std::to_string(static_cast<int>(b)) + "_T_" +
+                         std::to_string(static_cast<int>(1e3 * one_way_s)),
+                     std::to_string(kg));
+    }
+  }
+}
+
+TEST(Wave, TheFilterMakesTheDelayThatMuchLonger) {
+  Waves sut({.impedance = {10}, .filter_share = 1}, delayed_by(0.1), kFar_m, light_slave());
+  EXPECT_NEAR(felt_mass_kg(sut, 0.05), 10 * 0.075, 0.1 * 10 * 0.075);
+}
+
+// What a hand feels that stands `depth_m` deep in a wall, N/m.
+double felt_stiffness(Waves& sut, double depth_m) {
+  double x_m = 0;
+  double newton = 0;
+  for (int i = 0; i < 12'000; ++i) {
+    const double v = x_m < kBox_m + depth_m ? 0.05 : 0;
+    x_m += kServo_s * v;
+    newton = -sut.tick(x_m, v).force.x;
+  }
+  return newton / (x_m - kBox_m);
+}
+
+// b/T within 10 %, when the slave's controller and the wall, in series with it, are taken off.
+TEST(Wave, InContactIsFeltAsAStiffnessOfImpedanceByDelay) {
+  const double others = 1 / WaveWorldSettings{}.stiffness.newton_per_m + 1 / 800.0;
+  for (const double b : {2.0, 10.0, 40.0}) {
+    for (const double one_way_s : {0.02, 0.05, 0.1}) {
+      Waves sut(unfiltered(b), delayed_by(2 * one_way_s), kBox_m);
+      const double felt = felt_stiffness(sut, 0.01);
+      const double theory = b / one_way_s;
+      EXPECT_NEAR(1 / (1 / felt - others), theory, 0.1 * theory) << b << ", " << one_way_s;
+      RecordProperty("felt_b_" + std::to_string(static_cast<int>(b)) + "_T_" +
+                         std::to_string(static_cast<int>(1e3 * one_way_s)),
+                     std::to_string(felt) + " beside " + std::to_string(1 / (1 / theory + others)));
+    }
+  }
+}
+
+TEST(Wave, BeforeTheFirstAnswerADamperIsFelt) {
+  Waves sut(of_impedance(10), delayed_by(0.1));
+  for (int i = 0; i < 1000; ++i) sut.tick(0, 0);
+  for (int i = 1; i < 95; ++i) {
+    EXPECT_NEAR(sut.tick(1e-4 * i, 0.1).force.x, -10 * 0.1, 0.05);
+  }
+}
+
+struct Course {
+  double swing_m{0};
+  double hold_newton{0};
+  double generated_joule{0};
+};
+
+Course push(double b, const link::ImpairmentSettings& impairment) {
+  Waves sut(of_impedance(b), impairment, kBox_m);
+  Finger finger(-0.015);
+  Reference reference;
+  Course course;
+  double least_m = 1;
+  double most_m = -1;
+  for (int i = -1500; i < Reference::kTicks; ++i) {  // both ends know each other first
+    if (i >= 0) reference.advance(i);
+    const Finger::Sight seen = finger.look();
+    const ArmOutput out = sut.tick(seen.x_m, seen.v_m_per_s);
+    finger.move(reference.x_m, reference.v_m_per_s, out.force.x);
+    if (i < Reference::kHoldTo_tick - 500 || i >= Reference::kHoldTo_tick) continue;
+    least_m = std::min(least_m, finger.x_m());
+    most_m = std::max(most_m, finger.x_m());
+    course.hold_newton = -out.force.x;
+  }
+  course.swing_m = most_m - least_m;
+  course.generated_joule = finger.energy().generated_joule();
+  return course;
+}
+
+// teleop.md 5, gates G1 and G2.
+TEST(Wave, AHandHoldsStillAtAnyDelayAndIsGivenNoEnergy) {
+  for (const double b : {2.0, 10.0, 40.0}) {
+    for (const int delay_ms : {1, 5, 20, 50, 100, 200, 500}) {
+      const Course course = push(b, delayed_by(1e-3 * delay_ms));
+      // Half a second of delay takes the hand longer to come to rest than it is held.
+      EXPECT_TRUE(delay_ms == 500 || course.swing_m < 0.0005) << b << ", " << delay_ms << " ms";
+    }
+  }
+}
+
+TEST(Wave, JitterLossAndReorderingGiveTheHandNoEnergyEither) {
+  for (const int delay_ms : {20, 100, 200}) {
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      const double delay_s = 1e-3 * delay_ms;
+      const Course course = push(10, {.delay_s = delay_s,
+                                      .jitter_s = 0.5 * delay_s,
+                                      .loss = 0.05,
+                                      .duplicate = 0.02,
+                                      .reorder = 0.05,
+                                      .seed = seed});
+      EXPECT_LT(course.generated_joule, 0.001) << delay_ms << " ms, seed " << seed;
+    }
+  }
+}
+
+Position3 roam(double t_s) {
+  return {0.022 * std::sin(2.1 * t_s), 0.020 * std::sin(3.3 * t_s), 0.018 * std::sin(1.7 * t_s)};
+}
+Velocity3 roam_speed(double t_s) {
+  return {0.022 * 2.1 * std::cos(2.1 * t_s), 0.020 * 3.3 * std::cos(3.3 * t_s),
+          0.018 * 1.7 * std::cos(1.7 * t_s)};
+}
+
+// teleop.md 2(c): E_in >= E_out at every sample; and what was sent arrives in the end: no drift.
+TEST(Wave, NoWayGivesOutMoreEnergyThanWentInAndTheSlaveEndsWhereTheHandIs) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    Waves sut(of_impedance(10),
+              {.delay_s = 0.08,
+               .jitter_s = 0.04,
+               .loss = 0.1,
+               .duplicate = 0.05,
+               .reorder = 0.1,
+               .seed = seed},
+              kBox_m);
+    double t_s = 0;
+    double hardest_newton = 0;
+    for (int i = 0; i < 20'000; ++i, t_s += kServo_s) {
+      if (i % 5000 == 4000) sut.arm.set_impedance({i % 10'000 == 4000 ? 30.0 : 3.0});
+      const ArmOutput out = sut.loop.tick(roam(t_s), roam_speed(t_s));
+      hardest_newton = std::max(hardest_newton, norm(out.force));
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        ASSERT_LE(sut.world.incoming().taken().joule[axis], sut.arm.sent().joule[axis]) << i;
+        ASSERT_LE(sut.arm.incoming().taken().joule[axis], sut.world.sent().joule[axis]) << i;
+      }
+    }
+    EXPECT_GT(hardest_newton, 0.5);
+    for (int i = 0; i < 10'000; ++i) sut.loop.tick({0.003, -0.002, 0.001}, {});
+    EXPECT_LT(norm(sut.world.slave().at() - Position3{0.003, -0.002, 0.001}), 0.0005) << seed;
+  }
+}
+
+TEST(Wave, ImpedanceIsTunedUnderForceWithoutAJumpAndFeltAtTheNextTouch) {
+  Waves sut(of_impedance(2), delayed_by(0.1), kBox_m);
+  const double soft = felt_stiffness(sut, 0.01);
+  sut.arm.set_impedance({40});
+  double last_newton = soft * 0.01;
+  for (int i = 0; i < 3000; ++i) {
+    const double newton = -sut.tick(kBox_m + 0.01, 0).force.x;
+    ASSERT_LT(std::abs(newton - last_newton), 0.1) << i;
+    last_newton = newton;
+  }
+  EXPECT_DOUBLE_EQ(sut.arm.impedance().newton_s_per_m, 40);
+  for (int i = 0; i < 8000; ++i) sut.tick(0, 0);
+  Waves as_new(of_impedance(40), delayed_by(0.1), kBox_m);
+  const double hard = felt_stiffness(as_new, 0.01);
+  EXPECT_GT(hard, 5 * soft) << "a drill instead of a sponge";
+  EXPECT_NEAR(felt_stiffness(sut, 0.01), hard, 0.05 * hard);
+}
+
+TEST(Wave, ImpedanceStaysWithinWhatAServoHolds) {
+  WaveArm sut(of_impedance(1000));
+  EXPECT_EQ(sut.impedance().newton_s_per_m, kMostImpedance_newton_s_per_m);
+  sut.set_impedance({std::nan("")});
+  sut.set_impedance({-3});
+  sut.reset({}, {});
+  EXPECT_EQ(sut.impedance().newton_s_per_m, kLeastImpedance_newton_s_per_m);
+}
+
+}  // namespace
+}  // namespace thimble::coupling
