@@ -42,7 +42,7 @@ void FarEndPort::reset(MonotonicTime now, Position3 tip) noexcept {
 
 void FarEndPort::begin_epoch() noexcept {
   is_new_epoch_ = true;
-  onset_ = 0;
+  onset_gain_ = 0;
 }
 
 const FarEnd* FarEndPort::listen(const ArmInput& input) noexcept {
@@ -74,7 +74,8 @@ ArmOutput FarEndPort::show(const ArmInput& input, Force3 wish, bool is_pressing,
                            const ToolProperties& tool) noexcept {
   energy_.add(shown_, input.tip_velocity, input.dt);
   const double fade_s = seconds(fade_);
-  if (has_session_) onset_ = fade_s > 0 ? std::min(1.0, onset_ + seconds(input.dt) / fade_s) : 1;
+  if (has_session_)
+    onset_gain_ = fade_s > 0 ? std::min(1.0, onset_gain_ + seconds(input.dt) / fade_s) : 1;
   shown_ = gain() * wish;
 
   ArmOutput output;

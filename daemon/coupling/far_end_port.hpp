@@ -42,7 +42,7 @@ class FarEndPort {
   THIMBLE_RT ArmOutput refuse(const ArmInput& input) noexcept;
 
   // Share of the wish that is shown, 0…1.
-  [[nodiscard]] double gain() const noexcept { return age_.gain() * onset_; }
+  [[nodiscard]] double gain() const noexcept { return age_.gain() * onset_gain_; }
   // Since reset(): work of what was shown, before the limiter.
   [[nodiscard]] const EnergyObserver& energy() const noexcept { return energy_; }
   // Since construction.
@@ -57,7 +57,7 @@ class FarEndPort {
   EnergyObserver energy_{};
   Force3 shown_{};
   Position3 last_tip_{};
-  double onset_{0};
+  double onset_gain_{0};
   std::uint64_t sequence_{0};
   std::uint64_t applied_reply_{0};
   std::uint64_t rejected_replies_{0};

@@ -12,6 +12,6 @@ enum class ForceAt : std::uint8_t {
 
 // What the damper between hand and slave has of B, the hand's own: less than all, or the delayed
 // damper could drive (spring_damper_world.hpp).
-inline constexpr double kSharedDamping = 0.5;
+inline constexpr double kDampingShare = 0.5;
 
 }  // namespace thimble::coupling

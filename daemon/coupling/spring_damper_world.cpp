@@ -32,7 +32,7 @@ Force3 SpringDamperWorld::pull(Position3 at, Velocity3 velocity) const noexcept 
   const Force3 spring = goal_.tool.stiffness * (goal_.hand - at);
   const Damping& damping = goal_.tool.damping;
   if (force_at_ == ForceAt::Both) return spring - damping * velocity;
-  return spring + kSharedDamping * (damping * (goal_.velocity - velocity));
+  return spring + kDampingShare * (damping * (goal_.velocity - velocity));
 }
 
 }  // namespace thimble::coupling

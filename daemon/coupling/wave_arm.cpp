@@ -18,14 +18,14 @@ double within_bounds(double b) noexcept {
 
 WaveArm::WaveArm(const WaveSettings& settings) noexcept
     : settings_(settings),
-      wanted_impedance_(within_bounds(settings.impedance.newton_s_per_m)),
-      impedance_(wanted_impedance_),
+      wanted_b_newton_s_per_m_(within_bounds(settings.impedance.newton_s_per_m)),
+      b_newton_s_per_m_(wanted_b_newton_s_per_m_),
       port_(settings.age),
       filter_s_(seconds(settings.filter)) {}
 
 void WaveArm::reset(MonotonicTime now, Position3 tip) noexcept {
   port_.reset(now, tip);
-  impedance_ = wanted_impedance_.load(std::memory_order_relaxed);
+  b_newton_s_per_m_ = wanted_b_newton_s_per_m_.load(std::memory_order_relaxed);
   to_world_.restart();
   from_world_.restart();
   filtered_ = {};
@@ -37,7 +37,7 @@ void WaveArm::reset(MonotonicTime now, Position3 tip) noexcept {
 
 void WaveArm::set_impedance(Damping b) noexcept {
   if (!std::isfinite(b.newton_s_per_m)) return;
-  wanted_impedance_.store(within_bounds(b.newton_s_per_m), std::memory_order_relaxed);
+  wanted_b_newton_s_per_m_.store(within_bounds(b.newton_s_per_m), std::memory_order_relaxed);
 }
 
 ArmOutput WaveArm::step(const ArmInput& input) noexcept {
@@ -56,7 +56,7 @@ ArmOutput WaveArm::step(const ArmInput& input) noexcept {
   tune(dt_s);
   lengthen_filter(input.link.round_trip);
 
-  const double root = std::sqrt(2 * impedance_);
+  const double root = std::sqrt(2 * b_newton_s_per_m_);
   const double share = dt_s / (filter_s_ + dt_s);
   const Velocity3 velocity = velocity_of(input);
   const Wave3 arrived = from_world_.take(dt_s);
@@ -64,13 +64,13 @@ ArmOutput WaveArm::step(const ArmInput& input) noexcept {
   Wave3 leaving{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     filtered_[axis] += share * (arrived[axis] - filtered_[axis]);
-    felt[axis] = root * filtered_[axis] - impedance_ * velocity[axis];
+    felt[axis] = root * filtered_[axis] - b_newton_s_per_m_ * velocity[axis];
     leaving[axis] = root * velocity[axis] - filtered_[axis];
     impulse_[axis] -= (felt[axis] + impulse_[axis] / kImpulseMemory_s) * dt_s;
   }
   to_world_.send(leaving, dt_s);
 
-  ArmOutput output = port_.show(input, felt, is_pressing_, {.damping = {impedance_}});
+  ArmOutput output = port_.show(input, felt, is_pressing_, {.damping = {b_newton_s_per_m_}});
   output.sample.hand = sent_tip_;
   output.sample.waves = to_world_.sums();
   output.sample.impulse = impulse_;
@@ -78,10 +78,10 @@ ArmOutput WaveArm::step(const ArmInput& input) noexcept {
 }
 
 void WaveArm::tune(double dt_s) noexcept {
-  const double wanted = wanted_impedance_.load(std::memory_order_relaxed);
-  if (impedance_ == wanted) return;
+  const double wanted = wanted_b_newton_s_per_m_.load(std::memory_order_relaxed);
+  if (b_newton_s_per_m_ == wanted) return;
   const double slide = std::exp(dt_s / seconds(settings_.tuning_time));
-  impedance_ = std::clamp(wanted, impedance_ / slide, impedance_ * slide);
+  b_newton_s_per_m_ = std::clamp(wanted, b_newton_s_per_m_ / slide, b_newton_s_per_m_ * slide);
 }
 
 // What the filter stores is ½·w²/λ: that must not grow by a change of λ.

@@ -50,7 +50,7 @@ class WaveArm final : public ArmCoupling {
   // kLeastImpedance to kMostImpedance; what is not finite is left alone.
   void set_impedance(Damping b) noexcept;
   // As it is now; servo thread.
-  [[nodiscard]] Damping impedance() const noexcept { return {impedance_}; }
+  [[nodiscard]] Damping impedance() const noexcept { return {b_newton_s_per_m_}; }
   [[nodiscard]] const FarEndPort& port() const noexcept { return port_; }
   [[nodiscard]] const WaveSums& sent() const noexcept { return to_world_.sums(); }
   [[nodiscard]] const WaveOutlet& incoming() const noexcept { return from_world_; }
@@ -61,9 +61,9 @@ class WaveArm final : public ArmCoupling {
   [[nodiscard]] Velocity3 velocity_of(const ArmInput& input) noexcept;
 
   WaveSettings settings_;
-  std::atomic<double> wanted_impedance_;
+  std::atomic<double> wanted_b_newton_s_per_m_;
   static_assert(std::atomic<double>::is_always_lock_free);
-  double impedance_;
+  double b_newton_s_per_m_;
   FarEndPort port_;
   WaveInlet to_world_{};
   WaveOutlet from_world_{};

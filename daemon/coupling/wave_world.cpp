@@ -23,7 +23,7 @@ Result<void> WaveWorld::open(const HandSample& first) {
     return fail(Errc::InvalidArgument, "the hand's waves are not finite");
   }
   if (Result<void> opened = slave_.open(first); !opened) return opened;
-  impedance_ = impedance_of(first);
+  b_newton_s_per_m_ = impedance_of(first);
   from_arm_.restart(first.waves);
   to_arm_.restart();
   wanted_ = first.hand;
@@ -46,7 +46,7 @@ ConstraintSet WaveWorld::answer(const HandSample& sample, Duration dt) noexcept 
   if (sample.sequence <= newest_) return last_;
   newest_ = sample.sequence;
   slave_.press(sample.buttons);
-  impedance_ = impedance_of(sample);
+  b_newton_s_per_m_ = impedance_of(sample);
   from_arm_.deliver(sample.waves);
   hand_ = sample.hand;
   hand_impulse_ = sample.impulse;
@@ -57,10 +57,10 @@ ConstraintSet WaveWorld::answer(const HandSample& sample, Duration dt) noexcept 
 }
 
 Force3 WaveWorld::follow(Position3 at, Velocity3 velocity, double step_s) noexcept {
-  const double b = impedance_;
+  const double b = b_newton_s_per_m_;
   const double matched = b;  // B_s
   const double root = std::sqrt(2 / b);
-  const double felt_damping = matched * b / (matched + b);  // of x_d as the channel holds it
+  const double felt_newton_s_per_m = matched * b / (matched + b);  // of x_d as the channel holds it
   const Wave3 arrived = from_arm_.take(step_s);
   Force3 force{};
   Wave3 leaving{};
@@ -68,8 +68,8 @@ Force3 WaveWorld::follow(Position3 at, Velocity3 velocity, double step_s) noexce
     const double spring = settings_.stiffness.newton_per_m * (wanted_[axis] - at[axis]);
     const double uncorrected =
         (b * spring + matched * (b * root * arrived[axis] - b * velocity[axis])) / (b + matched);
-    const double correction = correction_m_per_s(axis, uncorrected, felt_damping, step_s);
-    force[axis] = uncorrected + felt_damping * correction;
+    const double correction = correction_m_per_s(axis, uncorrected, felt_newton_s_per_m, step_s);
+    force[axis] = uncorrected + felt_newton_s_per_m * correction;
     leaving[axis] = arrived[axis] - root * force[axis];
     const double wanted_m_per_s = root * arrived[axis] - force[axis] / b + correction;
     wanted_[axis] += wanted_m_per_s * step_s;
@@ -83,13 +83,13 @@ Force3 WaveWorld::follow(Position3 at, Velocity3 velocity, double step_s) noexce
   return force;
 }
 
-double WaveWorld::correction_m_per_s(std::size_t axis, double newton, double felt_damping,
-                                     double step_s) noexcept {
+double WaveWorld::correction_m_per_s(std::size_t axis, double pull_newton,
+                                     double felt_newton_s_per_m, double step_s) noexcept {
   const double missing_m =
-      hand_[axis] + (hand_impulse_[axis] - impulse_[axis]) / impedance_ - wanted_[axis];
+      hand_[axis] + (hand_impulse_[axis] - impulse_[axis]) / b_newton_s_per_m_ - wanted_[axis];
   const double speed = std::clamp(settings_.return_per_s * missing_m, -settings_.return_m_per_s,
                                   settings_.return_m_per_s);
-  const double cost_joule = (newton + felt_damping * speed) * speed * step_s;
+  const double cost_joule = (pull_newton + felt_newton_s_per_m * speed) * speed * step_s;
   if (cost_joule > saved_joule_[axis]) return 0;
   saved_joule_[axis] -= std::max(0.0, cost_joule);
   return speed;

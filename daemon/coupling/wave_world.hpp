@@ -59,13 +59,13 @@ class WaveWorld final : public WorldCoupling {
 
  private:
   [[nodiscard]] Force3 follow(Position3 at, Velocity3 velocity, double step_s) noexcept;
-  [[nodiscard]] double correction_m_per_s(std::size_t axis, double newton, double felt_damping,
-                                          double step_s) noexcept;
+  [[nodiscard]] double correction_m_per_s(std::size_t axis, double pull_newton,
+                                          double felt_newton_s_per_m, double step_s) noexcept;
 
   Slave slave_;
   WaveWorldSettings settings_;
   std::uint32_t next_session_;
-  double impedance_{kLeastImpedance_newton_s_per_m};
+  double b_newton_s_per_m_{kLeastImpedance_newton_s_per_m};
   WaveOutlet from_arm_{};
   WaveInlet to_arm_{};
   Position3 wanted_{};  // x_d
