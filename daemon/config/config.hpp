@@ -91,8 +91,16 @@ struct LimitsConfig {
   bool operator==(const LimitsConfig&) const = default;
 };
 
-enum class CouplingScheme : std::uint8_t { GhostPoint, ThesisLiteral };
+enum class CouplingScheme : std::uint8_t {
+  GhostPoint,
+  ThesisLiteral,
+  RemoteForce,
+  SpringDamper,
+  Wave
+};
 enum class CouplingMode : std::uint8_t { Streamed, LockStep };
+// Where the force of a spring-damper is computed.
+enum class CouplingForceAt : std::uint8_t { World, Both };
 
 struct CouplingConfig {
   CouplingScheme scheme{CouplingScheme::GhostPoint};
@@ -104,6 +112,8 @@ struct CouplingConfig {
   std::optional<double> relaxation_m_per_s;
   std::optional<double> freeze_after_s;
   std::optional<double> fade_after_s;
+  std::optional<double> impedance_newton_s_per_m{};
+  CouplingForceAt force_at{CouplingForceAt::World};
   bool operator==(const CouplingConfig&) const = default;
 };
 

@@ -34,20 +34,32 @@ void check_worlds(std::vector<Entry<ArmConfig>>& arms,
   }
 }
 
-// The printed callback has its stiffness printed, too: it would feel every material alike.
-void check_materials(std::vector<Entry<ArmConfig>>& arms,
-                     const std::vector<Entry<WorldConfig>>& worlds) {
+// What a world says is of no use to a scheme that cannot feel it.
+void check_schemes(std::vector<Entry<ArmConfig>>& arms,
+                   const std::vector<Entry<WorldConfig>>& worlds) {
   for (auto& [reader, said] : arms) {
     const ArmConfig& arm = said;  // clang 14 captures no structured binding
-    if (!arm.world || arm.coupling.scheme != CouplingScheme::ThesisLiteral) continue;
+    if (!arm.world) continue;
     const auto world = std::find_if(worlds.begin(), worlds.end(), [&](const auto& entry) {
       return entry.value.name == *arm.world;
     });
-    if (world == worlds.end() || world->value.materials.empty()) continue;
-    // The arm's own table knows "coupling", not what is below it.
-    reader.reject("coupling", "\"thesis-literal\" feels no materials, and world " +
-                                  in_quotes(*arm.world) +
-                                  " has some; use \"ghost-point\", or leave the materials out");
+    if (world == worlds.end()) continue;
+    const CouplingScheme scheme = arm.coupling.scheme;
+    // The arm's own table knows "coupling", not what is below it. The printed callback has its
+    // stiffness printed, too: it would feel every material alike.
+    if (scheme == CouplingScheme::ThesisLiteral && !world->value.materials.empty()) {
+      reader.reject("coupling", "\"thesis-literal\" feels no materials, and world " +
+                                    in_quotes(*arm.world) +
+                                    " has some; use \"ghost-point\", or leave the materials out");
+    }
+    const bool is_simple = world->value.constraint_model == ConstraintModel::Simple;
+    if (is_simple && computes_at_the_far_end(scheme)) {
+      reader.reject("coupling", in_quotes(to_string(scheme)) +
+                                    " is pushed by the faces of the ghost point, and world " +
+                                    in_quotes(*arm.world) +
+                                    " has constraint_model = \"simple\"; use \"ghost-point\" for "
+                                    "the scheme or for the model");
+    }
   }
 }
 
@@ -99,7 +111,7 @@ void check_relations(std::vector<Entry<ArmConfig>>& arms, std::vector<Entry<Worl
   check_names(arms);
   check_names(worlds);
   check_worlds(arms, worlds);
-  check_materials(arms, worlds);
+  check_schemes(arms, worlds);
   check_devices(arms);
   check_listeners(worlds);
   check_board_in_slot(worlds);

@@ -15,10 +15,7 @@ namespace {
 constexpr Range kAboveZero{0, kNoMax, true};   // the driver knows how much is too much
 constexpr Range kSeed{0, 9007199254740992.0};  // 2^53: every one is exact as a double too
 constexpr Range kRatio{0, 1};
-constexpr Range kStiffness{0, 20000, true};
-constexpr Range kDamping{0, 1000};
 constexpr Range kInjectedTime{0, 2};  // what the links take
-constexpr Range kAge{0, 60, true};
 constexpr std::size_t kMaxPlugins = 16;
 
 constexpr std::array<Choice<Realtime>, 2> kRealtime{{
@@ -32,14 +29,6 @@ constexpr std::array<Choice<HandMotion>, 6> kMotions{{
     {"circle", HandMotion::Circle},
     {"tremor", HandMotion::Tremor},
     {"explore", HandMotion::Explore},
-}};
-constexpr std::array<Choice<CouplingScheme>, 2> kSchemes{{
-    {"ghost-point", CouplingScheme::GhostPoint},
-    {"thesis-literal", CouplingScheme::ThesisLiteral},
-}};
-constexpr std::array<Choice<CouplingMode>, 2> kModes{{
-    {"streamed", CouplingMode::Streamed},
-    {"lock-step", CouplingMode::LockStep},
 }};
 constexpr std::array<Choice<ConstraintModel>, 2> kConstraintModels{{
     {"ghost-point", ConstraintModel::GhostPoint},
@@ -135,33 +124,6 @@ LimitsConfig read_limits(TableReader reader) {
   reader.read("rise_newton_per_s", {0, 1000, true}, out.rise_newton_per_s);
   reader.read("ramp_s", {0.5, 60}, out.ramp_s);
   reader.read("overspeed_m_per_s", {0, 1.5, true}, out.overspeed_m_per_s);
-  reader.finish();
-  return out;
-}
-
-// A number that would be ignored is a mistake.
-void refuse_beside_printed_numbers(TableReader& reader) {
-  for (const char* key : {"stiffness_newton_per_m", "damping_newton_s_per_m",
-                          "coordinate_spring_newton_per_m", "hysteresis_m", "relaxation_m_per_s"}) {
-    if (!reader.has(key)) continue;
-    reader.reject(key,
-                  "expected only with scheme \"ghost-point\", since \"thesis-literal\" has its "
-                  "numbers printed; found beside it");
-  }
-}
-
-CouplingConfig read_coupling(TableReader reader) {
-  CouplingConfig out;
-  read_choice(reader, "scheme", kSchemes, out.scheme);
-  read_choice(reader, "mode", kModes, out.mode);
-  reader.read("stiffness_newton_per_m", kStiffness, out.stiffness_newton_per_m);
-  reader.read("damping_newton_s_per_m", kDamping, out.damping_newton_s_per_m);
-  reader.read("coordinate_spring_newton_per_m", {0, 1000}, out.coordinate_spring_newton_per_m);
-  reader.read("hysteresis_m", {0, 0.01, true}, out.hysteresis_m);
-  reader.read("relaxation_m_per_s", {0, 1}, out.relaxation_m_per_s);
-  reader.read("freeze_after_s", kAge, out.freeze_after_s);
-  reader.read("fade_after_s", kAge, out.fade_after_s);
-  if (out.scheme == CouplingScheme::ThesisLiteral) refuse_beside_printed_numbers(reader);
   reader.finish();
   return out;
 }
@@ -349,6 +311,7 @@ Entry<ArmConfig> read_arm(TableReader reader, const std::filesystem::path& folde
   out.limits = read_limits(reader.table("limits"));
   out.coupling = read_coupling(reader.table("coupling"));
   out.impairment = read_impairment(reader.table("impairment"));
+  check_carriage(reader, out);
   reader.finish();
   return {std::move(reader), std::move(out)};
 }

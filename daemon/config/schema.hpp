@@ -49,6 +49,14 @@ void read_power(TableReader& reader, std::string_view key, Range range, int& out
 void read_path(TableReader& reader, std::string_view key, const std::filesystem::path& folder,
                std::optional<std::string>& out);
 
+// How touch is made; `reader` is the arm's "coupling".
+[[nodiscard]] CouplingConfig read_coupling(TableReader reader);
+[[nodiscard]] std::string_view to_string(CouplingScheme scheme);
+// Whether its world half answers with forces or motion instead of planes.
+[[nodiscard]] bool computes_at_the_far_end(CouplingScheme scheme);
+// Whether the arm's link, if it has one, carries what its scheme needs; `reader` is the arm's.
+void check_carriage(TableReader& reader, const ArmConfig& arm);
+
 // What no table can tell alone: names are unique, references resolve, addresses do not clash.
 void check_relations(std::vector<Entry<ArmConfig>>& arms, std::vector<Entry<WorldConfig>>& worlds);
 

@@ -2,7 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "daemon/config/schema.hpp"
 #include "tests/unit/config/config_testing.hpp"
 
 namespace thimble::config {
@@ -40,6 +43,89 @@ TEST(ConfigCoupling, ThePrintedCallbackRefusesAWorldWithMaterials) {
   EXPECT_THAT(mistakes(arms + scheme + scan + bone),
               ElementsAre(AllOf(HasSubstr("arm.1.coupling: \"thesis-literal\" feels no materials"),
                                 HasSubstr("world \"scan\" has some"))));
+}
+
+TEST(ConfigCoupling, ASchemeIsChosenByOneLine) {
+  const std::vector<std::pair<std::string, CouplingScheme>> all{
+      {"ghost-point", CouplingScheme::GhostPoint},
+      {"thesis-literal", CouplingScheme::ThesisLiteral},
+      {"remote-force", CouplingScheme::RemoteForce},
+      {"spring-damper", CouplingScheme::SpringDamper},
+      {"wave", CouplingScheme::Wave}};
+  for (const auto& [word, scheme] : all) {
+    const auto sut = parse_text(hello_with_arm("coupling.scheme = \"" + word + "\"\n"));
+    ASSERT_TRUE(sut) << word;
+    EXPECT_EQ(sut->arms[0].coupling.scheme, scheme);
+    EXPECT_EQ(to_string(scheme), word);
+  }
+  EXPECT_THAT(
+      mistakes(hello_with_arm("coupling.scheme = \"waves\"\n")),
+      ElementsAre(AllOf(HasSubstr("ghost-point"), HasSubstr("thesis-literal"),
+                        HasSubstr("remote-force"), HasSubstr("spring-damper"), HasSubstr("wave"))));
+}
+
+TEST(ConfigCoupling, EachSchemeTakesItsOwnNumbersAndNoOthers) {
+  const std::vector<std::pair<std::string, std::string>> taken{
+      {"stiffness_newton_per_m = 100", "ghost-point remote-force spring-damper"},
+      {"damping_newton_s_per_m = 3", "ghost-point remote-force spring-damper"},
+      {"impedance_newton_s_per_m = 20", "wave"},
+      {"force_at = \"both\"", "spring-damper"},
+      {"hysteresis_m = 0.001", "ghost-point"},
+      {"coordinate_spring_newton_per_m = 10", "ghost-point"},
+      {"relaxation_m_per_s = 0.01", "ghost-point"}};
+  for (const char* scheme : {"ghost-point", "remote-force", "spring-damper", "wave"}) {
+    const std::string line = std::string("coupling.scheme = \"") + scheme + "\"\n";
+    for (const auto& [key, takers] : taken) {
+      const auto found = mistakes(hello_with_arm(line + "coupling." + key + "\n"));
+      if (takers.find(scheme) != std::string::npos) {
+        EXPECT_THAT(found, IsEmpty()) << scheme << ", " << key;
+      } else {
+        EXPECT_THAT(found, ElementsAre(AllOf(HasSubstr("expected only with scheme"),
+                                             HasSubstr(std::string("found beside \"") + scheme))));
+      }
+    }
+  }
+}
+
+TEST(ConfigCoupling, NumbersOfAFarEndStayBelowItsCeilings) {
+  for (const char* lines :
+       {"coupling.scheme = \"remote-force\"\ncoupling.stiffness_newton_per_m = 3001\n",
+        "coupling.scheme = \"remote-force\"\ncoupling.damping_newton_s_per_m = 21\n",
+        "coupling.scheme = \"spring-damper\"\ncoupling.damping_newton_s_per_m = 0\n",
+        "coupling.scheme = \"wave\"\ncoupling.impedance_newton_s_per_m = 41\n"}) {
+    EXPECT_EQ(mistakes(hello_with_arm(lines)).size(), 1U) << lines;
+  }
+}
+
+TEST(ConfigCoupling, ASlaveIsRefusedInLockStep) {
+  const std::string mode = "coupling.mode = \"lock-step\"\n";
+  for (const char* scheme : {"spring-damper", "wave"}) {
+    const std::string line = std::string("coupling.scheme = \"") + scheme + "\"\n";
+    EXPECT_THAT(
+        mistakes(hello_with_arm(line + mode)),
+        ElementsAre(AllOf(HasSubstr("arm.0.coupling.mode"), HasSubstr("follows a stream"))));
+  }
+  EXPECT_THAT(mistakes(hello_with_arm("coupling.scheme = \"remote-force\"\n" + mode)), IsEmpty());
+}
+
+TEST(ConfigCoupling, AFarEndIsRefusedOverTheDatagramsOf1999) {
+  for (const char* scheme : {"remote-force", "spring-damper", "wave"}) {
+    const std::string arm = std::string("[[arm]]\nname = \"left\"\ndevice = ") +
+                            "\"sim:phantom-vintage\"\nlink = \"udp://127.0.0.1:5001\"\n" +
+                            "coupling.scheme = \"" + scheme + "\"\n";
+    EXPECT_THAT(mistakes(arm),
+                ElementsAre(AllOf(HasSubstr(std::string("arm.0.coupling: \"") + scheme),
+                                  HasSubstr("datagrams of 1999 do not carry"))));
+  }
+}
+
+TEST(ConfigCoupling, AFarEndIsRefusedInAWorldOfTheSimpleModel) {
+  for (const char* scheme : {"remote-force", "spring-damper", "wave"}) {
+    const std::string line = std::string("coupling.scheme = \"") + scheme + "\"\n";
+    EXPECT_THAT(mistakes(hello_with_arm(line) + "constraint_model = \"simple\"\n"),
+                ElementsAre(AllOf(HasSubstr(std::string("arm.0.coupling: \"") + scheme),
+                                  HasSubstr("constraint_model = \"simple\""))));
+  }
 }
 
 TEST(ConfigCoupling, AnUnknownConstraintModelIsNamedWithThoseThereAre) {

@@ -1,0 +1,134 @@
+#include <algorithm>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "daemon/config/schema.hpp"
+
+namespace thimble::config {
+namespace {
+
+using Scheme = CouplingScheme;
+
+constexpr std::array<Choice<Scheme>, 5> kSchemes{{
+    {"ghost-point", Scheme::GhostPoint},
+    {"thesis-literal", Scheme::ThesisLiteral},
+    {"remote-force", Scheme::RemoteForce},
+    {"spring-damper", Scheme::SpringDamper},
+    {"wave", Scheme::Wave},
+}};
+constexpr std::array<Choice<CouplingMode>, 2> kModes{{
+    {"streamed", CouplingMode::Streamed},
+    {"lock-step", CouplingMode::LockStep},
+}};
+constexpr std::array<Choice<CouplingForceAt>, 2> kForceAt{{
+    {"world", CouplingForceAt::World},
+    {"both", CouplingForceAt::Both},
+}};
+
+// Beyond these a number is a slip of the pen, not a wish; what a far end computes with has the
+// ceilings of its world half (coupling/wall_penalty.hpp, slave.hpp, wave_channel.hpp).
+constexpr Range kAge{0, 60, true};
+constexpr Range kImpedance{0.1, 40};
+
+Range stiffness_range(Scheme scheme) {
+  return computes_at_the_far_end(scheme) ? Range{0, 3000, true} : Range{0, 20000, true};
+}
+
+Range damping_range(Scheme scheme) {
+  if (scheme == Scheme::RemoteForce) return {0, 20};
+  if (scheme == Scheme::SpringDamper) return {0, 200, true};
+  return {0, 1000};
+}
+
+// Which schemes take a key that not all take.
+struct Tuning {
+  const char* key;
+  std::vector<Scheme> schemes;
+};
+
+const std::vector<Tuning>& tunings() {
+  static const std::vector<Tuning> kTunings{
+      {"stiffness_newton_per_m", {Scheme::GhostPoint, Scheme::RemoteForce, Scheme::SpringDamper}},
+      {"damping_newton_s_per_m", {Scheme::GhostPoint, Scheme::RemoteForce, Scheme::SpringDamper}},
+      {"coordinate_spring_newton_per_m", {Scheme::GhostPoint}},
+      {"hysteresis_m", {Scheme::GhostPoint}},
+      {"relaxation_m_per_s", {Scheme::GhostPoint}},
+      {"impedance_newton_s_per_m", {Scheme::Wave}},
+      {"force_at", {Scheme::SpringDamper}},
+  };
+  return kTunings;
+}
+
+std::string listed(const std::vector<Scheme>& schemes) {
+  std::string out;
+  for (std::size_t i = 0; i < schemes.size(); ++i) {
+    if (i > 0) out += i + 1 == schemes.size() ? " or " : ", ";
+    out += in_quotes(to_string(schemes[i]));
+  }
+  return out;
+}
+
+// A number that would be ignored is a mistake.
+void refuse_what_is_not_taken(TableReader& reader, Scheme scheme) {
+  for (const auto& [key, schemes] : tunings()) {
+    if (std::find(schemes.begin(), schemes.end(), scheme) != schemes.end()) continue;
+    if (!reader.has(key)) continue;
+    const bool is_printed =
+        scheme == Scheme::ThesisLiteral && schemes.front() == Scheme::GhostPoint;
+    if (is_printed) {
+      reader.reject(key, "expected only with scheme " + listed(schemes) +
+                             ", since \"thesis-literal\" has its numbers printed; found beside it");
+      continue;
+    }
+    reader.reject(key, "expected only with scheme " + listed(schemes) + ", found beside " +
+                           in_quotes(to_string(scheme)));
+  }
+}
+
+}  // namespace
+
+std::string_view to_string(CouplingScheme scheme) {
+  for (const auto& [word, value] : kSchemes) {
+    if (value == scheme) return word;
+  }
+  return "";
+}
+
+bool computes_at_the_far_end(CouplingScheme scheme) {
+  return scheme != Scheme::GhostPoint && scheme != Scheme::ThesisLiteral;
+}
+
+CouplingConfig read_coupling(TableReader reader) {
+  CouplingConfig out;
+  reader.read("scheme", std::span<const Choice<Scheme>>(kSchemes), out.scheme);
+  reader.read("mode", std::span<const Choice<CouplingMode>>(kModes), out.mode);
+  reader.read("force_at", std::span<const Choice<CouplingForceAt>>(kForceAt), out.force_at);
+  reader.read("stiffness_newton_per_m", stiffness_range(out.scheme), out.stiffness_newton_per_m);
+  reader.read("damping_newton_s_per_m", damping_range(out.scheme), out.damping_newton_s_per_m);
+  reader.read("impedance_newton_s_per_m", kImpedance, out.impedance_newton_s_per_m);
+  reader.read("coordinate_spring_newton_per_m", {0, 1000}, out.coordinate_spring_newton_per_m);
+  reader.read("hysteresis_m", {0, 0.01, true}, out.hysteresis_m);
+  reader.read("relaxation_m_per_s", {0, 1}, out.relaxation_m_per_s);
+  reader.read("freeze_after_s", kAge, out.freeze_after_s);
+  reader.read("fade_after_s", kAge, out.fade_after_s);
+  refuse_what_is_not_taken(reader, out.scheme);
+  const bool has_slave = out.scheme == Scheme::SpringDamper || out.scheme == Scheme::Wave;
+  if (has_slave && out.mode == CouplingMode::LockStep) {
+    reader.reject("mode", "expected \"streamed\" with scheme " + in_quotes(to_string(out.scheme)) +
+                              ", whose slave follows a stream; found \"lock-step\"");
+  }
+  reader.finish();
+  return out;
+}
+
+void check_carriage(TableReader& reader, const ArmConfig& arm) {
+  if (!arm.link || !computes_at_the_far_end(arm.coupling.scheme)) return;
+  // The arm's own table knows "coupling", not what is below it.
+  reader.reject("coupling", in_quotes(to_string(arm.coupling.scheme)) +
+                                " needs forces and motion of the far end, which the datagrams of "
+                                "1999 do not carry; use \"ghost-point\", or name a world of this "
+                                "configuration instead of a link");
+}
+
+}  // namespace thimble::config
