@@ -1,11 +1,17 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string_view>
 
 #include "daemon/coupling/arm_coupling.hpp"
 #include "daemon/coupling/ghost_point_arm.hpp"
+#include "daemon/coupling/remote_force_arm.hpp"
+#include "daemon/coupling/spring_damper_arm.hpp"
+#include "daemon/coupling/wave_arm.hpp"
+#include "daemon/coupling/world_coupling.hpp"
+#include "daemon/world/world.hpp"
 #include "hal/base/result.hpp"
 
 namespace thimble::coupling {
@@ -13,14 +19,38 @@ namespace thimble::coupling {
 enum class Scheme : std::uint8_t {
   GhostPoint,     // "ghost-point": thesis 3.7, corrected
   ThesisLiteral,  // "thesis-literal": the printed client with its defects
+  RemoteForce,    // "remote-force": thesis 3.2
+  SpringDamper,   // "spring-damper": thesis 3.4
+  Wave,           // "wave": thesis 3.5
 };
+inline constexpr std::array kSchemes{Scheme::GhostPoint, Scheme::ThesisLiteral, Scheme::RemoteForce,
+                                     Scheme::SpringDamper, Scheme::Wave};
 [[nodiscard]] std::string_view to_string(Scheme scheme) noexcept;
 // InvalidArgument names what was expected.
 [[nodiscard]] Result<Scheme> parse_scheme(std::string_view text);
 
-// The arm half of `scheme`. Of the settings thesis-literal takes only the constraint age: its
-// other numbers are printed. Control plane: allocates.
+// Whether the world half answers with FarEnd. Such a scheme has a world half of its own, and needs
+// a carriage that knows FarEnd: the datagrams of 1999 do not.
+[[nodiscard]] bool computes_at_the_far_end(Scheme scheme) noexcept;
+
+// Of every scheme; each takes its own.
+struct SchemeSettings {
+  GhostPointSettings ghost_point{};
+  RemoteForceSettings remote_force{};
+  SpringDamperSettings spring_damper{};
+  WaveSettings wave{};
+};
+
+// The arm half of `scheme`. Of the settings of the ghost point, thesis-literal takes only the
+// constraint age: its other numbers are printed. Control plane: allocates.
 [[nodiscard]] std::unique_ptr<ArmCoupling> make_arm_coupling(Scheme scheme,
-                                                             const GhostPointSettings& settings);
+                                                             const SchemeSettings& settings);
+
+// The world half of a scheme that computes at the far end, in `world`, which must outlive it.
+// Sessions are numbered as by GhostPointWorld. Control plane: allocates. InvalidArgument: `scheme`
+// is none.
+[[nodiscard]] Result<std::unique_ptr<WorldCoupling>> make_far_end(Scheme scheme, ForceAt force_at,
+                                                                  world::World& world,
+                                                                  std::uint32_t first_session);
 
 }  // namespace thimble::coupling

@@ -69,7 +69,7 @@ Result<void> ArmRig::link_to(WorldHost* world, const config::ArmConfig& arm,
   if (world != nullptr) {
     Result<void> good = check_combination(world->world(), arm.coupling);
     if (!good) return good;
-    auto world_half = world->make_world_half(parts.first_session);
+    auto world_half = world->make_world_half(arm.coupling, parts.first_session);
     if (!world_half) return tl::unexpected(world_half.error());
     link_ = make_in_process_link(arm, *std::move(world_half), parts.wake);
     return {};

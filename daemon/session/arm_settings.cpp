@@ -1,9 +1,9 @@
 #include "daemon/session/arm_settings.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "daemon/config/endpoint.hpp"
-#include "daemon/coupling/scheme.hpp"
 
 namespace thimble::session {
 
@@ -41,16 +41,15 @@ Result<servo::ServoSettings> servo_settings(const config::ArmConfig& arm,
   return settings;
 }
 
-Result<std::unique_ptr<coupling::ArmCoupling>> make_coupling(
-    const config::ArmConfig& arm, double cell_m, const HapticCapabilities& capabilities) {
-  const config::CouplingConfig& said = arm.coupling;
+namespace {
+
+coupling::GhostPointSettings ghost_point_settings(const config::CouplingConfig& said, double cell_m,
+                                                  double most_newton_per_m) {
   coupling::GhostPointSettings settings;
   settings.cell_m = cell_m;
-  // What a person configures stands; it is limited as any wish is.
-  if (const double most = capabilities.max_stiffness_newton_per_m; most > 0) {
-    settings.stiffness.newton_per_m = std::min(settings.stiffness.newton_per_m, most);
-    settings.max_stiffness.newton_per_m = std::min(settings.max_stiffness.newton_per_m, most);
-  }
+  settings.stiffness.newton_per_m = std::min(settings.stiffness.newton_per_m, most_newton_per_m);
+  settings.max_stiffness.newton_per_m =
+      std::min(settings.max_stiffness.newton_per_m, most_newton_per_m);
   settings.stiffness.newton_per_m =
       said.stiffness_newton_per_m.value_or(settings.stiffness.newton_per_m);
   settings.damping.newton_s_per_m =
@@ -59,12 +58,65 @@ Result<std::unique_ptr<coupling::ArmCoupling>> make_coupling(
       said.coordinate_spring_newton_per_m.value_or(settings.coordinate_spring.newton_per_m);
   settings.hysteresis_m = said.hysteresis_m.value_or(settings.hysteresis_m);
   settings.relaxation_m_per_s = said.relaxation_m_per_s.value_or(settings.relaxation_m_per_s);
-  if (said.freeze_after_s) settings.age.freeze_floor = from_seconds(*said.freeze_after_s);
-  if (said.fade_after_s) settings.age.fade_floor = from_seconds(*said.fade_after_s);
-  const auto scheme = said.scheme == config::CouplingScheme::ThesisLiteral
-                          ? coupling::Scheme::ThesisLiteral
-                          : coupling::Scheme::GhostPoint;
-  return coupling::make_arm_coupling(scheme, settings);
+  return settings;
+}
+
+coupling::ToolProperties tool_of(const config::CouplingConfig& said,
+                                 const coupling::ToolProperties& usual, double most_newton_per_m) {
+  const double softer = std::min(usual.stiffness.newton_per_m, most_newton_per_m);
+  return {.stiffness = {said.stiffness_newton_per_m.value_or(softer)},
+          .damping = {said.damping_newton_s_per_m.value_or(usual.damping.newton_s_per_m)}};
+}
+
+coupling::ConstraintAgeSettings age_of(const config::CouplingConfig& said) {
+  coupling::ConstraintAgeSettings age;
+  if (said.freeze_after_s) age.freeze_floor = from_seconds(*said.freeze_after_s);
+  if (said.fade_after_s) age.fade_floor = from_seconds(*said.fade_after_s);
+  return age;
+}
+
+}  // namespace
+
+coupling::Scheme scheme_of(const config::CouplingConfig& said) {
+  switch (said.scheme) {
+    case config::CouplingScheme::ThesisLiteral:
+      return coupling::Scheme::ThesisLiteral;
+    case config::CouplingScheme::RemoteForce:
+      return coupling::Scheme::RemoteForce;
+    case config::CouplingScheme::SpringDamper:
+      return coupling::Scheme::SpringDamper;
+    case config::CouplingScheme::Wave:
+      return coupling::Scheme::Wave;
+    case config::CouplingScheme::GhostPoint:
+      break;
+  }
+  return coupling::Scheme::GhostPoint;
+}
+
+coupling::ForceAt force_at(const config::CouplingConfig& said) {
+  return said.force_at == config::CouplingForceAt::Both ? coupling::ForceAt::Both
+                                                        : coupling::ForceAt::World;
+}
+
+Result<std::unique_ptr<coupling::ArmCoupling>> make_coupling(
+    const config::ArmConfig& arm, double cell_m, const HapticCapabilities& capabilities) {
+  const config::CouplingConfig& said = arm.coupling;
+  // What a person configures stands; it is limited as any wish is.
+  const double most = capabilities.max_stiffness_newton_per_m > 0
+                          ? capabilities.max_stiffness_newton_per_m
+                          : std::numeric_limits<double>::max();
+  coupling::SchemeSettings settings;
+  settings.ghost_point = ghost_point_settings(said, cell_m, most);
+  settings.remote_force.tool = tool_of(said, settings.remote_force.tool, most);
+  settings.spring_damper.tool = tool_of(said, settings.spring_damper.tool, most);
+  settings.spring_damper.force_at = force_at(said);
+  settings.wave.impedance.newton_s_per_m =
+      said.impedance_newton_s_per_m.value_or(settings.wave.impedance.newton_s_per_m);
+  settings.ghost_point.age = age_of(said);
+  settings.remote_force.age = age_of(said);
+  settings.spring_damper.age = age_of(said);
+  settings.wave.age = age_of(said);
+  return coupling::make_arm_coupling(scheme_of(said), settings);
 }
 
 Result<link::Endpoint> endpoint(const config::UdpEndpoint& said) {

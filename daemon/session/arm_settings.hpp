@@ -4,6 +4,7 @@
 
 #include "daemon/config/config.hpp"
 #include "daemon/coupling/arm_coupling.hpp"
+#include "daemon/coupling/scheme.hpp"
 #include "daemon/link/endpoint.hpp"
 #include "daemon/link/impairment.hpp"
 #include "daemon/link/send_gate.hpp"
@@ -25,6 +26,8 @@ namespace thimble::session {
                                                           const HapticCapabilities& capabilities);
 [[nodiscard]] Result<std::unique_ptr<coupling::ArmCoupling>> make_coupling(
     const config::ArmConfig& arm, double cell_m, const HapticCapabilities& capabilities);
+[[nodiscard]] coupling::Scheme scheme_of(const config::CouplingConfig& said);
+[[nodiscard]] coupling::ForceAt force_at(const config::CouplingConfig& said);
 [[nodiscard]] Result<link::Endpoint> endpoint(const config::UdpEndpoint& said);
 [[nodiscard]] link::SendMode send_mode(const config::ArmConfig& arm);
 [[nodiscard]] link::ImpairmentSettings impairment_settings(

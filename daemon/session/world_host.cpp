@@ -74,7 +74,7 @@ Result<std::unique_ptr<WorldHost>> WorldHost::create(const config::WorldConfig& 
   if (parts.io == nullptr || parts.real_clock == nullptr) {
     return fail(Errc::Unsupported, name + ": a world listens only in real time");
   }
-  auto world_half = host->make_world_half(parts.first_session);
+  auto world_half = host->make_world_half({}, parts.first_session);
   if (!world_half) return tl::unexpected(world_half.error().in(name));
   auto listener = std::make_unique<Listener>(*std::move(world_half));
   const Result<void> opened = listener->open(said, parts);
@@ -91,7 +91,11 @@ BoardPlugs WorldHost::plugs_for(const config::WorldConfig& said, const RigParts&
 }
 
 Result<std::unique_ptr<coupling::WorldCoupling>> WorldHost::make_world_half(
-    std::uint32_t first_session) {
+    const config::CouplingConfig& arm, std::uint32_t first_session) {
+  const coupling::Scheme scheme = scheme_of(arm);
+  if (coupling::computes_at_the_far_end(scheme)) {
+    return coupling::make_far_end(scheme, force_at(arm), *world_, first_session);
+  }
   const auto model = model_ == config::ConstraintModel::Simple
                          ? coupling::ConstraintModel::Simple
                          : coupling::ConstraintModel::GhostPoint;

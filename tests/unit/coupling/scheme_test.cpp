@@ -3,12 +3,13 @@
 #include <gtest/gtest.h>
 
 #include "daemon/coupling/thesis_literal.hpp"
+#include "fake_box.hpp"
 
 namespace thimble::coupling {
 namespace {
 
 TEST(Scheme, NamesAreReadAsTheyAreWritten) {
-  for (const Scheme scheme : {Scheme::GhostPoint, Scheme::ThesisLiteral}) {
+  for (const Scheme scheme : kSchemes) {
     const Result<Scheme> parsed = parse_scheme(to_string(scheme));
     ASSERT_TRUE(parsed);
     EXPECT_EQ(*parsed, scheme);
@@ -20,7 +21,9 @@ TEST(Scheme, UnknownNameIsRefusedWithWhatWasExpected) {
     const Result<Scheme> parsed = parse_scheme(text);
     ASSERT_FALSE(parsed) << text;
     EXPECT_EQ(parsed.error().code, Errc::InvalidArgument);
-    EXPECT_NE(parsed.error().message.find("ghost-point or thesis-literal"), std::string::npos);
+    EXPECT_NE(parsed.error().message.find("ghost-point, thesis-literal, remote-force, "
+                                          "spring-damper or wave"),
+              std::string::npos);
   }
 }
 
@@ -29,6 +32,28 @@ TEST(Scheme, MakesTheArmHalfItNames) {
   const auto literal = make_arm_coupling(Scheme::ThesisLiteral, {});
   EXPECT_NE(dynamic_cast<GhostPointArm*>(ghost.get()), nullptr);
   EXPECT_NE(dynamic_cast<ThesisLiteralArm*>(literal.get()), nullptr);
+  const auto remote = make_arm_coupling(Scheme::RemoteForce, {});
+  const auto spring = make_arm_coupling(Scheme::SpringDamper, {});
+  const auto wave = make_arm_coupling(Scheme::Wave, {});
+  EXPECT_NE(dynamic_cast<RemoteForceArm*>(remote.get()), nullptr);
+  EXPECT_NE(dynamic_cast<SpringDamperArm*>(spring.get()), nullptr);
+  EXPECT_NE(dynamic_cast<WaveArm*>(wave.get()), nullptr);
+}
+
+TEST(Scheme, MakesTheWorldHalfOfWhatComputesAtTheFarEnd) {
+  testing::FakeBox box(0.015);
+  for (const Scheme scheme : kSchemes) {
+    const auto made = make_far_end(scheme, ForceAt::World, box, 3);
+    EXPECT_EQ(made.has_value(), computes_at_the_far_end(scheme)) << to_string(scheme);
+    if (!made) continue;
+    HandSample first;
+    first.sequence = 1;
+    ASSERT_TRUE((*made)->open(first));
+    const ConstraintSet set = (*made)->answer(first, std::chrono::milliseconds(1));
+    EXPECT_TRUE(set.has_far) << to_string(scheme);
+    EXPECT_EQ(set.session, 3U);
+    EXPECT_EQ(set.answers, 1U);
+  }
 }
 
 }  // namespace

@@ -1,0 +1,107 @@
+// Schemes that compute at the far end (docs/coupling-schemes.md), in whole sessions.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "tests/support/arm_watch.hpp"
+
+namespace thimble {
+namespace {
+
+using test::ArmWatch;
+using test::ClosedLoop;
+
+std::vector<std::string> with(std::vector<std::string> all, const std::vector<std::string>& more) {
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
+// One line chooses it; the world of thesis 3.2 is soft enough for a remote force at no delay.
+std::vector<std::vector<std::string>> schemes() {
+  return {{"arm.coupling.scheme=remote-force", "arm.coupling.stiffness_newton_per_m=300"},
+          {"arm.coupling.scheme=spring-damper"},
+          {"arm.coupling.scheme=spring-damper", "arm.coupling.force_at=both"},
+          {"arm.coupling.scheme=wave"}};
+}
+
+TEST(FarEnd, EveryWorldIsFeltThroughEverySchemeWithinTheLimits) {
+  const std::vector<std::vector<std::string>> worlds{
+      {"world.source=box:3"},
+      {"world.source=sphere"},
+      {"world.source=pieces", "world.pieces.cells=32", "world.pieces.count=3"},
+      {"world.source=life", "world.automaton.cells=32", "world.automaton.steps_per_s=2"}};
+  for (const auto& scheme : schemes()) {
+    for (const auto& world : worlds) {
+      SCOPED_TRACE(scheme.front() + " " + scheme.back() + ", " + world.front());
+      ClosedLoop sut(with(with(scheme, world), {"arm.hand.reach_m=0.03"}));
+      ArmWatch watch(sut);
+      double hardest_newton = 0;
+      sut.run(8, [&] {
+        watch.see();
+        hardest_newton = std::max(hardest_newton, norm(sut.frame().force));
+      });
+      EXPECT_EQ(watch.breach(), "");
+      EXPECT_EQ(sut.snapshot().faults, 0U);
+      EXPECT_GT(sut.snapshot().total_contacts, 0U);
+      EXPECT_GT(hardest_newton, 0.3);
+      EXPECT_EQ(sut.frame().offset, Displacement3{});
+    }
+  }
+}
+
+// Thesis 3.2: "distracting and sometimes violent instabilities".
+TEST(FarEnd, ARemoteForceSwingsWithDelayAndTheLimiterBoundsIt) {
+  const auto run = [](const std::string& delay) {
+    ClosedLoop sut({"arm.coupling.scheme=remote-force", "arm.impairment.delay_s=" + delay,
+                    "arm.hand.motion=poke", "arm.hand.reach_m=0.025"});
+    ArmWatch watch(sut);
+    double hardest_wish_newton = 0;
+    sut.run(10, [&] {
+      watch.see();
+      if (sut.frame().state != OperatingState::Active) return;
+      hardest_wish_newton = std::max(hardest_wish_newton, norm(sut.frame().wish));
+    });
+    EXPECT_EQ(watch.breach(), "") << delay;
+    return hardest_wish_newton;
+  };
+  const double calm_newton = run("0");
+  const double wild_newton = run("0.05");
+  EXPECT_GT(wild_newton, 2 * calm_newton);
+}
+
+TEST(FarEnd, ADelayOfAFifthOfASecondIsHeldByASlaveWithoutAFault) {
+  for (const auto& scheme : schemes()) {
+    if (scheme.front() == "arm.coupling.scheme=remote-force") continue;
+    ClosedLoop sut(with(
+        scheme, {"arm.impairment.delay_s=0.2", "arm.impairment.jitter_s=0.05",
+                 "arm.impairment.loss=0.05", "arm.hand.motion=poke", "arm.hand.reach_m=0.025"}));
+    ArmWatch watch(sut);
+    sut.run(12, [&] { watch.see(); });
+    EXPECT_EQ(watch.breach(), "") << scheme.front();
+    EXPECT_EQ(sut.snapshot().faults, 0U) << scheme.front();
+    EXPECT_GT(sut.snapshot().total_contacts, 1U) << scheme.front();
+  }
+}
+
+TEST(FarEnd, ADeadNetworkFadesAndComesBackWithoutAKick) {
+  for (const auto& scheme : schemes()) {
+    SCOPED_TRACE(scheme.front());
+    ClosedLoop sut(with(scheme, {"arm.hand.motion=poke", "arm.hand.reach_m=0.025"}));
+    sut.run_until_pressed();
+    ArmWatch watch(sut);
+    sut.set_network_up(false);
+    sut.run(0.5, [&] { watch.see(); });
+    EXPECT_EQ(norm(sut.frame().force), 0);
+    EXPECT_TRUE(sut.frame().is_fading);
+    sut.set_network_up(true);
+    sut.run(2, [&] { watch.see(); });
+    EXPECT_EQ(watch.breach(), "");
+    EXPECT_EQ(sut.snapshot().faults, 0U);
+    EXPECT_FALSE(sut.frame().is_fading);
+  }
+}
+
+}  // namespace
+}  // namespace thimble
