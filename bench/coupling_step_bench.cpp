@@ -1,0 +1,93 @@
+// What one step of the arm half of each coupling scheme costs, pressing on a wall with a fresh
+// reply in every step. Beside it the force law of one wall in plain code, as a measure of this
+// machine.
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "bench/comparison.hpp"
+#include "bench/reference_tick.hpp"
+#include "daemon/coupling/scheme.hpp"
+
+namespace {
+
+using namespace thimble;
+
+constexpr int kSteps = 20000;
+constexpr Duration kServo = std::chrono::milliseconds(1);
+
+// An arm half whose tip trembles 0.2 to 0.5 mm inside a wall, and a world that answers each step.
+class Pressed {
+ public:
+  explicit Pressed(coupling::Scheme scheme) : arm_(coupling::make_arm_coupling(scheme, {})) {
+    set_.session = 1;
+    set_.planes.push_back({.normal = {1, 0, 0}, .offset_m = 0.015});
+    set_.has_far = true;
+    set_.far.force = {-0.3, 0, 0};
+    set_.far.slave = {0.015, 0, 0};
+    set_.far.is_pressing = true;
+    arm_->reset(now_, {0.0152, 0, 0});
+  }
+
+  void step() {
+    now_ = now_ + kServo;
+    ++set_.sequence;
+    set_.answers = sequence_;
+    set_.far.waves.distance.x -= 1e-4;
+    set_.far.waves.joule[0] += 1e-5;
+    const double tip_m = 0.0152 + 0.0001 * static_cast<double>(set_.sequence % 4);
+    const coupling::ArmOutput out =
+        arm_->step({.now = now_,
+                    .dt = kServo,
+                    .tip = {tip_m, 0, 0},
+                    .tip_velocity = {0.01, 0, 0},
+                    .fresh = &set_,
+                    .link = {.is_up = true, .round_trip = std::chrono::milliseconds(20)}});
+    sequence_ = out.sample.sequence;
+    is_in_contact_ = out.is_in_contact;
+  }
+  [[nodiscard]] bool is_in_contact() const { return is_in_contact_; }
+
+ private:
+  std::unique_ptr<coupling::ArmCoupling> arm_;
+  coupling::ConstraintSet set_{};
+  MonotonicTime now_{};
+  std::uint64_t sequence_{0};
+  bool is_in_contact_{false};
+};
+
+template <class Step>
+double nanoseconds_a_step(const Step& step) {
+  const auto begin = std::chrono::steady_clock::now();
+  for (int i = 0; i < kSteps; ++i) step();
+  const auto end = std::chrono::steady_clock::now();
+  return std::chrono::duration<double, std::nano>(end - begin).count() / kSteps;
+}
+
+bool run(coupling::Scheme scheme, double goal_ns) {
+  Pressed arm(scheme);
+  ReferenceTick plain;
+  bench::Slices ours;
+  bench::Slices reference;
+  bench::alternate(
+      bench::kSlices, [&] { ours.push_back(nanoseconds_a_step([&] { arm.step(); })); },
+      [&] { reference.push_back(nanoseconds_a_step([&] { plain.tick(); })); });
+  if (!arm.is_in_contact()) {
+    std::fputs("bench_coupling_step: the arm does not press on its wall\n", stderr);
+    return false;
+  }
+  bench::print(bench::compare("arm half, " + std::string(to_string(scheme)), "ns",
+                              {bench::Goal::Of::Value, goal_ns}, ours, reference));
+  return true;
+}
+
+}  // namespace
+
+int main() {
+  for (const coupling::Scheme scheme : coupling::kSchemes) {
+    const double goal_ns = scheme == coupling::Scheme::GhostPoint ? 400 : 1000;
+    if (!run(scheme, goal_ns)) return 1;
+  }
+  return 0;
+}
