@@ -112,10 +112,11 @@ Result<std::unique_ptr<coupling::ArmCoupling>> make_coupling(
   settings.spring_damper.force_at = force_at(said);
   settings.wave.impedance.newton_s_per_m =
       said.impedance_newton_s_per_m.value_or(settings.wave.impedance.newton_s_per_m);
-  settings.ghost_point.age = age_of(said);
-  settings.remote_force.age = age_of(said);
-  settings.spring_damper.age = age_of(said);
-  settings.wave.age = age_of(said);
+  const coupling::ConstraintAgeSettings age = age_of(said);
+  settings.ghost_point.age = age;
+  settings.remote_force.age = age;
+  settings.spring_damper.age = age;
+  settings.wave.age = age;
   return coupling::make_arm_coupling(scheme_of(said), settings);
 }
 

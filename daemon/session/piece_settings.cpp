@@ -8,6 +8,7 @@
 #include "daemon/session/cam_boards.hpp"
 #include "daemon/session/piece_file.hpp"
 #include "daemon/world/cam/piece_world.hpp"
+#include "drivers/cambus/video_timing.hpp"
 
 namespace thimble::session {
 namespace {
@@ -17,9 +18,6 @@ namespace pieces = world::cam;
 // Ours: the longest program, 512 x 512 cells and a table, is 0.7 MB, and USB at full speed carries
 // one a second.
 constexpr Duration kUsbPatience = std::chrono::seconds(3);
-
-// A monitor's lines, and the sites of each (docs/cambus.md, section 4).
-constexpr int kLog2Shown = 9;
 
 [[nodiscard]] int log2_of(int power) noexcept {
   return std::countr_zero(static_cast<unsigned>(power));
@@ -108,7 +106,9 @@ Result<MadeWorld> make_piece_world(const config::WorldConfig& said, const Clock*
     return fail(Errc::InvalidArgument, said.source + ": dynamic: pieces are numbered 1 to " +
                                            std::to_string(most) + " then");
   }
-  if (of.display_every && std::max(file->log2_cells[0], file->log2_cells[1]) > kLog2Shown) {
+  const bool is_too_large =
+      file->log2_cells[0] > cambus::kLog2LineSites || file->log2_cells[1] > cambus::kLog2Lines;
+  if (of.display_every && is_too_large) {
     return fail(Errc::InvalidArgument,
                 said.source + ": display_every: a monitor shows 512 rows of 512 cells at most");
   }

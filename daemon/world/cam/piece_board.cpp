@@ -44,8 +44,6 @@ std::string_view to_string(PieceOutcome outcome) noexcept {
 
 namespace {
 
-constexpr const char* kNothingIsShown = "nothing is shown on the board's monitor";
-
 // Gone, or not one for this world: what is opened next may be.
 bool never_heals(Errc code) {
   return code == Errc::Disconnected || code == Errc::InvalidArgument || code == Errc::TooLarge;
@@ -98,8 +96,7 @@ void PieceBoard::pump(const Clock& clock) {
     }
     const auto answer = board_->poll(now);
     if (!answer) {
-      // What is felt goes before what is seen.
-      if (doing_ == Doing::Picture) why_dark_ = answer.error().in(kNothingIsShown);
+      if (doing_ == Doing::Picture) darken(answer.error());
       fail_with(answer.error(), now);
       return;
     }
@@ -181,15 +178,16 @@ bool PieceBoard::play(const CamSteps& steps, MonotonicTime now) {
   const Errc code = started.error().code;
   const bool is_refused =
       code == Errc::Unsupported || code == Errc::InvalidArgument || code == Errc::TooLarge;
-  if (doing_ == Doing::Picture && is_refused) return stay_dark(started.error());
-  return fail_with(started.error(), now);
-}
-
-bool PieceBoard::stay_dark(const Error& why) {
-  why_dark_ = why.in(kNothingIsShown);
+  if (doing_ != Doing::Picture || !is_refused) return fail_with(started.error(), now);
+  darken(started.error());
   task_.reset();
   doing_ = Doing::Nothing;
   return false;
+}
+
+// What is felt goes before what is seen.
+void PieceBoard::darken(const Error& why) {
+  why_dark_ = why.in("nothing is shown on the board's monitor");
 }
 
 bool PieceBoard::fail_with(const Error& why, MonotonicTime now) {

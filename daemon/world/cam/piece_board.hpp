@@ -97,8 +97,8 @@ class PieceBoard {
   [[nodiscard]] bool go_on(const CamAnswer* answer, MonotonicTime now);
   [[nodiscard]] bool play(const CamSteps& steps, MonotonicTime now);
   bool fail_with(const Error& why, MonotonicTime now);
-  // Of a picture, as a board has refused it.
-  bool stay_dark(const Error& why);
+  // No more pictures of this board, which has refused one or failed at it.
+  void darken(const Error& why);
   void close();
   void fill(CamCells cells);
   void start_over();
