@@ -8,7 +8,8 @@ namespace thimble::link {
 
 InProcessLink::InProcessLink(const Settings& settings, coupling::WorldCoupling& world,
                              rt::WakeSignal* wake)
-    : mailbox_(wake),
+    : is_lock_step_(settings.mode == SendMode::LockStep),
+      mailbox_(wake),
       session_(world),
       gate_(settings.mode),
       to_world_(settings.impairment, 0),
@@ -107,7 +108,11 @@ void InProcessLink::accept(const CarriedReply& arrived, MonotonicTime now) {
   }
   accepted_at_ = now;
   round_trip_.note(now - arrived.carried.sent_at);
-  if (arrived.carried.number == last_number_) gate_.on_answered();
+  if (arrived.carried.number == last_number_) {
+    gate_.on_answered();
+    // What waited was made before this reply is in force (teleop.md 7 row 8): the next one is not.
+    if (is_lock_step_) pending_.reset();
+  }
   if (arrived.restart != restart_) {  // proves the link, but its ghost is gone
     ++counters_.stale;
     return;

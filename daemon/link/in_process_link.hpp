@@ -69,6 +69,7 @@ class InProcessLink {
   void count_unanswered(MonotonicTime now) noexcept;
   [[nodiscard]] std::optional<MonotonicTime> next_due() const;
 
+  bool is_lock_step_;
   ArmMailbox mailbox_;
   WorldSession session_;
   SendGate gate_;

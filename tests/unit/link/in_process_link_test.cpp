@@ -322,6 +322,28 @@ TEST(InProcessLink, LockStepSendsOneSampleARoundTrip) {
   }
 }
 
+// teleop.md 7 row 8. The servo here applies a reply in the tick after it arrived.
+TEST(InProcessLink, InLockStepNoSampleLeavesThatWasMadeBeforeTheLastReplyWasInForce) {
+  for (const double delay_s : {0.0, 0.0105, 0.02}) {
+    WorldDouble world;
+    InProcessLink sut({.mode = SendMode::LockStep, .impairment = {.delay_s = delay_s}}, world);
+    std::uint64_t applied = 0;
+    std::optional<MonotonicTime> due;
+    std::uint64_t sent = 0;
+    for (MonotonicTime tick{}; tick < MonotonicTime{seconds(1)}; tick = tick + milliseconds(1)) {
+      while (due && *due <= tick) due = sut.pump(*due);
+      coupling::ConstraintSet reply;
+      if (sut.arm_end().receive(reply)) applied = reply.answers;
+      sut.arm_end().send({.sequence = ++sent, .sampled_at = tick, .applied_reply = applied});
+      due = sut.pump(tick);
+    }
+    ASSERT_GT(world.samples.size(), 40U);
+    for (std::size_t i = 1; i < world.samples.size(); ++i) {
+      ASSERT_EQ(world.samples[i].applied_reply, world.samples[i - 1].sequence) << delay_s;
+    }
+  }
+}
+
 TEST(InProcessLink, LockStepNeverDeadlocksUnderLoss) {
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     Bench bench({.mode = SendMode::LockStep,
