@@ -1,0 +1,29 @@
+#include "lab/trial/coupling_case.hpp"
+
+#include <utility>
+
+#include "daemon/coupling/constraint_model.hpp"
+
+namespace thimble::lab {
+namespace {
+
+Result<std::unique_ptr<coupling::WorldCoupling>> make_world_half(const CouplingCase& of,
+                                                                 world::World& world) {
+  if (coupling::computes_at_the_far_end(of.scheme)) {
+    return coupling::make_far_end(of.scheme, of.force_at, world, 1);
+  }
+  return coupling::make_world_coupling(coupling::ConstraintModel::GhostPoint, world, 1);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<TrialLoop>> make_trial(const CouplingCase& of, world::World& world,
+                                              TrialLoop::Settings settings) {
+  auto world_half = make_world_half(of, world);
+  if (!world_half) return tl::unexpected(world_half.error().in(of.name));
+  settings.mode = of.mode;
+  return std::make_unique<TrialLoop>(coupling::make_arm_coupling(of.scheme, of.settings),
+                                     *std::move(world_half), settings);
+}
+
+}  // namespace thimble::lab
