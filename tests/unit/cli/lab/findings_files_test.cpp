@@ -1,0 +1,88 @@
+#include "cli/lab/findings_files.hpp"
+
+#include <gtest/gtest.h>
+
+#include <boost/json.hpp>
+#include <filesystem>
+#include <limits>
+
+#include "cli/file_text.hpp"
+
+namespace thimble::lab_commands {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+lab::Findings sample() {
+  return {.experiment = "probe",
+          .title = "What a probe found",
+          .parameters = {{"seed", "", 7.0}, {"speed", "m/s", 0.2}},
+          .tables = {{.name = "offsets",
+                      .title = "Offsets",
+                      .columns = {{"reading", ""}, {"mean", "mm", 1}},
+                      .rows = {{"a, \"b\"", 0.1}, {"none", kNone}}}},
+          .plots = {{.name = "curve",
+                     .title = "It's a curve",
+                     .x = {"delay [ms]", true},
+                     .y = {"offset [mm]", false},
+                     .series = {{"one", lab::Mark::Points, {{1, 2}, {3, kNone}, {5, 6}}}}}},
+          .criteria = {{"holds", true}, {"does not hold", false}},
+          .remarks = {"Of note."}};
+}
+
+TEST(FindingsFiles, ACommaSeparatedTableQuotesWordsAndKeepsAllDigits) {
+  EXPECT_EQ(to_csv(sample().tables[0]), "reading,mean [mm]\n\"a, \"\"b\"\"\",0.1\nnone,\n");
+  const lab::Table third{.name = "t", .title = "", .columns = {{"x", ""}}, .rows = {{1.0 / 3}}};
+  EXPECT_EQ(to_csv(third), "x\n0.3333333333333333\n");
+}
+
+TEST(FindingsFiles, TheDocumentHasEveryParameterWithItsUnitAndEveryVerdict) {
+  const auto document = boost::json::parse(to_json(sample()));
+  EXPECT_EQ(document.at("experiment"), "probe");
+  EXPECT_EQ(document.at("parameters").at("speed").at("unit"), "m/s");
+  EXPECT_EQ(document.at("parameters").at("seed").at("value"), 7.0);
+  const auto& table = document.at("tables").at("offsets");
+  EXPECT_EQ(table.at("columns").at(1).at("unit"), "mm");
+  EXPECT_EQ(table.at("rows").at(0).at(1), 0.1);
+  EXPECT_TRUE(table.at("rows").at(1).at(1).is_null());
+  EXPECT_EQ(document.at("criteria").at(1).at("is_met"), false);
+}
+
+TEST(FindingsFiles, AScriptNamesItsAxesAndQuotesWhatPeopleWrote) {
+  const std::string script = to_gnuplot(sample().plots[0], "probe-curve");
+  EXPECT_NE(script.find("set title 'It''s a curve'"), std::string::npos) << script;
+  EXPECT_NE(script.find("set xlabel 'delay [ms]'\nset logscale x\n"), std::string::npos);
+  EXPECT_NE(script.find("set ylabel 'offset [mm]'\n"), std::string::npos);
+  EXPECT_NE(script.find("1 2\n\n5 6\n"), std::string::npos) << "a gap where there is no number";
+  EXPECT_NE(script.find("'probe-curve.svg'"), std::string::npos);
+  EXPECT_NE(script.find("'probe-curve.png'"), std::string::npos);
+}
+
+TEST(FindingsFiles, WritesIntoAFolderThatItMakes) {
+  const std::string folder = testing::TempDir() + "findings/deep";
+  std::filesystem::remove_all(folder);
+  const auto written = write_findings(sample(), folder);
+  ASSERT_TRUE(written) << written.error().message;
+  for (const char* name : {"probe.json", "probe-offsets.csv", "probe-curve.gp"}) {
+    EXPECT_TRUE(std::filesystem::is_regular_file(folder + '/' + name)) << name;
+  }
+  // With gnuplot or without, it says what it did.
+  EXPECT_EQ(written->not_drawn.empty(), std::filesystem::exists(folder + "/probe-curve.svg"));
+  EXPECT_EQ(written->files.size(), written->not_drawn.empty() ? 5U : 3U);
+}
+
+TEST(FindingsFiles, SaysWhereItCannotWrite) {
+  const auto written = write_findings(sample(), "/proc/none");
+  ASSERT_FALSE(written);
+  EXPECT_NE(written.error().message.find("/proc/none"), std::string::npos);
+}
+
+TEST(FindingsFiles, PeopleAreToldTablesRemarksAndVerdicts) {
+  EXPECT_EQ(
+      lab::tell(sample()),
+      "What a probe found\n\nOffsets\nreading  mean [mm]\na, \"b\"         0.1\nnone           "
+      "  -\n\nOf note.\nas it must be: holds\nNOT as it must be: does not hold\n");
+}
+
+}  // namespace
+}  // namespace thimble::lab_commands
