@@ -8,9 +8,11 @@
 #include "cli/cells.hpp"
 #include "cli/commands.hpp"
 #include "cli/file_text.hpp"
+#include "cli/lab/experiment_command.hpp"
 #include "cli/text.hpp"
 #include "drivers/cambus/cambus_registers.hpp"
 #include "lab/piece_separator.hpp"
+#include "lab/table_4_1/table_4_1.hpp"
 
 namespace thimble::lab_commands {
 namespace {
@@ -98,6 +100,17 @@ void add_lab_commands(CLI::App& app, int& code) {
   lab->require_subcommand(1);
   add_cam_latency(*lab, code);
   add_separate(*lab, code);
+  add_experiment(
+      *lab,
+      {.name = "table-4.1",
+       .help = "How far a wall that is learned of late displaces the frame (thesis 4.1)",
+       .contacts = 1000,
+       .run =
+           [](const Asked& asked) {
+             return lab::run_table_4_1(
+                 {.contacts = asked.contacts, .seed = asked.seed, .progress = asked.progress});
+           }},
+      code);
 }
 
 }  // namespace thimble::lab_commands

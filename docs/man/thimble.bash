@@ -64,10 +64,12 @@ _thimble() {
     snapshot)
       [[ $word == -* ]] && options+=" --file" || options= ;;
     lab)
-      if [[ $before == --write ]]; then
+      if [[ $before == --write || $before == --out ]]; then
         mapfile -t COMPREPLY < <(compgen -f -- "$word"); return
       elif [[ $word != -* ]]; then
-        options="cam-latency separate"
+        options="cam-latency separate table-4.1"
+      elif [[ " ${COMP_WORDS[*]:0:COMP_CWORD} " == *" table-4.1 "* ]]; then
+        options+=" --seed --contacts --out"
       elif [[ " ${COMP_WORDS[*]:0:COMP_CWORD} " == *" separate "* ]]; then
         options+=" --seed --write"
       else

@@ -1,0 +1,41 @@
+"""The experiments of `thimble lab` that write findings, as a person runs them."""
+
+import csv
+import json
+
+from rig import ProcessTest
+
+
+class Lab(ProcessTest):
+    def run_experiment(self, *arguments):
+        return self.run_program("thimble", "lab", *arguments)
+
+    def test_table_4_1_is_as_the_facts_have_it_and_is_written(self):
+        folder = self.folder / "out"
+        shown = self.run_experiment("table-4.1", "--contacts", "600", "--out", folder)
+        self.assertEqual(shown.returncode, 0, shown.stdout + shown.stderr)
+        self.assertEqual(shown.stdout.count("as it must be: "), 6)
+        document = json.loads((folder / "table-4.1.json").read_text())
+        self.assertEqual(document["parameters"]["contacts_per_row"]["value"], 600)
+        self.assertEqual(document["parameters"]["seed"]["value"], 1)
+        with (folder / "table-4.1-kinematic.csv").open() as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(len(rows), len(document["tables"]["kinematic"]["rows"]))
+        streamed = {row["delay [ms]"]: row["mean [mm]"] for row in rows
+                    if row["reading"] == "streamed" and row["network"] == "constant"}
+        self.assertEqual(streamed["500"], "end of reach")
+        self.assertAlmostEqual(float(streamed["100"]), 19.6, delta=0.1)
+        self.assertIn("set ylabel 'offset [mm]'", (folder / "table-4.1-offsets.gp").read_text())
+
+    def test_the_same_seed_prints_the_same(self):
+        once, again, other = (self.run_experiment("table-4.1", "--contacts", "3", "--seed", seed)
+                              for seed in ("4", "4", "5"))
+        self.assertEqual(once.stdout, again.stdout)
+        self.assertNotEqual(once.stdout, other.stdout)
+
+    def test_what_cannot_be_done_is_said(self):
+        shown = self.run_experiment("table-4.1", "--contacts", "1", "--out", "/proc/none")
+        self.assertNotEqual(shown.returncode, 0)
+        self.assertIn("/proc/none", shown.stderr)
+        self.assertNotEqual(self.run_experiment("table-4.1", "--contacts", "0").returncode, 0)
+        self.assertNotEqual(self.run_experiment("table-4.9").returncode, 0)
