@@ -11,6 +11,7 @@
 #include "cli/lab/experiment_command.hpp"
 #include "cli/text.hpp"
 #include "drivers/cambus/cambus_registers.hpp"
+#include "lab/compare/compare.hpp"
 #include "lab/piece_separator.hpp"
 #include "lab/table_4_1/table_4_1.hpp"
 
@@ -95,13 +96,9 @@ int run_separate(std::uint64_t seed, const std::string& write) {
   return kExitOk;
 }
 
-void add_lab_commands(CLI::App& app, int& code) {
-  CLI::App* lab = app.add_subcommand("lab", "Measure the thesis's figures in virtual time");
-  lab->require_subcommand(1);
-  add_cam_latency(*lab, code);
-  add_separate(*lab, code);
+void add_experiments(CLI::App& lab, int& code) {
   add_experiment(
-      *lab,
+      lab,
       {.name = "table-4.1",
        .help = "How far a wall that is learned of late displaces the frame (thesis 4.1)",
        .contacts = 1000,
@@ -111,6 +108,29 @@ void add_lab_commands(CLI::App& app, int& code) {
                  {.contacts = asked.contacts, .seed = asked.seed, .progress = asked.progress});
            }},
       code);
+  const auto compare = [](bool moves) {
+    return [moves](const Asked& asked) {
+      return lab::run_compare({.moves = moves, .seed = asked.seed, .progress = asked.progress});
+    };
+  };
+  add_experiment(lab,
+                 {.name = "compare",
+                  .help = "Every coupling scheme at 1 to 500 ms on four networks, ranked",
+                  .run = compare(false)},
+                 code);
+  add_experiment(lab,
+                 {.name = "compare-moving",
+                  .help = "The same at a wall that moves to and fro",
+                  .run = compare(true)},
+                 code);
+}
+
+void add_lab_commands(CLI::App& app, int& code) {
+  CLI::App* lab = app.add_subcommand("lab", "Measure the thesis's figures in virtual time");
+  lab->require_subcommand(1);
+  add_cam_latency(*lab, code);
+  add_separate(*lab, code);
+  add_experiments(*lab, code);
 }
 
 }  // namespace thimble::lab_commands

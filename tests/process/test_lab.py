@@ -33,6 +33,19 @@ class Lab(ProcessTest):
         self.assertEqual(once.stdout, again.stdout)
         self.assertNotEqual(once.stdout, other.stdout)
 
+    def test_schemes_are_compared_and_ranked(self):
+        folder = self.folder / "compared"
+        shown = self.run_experiment("compare", "--out", folder)
+        self.assertEqual(shown.returncode, 0, shown.stdout[-400:] + shown.stderr)
+        with (folder / "compare-ranking.csv").open() as file:
+            rows = list(csv.DictReader(file))
+        for delay in ("1", "5", "10", "20", "50", "100", "200", "500"):
+            places = [row["place"] for row in rows if row["delay [ms]"] == delay]
+            self.assertEqual(places, [str(i + 1) for i in range(len(places))])
+            self.assertGreater(len(places), 5)
+        again = self.run_experiment("compare", "--out", folder)
+        self.assertEqual(again.stdout, shown.stdout)
+
     def test_what_cannot_be_done_is_said(self):
         shown = self.run_experiment("table-4.1", "--contacts", "1", "--out", "/proc/none")
         self.assertNotEqual(shown.returncode, 0)

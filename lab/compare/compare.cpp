@@ -1,0 +1,270 @@
+#include "lab/compare/compare.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "lab/compare/compared.hpp"
+#include "lab/compare/measures.hpp"
+#include "lab/compare/ranking.hpp"
+
+namespace thimble::lab {
+namespace {
+
+// SOURCE: issue and teleop.md section 5.
+constexpr std::array kDelays_s{0.001, 0.005, 0.010, 0.020, 0.050, 0.100, 0.200, 0.500};
+constexpr double kJitter = 0.5;
+constexpr double kLoss = 0.05;
+
+enum class Network { Constant, Jitter, Loss, Outages };
+constexpr std::array kNetworks{Network::Constant, Network::Jitter, Network::Loss, Network::Outages};
+
+const char* name_of(Network network) {
+  if (network == Network::Jitter) return "jitter 50 %";
+  if (network == Network::Loss) return "loss 5 %";
+  if (network == Network::Outages) return "outages 200 ms";
+  return "constant";
+}
+
+StageSettings stage_of(const CompareSettings& settings, double delay_s, Network network) {
+  StageSettings stage{.delay_s = delay_s, .moves = settings.moves, .seed = settings.seed};
+  if (network == Network::Jitter) stage.jitter_s = kJitter * delay_s;
+  if (network == Network::Loss) stage.loss = kLoss;
+  stage.has_outages = network == Network::Outages;
+  return stage;
+}
+
+// Runs in the order of delay, scheme, network.
+class Grid {
+ public:
+  explicit Grid(const CompareSettings& settings) : settings_(settings) {}
+
+  [[nodiscard]] std::size_t size() const {
+    return kDelays_s.size() * schemes_.size() * kNetworks.size();
+  }
+  [[nodiscard]] std::size_t at(std::size_t delay, std::size_t scheme, std::size_t network) const {
+    return (delay * schemes_.size() + scheme) * kNetworks.size() + network;
+  }
+  [[nodiscard]] Result<Measures> run(std::size_t i) const {
+    const Network network = kNetworks[i % kNetworks.size()];
+    const CouplingCase& scheme = schemes_[i / kNetworks.size() % schemes_.size()];
+    const double delay_s = kDelays_s[i / kNetworks.size() / schemes_.size()];
+    return measure(scheme, stage_of(settings_, delay_s, network));
+  }
+  [[nodiscard]] const std::vector<CouplingCase>& schemes() const { return schemes_; }
+
+ private:
+  CompareSettings settings_;
+  std::vector<CouplingCase> schemes_{compared_schemes()};
+};
+
+struct Compared {
+  Grid grid;
+  Measures reference{};
+  std::vector<Measures> measures{};
+  std::vector<Marks> marks{};
+
+  [[nodiscard]] std::vector<NetworkMarks> marks_at(std::size_t delay) const {
+    std::vector<NetworkMarks> all;
+    for (std::size_t scheme = 0; scheme < grid.schemes().size(); ++scheme) {
+      NetworkMarks one;
+      for (std::size_t network = 0; network < kNetworks.size(); ++network) {
+        one.push_back(marks[grid.at(delay, scheme, network)]);
+      }
+      all.push_back(one);
+    }
+    return all;
+  }
+};
+
+double place_of(std::size_t scheme, const std::vector<Standing>& standings) {
+  const auto found = std::find_if(standings.begin(), standings.end(),
+                                  [&](const Standing& s) { return s.scheme == scheme; });
+  return static_cast<double>(found - standings.begin()) + 1;
+}
+
+std::string failed_gates(const NetworkMarks& networks) {
+  std::string text;
+  for (std::size_t gate = 0; gate < kGates; ++gate) {
+    const auto fails = std::count_if(networks.begin(), networks.end(),
+                                     [&](const Marks& m) { return m.fails[gate]; });
+    if (fails == 0) continue;
+    text += text.empty() ? "" : " ";
+    text += std::string(to_string(static_cast<Gate>(gate))) + ":" + std::to_string(fails);
+  }
+  return text.empty() ? "-" : text;
+}
+
+std::vector<Cell> ranking_cells(const Compared& compared, const std::vector<NetworkMarks>& marks,
+                                const Standing& standing, double place) {
+  double best = place;
+  double worst = place;
+  for (std::size_t metric = 0; metric < kMetrics; ++metric) {
+    const double other =
+        place_of(standing.scheme, rank(marks, without(static_cast<Metric>(metric))));
+    best = std::min(best, other);
+    worst = std::max(worst, other);
+  }
+  return {place,
+          compared.grid.schemes()[standing.scheme].name,
+          standing.score,
+          static_cast<double>(standing.failed),
+          place_of(standing.scheme, rank(marks, kEqualWeights)),
+          best,
+          worst,
+          failed_gates(marks[standing.scheme])};
+}
+
+Table ranking_table(const Compared& compared) {
+  Table table{.name = "ranking",
+              .title =
+                  "Places at each delay, over the four networks; beside them with equal "
+                  "weights, and the best and the worst with one metric left out",
+              .columns = {{"delay", "ms", 0},
+                          {"place", "", 0},
+                          {"scheme", ""},
+                          {"score", ""},
+                          {"networks_failed", "", 0},
+                          {"equal_weights", "", 0},
+                          {"best_without_one", "", 0},
+                          {"worst_without_one", "", 0},
+                          {"gates_failed", ""}},
+              .rows = {}};
+  for (std::size_t delay = 0; delay < kDelays_s.size(); ++delay) {
+    const auto marks = compared.marks_at(delay);
+    double place = 0;
+    for (const Standing& standing : rank(marks, kWeights)) {
+      std::vector<Cell> row{1e3 * kDelays_s[delay]};
+      for (Cell& cell : ranking_cells(compared, marks, standing, ++place)) {
+        row.push_back(std::move(cell));
+      }
+      table.rows.push_back(std::move(row));
+    }
+  }
+  return table;
+}
+
+std::vector<Column> measure_columns() {
+  return {{"delay", "ms", 0},
+          {"network", ""},
+          {"scheme", ""},
+          {"onset", "ms", 0},
+          {"stiffness", "N/m", 0},
+          {"displacement", "mm", 1},
+          {"drag", "N", 2},
+          {"mass", "kg", 2},
+          {"push_error", "N", 2},
+          {"hold", "N", 2},
+          {"swing", "mm", 2},
+          {"residue", "N", 2},
+          {"past_edge", "mm", 1},
+          {"missed_taps", "%", 0},
+          {"astray", "N", 2},
+          {"astray_for", "ms", 0},
+          {"packets", "1/s", 0},
+          {"generated", "mJ", 2},
+          {"declared", "mJ", 2},
+          {"most_force", "N", 2},
+          {"most_rise", "N", 2},
+          {"most_pull", "N", 2},
+          {"score", ""}};
+}
+
+std::vector<Cell> measure_cells(const Measures& m) {
+  return {
+      1e3 * m.onset_s,  m.stiffness_newton_per_m, 1e3 * m.displacement_m,  m.drag_newton,
+      m.mass_kg,        m.push_error_newton,      m.hold_newton,           1e3 * m.swing_m,
+      m.residue_newton, 1e3 * m.edge_m,           100 * m.missed_share,    m.astray_newton,
+      1e3 * m.astray_s, m.packets_per_s,          1e3 * m.generated_joule, 1e3 * m.declared_joule,
+      m.most_newton,    m.most_rise_newton,       m.most_pull_newton};
+}
+
+Table measures_table(const Compared& compared) {
+  Table table{
+      .name = "measures", .title = "What was measured", .columns = measure_columns(), .rows = {}};
+  for (std::size_t delay = 0; delay < kDelays_s.size(); ++delay) {
+    for (std::size_t network = 0; network < kNetworks.size(); ++network) {
+      for (std::size_t scheme = 0; scheme < compared.grid.schemes().size(); ++scheme) {
+        const std::size_t i = compared.grid.at(delay, scheme, network);
+        std::vector<Cell> row{1e3 * kDelays_s[delay], name_of(kNetworks[network]),
+                              compared.grid.schemes()[scheme].name};
+        for (Cell& cell : measure_cells(compared.measures[i])) row.push_back(std::move(cell));
+        row.emplace_back(score_of(compared.marks[i], kWeights));
+        table.rows.push_back(std::move(row));
+      }
+    }
+  }
+  return table;
+}
+
+Plot scores_plot(const Compared& compared) {
+  Plot plot{.name = "scores",
+            .title = "Score over delay, mean over four networks; lower is better",
+            .x = {"round-trip delay [ms]", true},
+            .y = {"score [1]", false},
+            .series = {}};
+  for (std::size_t scheme = 0; scheme < compared.grid.schemes().size(); ++scheme) {
+    Series series{compared.grid.schemes()[scheme].name, Mark::LinePoints, {}};
+    for (std::size_t delay = 0; delay < kDelays_s.size(); ++delay) {
+      for (const Standing& standing : rank(compared.marks_at(delay), kWeights)) {
+        if (standing.scheme != scheme) continue;
+        series.points.emplace_back(1e3 * kDelays_s[delay], standing.score);
+      }
+    }
+    plot.series.push_back(series);
+  }
+  return plot;
+}
+
+// Nothing is unbounded but what theory says is: the remote closed loop (teleop.md 2(a)).
+Criterion bounded_criterion(const Compared& compared) {
+  Criterion criterion{
+      "on a steady network only remote-force gives the hand energy, or asks for more than 8.5 N",
+      true};
+  for (std::size_t delay = 0; delay < kDelays_s.size(); ++delay) {
+    for (std::size_t scheme = 0; scheme < compared.grid.schemes().size(); ++scheme) {
+      if (compared.grid.schemes()[scheme].scheme == coupling::Scheme::RemoteForce) continue;
+      const std::size_t i = compared.grid.at(delay, scheme, 0);
+      const bool is_hard = !(compared.measures[i].most_newton <= 8.5);
+      if (compared.marks[i].fails[static_cast<std::size_t>(Gate::Passive)] || is_hard) {
+        criterion.is_met = false;
+      }
+    }
+  }
+  return criterion;
+}
+
+}  // namespace
+
+Result<Findings> run_compare(const CompareSettings& settings) {
+  Compared compared{.grid = Grid(settings)};
+  const auto reference = measure(reference_scheme(), {.moves = settings.moves});
+  if (!reference) return tl::unexpected(reference.error());
+  compared.reference = *reference;
+  const auto runs = run_all(
+      compared.grid.size(), [&](std::size_t i) { return compared.grid.run(i); }, settings.progress);
+  for (const auto& run : runs) {
+    if (!run) return tl::unexpected(run.error());
+    compared.measures.push_back(*run);
+    compared.marks.push_back(marks_of(*run, compared.reference, settings.moves));
+  }
+  return Findings{.experiment = settings.moves ? "compare-moving" : "compare",
+                  .title = settings.moves
+                               ? "Coupling schemes at a wall whose front moves by 3 mm every 0.7 s"
+                               : "Coupling schemes at a wall that stays",
+                  .parameters = {{"seed", "", static_cast<double>(settings.seed)},
+                                 {"servo_rate", "Hz", 1000.0},
+                                 {"jitter_of_delay", "", kJitter},
+                                 {"loss", "", kLoss},
+                                 {"outage", "s", kOutage_s},
+                                 {"outage_every", "s", kOutageEvery_s},
+                                 {"cell", "m", kStageCell_m},
+                                 {"hold_undelayed", "N", compared.reference.hold_newton}},
+                  .tables = {measures_table(compared), ranking_table(compared)},
+                  .plots = {scores_plot(compared)},
+                  .criteria = {bounded_criterion(compared)},
+                  .remarks = {}};
+}
+
+}  // namespace thimble::lab

@@ -1,0 +1,35 @@
+#include "lab/compare/compared.hpp"
+
+namespace thimble::lab {
+namespace {
+
+CouplingCase wave_of(const char* name, double newton_s_per_m) {
+  CouplingCase wave{.name = name, .scheme = coupling::Scheme::Wave};
+  wave.settings.wave.impedance.newton_s_per_m = newton_s_per_m;
+  return wave;
+}
+
+}  // namespace
+
+std::vector<CouplingCase> compared_schemes() {
+  using coupling::Scheme;
+  return {
+      {.name = "remote-force", .scheme = Scheme::RemoteForce},
+      {.name = "spring-damper", .scheme = Scheme::SpringDamper},
+      {.name = "spring-damper, both",
+       .scheme = Scheme::SpringDamper,
+       .settings = {.spring_damper = {.force_at = coupling::ForceAt::Both}},
+       .force_at = coupling::ForceAt::Both},
+      wave_of("wave, b = 2", 2),
+      wave_of("wave, b = 10", 10),
+      wave_of("wave, b = 40", 40),
+      {.name = "ghost-point", .scheme = Scheme::GhostPoint},
+      {.name = "ghost-point, lock-step",
+       .scheme = Scheme::GhostPoint,
+       .mode = link::SendMode::LockStep},
+  };
+}
+
+CouplingCase reference_scheme() { return {.name = "ghost-point, undelayed"}; }
+
+}  // namespace thimble::lab

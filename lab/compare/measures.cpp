@@ -1,0 +1,73 @@
+#include "lab/compare/measures.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "lab/compare/scenarios.hpp"
+
+namespace thimble::lab {
+namespace {
+
+// SOURCE of what metrics are divided by, and of the gates: teleop.md section 5 and decision 0441.
+constexpr double kOnset_s = 0.1;
+constexpr double kDisplacement_m = 0.05;
+constexpr double kDrag_newton = 1;
+constexpr double kMass_kg = 1;
+constexpr double kPush_newton = 2;
+constexpr double kResidue_newton = 1;
+constexpr double kEdge_m = 0.01;
+constexpr double kAstray_newton = 1;
+constexpr double kAstray_s = 1;
+constexpr double kPackets_per_s = 2000;
+constexpr double kSwing_m = 0.0005;
+constexpr double kMost_newton = 8.5;
+constexpr double kRise_newton = 2;
+constexpr double kPull_newton = 0.1;
+
+}  // namespace
+
+Result<Measures> measure(const CouplingCase& of, const StageSettings& settings) {
+  Measures measures;
+  for (const auto play :
+       {play_probe, play_approach, play_push, play_edge, play_taps, play_outage, play_shake}) {
+    if (const auto played = play(of, settings, measures); !played) {
+      return tl::unexpected(played.error());
+    }
+  }
+  return measures;
+}
+
+Marks marks_of(const Measures& measures, const Measures& reference, bool moves) noexcept {
+  const double wall = coupling::GhostPointSettings{}.stiffness.newton_per_m;
+  const double hold_error = std::abs(measures.hold_newton / reference.hold_newton - 1);
+  const auto mean = [](double a, double b) { return (a + b) / 2; };
+  Marks marks;
+  const auto give = [&](Metric metric, double value) {
+    marks.metrics[static_cast<std::size_t>(metric)] = bounded_mark(value);
+  };
+  give(Metric::Onset, measures.onset_s / kOnset_s);
+  give(Metric::Stiffness, std::abs(measures.stiffness_newton_per_m / wall - 1));
+  give(Metric::Displacement, measures.displacement_m / kDisplacement_m);
+  give(Metric::Drag, measures.drag_newton / kDrag_newton + std::abs(measures.mass_kg) / kMass_kg);
+  give(Metric::Hold, mean(measures.push_error_newton / kPush_newton, hold_error));
+  give(Metric::Residue, measures.residue_newton / kResidue_newton);
+  give(Metric::Edge, (measures.edge_m - reference.edge_m) / kEdge_m);
+  give(Metric::MissedTaps, measures.missed_share);
+  give(Metric::Recovery,
+       mean(measures.astray_newton / kAstray_newton, measures.astray_s / kAstray_s));
+  give(Metric::Traffic, measures.packets_per_s / kPackets_per_s);
+  const auto fail_if = [&](Gate gate, bool fails) {
+    marks.fails[static_cast<std::size_t>(gate)] = fails;
+  };
+  // Written so that what is not a number fails. A wall that moves moves the hand, and works on it.
+  fail_if(Gate::Bounded, !moves && !(measures.swing_m < kSwing_m));
+  fail_if(Gate::Passive, !(measures.generated_joule <= measures.declared_joule));
+  fail_if(Gate::Smooth,
+          !(measures.most_newton <= kMost_newton && measures.most_rise_newton <= kRise_newton));
+  fail_if(Gate::NotAttractive, !(measures.most_pull_newton <= kPull_newton));
+  return marks;
+}
+
+}  // namespace thimble::lab

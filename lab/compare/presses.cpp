@@ -1,0 +1,106 @@
+#include <algorithm>
+#include <cmath>
+
+#include "lab/compare/scenarios.hpp"
+
+// The scenarios of a finger that presses: push, edge and outage.
+namespace thimble::lab {
+namespace {
+
+constexpr double kBeside_m = -0.02;  // ours: well away from the edge
+constexpr double kPi = 3.14159265358979323846;
+
+// SOURCE: teleop.md section 5, M5. Ours: from where, how long.
+constexpr double kPush_newton = 2;
+constexpr double kPushFrom_m = kWall_m - 0.001;
+constexpr double kPushFor_s = 3;
+
+// Ours, but for what the thesis's hand does (M7).
+constexpr double kEdgeDepth_m = 0.010;
+constexpr double kEdgeFrom_m = -0.030;
+constexpr double kEdgeTo_m = 0.045;
+constexpr double kEdgeSpeed_m_per_s = 0.1;
+constexpr double kEdgeRest_s = 1;
+constexpr double kEdgeFelt_newton = 0.1;
+
+// Ours, but for the length of the outage (M9).
+constexpr double kStroke_m = 0.010;
+constexpr double kStrokeMiddle_m = kWall_m + 0.020;
+constexpr double kStroke_hz = 2;
+constexpr double kOutageAt_s = 2;
+constexpr double kOutageEnd_s = 4.5;
+constexpr double kAstray_newton = 0.2;
+
+}  // namespace
+
+Result<void> play_push(const CouplingCase& of, const StageSettings& settings, Measures& into) {
+  const Position3 start{kPushFrom_m, kBeside_m, 0};
+  auto stage = Stage::create(of, settings, start);
+  if (!stage) return tl::unexpected(stage.error());
+  Finger finger(start, (*stage)->dt());
+  const FingerGoal goal{.at = {0, kBeside_m, 0}, .push_newton = kPush_newton, .is_pushing = true};
+  double squares = 0;
+  double ticks = 0;
+  while ((*stage)->now_s() < kPushFor_s) {
+    const Felt& felt = (*stage)->tick(finger.tip(), finger.seen_velocity());
+    finger.move(goal, felt.force);
+    if (felt.now_s <= kPushFor_s - 1) continue;
+    squares += (-felt.force.x - kPush_newton) * (-felt.force.x - kPush_newton);
+    ticks += 1;
+  }
+  into.push_error_newton = std::sqrt(squares / ticks);
+  return {};
+}
+
+Result<void> play_edge(const CouplingCase& of, const StageSettings& settings, Measures& into) {
+  const Position3 start{kWall_m - 0.005, kEdgeFrom_m, 0};
+  auto stage = Stage::create(of, settings, start);
+  if (!stage) return tl::unexpected(stage.error());
+  Finger finger(start, (*stage)->dt());
+  const double end_s = kEdgeRest_s + (kEdgeTo_m - kEdgeFrom_m) / kEdgeSpeed_m_per_s;
+  into.edge_m = 0;
+  while ((*stage)->now_s() < end_s) {
+    const Felt& felt = (*stage)->tick(finger.tip(), finger.seen_velocity());
+    const double slid_s = std::max(0.0, felt.now_s - kEdgeRest_s);
+    FingerGoal goal{.at = {kWall_m + kEdgeDepth_m, kEdgeFrom_m + kEdgeSpeed_m_per_s * slid_s, 0}};
+    if (slid_s > 0) goal.moving.y = kEdgeSpeed_m_per_s;
+    finger.move(goal, felt.force);
+    if (-felt.force.x > kEdgeFelt_newton) into.edge_m = std::max(into.edge_m, felt.tip.y);
+  }
+  return {};
+}
+
+Result<void> play_outage(const CouplingCase& of, const StageSettings& settings, Measures& into) {
+  std::vector<Force3> undisturbed;
+  into.astray_newton = into.astray_s = 0;
+  for (const bool is_cut : {false, true}) {
+    const Position3 start{kWall_m - 0.005, kBeside_m, 0};
+    auto stage = Stage::create(of, settings, start);
+    if (!stage) return tl::unexpected(stage.error());
+    Finger finger(start, (*stage)->dt());
+    bool has_cut = false;
+    for (std::size_t tick = 0; (*stage)->now_s() < kOutageEnd_s; ++tick) {
+      if (is_cut && !has_cut && (*stage)->now_s() >= kOutageAt_s) {
+        (*stage)->cut_network(kOutage_s);
+        has_cut = true;
+      }
+      const Felt& felt = (*stage)->tick(finger.tip(), finger.seen_velocity());
+      const double angle_rad = 2 * kPi * kStroke_hz * felt.now_s;
+      const double speed_m_per_s = 2 * kPi * kStroke_hz * kStroke_m * std::cos(angle_rad);
+      finger.move({.at = {kStrokeMiddle_m + kStroke_m * std::sin(angle_rad), kBeside_m, 0},
+                   .moving = {speed_m_per_s, 0, 0}},
+                  felt.force);
+      if (!is_cut) {
+        undisturbed.push_back(felt.force);
+        continue;
+      }
+      const double astray_newton = std::abs(felt.force.x - undisturbed[tick].x);
+      into.astray_newton = std::max(into.astray_newton, astray_newton);
+      if (astray_newton <= kAstray_newton) continue;
+      into.astray_s = std::max(into.astray_s, felt.now_s - kOutageAt_s - kOutage_s);
+    }
+  }
+  return {};
+}
+
+}  // namespace thimble::lab

@@ -1,0 +1,144 @@
+#include "lab/compare/compare.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <set>
+#include <string>
+
+#include "lab/compare/compared.hpp"
+#include "lab/compare/scenarios.hpp"
+#include "lab/trial/plane_fit.hpp"
+#include "lab/trial/random.hpp"
+
+namespace thimble::lab {
+namespace {
+
+Measures measures_of(const CouplingCase& of, const StageSettings& settings) {
+  const auto measured = measure(of, settings);
+  EXPECT_TRUE(measured) << measured.error().message;
+  return measured.value_or(Measures{});
+}
+
+std::size_t place(Metric metric) { return static_cast<std::size_t>(metric); }
+std::size_t place(Gate gate) { return static_cast<std::size_t>(gate); }
+
+// teleop.md section 3: "Undelayed: hold force 3.20 N".
+TEST(Compare, UndelayedIsAsTheFactsHaveIt) {
+  const Measures found = measures_of(reference_scheme(), {});
+  EXPECT_NEAR(found.hold_newton, 3.2, 0.05);
+  EXPECT_NEAR(found.stiffness_newton_per_m, 800, 5);
+  EXPECT_LE(found.onset_s, 0.005);
+  EXPECT_LT(found.displacement_m, 0.001);
+  EXPECT_EQ(found.drag_newton, 0);
+  EXPECT_NEAR(found.mass_kg, 0, 1e-12);
+  EXPECT_EQ(found.missed_share, 0);
+  EXPECT_LT(found.push_error_newton, 1e-6);
+  EXPECT_LT(found.edge_m, 0.001);
+  EXPECT_EQ(found.residue_newton, 0);
+}
+
+// The same section's table: hold force of (e) streamed and of (a), and what (a) does at 20 ms.
+TEST(Compare, DelayedIsAsTheFactsHaveIt) {
+  const CouplingCase ghost{.name = "ghost-point"};
+  EXPECT_NEAR(measures_of(ghost, {.delay_s = 0.005}).hold_newton, 3.1, 0.1);
+  EXPECT_NEAR(measures_of(ghost, {.delay_s = 0.02}).hold_newton, 2.7, 0.1);
+  const Measures at_50 = measures_of(ghost, {.delay_s = 0.05});
+  EXPECT_NEAR(at_50.hold_newton, 1.9, 0.1);
+  EXPECT_NEAR(at_50.onset_s, 0.05, 0.002);
+  EXPECT_NEAR(at_50.displacement_m, 0.0097, 0.0006);
+  EXPECT_LT(at_50.swing_m, 1e-6);
+  const CouplingCase remote{.name = "remote-force", .scheme = coupling::Scheme::RemoteForce};
+  const Measures swinging = measures_of(remote, {.delay_s = 0.02});
+  EXPECT_GT(swinging.swing_m, 0.02);
+  EXPECT_GT(swinging.generated_joule, 1);
+}
+
+TEST(Compare, MarksSayWhatIsAmissAndWhereAGateFails) {
+  Measures ideal;
+  ideal.stiffness_newton_per_m = 800;
+  ideal.hold_newton = 3.2;
+  const Marks none = marks_of(ideal, ideal, false);
+  for (const double mark : none.metrics) EXPECT_EQ(mark, 0);
+  for (const bool fails : none.fails) EXPECT_FALSE(fails);
+
+  Measures poor = ideal;
+  poor.onset_s = 0.05;
+  poor.stiffness_newton_per_m = 400;
+  poor.displacement_m = std::numeric_limits<double>::quiet_NaN();
+  poor.hold_newton = 1.6;
+  poor.push_error_newton = 1;
+  poor.mass_kg = -0.25;
+  poor.drag_newton = 0.5;
+  poor.swing_m = 0.001;
+  poor.most_pull_newton = 0.2;
+  const Marks marks = marks_of(poor, ideal, false);
+  EXPECT_DOUBLE_EQ(marks.metrics[place(Metric::Onset)], 0.5);
+  EXPECT_DOUBLE_EQ(marks.metrics[place(Metric::Stiffness)], 0.5);
+  EXPECT_DOUBLE_EQ(marks.metrics[place(Metric::Displacement)], kWorst);
+  EXPECT_DOUBLE_EQ(marks.metrics[place(Metric::Hold)], 0.5);
+  EXPECT_DOUBLE_EQ(marks.metrics[place(Metric::Drag)], 0.75);
+  EXPECT_TRUE(marks.fails[place(Gate::Bounded)]);
+  EXPECT_TRUE(marks.fails[place(Gate::NotAttractive)]);
+  EXPECT_FALSE(marks.fails[place(Gate::Passive)]);
+  EXPECT_FALSE(marks.fails[place(Gate::Smooth)]);
+  EXPECT_FALSE(marks_of(poor, ideal, true).fails[place(Gate::Bounded)]) << "the wall moved it";
+}
+
+TEST(Compare, ARunIsTheSameAgainAndOfAnotherSeedItIsNot) {
+  const CouplingCase ghost{.name = "ghost-point"};
+  const StageSettings rough{.delay_s = 0.05, .jitter_s = 0.025, .loss = 0.05, .seed = 3};
+  StageSettings other = rough;
+  other.seed = 4;
+  const double once = measures_of(ghost, rough).hold_newton;
+  EXPECT_EQ(measures_of(ghost, rough).hold_newton, once);
+  EXPECT_NE(measures_of(ghost, other).hold_newton, once);
+}
+
+TEST(Compare, EachSchemeIsComparedUnderANameOfItsOwn) {
+  std::set<std::string> names;
+  std::set<coupling::Scheme> schemes;
+  for (const CouplingCase& one : compared_schemes()) {
+    EXPECT_TRUE(names.insert(one.name).second) << one.name;
+    schemes.insert(one.scheme);
+  }
+  // All but the printed callback, which is to be shown, not used.
+  EXPECT_EQ(schemes.size(), coupling::kSchemes.size() - 1);
+}
+
+TEST(Stage, TheWallMovesAndTheNetworkFallsSilentWhenTheyAreSaidTo) {
+  // The hand rests 1 mm before the wall, inside the cell that is filled from 0.7 s on.
+  const Position3 before{kWall_m - 0.001, -0.02, 0};
+  auto stage = Stage::create({.name = "ghost-point"}, {.moves = true}, before);
+  ASSERT_TRUE(stage) << stage.error().message;
+  double first_s = 0;
+  while ((*stage)->now_s() < 1.0) {
+    const Felt& felt = (*stage)->tick(before, {});
+    if (felt.is_in_contact && first_s == 0) first_s = felt.now_s;
+  }
+  EXPECT_NEAR(first_s, kMoveEvery_s, 0.005);
+
+  auto silent = Stage::create({.name = "ghost-point"}, {.has_outages = true}, before);
+  ASSERT_TRUE(silent);
+  while ((*silent)->now_s() < kOutageEvery_s) (void)(*silent)->tick(before, {});
+  EXPECT_NEAR((*silent)->packets_per_s(), 2000 * (1 - kOutage_s / kOutageEvery_s), 5);
+}
+
+TEST(PlaneFit, FindsTheSlopesItWasGiven) {
+  Random random(5);
+  PlaneFit fit;
+  PlaneFit flat;
+  for (int i = 0; i < 500; ++i) {
+    const double x = random.uniform(-1, 1);
+    const double y = random.uniform(-3, 1);
+    fit.add(x, y, 7 + 800 * x - 5 * y);
+    flat.add(2, y, y);
+  }
+  EXPECT_NEAR(fit.slope(), 800, 1e-9);
+  EXPECT_NEAR(fit.spread(), 1 / std::sqrt(3), 0.05);
+  EXPECT_TRUE(std::isnan(flat.slope())) << "points of one x tell no slope along it";
+}
+
+}  // namespace
+}  // namespace thimble::lab
