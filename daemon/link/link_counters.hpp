@@ -12,14 +12,17 @@ namespace thimble::link {
 
 // Why a message was refused. Every refusal has exactly one reason and is counted under it.
 enum class RejectReason : std::uint8_t {
-  WrongSize,       // not the one length the protocol has
-  WrongPeer,       // somebody else holds the session, or an address that is not the pinned one
-  NonFinite,       // NaN or infinity where a number has a meaning
-  OutOfRange,      // further than 10 m from the origin: no arm is that long
-  BadDirection,    // both directions of one axis, or a bit that does not exist
+  WrongSize,     // not the one length the protocol has
+  WrongPeer,     // somebody else holds the session, or an address that is not the pinned one
+  NonFinite,     // NaN or infinity where a number has a meaning
+  OutOfRange,    // further than 10 m from the origin: no arm is that long
+  BadDirection,  // both directions of one axis, a bit that does not exist, or a normal not of unit
+                 // length
   SessionRefused,  // the world would not let the hand in; tried again
+  WrongVersion,    // none that this end speaks, or a kind or flag that it does not know
+  Malformed,       // lengths, counts or names that cannot be
 };
-inline constexpr std::size_t kRejectReasons = 6;
+inline constexpr std::size_t kRejectReasons = 8;
 
 // What one end of a link has done since it was made. "Message": a hand sample one way, a
 // constraint set the other.

@@ -1,0 +1,311 @@
+#include "daemon/link/thimble_codec.hpp"
+
+#include "daemon/link/thimble_codec_parts.hpp"
+
+namespace thimble::link {
+using namespace codec;
+namespace {
+
+// Rounding of a normal that somebody made of length 1 in binary32.
+constexpr double kUnitTolerance = 1e-6;
+// Ours: a thousand times the longest edge of a world.
+constexpr std::int32_t kMaxCellIndex = 1 << 20;
+
+// Bits of the masks, in the order in which the fields stand.
+constexpr std::uint32_t kVelocity = 1U << 0U;
+constexpr std::uint32_t kTool = 1U << 1U;
+constexpr std::uint32_t kWaves = 1U << 2U;
+constexpr std::uint32_t kImpulse = 1U << 3U;
+constexpr std::uint32_t kPresses = 1U << 4U;
+constexpr std::uint32_t kSampleEnergy = 1U << 5U;
+constexpr std::uint32_t kSampleEpoch = 1U << 6U;
+constexpr std::uint32_t kPatchesHeld = 1U << 7U;
+constexpr std::uint32_t kSampleFields = (1U << 8U) - 1;
+
+constexpr std::uint32_t kPlanes = 1U << 0U;
+constexpr std::uint32_t kGhost = 1U << 1U;
+constexpr std::uint32_t kGhostCell = 1U << 2U;
+constexpr std::uint32_t kEmbedded = 1U << 3U;
+constexpr std::uint32_t kFar = 1U << 4U;
+constexpr std::uint32_t kEpoch = 1U << 5U;
+constexpr std::uint32_t kPressure = 1U << 6U;
+constexpr std::uint32_t kEnergy = 1U << 7U;
+constexpr std::uint32_t kConstraintFields = (1U << 8U) - 1;
+
+// Of a surface.
+constexpr std::uint8_t kStiffness = 1U << 0U;
+constexpr std::uint8_t kDamping = 1U << 1U;
+constexpr std::uint8_t kFriction = 1U << 2U;
+constexpr std::uint8_t kTemperature = 1U << 3U;
+constexpr std::uint8_t kSurfaceFields = (1U << 4U) - 1;
+
+std::uint32_t flag(bool is_said, std::uint32_t bit) noexcept { return is_said ? bit : 0; }
+std::uint8_t flag(bool is_said, std::uint8_t bit) noexcept {
+  return is_said ? bit : std::uint8_t{0};
+}
+
+std::uint32_t mask_of(const ThimbleSample& m) noexcept {
+  const coupling::HandSample& s = m.sample;
+  return flag(s.velocity != Velocity3(), kVelocity) |
+         flag(s.tool != coupling::ToolProperties(), kTool) |
+         flag(s.waves != coupling::WaveSums(), kWaves) |
+         flag(s.impulse != coupling::Impulse3(), kImpulse) | flag(m.presses.has_value(), kPresses) |
+         flag(m.energy_joule.has_value(), kSampleEnergy) | flag(m.epoch.has_value(), kSampleEpoch) |
+         flag(m.patches_held.has_value(), kPatchesHeld);
+}
+
+std::uint32_t mask_of(const ThimbleConstraints& m) noexcept {
+  return flag(!m.set.planes.empty(), kPlanes) | flag(m.set.has_ghost, kGhost) |
+         flag(m.ghost_cell.has_value(), kGhostCell) | flag(m.set.is_embedded, kEmbedded) |
+         flag(m.set.has_far, kFar) | flag(m.epoch.has_value(), kEpoch) |
+         flag(m.pressure.has_value(), kPressure) | flag(m.energy_joule.has_value(), kEnergy);
+}
+
+template <class Bytes, class Message>
+bool carry_sample(Bytes& b, Message& m) noexcept {
+  carry_timing(b, m.timing);
+  auto& s = m.sample;
+  b.word(s.sequence);
+  b.time(s.sampled_at);
+  b.word(s.restart);
+  b.word(s.buttons);
+  b.word(s.applied_reply);
+  b.vector(s.hand);
+  std::uint32_t mask = mask_of(m);
+  b.word(mask);
+  if ((mask & kVelocity) != 0) b.vector(s.velocity);
+  if ((mask & kTool) != 0) {
+    b.real(s.tool.stiffness.newton_per_m);
+    b.real(s.tool.damping.newton_s_per_m);
+  }
+  if ((mask & kWaves) != 0) carry_waves(b, s.waves);
+  if ((mask & kImpulse) != 0) b.vector(s.impulse);
+  const auto word = [&](auto& value) { b.word(value); };
+  const auto real = [&](auto& value) { b.real(value); };
+  carry_optional<Bytes>((mask & kPresses) != 0, m.presses,
+                        [&](auto& presses) { carry_words(b, presses); });
+  carry_optional<Bytes>((mask & kSampleEnergy) != 0, m.energy_joule, real);
+  carry_optional<Bytes>((mask & kSampleEpoch) != 0, m.epoch, word);
+  carry_optional<Bytes>((mask & kPatchesHeld) != 0, m.patches_held, word);
+  return mask > kSampleFields;
+}
+
+template <class Bytes, class Plane, class Temperature>
+void carry_plane(Bytes& b, Plane& plane, Temperature& kelvin) noexcept {
+  b.vector(plane.normal);
+  b.real(plane.offset_m);
+  auto& surface = plane.surface;
+  std::uint8_t mask = 0;
+  if constexpr (!Bytes::kIsReader) {
+    // Not "is positive": what is no number is said, and refused.
+    mask = static_cast<std::uint8_t>(flag(!(surface.stiffness.newton_per_m < 0), kStiffness) |
+                                     flag(!(surface.damping.newton_s_per_m < 0), kDamping) |
+                                     flag(!(surface.friction < 0), kFriction) |
+                                     flag(kelvin != 0, kTemperature));
+  }
+  b.word(mask);
+  if constexpr (Bytes::kIsReader) {
+    if (mask > kSurfaceFields) return b.refuse();
+  }
+  if ((mask & kStiffness) != 0) b.real(surface.stiffness.newton_per_m);
+  if ((mask & kDamping) != 0) b.real(surface.damping.newton_s_per_m);
+  if ((mask & kFriction) != 0) b.real(surface.friction);
+  if ((mask & kTemperature) != 0) b.real(kelvin);
+  if constexpr (Bytes::kIsReader) {
+    const bool is_said_to_be_unsaid =
+        ((mask & kStiffness) != 0 && surface.stiffness.newton_per_m < 0) ||
+        ((mask & kDamping) != 0 && surface.damping.newton_s_per_m < 0) ||
+        ((mask & kFriction) != 0 && surface.friction < 0) ||
+        ((mask & kTemperature) != 0 && kelvin == 0);
+    if (is_said_to_be_unsaid) b.refuse();
+  }
+}
+
+void carry_planes(ByteWriter& b, const ThimbleConstraints& m) noexcept {
+  b.word(static_cast<std::uint8_t>(m.set.planes.size()));
+  for (std::size_t i = 0; i < m.set.planes.size(); ++i) {
+    carry_plane(b, m.set.planes[i], m.temperature_kelvin[i]);
+  }
+}
+void carry_planes(ByteReader& b, ThimbleConstraints& m) noexcept {
+  std::uint8_t count = 0;
+  b.word(count);
+  if (count == 0 || count > coupling::kMaxPlanes) return b.refuse();
+  for (std::size_t i = 0; i < count && b.is_good(); ++i) {
+    coupling::ConstraintPlane plane;
+    carry_plane(b, plane, m.temperature_kelvin[i]);
+    m.set.planes.push_back(plane);
+  }
+}
+
+template <class Bytes, class Far>
+void carry_far(Bytes& b, Far& far) noexcept {
+  b.vector(far.force);
+  b.vector(far.slave);
+  b.vector(far.velocity);
+  carry_waves(b, far.waves);
+  std::uint8_t pressing = far.is_pressing ? 1 : 0;
+  b.word(pressing);
+  if constexpr (Bytes::kIsReader) {
+    if (pressing > 1) b.refuse();
+    far.is_pressing = pressing == 1;
+  }
+}
+
+template <class Bytes, class Message>
+bool carry_constraints(Bytes& b, Message& m) noexcept {
+  carry_timing(b, m.timing);
+  b.word(m.request);
+  auto& set = m.set;
+  b.word(set.sequence);
+  b.word(set.answers);
+  b.time(set.sampled_at);
+  b.word(set.session);
+  std::uint32_t mask = mask_of(m);
+  b.word(mask);
+  if constexpr (Bytes::kIsReader) {
+    set.has_ghost = (mask & kGhost) != 0;
+    set.is_embedded = (mask & kEmbedded) != 0;
+    set.has_far = (mask & kFar) != 0;
+  }
+  if ((mask & kPlanes) != 0) carry_planes(b, m);
+  if (set.has_ghost) b.vector(set.ghost);
+  carry_optional<Bytes>((mask & kGhostCell) != 0, m.ghost_cell,
+                        [&](auto& cell) { carry_cell(b, cell); });
+  if (set.has_far) carry_far(b, set.far);
+  carry_optional<Bytes>((mask & kEpoch) != 0, m.epoch, [&](auto& value) { b.word(value); });
+  carry_optional<Bytes>((mask & kPressure) != 0, m.pressure, [&](auto& value) { b.vector(value); });
+  carry_optional<Bytes>((mask & kEnergy) != 0, m.energy_joule, [&](auto& value) { b.real(value); });
+  return mask > kConstraintFields;
+}
+
+template <class Bytes, class Message>
+void carry_box(Bytes& b, Message& m) noexcept {
+  carry_timing(b, m.timing);
+  b.word(m.epoch);
+  b.word(m.version);
+  carry_cell(b, m.origin);
+  carry_words(b, m.size);
+}
+template <class Bytes, class Message>
+bool carry_idle(Bytes& b, Message& m) noexcept {
+  carry_timing(b, m.timing);
+  b.word(m.request);
+  return false;
+}
+
+Reason check_plane(const coupling::ConstraintPlane& plane, double kelvin) noexcept {
+  const coupling::SurfaceProperties& surface = plane.surface;
+  const Reason reason =
+      first_of({check_finite(plane.normal), check_reach(plane.offset_m),
+                check_finite(surface.stiffness.newton_per_m),
+                check_finite(surface.damping.newton_s_per_m), check_finite(surface.friction),
+                check_finite(kelvin), unless(kelvin >= 0, RejectReason::OutOfRange)});
+  if (reason) return reason;
+  return unless(std::abs(norm(plane.normal) - 1) <= kUnitTolerance, RejectReason::BadDirection);
+}
+
+}  // namespace
+
+// Found by encode_as() and decode_as() through the messages' namespace.
+static bool carry(ByteWriter& b, const ThimbleSample& m) noexcept { return carry_sample(b, m); }
+static bool carry(ByteReader& b, ThimbleSample& m) noexcept { return carry_sample(b, m); }
+static bool carry(ByteWriter& b, const ThimbleConstraints& m) noexcept {
+  return carry_constraints(b, m);
+}
+static bool carry(ByteReader& b, ThimbleConstraints& m) noexcept { return carry_constraints(b, m); }
+static bool carry(ByteWriter& b, const ThimbleOccupancy& m) noexcept {
+  carry_box(b, m);
+  b.block(std::span<const std::byte>(m.bitmap));
+  return false;
+}
+
+static bool carry(ByteReader& b, ThimbleOccupancy& m) noexcept {
+  carry_box(b, m);
+  while (b.is_good() && b.left() > 0) {
+    std::byte cells{};
+    b.block(std::span(&cells, 1));
+    if (!m.bitmap.push_back(cells)) return false;  // the rest is too much
+  }
+  return false;
+}
+
+static bool carry(ByteWriter& b, const ThimbleIdle& m) noexcept { return carry_idle(b, m); }
+static bool carry(ByteReader& b, ThimbleIdle& m) noexcept { return carry_idle(b, m); }
+static Reason check(const ThimbleSample& m) noexcept {
+  const coupling::HandSample& s = m.sample;
+  return first_of({check_timing(m.timing), check_time(s.sampled_at), check_place(s.hand),
+                   check_finite(s.velocity), check_finite(s.tool.stiffness.newton_per_m),
+                   check_finite(s.tool.damping.newton_s_per_m), check_waves(s.waves),
+                   check_finite(s.impulse), check_finite(m.energy_joule.value_or(0))});
+}
+
+static Reason check(const ThimbleConstraints& m) noexcept {
+  const coupling::ConstraintSet& set = m.set;
+  for (std::size_t i = 0; i < set.planes.size(); ++i) {
+    if (const Reason reason = check_plane(set.planes[i], m.temperature_kelvin[i])) return reason;
+  }
+  const Reason reason = first_of({check_timing(m.timing), check_time(set.sampled_at),
+                                  set.has_ghost ? check_place(set.ghost) : Reason(),
+                                  check_finite(m.pressure.value_or(Force3())),
+                                  check_finite(m.energy_joule.value_or(0))});
+  if (reason || !set.has_far) return reason;
+  const coupling::FarEnd& far = set.far;
+  return first_of({check_finite(far.force), check_place(far.slave), check_finite(far.velocity),
+                   check_waves(far.waves)});
+}
+
+static Reason check(const ThimbleOccupancy& m) noexcept {
+  std::uint64_t cells = 1;
+  for (const std::uint16_t edge : m.size) cells *= edge;  // at most 2^48
+  if (const Reason reason = check_timing(m.timing)) return reason;
+  if (m.version == 0 || cells == 0 || cells > ThimbleOccupancy::kMaxCells) {
+    return RejectReason::Malformed;
+  }
+  for (const std::int32_t index : m.origin) {
+    if (index < -kMaxCellIndex || index > kMaxCellIndex) return RejectReason::OutOfRange;
+  }
+  if (m.bitmap.size() != (cells + 7) / 8) return RejectReason::WrongSize;
+  const auto used = static_cast<unsigned>((cells - 1) % 8 + 1);
+  const auto last = std::to_integer<unsigned>(m.bitmap[m.bitmap.size() - 1]);
+  return unless(last >> used == 0, RejectReason::Malformed);
+}
+
+static Reason check(const ThimbleIdle& m) noexcept { return check_timing(m.timing); }
+
+Decoded<std::size_t> encode(const ThimbleSample& message,
+                            std::span<std::byte, kMaxThimbleContent> out) noexcept {
+  ThimbleSample bounded = message;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    double& along_m = bounded.sample.hand[axis];
+    along_m = std::clamp(along_m, -kMaxThesisCoordinate_m, kMaxThesisCoordinate_m);
+  }
+  return encode_as(bounded, out);
+}
+Decoded<std::size_t> encode(const ThimbleConstraints& message,
+                            std::span<std::byte, kMaxThimbleContent> out) noexcept {
+  return encode_as(message, out);
+}
+Decoded<std::size_t> encode(const ThimbleOccupancy& message,
+                            std::span<std::byte, kMaxThimbleContent> out) noexcept {
+  return encode_as(message, out);
+}
+Decoded<std::size_t> encode(const ThimbleIdle& message,
+                            std::span<std::byte, kMaxThimbleContent> out) noexcept {
+  return encode_as(message, out);
+}
+
+Decoded<void> decode(std::span<const std::byte> content, ThimbleSample& out) noexcept {
+  return decode_as(content, out);
+}
+Decoded<void> decode(std::span<const std::byte> content, ThimbleConstraints& out) noexcept {
+  return decode_as(content, out);
+}
+Decoded<void> decode(std::span<const std::byte> content, ThimbleOccupancy& out) noexcept {
+  return decode_as(content, out);
+}
+Decoded<void> decode(std::span<const std::byte> content, ThimbleIdle& out) noexcept {
+  return decode_as(content, out);
+}
+
+}  // namespace thimble::link

@@ -1,0 +1,154 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "daemon/coupling/messages.hpp"
+#include "hal/base/geometry.hpp"
+#include "hal/base/time.hpp"
+#include "hal/rt/static_vector.hpp"
+
+namespace thimble::link {
+
+// What the Thimble datagrams say; their bytes are in docs/link-protocol.md. Plain values, SI, that
+// cross queues by copying. What is optional here nobody has to say: a peer of another version, or a
+// world that does not know it, leaves it out.
+
+enum class ThimbleKind : std::uint8_t {
+  Hello = 1,         // arm: who I am, and once challenged, that I can hear you
+  Challenge = 2,     // world: say that again with this number
+  Welcome = 3,       // world: a session is yours
+  Refusal = 4,       // world: it is not, and why
+  Sample = 16,       // arm: a hand
+  Constraints = 17,  // world: what holds it
+  Occupancy = 18,    // world: cells around it
+  Idle = 19,         // world: heard, and nothing to say now
+};
+
+struct ThimbleHeader {
+  ThimbleKind kind{};
+  bool is_sealed{false};
+  std::uint64_t session{0};   // chosen by the world; 0 before there is one
+  std::uint64_t sequence{0};  // from 1, +1 a datagram of one direction of a session; never again
+  bool operator==(const ThimbleHeader&) const = default;
+};
+
+// First in every datagram: with what comes back they tell round trip and clocks. Negative times do
+// not exist; 0: none.
+struct ThimbleTiming {
+  MonotonicTime sent_at{};    // sender's clock
+  MonotonicTime echo{};       // receiver's clock: sent_at of the datagram that this one follows
+  MonotonicTime echoed_at{};  // sender's clock: when that one arrived
+  bool operator==(const ThimbleTiming&) const = default;
+};
+
+// Letters, digits, '-' as the names of a configuration; zeros behind.
+struct ShortName {
+  static constexpr std::size_t kSize = 32;
+  std::array<char, kSize> letters{};
+  bool operator==(const ShortName&) const = default;
+  // Cut to its size.
+  [[nodiscard]] static ShortName of(std::string_view text) noexcept;
+  [[nodiscard]] std::string_view view() const noexcept;
+};
+
+using Nonce = std::array<std::byte, 32>;
+
+// What one side can do beyond what every version can, a bit each. None yet: bits that a peer does
+// not know mean nothing to it.
+using Capabilities = std::uint64_t;
+
+struct ThimbleHello {
+  ThimbleTiming timing{};
+  Nonce arm_nonce{};         // of this attempt
+  Nonce world_nonce{};       // of the challenge it answers; zeros: not challenged yet
+  ShortName scheme{};        // the arm's half: the world makes the other
+  std::uint8_t force_at{0};  // of "spring-damper": 0 the world, 1 both ends
+  Capabilities capabilities{0};
+  bool operator==(const ThimbleHello&) const = default;
+};
+
+struct ThimbleChallenge {
+  ThimbleTiming timing{};
+  Nonce arm_nonce{};  // of the hello
+  Nonce world_nonce{};
+  bool operator==(const ThimbleChallenge&) const = default;
+};
+
+struct ThimbleWelcome {
+  ThimbleTiming timing{};
+  Nonce arm_nonce{};
+  Capabilities capabilities{0};
+  ShortName world{};
+  std::array<std::uint32_t, 3> cells{};  // zeros: it has none
+  double cell_m{0};
+  std::uint64_t epoch{0};  // of the world's cells: changes when they do; 0: it cannot tell
+  bool operator==(const ThimbleWelcome&) const = default;
+};
+
+enum class ThimbleRefusalReason : std::uint8_t {
+  Busy = 1,    // as many hands as the world takes
+  Scheme = 2,  // the world has no other half for it
+};
+
+struct ThimbleRefusal {
+  ThimbleTiming timing{};
+  Nonce arm_nonce{};
+  ThimbleRefusalReason reason{};
+  bool operator==(const ThimbleRefusal&) const = default;
+};
+
+// How often each of the first eight buttons was pressed in this session, modulo 256: so no press is
+// lost with a datagram, nor missed between two.
+using PressCounts = std::array<std::uint8_t, 8>;
+
+struct ThimbleSample {
+  ThimbleTiming timing{};
+  coupling::HandSample sample{};
+  std::optional<PressCounts> presses{};
+  std::optional<double> energy_joule{};         // put in at the arm's port so far (teleop.md, TDPA)
+  std::optional<std::uint64_t> epoch{};         // of the cells the arm knows
+  std::optional<std::uint64_t> patches_held{};  // every patch up to this version is there
+};
+
+using CellIndex = std::array<std::int32_t, 3>;
+
+struct ThimbleConstraints {
+  ThimbleTiming timing{};
+  std::uint64_t request{0};  // ThimbleHeader::sequence of the sample it answers
+  coupling::ConstraintSet set{};
+  // Of the surface of each plane of the set, in their order; 0: not said.
+  std::array<double, coupling::kMaxPlanes> temperature_kelvin{};
+  std::optional<CellIndex> ghost_cell{};
+  std::optional<std::uint64_t> epoch{};
+  std::optional<Force3> pressure{};      // of what flows against the hand, N
+  std::optional<double> energy_joule{};  // put in at the world's port so far
+};
+
+// Cells of a box of the world, as they were when its version was given. A newer version of a cell
+// replaces an older one, whatever the boxes.
+struct ThimbleOccupancy {
+  // Ours: beside the rest it fits one datagram that no network cuts.
+  static constexpr std::size_t kMaxBytes = 1024;
+  static constexpr std::size_t kMaxCells = 8 * kMaxBytes;
+
+  ThimbleTiming timing{};
+  std::uint64_t epoch{0};
+  std::uint64_t version{0};  // from 1, +1 a patch of one session
+  CellIndex origin{};
+  std::array<std::uint16_t, 3> size{};  // each at least 1
+  // x fastest, then y, then z; eight a byte, the first in the lowest bit; the rest of the last 0.
+  rt::StaticVector<std::byte, kMaxBytes> bitmap{};
+  bool operator==(const ThimbleOccupancy&) const = default;
+};
+
+struct ThimbleIdle {
+  ThimbleTiming timing{};
+  std::uint64_t request{0};
+  bool operator==(const ThimbleIdle&) const = default;
+};
+
+}  // namespace thimble::link

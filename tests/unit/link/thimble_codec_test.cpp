@@ -1,0 +1,439 @@
+// lint: long-file one list of cases for each kind of datagram
+#include "daemon/link/thimble_codec.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <limits>
+#include <map>
+#include <random>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace thimble::link {
+namespace {
+
+using std::chrono::nanoseconds;
+
+constexpr std::uint64_t kSession = 0x0123456789ABCDEF;
+constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
+
+MonotonicTime at(std::int64_t ns) { return {nanoseconds(ns)}; }
+
+Nonce counted_from(unsigned first) {
+  Nonce nonce{};
+  for (std::size_t i = 0; i < nonce.size(); ++i) nonce[i] = std::byte(first + i);
+  return nonce;
+}
+
+// What thimble_datagrams.py wrote.
+const std::map<std::string, std::vector<std::byte>>& golden() {
+  static const auto read = [] {
+    std::map<std::string, std::vector<std::byte>> out;
+    std::ifstream file(THIMBLE_SOURCE_DIR "/tests/data/thimble_datagrams.txt");
+    for (std::string name, hex; file >> name >> hex;) {
+      for (std::size_t i = 0; i + 1 < hex.size(); i += 2) {
+        out[name].push_back(std::byte(std::stoi(hex.substr(i, 2), nullptr, 16)));
+      }
+    }
+    return out;
+  }();
+  return read;
+}
+
+template <class Message>
+std::vector<std::byte> content_of(const Message& message) {
+  std::array<std::byte, kMaxThimbleContent> out{};
+  const Decoded<std::size_t> size = encode(message, out);
+  EXPECT_TRUE(size.has_value());
+  return {out.begin(), out.begin() + static_cast<std::ptrdiff_t>(size.value_or(0))};
+}
+
+template <class Message>
+std::vector<std::byte> datagram_of(const ThimbleHeader& header, const Message& message) {
+  std::array<std::byte, kThimbleHeaderSize> begin{};
+  encode_header(header, begin);
+  std::vector<std::byte> out(begin.begin(), begin.end());
+  const std::vector<std::byte> content = content_of(message);
+  out.insert(out.end(), content.begin(), content.end());
+  return out;
+}
+
+// Both ways: the message gives the bytes, and the bytes give a message that gives them again.
+template <class Message>
+void expect_golden(const std::string& name, const ThimbleHeader& header, const Message& message) {
+  SCOPED_TRACE(name);
+  const std::vector<std::byte>& bytes = golden().at(name);
+  EXPECT_EQ(datagram_of(header, message), bytes);
+  const Decoded<ThimbleHeader> read = decode_header(bytes);
+  ASSERT_TRUE(read.has_value());
+  EXPECT_EQ(*read, header);
+  Message again;
+  ASSERT_TRUE(decode(std::span(bytes).subspan(kThimbleHeaderSize), again).has_value());
+  EXPECT_EQ(datagram_of(header, again), bytes);
+}
+
+template <class Message>
+std::optional<RejectReason> refused(const std::vector<std::byte>& content) {
+  Message out;
+  const Decoded<void> done = decode(content, out);
+  return done ? std::nullopt : std::optional(done.error());
+}
+
+ThimbleSample least_sample() {
+  ThimbleSample m;
+  m.timing = {at(1'000'000'000), at(2'000'000'000), at(900'000'000)};
+  m.sample = {.sequence = 77, .sampled_at = at(999'000'000), .hand = {0.0155, -0.25, 1e-300}};
+  m.sample.buttons = 0b101;
+  m.sample.applied_reply = 41;
+  m.sample.restart = 3;
+  return m;
+}
+
+ThimbleSample full_sample() {
+  ThimbleSample m = least_sample();
+  m.sample.velocity = {0.2, -0.1, 0.05};
+  m.sample.tool = {{800}, {5}};
+  m.sample.waves = {{1, 2, -3}, {0.5, 0.25, 0.125}};
+  m.sample.impulse = {-0.001, 0.002, 0};
+  m.presses = PressCounts{1, 0, 255, 0, 0, 0, 0, 7};
+  m.energy_joule = 0.0001;
+  m.epoch = 9;
+  m.patches_held = 1000;
+  return m;
+}
+
+ThimbleConstraints least_constraints() {
+  ThimbleConstraints m;
+  m.timing = {at(2'500'000'000), at(1'000'000'000), at(2'400'000'000)};
+  m.request = 12;
+  m.set.sequence = 42;
+  m.set.answers = 77;
+  m.set.sampled_at = at(999'000'000);
+  m.set.session = 6;
+  return m;
+}
+
+ThimbleConstraints full_constraints() {
+  ThimbleConstraints m = least_constraints();
+  m.set.planes.push_back({.normal = {1, 0, 0}, .offset_m = 0.015, .surface = {{800}, {-1}, 0.5}});
+  m.set.planes.push_back({.normal = {0, 0.6, -0.8}, .offset_m = -0.02});
+  m.temperature_kelvin[0] = 310.15;
+  m.set.ghost = {0.0149, 0, 0.01};
+  m.set.has_ghost = true;
+  m.ghost_cell = CellIndex{33, 31, -1};
+  m.set.is_embedded = true;
+  m.set.far = {{-1.5, 0, 0.25}, {0.015, 0, 0.01}, {0, 0.001, 0}, {{4, 5, 6}, {1, 1.5, 2}}, true};
+  m.set.has_far = true;
+  m.epoch = 9;
+  m.pressure = Force3{0, 0.75, 0};
+  m.energy_joule = 0.002;
+  return m;
+}
+
+ThimbleOccupancy small_box() {
+  ThimbleOccupancy m;
+  m.timing = {at(5), {}, {}};
+  m.epoch = 9;
+  m.version = 1001;
+  m.origin = {30, -2, 0};
+  m.size = {3, 2, 3};
+  for (std::size_t byte = 0; byte < 3; ++byte) m.bitmap.push_back({});
+  for (std::size_t z = 0; z < 3; ++z) {
+    for (std::size_t y = 0; y < 2; ++y) {
+      for (std::size_t x = 0; x < 3; ++x) {
+        const std::size_t cell = x + 3 * (y + 2 * z);
+        if ((x + y + z) % 2 != 0) m.bitmap[cell / 8] |= std::byte{1} << (cell % 8);
+      }
+    }
+  }
+  return m;
+}
+
+ThimbleHello join() {
+  return {.timing = {at(1), {}, {}},
+          .arm_nonce = counted_from(0),
+          .world_nonce = counted_from(64),
+          .scheme = ShortName::of("spring-damper"),
+          .force_at = 1};
+}
+
+ThimbleWelcome welcome() {
+  return {.timing = {at(4), at(3), at(3)},
+          .arm_nonce = counted_from(0),
+          .world = ShortName::of("box"),
+          .cells = {64, 32, 16},
+          .cell_m = 0.00140625,
+          .epoch = 9};
+}
+
+TEST(ThimbleCodec, MatchesTheBytesWrittenWithoutIt) {
+  ASSERT_EQ(golden().size(), 11U);
+  ThimbleHello hello = join();
+  expect_golden("join", {ThimbleKind::Hello, false, 0, 2}, hello);
+  hello.world_nonce = {};
+  hello.scheme = ShortName::of("ghost-point");
+  hello.force_at = 0;
+  expect_golden("hello", {ThimbleKind::Hello, false, 0, 1}, hello);
+  expect_golden("challenge", {ThimbleKind::Challenge, false, 0, 1},
+                ThimbleChallenge{{at(2), at(1), at(2)}, counted_from(0), counted_from(64)});
+  expect_golden("welcome", {ThimbleKind::Welcome, false, kSession, 1}, welcome());
+  expect_golden(
+      "refusal", {ThimbleKind::Refusal, false, 0, 3},
+      ThimbleRefusal{{at(4), at(3), at(3)}, counted_from(0), ThimbleRefusalReason::Scheme});
+  expect_golden("sample_least", {ThimbleKind::Sample, false, kSession, 12}, least_sample());
+  expect_golden("sample_full", {ThimbleKind::Sample, false, kSession, 13}, full_sample());
+  expect_golden("constraints_least", {ThimbleKind::Constraints, false, kSession, 2},
+                least_constraints());
+  expect_golden("constraints_full", {ThimbleKind::Constraints, false, kSession, 3},
+                full_constraints());
+  expect_golden("occupancy", {ThimbleKind::Occupancy, false, kSession, 4}, small_box());
+  expect_golden("idle", {ThimbleKind::Idle, false, kSession, 5},
+                ThimbleIdle{{at(7), at(6), at(6)}, 14});
+}
+
+TEST(ThimbleCodec, GivesBackEveryFieldOfASample) {
+  ThimbleSample out;
+  ASSERT_TRUE(decode(content_of(full_sample()), out).has_value());
+  const ThimbleSample in = full_sample();
+  EXPECT_EQ(out.timing, in.timing);
+  EXPECT_EQ(out.sample.sequence, 77U);
+  EXPECT_EQ(out.sample.sampled_at, in.sample.sampled_at);
+  EXPECT_EQ(out.sample.hand, in.sample.hand);
+  EXPECT_EQ(out.sample.velocity, in.sample.velocity);
+  EXPECT_EQ(out.sample.buttons, 5U);
+  EXPECT_EQ(out.sample.applied_reply, 41U);
+  EXPECT_EQ(out.sample.restart, 3U);
+  EXPECT_EQ(out.sample.tool, in.sample.tool);
+  EXPECT_EQ(out.sample.waves, in.sample.waves);
+  EXPECT_EQ(out.sample.impulse, in.sample.impulse);
+  EXPECT_EQ(out.presses, in.presses);
+  EXPECT_EQ(out.energy_joule, in.energy_joule);
+  EXPECT_EQ(out.epoch, 9U);
+  EXPECT_EQ(out.patches_held, 1000U);
+}
+
+TEST(ThimbleCodec, GivesBackEveryFieldOfConstraints) {
+  ThimbleConstraints out;
+  ASSERT_TRUE(decode(content_of(full_constraints()), out).has_value());
+  const ThimbleConstraints in = full_constraints();
+  EXPECT_EQ(out.timing, in.timing);
+  EXPECT_EQ(out.request, 12U);
+  EXPECT_EQ(out.set.sequence, 42U);
+  EXPECT_EQ(out.set.answers, 77U);
+  EXPECT_EQ(out.set.sampled_at, in.set.sampled_at);
+  EXPECT_EQ(out.set.session, 6U);
+  EXPECT_EQ(out.set.planes, in.set.planes);
+  EXPECT_EQ(out.temperature_kelvin, in.temperature_kelvin);
+  EXPECT_TRUE(out.set.has_ghost);
+  EXPECT_EQ(out.set.ghost, in.set.ghost);
+  EXPECT_EQ(out.ghost_cell, in.ghost_cell);
+  EXPECT_TRUE(out.set.is_embedded);
+  EXPECT_TRUE(out.set.has_far);
+  EXPECT_EQ(out.set.far.force, in.set.far.force);
+  EXPECT_EQ(out.set.far.slave, in.set.far.slave);
+  EXPECT_EQ(out.set.far.velocity, in.set.far.velocity);
+  EXPECT_EQ(out.set.far.waves, in.set.far.waves);
+  EXPECT_TRUE(out.set.far.is_pressing);
+  EXPECT_EQ(out.epoch, 9U);
+  EXPECT_EQ(out.pressure, in.pressure);
+  EXPECT_EQ(out.energy_joule, in.energy_joule);
+}
+
+TEST(ThimbleCodec, RefusesEveryContentThatEndsEarlyOrGoesOn) {
+  for (const auto& [name, bytes] : golden()) {
+    SCOPED_TRACE(name);
+    const auto reason = [kind = decode_header(bytes)->kind](const std::vector<std::byte>& content) {
+      switch (kind) {
+        case ThimbleKind::Hello:
+          return refused<ThimbleHello>(content);
+        case ThimbleKind::Challenge:
+          return refused<ThimbleChallenge>(content);
+        case ThimbleKind::Welcome:
+          return refused<ThimbleWelcome>(content);
+        case ThimbleKind::Refusal:
+          return refused<ThimbleRefusal>(content);
+        case ThimbleKind::Sample:
+          return refused<ThimbleSample>(content);
+        case ThimbleKind::Constraints:
+          return refused<ThimbleConstraints>(content);
+        case ThimbleKind::Occupancy:
+          return refused<ThimbleOccupancy>(content);
+        case ThimbleKind::Idle:
+          break;
+      }
+      return refused<ThimbleIdle>(content);
+    };
+    std::vector<std::byte> content(bytes.begin() + kThimbleHeaderSize, bytes.end());
+    EXPECT_FALSE(reason(content).has_value());
+    for (std::size_t size = 0; size < content.size(); ++size) {
+      EXPECT_TRUE(reason({content.begin(), content.begin() + static_cast<long>(size)}).has_value());
+    }
+    content.push_back({});
+    const bool may_go_on = name == "hello" || name == "join" || name == "welcome";
+    EXPECT_EQ(reason(content).has_value(), !may_go_on);
+  }
+}
+
+TEST(ThimbleCodec, LeavesOutFieldsOfALaterVersion) {
+  std::vector<std::byte> content = content_of(full_sample());
+  const std::size_t mask_at = 24 + 8 + 8 + 4 + 4 + 8 + 24;
+  content[mask_at] = std::byte{0x80};
+  content.resize(content.size() + 17);
+  ThimbleSample out;
+  ASSERT_TRUE(decode(content, out).has_value());
+  EXPECT_EQ(out.patches_held, 1000U);
+}
+
+TEST(ThimbleCodec, RefusesHeadersOfOthers) {
+  const std::vector<std::byte>& good = golden().at("idle");
+  const auto reason_with = [&](std::size_t index, unsigned value) {
+    std::vector<std::byte> bytes = good;
+    bytes[index] = std::byte(value);
+    const auto header = decode_header(bytes);
+    return header ? std::nullopt : std::optional(header.error());
+  };
+  EXPECT_EQ(reason_with(0, 'X'), RejectReason::WrongVersion);
+  EXPECT_EQ(reason_with(4, 2), RejectReason::WrongVersion);
+  EXPECT_EQ(reason_with(5, 0), RejectReason::WrongVersion);
+  EXPECT_EQ(reason_with(5, 20), RejectReason::WrongVersion);
+  EXPECT_EQ(reason_with(6, 1), RejectReason::WrongVersion);
+  EXPECT_EQ(reason_with(7, 2), RejectReason::WrongVersion);
+  EXPECT_EQ(reason_with(7, 1), std::nullopt);  // sealed
+  EXPECT_EQ(decode_header(std::vector<std::byte>(23)).error(), RejectReason::WrongSize);
+  EXPECT_EQ(decode_header(std::vector<std::byte>(1201)).error(), RejectReason::WrongSize);
+}
+
+TEST(ThimbleCodec, NeverTakesADatagramOf1999ForItsOwn) {
+  std::mt19937 random(5);
+  for (int i = 0; i < 1000; ++i) {
+    std::vector<std::byte> bytes(i % 2 == 0 ? 12 : 13);
+    for (std::byte& byte : bytes) byte = std::byte(random() & 0xFFU);
+    bytes[0] = std::byte{'T'}, bytes[1] = std::byte{'H'}, bytes[2] = std::byte{'M'};
+    bytes[3] = std::byte{'B'};
+    EXPECT_FALSE(is_thimble_datagram(bytes));
+  }
+  EXPECT_TRUE(is_thimble_datagram(golden().at("hello")));
+}
+
+template <class Message, class Spoil>
+std::optional<RejectReason> spoiled(Message message, const Spoil& spoil) {
+  spoil(message);
+  std::array<std::byte, kMaxThimbleContent> out{};
+  const Decoded<std::size_t> size = encode(message, out);
+  return size ? std::nullopt : std::optional(size.error());
+}
+
+TEST(ThimbleCodec, SaysNothingOfAHandThatCannotBe) {
+  using S = ThimbleSample;
+  const auto reason = [](auto spoil) { return spoiled(full_sample(), spoil); };
+  EXPECT_EQ(reason([](S& m) { m.sample.hand.y = kNoNumber; }), RejectReason::NonFinite);
+  EXPECT_EQ(reason([](S& m) { m.sample.velocity.x = kNoNumber; }), RejectReason::NonFinite);
+  EXPECT_EQ(reason([](S& m) { m.sample.waves.joule[2] = kNoNumber; }), RejectReason::NonFinite);
+  EXPECT_EQ(reason([](S& m) { m.sample.impulse.z = kNoNumber; }), RejectReason::NonFinite);
+  EXPECT_EQ(reason([](S& m) { m.sample.tool.stiffness = {kNoNumber}; }), RejectReason::NonFinite);
+  EXPECT_EQ(reason([](S& m) { m.energy_joule = kNoNumber; }), RejectReason::NonFinite);
+  EXPECT_EQ(reason([](S& m) { m.timing.sent_at = at(-1); }), RejectReason::OutOfRange);
+  EXPECT_EQ(reason([](S& m) { m.sample.sampled_at = at(kMaxThimbleTime.count() + 1); }),
+            RejectReason::OutOfRange);
+}
+
+TEST(ThimbleCodec, SaysOfAHandBeyondTheLimitThatItIsThere) {
+  ThimbleSample far = least_sample();
+  far.sample.hand = {99, -99, 0};
+  ThimbleSample out;
+  ASSERT_TRUE(decode(content_of(far), out).has_value());
+  EXPECT_EQ(out.sample.hand, (Position3{10, -10, 0}));
+}
+
+TEST(ThimbleCodec, RefusesConstraintsThatCannotBe) {
+  using C = ThimbleConstraints;
+  const auto reason = [](auto spoil) { return spoiled(full_constraints(), spoil); };
+  EXPECT_EQ(reason([](C& m) {
+              m.set.planes[1].normal = {0, 0.6, 0.6};
+            }),
+            RejectReason::BadDirection);
+  EXPECT_EQ(reason([](C& m) { m.set.planes[1].normal = {}; }), RejectReason::BadDirection);
+  EXPECT_EQ(reason([](C& m) { m.set.planes[0].normal.x = kNoNumber; }), RejectReason::NonFinite);
+  EXPECT_EQ(reason([](C& m) { m.set.planes[0].offset_m = -10.1; }), RejectReason::OutOfRange);
+  EXPECT_EQ(reason([](C& m) { m.set.planes[0].surface.friction = kNoNumber; }),
+            RejectReason::NonFinite);
+  EXPECT_EQ(reason([](C& m) { m.temperature_kelvin[1] = -1; }), RejectReason::OutOfRange);
+  EXPECT_EQ(reason([](C& m) { m.set.ghost.z = 11; }), RejectReason::OutOfRange);
+  EXPECT_EQ(reason([](C& m) { m.set.far.force.z = kNoNumber; }), RejectReason::NonFinite);
+  EXPECT_EQ(reason([](C& m) { m.set.far.slave.z = -11; }), RejectReason::OutOfRange);
+  EXPECT_EQ(reason([](C& m) { m.pressure->x = kNoNumber; }), RejectReason::NonFinite);
+  EXPECT_EQ(reason([](C& m) { m.energy_joule = kNoNumber; }), RejectReason::NonFinite);
+  // What is not said is not looked at.
+  EXPECT_EQ(reason([](C& m) { m.set.has_ghost = false, m.set.ghost.z = kNoNumber; }), std::nullopt);
+  EXPECT_EQ(reason([](C& m) { m.set.has_far = false, m.set.far.force.z = kNoNumber; }),
+            std::nullopt);
+}
+
+TEST(ThimbleCodec, RefusesBoxesOfCellsThatCannotBe) {
+  using O = ThimbleOccupancy;
+  const auto reason = [](auto spoil) { return spoiled(small_box(), spoil); };
+  EXPECT_EQ(reason([](O& m) { m.version = 0; }), RejectReason::Malformed);
+  EXPECT_EQ(reason([](O& m) { m.size[1] = 0; }), RejectReason::Malformed);
+  EXPECT_EQ(reason([](O& m) { m.size = {65535, 65535, 65535}; }), RejectReason::Malformed);
+  EXPECT_EQ(reason([](O& m) { m.size[2] = 4; }), std::nullopt);  // 24 cells, three bytes
+  EXPECT_EQ(reason([](O& m) { m.size[2] = 5; }), RejectReason::WrongSize);
+  EXPECT_EQ(reason([](O& m) { m.bitmap[2] |= std::byte{4}; }), RejectReason::Malformed);
+  EXPECT_EQ(reason([](O& m) { m.origin[0] = (1 << 20) + 1; }), RejectReason::OutOfRange);
+}
+
+TEST(ThimbleCodec, FitsTheLargestMessagesIntoOneDatagram) {
+  ThimbleConstraints set = full_constraints();
+  while (set.set.planes.push_back({{0, 1, 0}, 0.1, {{1}, {1}, 1}})) {
+  }
+  set.temperature_kelvin.fill(300);
+  EXPECT_LE(content_of(set).size(), kMaxThimbleContent);
+  ThimbleOccupancy box = small_box();
+  box.size = {32, 16, 16};
+  box.bitmap.clear();
+  while (box.bitmap.push_back(std::byte{0xFF})) {
+  }
+  EXPECT_EQ(content_of(box).size(), 24U + 16 + 12 + 6 + 1024);
+}
+
+TEST(ThimbleCodec, NamesAreLettersAndThenZeros) {
+  const auto reason = [](std::string_view name) {
+    ThimbleHello hello = join();
+    hello.scheme = {};
+    std::copy(name.begin(), name.end(), hello.scheme.letters.begin());
+    return spoiled(hello, [](ThimbleHello&) {});
+  };
+  EXPECT_EQ(reason("wave"), std::nullopt);
+  EXPECT_EQ(reason("abcdefghijklmnopqrstuvwxyz-01234"), std::nullopt);
+  EXPECT_EQ(reason("Wave"), RejectReason::Malformed);
+  EXPECT_EQ(reason(std::string_view("wa\0ve", 5)), RejectReason::Malformed);
+  EXPECT_EQ(reason("../x"), RejectReason::Malformed);
+  EXPECT_EQ(ShortName::of("abcdefghijklmnopqrstuvwxyz-0123456789").view().size(), 32U);
+}
+
+TEST(ThimbleCodec, WhateverIsTakenFromNoiseSaysTheSameWhenSentAgain) {
+  std::mt19937 random(6);
+  int taken = 0;
+  for (int i = 0; i < 20000; ++i) {
+    std::vector<std::byte> content = content_of(i % 2 == 0 ? full_constraints() : [] {
+      ThimbleConstraints shorter = least_constraints();
+      shorter.set.planes.push_back({.normal = {0, 0, 1}, .offset_m = 0.1});
+      return shorter;
+    }());
+    for (int change = 0; change < 2; ++change) {
+      content[random() % content.size()] ^= std::byte(1U << (random() % 8));
+    }
+    ThimbleConstraints out;
+    if (!decode(content, out)) continue;
+    ++taken;
+    const std::vector<std::byte> again = content_of(out);
+    ThimbleConstraints twice;
+    ASSERT_TRUE(decode(again, twice).has_value());
+    ASSERT_EQ(content_of(twice), again);
+  }
+  EXPECT_GT(taken, 5000);
+}
+
+}  // namespace
+}  // namespace thimble::link

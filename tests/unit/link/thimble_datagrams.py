@@ -1,0 +1,119 @@
+#!/usr/bin/env python3
+"""Thimble's datagrams written field by field from docs/link-protocol.md, without the codec.
+
+  thimble_datagrams.py > tests/data/thimble_datagrams.txt    the golden vectors of unit_link
+  thimble_datagrams.py --check FILE                          whether FILE is what this program writes
+  thimble_datagrams.py --corpus FOLDER                       the same as seeds of the fuzz target
+"""
+
+import pathlib
+import struct
+import sys
+
+HELLO, CHALLENGE, WELCOME, REFUSAL, SAMPLE, CONSTRAINTS, OCCUPANCY, IDLE = 1, 2, 3, 4, 16, 17, 18, 19
+ARM_NONCE = bytes(range(32))
+WORLD_NONCE = bytes(range(64, 96))
+
+
+def header(kind, session, sequence, is_sealed=False):
+    return b"THMB" + struct.pack(">BBHQQ", 1, kind, 1 if is_sealed else 0, session, sequence)
+
+
+def timing(sent_at, echo, echoed_at):
+    return struct.pack(">qqq", sent_at, echo, echoed_at)
+
+
+def name(text):
+    return text.encode("ascii").ljust(32, b"\0")
+
+
+def reals(*values):
+    return struct.pack(f">{len(values)}d", *values)
+
+
+def sample(mask, fields):
+    return (timing(1_000_000_000, 2_000_000_000, 900_000_000)
+            + struct.pack(">QqIIQ", 77, 999_000_000, 3, 0b101, 41)
+            + reals(0.0155, -0.25, 1e-300) + struct.pack(">I", mask) + fields)
+
+
+def constraints(mask, fields):
+    return (timing(2_500_000_000, 1_000_000_000, 2_400_000_000) + struct.pack(">Q", 12)
+            + struct.pack(">QQqI", 42, 77, 999_000_000, 6) + struct.pack(">I", mask) + fields)
+
+
+def plane(normal, offset, *surface):
+    """`surface`: stiffness, damping, friction, temperature; None is not said."""
+    said = [value for value in surface if value is not None]
+    mask = sum(1 << bit for bit, value in enumerate(surface) if value is not None)
+    return reals(*normal, offset) + bytes([mask]) + reals(*said)
+
+
+def every_field_of_a_sample():
+    velocity = reals(0.2, -0.1, 0.05)
+    tool = reals(800, 5)
+    waves = reals(1, 2, -3) + reals(0.5, 0.25, 0.125)
+    impulse = reals(-0.001, 0.002, 0)
+    presses = bytes([1, 0, 255, 0, 0, 0, 0, 7])
+    return velocity + tool + waves + impulse + presses + reals(0.0001) + struct.pack(">QQ", 9, 1000)
+
+
+def every_field_of_constraints():
+    planes = bytes([2]) + plane((1, 0, 0), 0.015, 800, None, 0.5, 310.15) + plane((0, 0.6, -0.8), -0.02)
+    ghost = reals(0.0149, 0, 0.01)
+    cell = struct.pack(">iii", 33, 31, -1)
+    far = reals(-1.5, 0, 0.25) + reals(0.015, 0, 0.01) + reals(0, 0.001, 0)
+    waves = reals(4, 5, 6) + reals(1, 1.5, 2)
+    return (planes + ghost + cell + far + waves + bytes([1]) + struct.pack(">Q", 9) + reals(0, 0.75, 0)
+            + reals(0.002))
+
+
+def occupancy():
+    cells = {(x, y, z): (x + y + z) % 2 for x in range(3) for y in range(2) for z in range(3)}
+    bitmap = 0
+    for (x, y, z), is_filled in cells.items():
+        bitmap |= is_filled << (x + 3 * (y + 2 * z))
+    return (timing(5, 0, 0) + struct.pack(">QQ", 9, 1001) + struct.pack(">iii", 30, -2, 0)
+            + struct.pack(">HHH", 3, 2, 3) + bitmap.to_bytes(3, "little"))
+
+
+def datagrams():
+    hello = timing(1, 0, 0) + ARM_NONCE
+    welcome = (timing(4, 3, 3) + ARM_NONCE + struct.pack(">Q", 0) + name("box") + struct.pack(">III", 64, 32, 16)
+               + reals(0.00140625) + struct.pack(">Q", 9))
+    return {
+        "hello": header(HELLO, 0, 1) + hello + bytes(32) + name("ghost-point") + bytes([0]) + struct.pack(">Q", 0),
+        "join": header(HELLO, 0, 2) + hello + WORLD_NONCE + name("spring-damper") + bytes([1])
+                + struct.pack(">Q", 0),
+        "challenge": header(CHALLENGE, 0, 1) + timing(2, 1, 2) + ARM_NONCE + WORLD_NONCE,
+        "welcome": header(WELCOME, 0x0123456789ABCDEF, 1) + welcome,
+        "refusal": header(REFUSAL, 0, 3) + timing(4, 3, 3) + ARM_NONCE + bytes([2]),
+        "sample_least": header(SAMPLE, 0x0123456789ABCDEF, 12) + sample(0, b""),
+        "sample_full": header(SAMPLE, 0x0123456789ABCDEF, 13) + sample(0xFF, every_field_of_a_sample()),
+        "constraints_least": header(CONSTRAINTS, 0x0123456789ABCDEF, 2) + constraints(0, b""),
+        "constraints_full": header(CONSTRAINTS, 0x0123456789ABCDEF, 3)
+                            + constraints(0xFF, every_field_of_constraints()),
+        "occupancy": header(OCCUPANCY, 0x0123456789ABCDEF, 4) + occupancy(),
+        "idle": header(IDLE, 0x0123456789ABCDEF, 5) + timing(7, 6, 6) + struct.pack(">Q", 14),
+    }
+
+
+def text():
+    return "".join(f"{key} {value.hex()}\n" for key, value in datagrams().items())
+
+
+def main(arguments):
+    if arguments[:1] == ["--check"] and len(arguments) == 2:
+        return 0 if pathlib.Path(arguments[1]).read_text() == text() else f"{arguments[1]} is not what this writes"
+    if arguments[:1] == ["--corpus"] and len(arguments) == 2:
+        for key, value in datagrams().items():
+            pathlib.Path(arguments[1], key).write_bytes(value)
+        return 0
+    if arguments:
+        return __doc__
+    sys.stdout.write(text())
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
