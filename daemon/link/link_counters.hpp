@@ -21,8 +21,9 @@ enum class RejectReason : std::uint8_t {
   SessionRefused,  // the world would not let the hand in; tried again
   WrongVersion,    // none that this end speaks, or a kind or flag that it does not know
   Malformed,       // lengths, counts or names that cannot be
+  BadSeal,         // another key, changed on its way, or sealed where this end has no key, or not
 };
-inline constexpr std::size_t kRejectReasons = 8;
+inline constexpr std::size_t kRejectReasons = 9;
 
 // What one end of a link has done since it was made. "Message": a hand sample one way, a
 // constraint set the other.
