@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "daemon/link/impairment.hpp"
@@ -53,16 +54,27 @@ struct LinkCounters {
   [[nodiscard]] std::uint64_t rejected() const noexcept;
 };
 
+[[nodiscard]] LinkCounters sum(const LinkCounters& a, const LinkCounters& b) noexcept;
 [[nodiscard]] ImpairmentCounters sum(const ImpairmentCounters& a,
                                      const ImpairmentCounters& b) noexcept;
 
+// Of the peer's clock and the two ways, as far as can be told: ClockOffset.
+struct ClockStatus {
+  Duration offset{};        // peer's clock minus ours
+  Duration offset_error{};  // it is within so much of that, whatever the ways
+  Duration way_there{};     // to the peer
+  Duration way_back{};
+};
+
 // A link as a person sees it. Not for the servo plane.
 struct LinkStatus {
-  std::string peer;        // "in process", "udp://127.0.0.1:5001"; empty: nobody yet
-  std::string last_error;  // empty: none so far
-  bool is_up{false};       // heard from within kSilence
-  Duration round_trip{};   // smoothed; 0 until known, and at a world end
-  Duration jitter{};       // mean deviation of the round trip
+  std::string peer;                     // "in process", "udp://127.0.0.1:5001"; empty: nobody yet
+  std::string last_error;               // empty: none so far
+  std::string world{};                  // what the peer calls its world; empty: it did not say
+  bool is_up{false};                    // heard from within kSilence
+  Duration round_trip{};                // smoothed; 0 until known, and at a world end
+  Duration jitter{};                    // mean deviation of the round trip
+  std::optional<ClockStatus> clocks{};  // none: the carriage does not tell
   LinkCounters counters{};
 };
 

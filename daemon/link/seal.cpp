@@ -68,6 +68,14 @@ RandomBytes system_random() {
   return [](std::span<std::byte> out) { randombytes_buf(out.data(), out.size()); };
 }
 
+Nonce keyed_sum(const LinkKey& key, std::span<const std::byte> text) noexcept {
+  start_library();
+  Nonce sum{};
+  crypto_generichash(raw(sum.data()), sum.size(), raw(text.data()), text.size(),
+                     raw(key.bytes().data()), LinkKey::kSize);
+  return sum;
+}
+
 Seal::Seal(Kind kind, std::span<const std::byte, kKeySize> key) noexcept : kind_(kind) {
   std::copy(key.begin(), key.end(), key_.begin());
 }

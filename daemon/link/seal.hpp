@@ -16,6 +16,9 @@ namespace thimble::link {
 using RandomBytes = std::function<void(std::span<std::byte>)>;
 [[nodiscard]] RandomBytes system_random();
 
+// BLAKE2b with 32 bytes, keyed.
+[[nodiscard]] Nonce keyed_sum(const LinkKey& key, std::span<const std::byte> text) noexcept;
+
 enum class Towards : std::uint8_t { World, Arm };
 
 // A datagram on its way, header first.
