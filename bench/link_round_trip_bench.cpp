@@ -42,7 +42,7 @@ bench::Slices link_round_trips(Clock& clock) {
   boost::asio::io_context arm_io(1);
   link::Endpoint any_port;
   any_port.address = {127, 0, 0, 1};
-  auto server = link::UdpWorldServer::open(world_io, clock, {.bind = any_port}, wall);
+  auto server = link::UdpWorldServer::open(world_io, clock, {.bind = any_port}, {.of_1999 = &wall});
   if (!server) return {};
   auto arm = link::UdpArmLink::open(arm_io, clock, {.peer = (*server)->local()}, nullptr);
   if (!arm) return {};

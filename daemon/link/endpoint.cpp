@@ -105,15 +105,15 @@ Result<void> may_listen(const Endpoint& bind, bool allow_unauthenticated,
   if (allow_unauthenticated && pinned_peer) return {};
   return fail(Errc::Permission,
               "refusing to listen on " + to_string(bind) +
-                  ": the 1999 datagrams carry no key, so beyond loopback they need "
+                  ": beyond loopback it needs key_file, or for datagrams without a key "
                   "allow_unauthenticated = true and the address of the one peer");
 }
 
 Result<void> may_link(const Endpoint& peer, bool allow_unauthenticated) {
   if (peer.is_loopback() || allow_unauthenticated) return {};
   return fail(Errc::Permission, "refusing to link to " + to_string(peer) +
-                                    ": the 1999 datagrams carry no key, so beyond loopback they "
-                                    "need allow_unauthenticated = true");
+                                    ": beyond loopback it needs key_file, or for datagrams "
+                                    "without a key allow_unauthenticated = true");
 }
 
 }  // namespace thimble::link

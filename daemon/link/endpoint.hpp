@@ -32,7 +32,7 @@ struct Endpoint {
 // As parse_endpoint() takes it.
 [[nodiscard]] std::string to_string(const Endpoint& endpoint);
 
-// Whether a listener for the datagrams of 1999, which know no key, may bind there: loopback
+// Whether a listener for datagrams without a key may bind there: loopback
 // always; elsewhere only when the configuration says so and pins the peer's address (DESIGN
 // section 3). Errors: Permission, in one sentence.
 [[nodiscard]] Result<void> may_listen(const Endpoint& bind, bool allow_unauthenticated,

@@ -257,7 +257,11 @@ void ThimbleArmEnd::heard(const ThimbleTiming& timing, MonotonicTime now) noexce
 }
 
 void ThimbleArmEnd::account(std::uint64_t request) noexcept {
-  if (request == last_number_) gate_.on_answered();
+  if (request == last_number_) {
+    gate_.on_answered();
+    // What waited was made before this reply is in force (teleop.md 7 row 8): the next one is not.
+    if (settings_.mode == SendMode::LockStep) pending_.reset();
+  }
   if (request <= accounted_ || request > last_number_) return;
   counters_.lost += request - accounted_ - 1;
   accounted_ = request;

@@ -6,6 +6,7 @@
 
 #include "daemon/link/arm_mailbox.hpp"
 #include "daemon/link/thesis_arm_end.hpp"
+#include "daemon/link/thimble_arm_end.hpp"
 #include "daemon/link/udp_port.hpp"
 
 namespace thimble::link {
@@ -22,19 +23,45 @@ Endpoint local_for(const Endpoint& peer) {
   return local;
 }
 
+std::span<const std::byte> bytes_of(const ThesisRequest& request) { return request; }
+std::span<const std::byte> bytes_of(const ThimbleDatagram& datagram) { return datagram.view(); }
+
+ThesisArmEnd make_thesis_end(const UdpArmLink::Settings& settings) {
+  return ThesisArmEnd({.mode = settings.mode, .impairment = settings.impairment});
+}
+ThimbleArmEnd make_thimble_end(const UdpArmLink::Settings& settings) {
+  return {{.mode = settings.mode,
+           .impairment = settings.impairment,
+           .key = settings.key,
+           .scheme = settings.scheme,
+           .is_force_at_both = settings.is_force_at_both},
+          system_random()};
+}
+
 }  // namespace
 
+// What does not depend on the protocol.
 class UdpArmLink::Impl {
  public:
-  Impl(boost::asio::io_context& io, const Clock& clock, const Settings& settings,
-       rt::WakeSignal* wake)
-      : clock_(&clock),
-        peer_(settings.peer),
-        mailbox_(wake),
-        end_({.mode = settings.mode, .impairment = settings.impairment}),
-        port_(io) {}
+  explicit Impl(rt::WakeSignal* wake) : mailbox_(wake) {}
+  virtual ~Impl() = default;
+  [[nodiscard]] virtual Result<void> start() = 0;
+  virtual void step() = 0;
+  [[nodiscard]] virtual LinkStatus status() const = 0;
+  [[nodiscard]] ArmMailbox& mailbox() { return mailbox_; }
 
-  Result<void> start() {
+ protected:
+  ArmMailbox mailbox_;
+};
+
+template <class End, class Datagram>
+class UdpArmLink::ImplOf final : public UdpArmLink::Impl {
+ public:
+  ImplOf(boost::asio::io_context& io, const Clock& clock, const Endpoint& peer, End end,
+         rt::WakeSignal* wake)
+      : Impl(wake), clock_(&clock), peer_(peer), end_(std::move(end)), port_(io) {}
+
+  Result<void> start() override {
     if (Result<void> opened = port_.open(local_for(peer_)); !opened) return opened;
     port_.start(
         {.on_datagram = [this](const Endpoint& from,
@@ -44,14 +71,12 @@ class UdpArmLink::Impl {
     return {};
   }
 
-  void step() { step(clock_->now()); }
+  void step() override { step(clock_->now()); }
 
-  ArmMailbox& mailbox() { return mailbox_; }
-
-  [[nodiscard]] LinkStatus status() const {
+  [[nodiscard]] LinkStatus status() const override {
     LinkStatus status = end_.status();
     status.peer = to_string(peer_);
-    status.last_error = port_.last_error();
+    if (status.last_error.empty()) status.last_error = port_.last_error();
     return status;
   }
 
@@ -91,8 +116,8 @@ class UdpArmLink::Impl {
 
   void send(MonotonicTime now) {
     if (now < blocked_until_) return;  // the newest sample waits; older ones were replaced
-    for (ThesisRequest request; end_.poll(now, request);) {
-      if (port_.send(peer_, request) == UdpPort::Outcome::Done) continue;
+    for (Datagram datagram; end_.poll(now, datagram);) {
+      if (port_.send(peer_, bytes_of(datagram)) == UdpPort::Outcome::Done) continue;
       ++end_.counters().send_errors;
       return back_off(now);
     }
@@ -106,8 +131,7 @@ class UdpArmLink::Impl {
 
   const Clock* clock_;
   Endpoint peer_;
-  ArmMailbox mailbox_;
-  ThesisArmEnd end_;
+  End end_;
   MonotonicTime blocked_until_{};
   Duration back_off_{kFirstBackOff};
   UdpPort port_;  // last: its handlers use the rest
@@ -116,9 +140,18 @@ class UdpArmLink::Impl {
 Result<std::unique_ptr<UdpArmLink>> UdpArmLink::open(boost::asio::io_context& io,
                                                      const Clock& clock, const Settings& settings,
                                                      rt::WakeSignal* wake) {
-  const Result<void> allowed = may_link(settings.peer, settings.allow_unauthenticated);
-  if (!allowed) return tl::unexpected(allowed.error());
-  auto impl = std::make_unique<Impl>(io, clock, settings, wake);
+  if (!settings.key) {
+    const Result<void> allowed = may_link(settings.peer, settings.allow_unauthenticated);
+    if (!allowed) return tl::unexpected(allowed.error());
+  }
+  std::unique_ptr<Impl> impl;
+  if (settings.protocol == Protocol::Thimble) {
+    impl = std::make_unique<ImplOf<ThimbleArmEnd, ThimbleDatagram>>(
+        io, clock, settings.peer, make_thimble_end(settings), wake);
+  } else {
+    impl = std::make_unique<ImplOf<ThesisArmEnd, ThesisRequest>>(io, clock, settings.peer,
+                                                                 make_thesis_end(settings), wake);
+  }
   if (Result<void> started = impl->start(); !started) return tl::unexpected(started.error());
   return std::unique_ptr<UdpArmLink>(new UdpArmLink(std::move(impl)));
 }

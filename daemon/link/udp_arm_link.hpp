@@ -1,11 +1,15 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
+#include <string>
 
 #include "daemon/coupling/arm_link.hpp"
 #include "daemon/link/endpoint.hpp"
 #include "daemon/link/impairment.hpp"
 #include "daemon/link/link_counters.hpp"
+#include "daemon/link/link_key.hpp"
 #include "daemon/link/send_gate.hpp"
 #include "hal/base/result.hpp"
 #include "hal/base/time.hpp"
@@ -17,21 +21,27 @@ class io_context;
 
 namespace thimble::link {
 
-// The arm's end of the 1999 protocol over UDP (ThesisArmEnd behind a socket). Nothing that a
-// network or a peer does ends it: errors are counted, and sending is tried again after a
-// back-off of 10 … 100 ms. Datagrams of others than the peer are refused.
+// The arm's end of a protocol over UDP: ThesisArmEnd or ThimbleArmEnd behind a socket. Nothing that
+// a network or a peer does ends it: errors are counted, and sending is tried again after a back-off
+// of 10 … 100 ms. Datagrams of others than the peer are refused.
 //
 // Thread: arm_end() is for the servo; everything else for the thread that runs the io_context.
 // RT: not, but for the arm end; one receive, one send a message, no allocation.
 // Ownership: io_context, clock and wake signal must outlive it.
-// Errors: open() when it may not link there (may_link()) or no socket can be had.
+// Errors: open() when it may not link there (may_link(), without a key) or no socket can be had.
 class UdpArmLink {
  public:
+  enum class Protocol : std::uint8_t { Thesis, Thimble };
   struct Settings {
     Endpoint peer{};
     SendMode mode{SendMode::Streamed};
     bool allow_unauthenticated{false};
     ImpairmentSettings impairment{};  // validated by the caller
+    Protocol protocol{Protocol::Thesis};
+    // Of Thimble alone, as in ThimbleArmEnd::Settings.
+    std::optional<LinkKey> key{};
+    std::string scheme{"ghost-point"};
+    bool is_force_at_both{false};
   };
 
   // `wake` is signalled by the servo; who waits for it calls on_wake(). None: the caller calls
@@ -48,6 +58,8 @@ class UdpArmLink {
 
  private:
   class Impl;
+  template <class End, class Datagram>
+  class ImplOf;
   explicit UdpArmLink(std::unique_ptr<Impl> impl) noexcept;
   std::unique_ptr<Impl> impl_;
 };

@@ -27,6 +27,7 @@ namespace thimble::link {
 // Errors: opening says why in one sentence; afterwards every error is an outcome, not an end.
 class UdpPort {
  public:
+  static constexpr std::size_t kMaxDatagram = 1200;  // of any protocol spoken here
   enum class Outcome {
     Done,
     Blocked,  // no room to send: try later
@@ -72,7 +73,7 @@ class UdpPort {
   std::optional<MonotonicTime> wakes_at_;
   std::shared_ptr<Alive> alive_;
   boost::asio::ip::udp::endpoint sender_;
-  std::array<std::byte, 64> buffer_{};
+  std::array<std::byte, kMaxDatagram + 1> buffer_{};  // one more: longer ones show
   std::string last_error_;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "daemon/link/earliest.hpp"
 #include "daemon/link/thesis_world_end.hpp"
 #include "daemon/link/udp_port.hpp"
 
@@ -16,17 +17,28 @@ constexpr Duration kRetrySend = std::chrono::milliseconds(1);
 class UdpWorldServer::Impl {
  public:
   Impl(boost::asio::io_context& io, const Clock& clock, const Settings& settings,
-       coupling::WorldCoupling& world)
-      : clock_(&clock),
-        end_({.impairment = settings.impairment, .pinned_peer = settings.pinned_peer}, world),
-        port_(io) {}
+       const Worlds& worlds)
+      : clock_(&clock), port_(io) {
+    const bool may_be_open =
+        may_listen(settings.bind, settings.allow_unauthenticated, settings.pinned_peer).has_value();
+    const bool is_pinned = settings.allow_unauthenticated && settings.pinned_peer.has_value();
+    if (worlds.of_1999 != nullptr && (settings.key ? is_pinned : may_be_open)) {
+      thesis_.emplace(ThesisWorldEnd::Settings{settings.impairment, settings.pinned_peer},
+                      *worlds.of_1999);
+    }
+    if (!worlds.make_half || (!settings.key && !may_be_open)) return;
+    thimble_.emplace(
+        ThimbleWorldEnd::Settings{settings.impairment, settings.pinned_peer, settings.key,
+                                  settings.max_sessions, settings.welcome},
+        worlds.make_half, system_random());
+  }
 
   Result<void> start(const Endpoint& bind) {
     if (Result<void> opened = port_.open(bind); !opened) return opened;
     port_.start(
         {.on_datagram = [this](const Endpoint& from,
                                std::span<const std::byte> bytes) { on_datagram(from, bytes); },
-         .on_receive_error = [this] { ++end_.counters().receive_errors; },
+         .on_receive_error = [this] { ++counters_.receive_errors; },
          .on_timer = [this] { step(clock_->now()); }});
     return {};
   }
@@ -34,39 +46,70 @@ class UdpWorldServer::Impl {
   [[nodiscard]] Endpoint local() const { return port_.local(); }
 
   [[nodiscard]] LinkStatus status() const {
-    LinkStatus status = end_.status();
+    LinkStatus status = thesis_ ? thesis_->status() : LinkStatus();
+    status.counters = sum(status.counters, counters_);
+    if (thimble_) {
+      status.counters = sum(status.counters, thimble_->total());
+      status.is_up = status.is_up || !thimble_->sessions().empty();
+    }
     if (status.last_error.empty()) status.last_error = port_.last_error();
     return status;
+  }
+
+  [[nodiscard]] std::vector<LinkStatus> sessions() const {
+    return thimble_ ? thimble_->sessions() : std::vector<LinkStatus>();
   }
 
  private:
   void on_datagram(const Endpoint& from, std::span<const std::byte> bytes) {
     const MonotonicTime now = clock_->now();
-    end_.on_datagram(from, bytes, now);
+    if (is_thimble_datagram(bytes) && thimble_) {
+      thimble_->on_datagram(from, bytes, now);
+    } else if (thesis_) {
+      thesis_->on_datagram(from, bytes, now);
+    } else {
+      ++counters_.received;
+      counters_.reject(RejectReason::WrongVersion);
+    }
     step(now);
   }
 
   void step(MonotonicTime now) {
     const bool has_room = send(now);
     if (!has_room) return port_.wake_after(now, kRetrySend);
-    const std::optional<MonotonicTime> due = end_.next_due();
+    std::optional<MonotonicTime> due;
+    if (thesis_) take_earlier(due, thesis_->next_due());
+    if (thimble_) take_earlier(due, thimble_->next_due());
     if (due) port_.wake_after(now, std::max(*due - now, Duration::zero()));
   }
 
   // False when the socket has no room: the reply in hand goes first next time.
   bool send(MonotonicTime now) {
-    while (has_unsent_ || end_.poll(now, unsent_)) {
-      const UdpPort::Outcome outcome = port_.send(unsent_.to, unsent_.bytes);
+    while (has_unsent_ || take_reply(now)) {
+      const UdpPort::Outcome outcome = port_.send(unsent_.to, unsent_.datagram.view());
       has_unsent_ = outcome == UdpPort::Outcome::Blocked;
-      if (outcome != UdpPort::Outcome::Done) ++end_.counters().send_errors;
+      if (outcome != UdpPort::Outcome::Done) ++counters_.send_errors;
       if (has_unsent_) return false;
     }
     return true;
   }
 
+  // The next of either, in `unsent_`.
+  bool take_reply(MonotonicTime now) {
+    if (ThesisWorldEnd::Reply reply; thesis_ && thesis_->poll(now, reply)) {
+      unsent_.to = reply.to;
+      std::copy(reply.bytes.begin(), reply.bytes.end(), unsent_.datagram.bytes.begin());
+      unsent_.datagram.size = reply.bytes.size();
+      return true;
+    }
+    return thimble_ && thimble_->poll(now, unsent_);
+  }
+
   const Clock* clock_;
-  ThesisWorldEnd end_;
-  ThesisWorldEnd::Reply unsent_{};
+  std::optional<ThesisWorldEnd> thesis_;
+  std::optional<ThimbleWorldEnd> thimble_;
+  LinkCounters counters_{};  // of the socket, and of what nobody here understands
+  ThimbleWorldEnd::Reply unsent_{};
   bool has_unsent_{false};
   UdpPort port_;  // last: its handlers use the rest
 };
@@ -74,11 +117,13 @@ class UdpWorldServer::Impl {
 Result<std::unique_ptr<UdpWorldServer>> UdpWorldServer::open(boost::asio::io_context& io,
                                                              const Clock& clock,
                                                              const Settings& settings,
-                                                             coupling::WorldCoupling& world) {
-  const Result<void> allowed =
-      may_listen(settings.bind, settings.allow_unauthenticated, settings.pinned_peer);
-  if (!allowed) return tl::unexpected(allowed.error());
-  auto impl = std::make_unique<Impl>(io, clock, settings, world);
+                                                             const Worlds& worlds) {
+  if (!settings.key) {
+    const Result<void> allowed =
+        may_listen(settings.bind, settings.allow_unauthenticated, settings.pinned_peer);
+    if (!allowed) return tl::unexpected(allowed.error());
+  }
+  auto impl = std::make_unique<Impl>(io, clock, settings, worlds);
   if (Result<void> started = impl->start(settings.bind); !started) {
     return tl::unexpected(started.error());
   }
@@ -90,5 +135,6 @@ UdpWorldServer::~UdpWorldServer() = default;
 
 Endpoint UdpWorldServer::local() const { return impl_->local(); }
 LinkStatus UdpWorldServer::status() const { return impl_->status(); }
+std::vector<LinkStatus> UdpWorldServer::sessions() const { return impl_->sessions(); }
 
 }  // namespace thimble::link

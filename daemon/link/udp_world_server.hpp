@@ -1,12 +1,16 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "daemon/coupling/world_coupling.hpp"
 #include "daemon/link/endpoint.hpp"
 #include "daemon/link/impairment.hpp"
 #include "daemon/link/link_counters.hpp"
+#include "daemon/link/link_key.hpp"
+#include "daemon/link/thimble_world_end.hpp"
 #include "hal/base/result.hpp"
 #include "hal/base/time.hpp"
 
@@ -16,12 +20,16 @@ class io_context;
 
 namespace thimble::link {
 
-// The world's end of the 1999 protocol over UDP (ThesisWorldEnd behind a socket). Every reply
-// is sent, if need be when there is room again; errors are counted and end nothing.
+// The world's end of both protocols on one port: ThesisWorldEnd and ThimbleWorldEnd behind a
+// socket, told apart by the first bytes of each datagram. Every reply is sent, if need be when
+// there is room again; errors are counted and end nothing.
+//
+// Programs of 1999 are answered on loopback, where there is no key, and wherever their one peer is
+// pinned and allowed; our own without a key likewise, with one from anywhere (decision 0427).
 //
 // Thread: the one that runs the io_context. RT: not; one receive, one send a message, no
-// allocation. Ownership: io_context, clock and world must outlive it.
-// Errors: open() when it may not listen there (may_listen()) or the port is taken.
+// allocation. Ownership: io_context, clock and worlds must outlive it.
+// Errors: open() when it may not listen there (may_listen(), without a key) or the port is taken.
 class UdpWorldServer {
  public:
   struct Settings {
@@ -29,16 +37,27 @@ class UdpWorldServer {
     bool allow_unauthenticated{false};
     std::optional<Endpoint> pinned_peer{};  // its port does not matter
     ImpairmentSettings impairment{};        // validated by the caller
+    std::optional<LinkKey> key{};
+    std::size_t max_sessions{8};
+    ThimbleWelcome welcome{};  // what is told of the world
+  };
+  // nullptr, nothing: that protocol is not spoken, and its datagrams are refused.
+  struct Worlds {
+    coupling::WorldCoupling* of_1999{nullptr};
+    ThimbleWorldEnd::MakeHalf make_half{};
   };
 
   [[nodiscard]] static Result<std::unique_ptr<UdpWorldServer>> open(boost::asio::io_context& io,
                                                                     const Clock& clock,
                                                                     const Settings& settings,
-                                                                    coupling::WorldCoupling& world);
+                                                                    const Worlds& worlds);
   ~UdpWorldServer();
 
   [[nodiscard]] Endpoint local() const;  // with the port that was given for 0
+  // Of all that comes to the port.
   [[nodiscard]] LinkStatus status() const;
+  // Of each session of our own.
+  [[nodiscard]] std::vector<LinkStatus> sessions() const;
 
  private:
   class Impl;

@@ -73,7 +73,7 @@ class UdpTest : public ::testing::Test {
     return false;
   }
   std::unique_ptr<UdpWorldServer> open_server(std::uint16_t port = 0) {
-    auto opened = UdpWorldServer::open(io, clock, {.bind = loopback(port)}, world);
+    auto opened = UdpWorldServer::open(io, clock, {.bind = loopback(port)}, {.of_1999 = &world});
     EXPECT_TRUE(opened.has_value()) << (opened ? "" : opened.error().message);
     return opened ? std::move(*opened) : nullptr;
   }
@@ -186,7 +186,8 @@ TEST_F(UdpTest, BothOursMeetAndCount) {
 
 TEST_F(UdpTest, InjectedDelayIsServedByTheTimer) {
   auto opened = UdpWorldServer::open(
-      io, clock, {.bind = loopback(), .impairment = {.delay_s = 0.02, .jitter_s = 0.01}}, world);
+      io, clock, {.bind = loopback(), .impairment = {.delay_s = 0.02, .jitter_s = 0.01}},
+      {.of_1999 = &world});
   ASSERT_TRUE(opened.has_value());
   PlainSocket client;
   for (int i = 0; i < 20; ++i) {
@@ -318,8 +319,9 @@ TEST_F(UdpTest, AListenerOfBothFamiliesKnowsItsIpv4Peer) {
   any.is_v6 = true;
   Endpoint pinned = loopback();
   const auto open_for = [&] {
-    return UdpWorldServer::open(
-        io, clock, {.bind = any, .allow_unauthenticated = true, .pinned_peer = pinned}, world);
+    return UdpWorldServer::open(io, clock,
+                                {.bind = any, .allow_unauthenticated = true, .pinned_peer = pinned},
+                                {.of_1999 = &world});
   };
   PlainSocket client;
   {
@@ -339,13 +341,14 @@ TEST_F(UdpTest, AListenerOfBothFamiliesKnowsItsIpv4Peer) {
 
 TEST_F(UdpTest, SaysClearlyWhyItCannotListenOrLink) {
   const auto server = open_server();
-  const auto second =
-      UdpWorldServer::open(io, clock, {.bind = loopback(server->local().port)}, world);
+  const auto second = UdpWorldServer::open(io, clock, {.bind = loopback(server->local().port)},
+                                           {.of_1999 = &world});
   ASSERT_FALSE(second.has_value());
   EXPECT_EQ(second.error().code, Errc::Busy);
   EXPECT_NE(second.error().message.find("another program already listens on udp://127.0.0.1:"),
             std::string::npos);
-  const auto open_to_all = UdpWorldServer::open(io, clock, {.bind = Endpoint{}}, world);
+  const auto open_to_all =
+      UdpWorldServer::open(io, clock, {.bind = Endpoint{}}, {.of_1999 = &world});
   ASSERT_FALSE(open_to_all.has_value());
   EXPECT_EQ(open_to_all.error().code, Errc::Permission);
   Endpoint elsewhere;
