@@ -7,6 +7,7 @@
 
 #include "daemon/coupling/arm_coupling.hpp"
 #include "daemon/coupling/constraint_age.hpp"
+#include "daemon/coupling/coordinate_frame.hpp"
 #include "daemon/coupling/messages.hpp"
 #include "daemon/coupling/wall_spring.hpp"
 #include "hal/rt/static_vector.hpp"
@@ -26,17 +27,13 @@ struct GhostPointSettings {
   Stiffness coordinate_spring{50};
   double coordinate_spring_share{0.5};  // of the wall's force, at most: decision 0055
   Duration coordinate_spring_ramp{std::chrono::milliseconds(100)};  // thesis: a step
-  double hysteresis_m{0.0005};       // upper bound; see effective_hysteresis_m()
+  double hysteresis_m{0.0005};       // upper bound; see effective_hysteresis_m() of told_planes.hpp
   double cell_m{0};                  // edge of the world's cells; 0: it has none
   double relaxation_m_per_s{0.025};  // thesis: 0.25 mm each tenth tick of 1 kHz
   double max_offset_m{0.25};         // length of the offset: decision 0056
   Duration redetection_guard{std::chrono::milliseconds(50)};  // decision 0051
   ConstraintAgeSettings age{};
 };
-
-// How deep a finger is left inside a wall that was learned of late: min(hysteresis, cell/4),
-// so that fine worlds do not swallow it.
-[[nodiscard]] double effective_hysteresis_m(const GhostPointSettings& settings) noexcept;
 
 // For the status and for tests; since construction.
 struct GhostPointCounters {
@@ -86,7 +83,6 @@ class GhostPointArm final : public ArmCoupling {
   using ContactList = rt::StaticVector<Contact, kMaxContacts>;
 
   [[nodiscard]] ArmOutput refuse(const ArmInput& input) const noexcept;
-  [[nodiscard]] PlaneList sound_planes(const PlaneList& planes) noexcept;
   [[nodiscard]] bool names_what_is_held(const PlaneList& planes) const noexcept;
   void apply(const ConstraintSet& set, const ArmInput& input) noexcept;
   [[nodiscard]] Contact adopt(const ConstraintPlane& plane, const Contact* known, Position3 tip,
@@ -94,24 +90,21 @@ class GhostPointArm final : public ArmCoupling {
   void remember(const std::array<bool, kMaxContacts>& is_taken, const ArmInput& input,
                 ContactList& next) const noexcept;
   void relax(const ArmInput& input) noexcept;
-  void shift(Displacement3 by) noexcept;
   void press(const ArmInput& input, ArmOutput& output) noexcept;
   void begin(Contact& contact, const ArmInput& input, ArmOutput& output) noexcept;
-  [[nodiscard]] Force3 rub(Contact& contact, const ArmInput& input,
-                           double wall_newton) const noexcept;
+  [[nodiscard]] Force3 rub_along(Contact& contact, const ArmInput& input,
+                                 const SurfaceProperties& surface,
+                                 double wall_newton) const noexcept;
   // Within the redetection guard: it is the same touch (decision 0051).
   [[nodiscard]] bool was_pressed_lately(const Contact& contact, MonotonicTime now) const noexcept;
   void update_spring_budget(MonotonicTime now) noexcept;
   void advance_ramp(Contact& contact, Duration dt, double depth_m) noexcept;
-  [[nodiscard]] Stiffness stiffness_of(const ConstraintPlane& plane) const noexcept;
-  [[nodiscard]] Damping damping_of(const ConstraintPlane& plane) const noexcept;
-  [[nodiscard]] double friction_of(const ConstraintPlane& plane) const noexcept;
 
   GhostPointSettings settings_;
   double hysteresis_m_;
   ConstraintAge age_;
+  CoordinateFrame frame_;
   ContactList contacts_{};
-  Displacement3 offset_{};
   // Of the touch that lasts: the largest offset, squared, and what its coordinate spring gave.
   double touch_offset_m2_{0};
   double spring_spent_joule_{0};

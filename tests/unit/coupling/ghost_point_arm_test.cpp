@@ -1,4 +1,5 @@
 #include "daemon/coupling/ghost_point_arm.hpp"
+#include "daemon/coupling/told_planes.hpp"
 
 #include <gtest/gtest.h>
 
@@ -119,9 +120,9 @@ TEST(GhostPointArm, KnownWallPushesBackWithItsStiffness) {
 TEST(GhostPointArm, HysteresisIsAtMostAQuarterCell) {
   GhostPointSettings settings;
   settings.cell_m = 0.0012;
-  EXPECT_DOUBLE_EQ(effective_hysteresis_m(settings), 0.0003);
+  EXPECT_DOUBLE_EQ(effective_hysteresis_m(settings.hysteresis_m, settings.cell_m), 0.0003);
   settings.cell_m = 0.030;
-  EXPECT_DOUBLE_EQ(effective_hysteresis_m(settings), 0.0005);
+  EXPECT_DOUBLE_EQ(effective_hysteresis_m(settings.hysteresis_m, settings.cell_m), 0.0005);
   settings.cell_m = 0.0012;
   ArmBench bench(settings);
   const ArmOutput out = bench.told({0.020, 0, 0}, {wall(kPlusX, kWall_m)});
