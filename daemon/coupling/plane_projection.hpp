@@ -40,7 +40,8 @@ struct PlaneProjection {
 // Thread: any: pure. RT: THIMBLE_RT; at most 92 sets. Errors: none; finite in, finite out.
 [[nodiscard]] THIMBLE_RT PlaneProjection project(const PastPlanes& planes) noexcept;
 
-// Nothing that is felt, well above rounding.
-inline constexpr double kPlaneTolerance_m = 1e-9;
+// Above the rounding of what a hand reaches; where planes meet at a sharp angle, what is left in
+// one of them is a larger error of g, up to 3e4 times this.
+inline constexpr double kPlaneTolerance_m = 1e-12;
 
 }  // namespace thimble::coupling

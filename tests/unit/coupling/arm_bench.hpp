@@ -23,9 +23,10 @@ inline GhostPointSettings without_spring() {
 }
 
 // An arm half with its hand on a bench: each call is one tick of 1 ms.
-class ArmBench {
+template <class Arm, class Settings>
+class BenchOf {
  public:
-  explicit ArmBench(const GhostPointSettings& settings = {}) : sut(settings) { sut.reset(now, {}); }
+  explicit BenchOf(const Settings& settings = {}) : sut(settings) { sut.reset(now, {}); }
 
   // A tick with a reply that says `planes`.
   ArmOutput told(Position3 tip, const std::vector<ConstraintPlane>& planes,
@@ -39,7 +40,7 @@ class ArmBench {
   // A tick without a reply.
   ArmOutput alone(Position3 tip, Velocity3 velocity = {}) { return tick(tip, velocity, nullptr); }
 
-  GhostPointArm sut;
+  Arm sut;
   MonotonicTime now{};
   LinkQuality link{.is_up = true};
   std::uint32_t session{1};
@@ -57,5 +58,6 @@ class ArmBench {
                      .link = link});
   }
 };
+using ArmBench = BenchOf<GhostPointArm, GhostPointSettings>;
 
 }  // namespace thimble::coupling::testing

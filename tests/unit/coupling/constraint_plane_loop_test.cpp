@@ -1,0 +1,236 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "daemon/coupling/constraint_plane_arm.hpp"
+#include "daemon/world/sphere_world.hpp"
+#include "hand_on_arm.hpp"
+
+namespace thimble::coupling {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+using testing::DelayedLoop;
+using testing::FakeBox;
+using testing::HandOnArm;
+using testing::Pace;
+using testing::Reference;
+
+struct Pushed {
+  double held_newton{0};
+  double swing_m{0};  // peak to peak while the hand holds
+  double peak_newton{0};
+  double generated_joule{0};
+  std::uint64_t news{0};
+};
+
+Pushed push(LateWalls late_walls, int delay_ms) {
+  ConstraintPlaneSettings settings;
+  settings.late_walls = late_walls;
+  ConstraintPlaneArm arm(settings);
+  HandOnArm hand(arm, milliseconds(delay_ms), Pace::Streamed, -0.015);
+  Pushed out;
+  double least_m = 1;
+  double most_m = -1;
+  Reference reference;
+  for (int tick = 0; tick < Reference::kTicks; ++tick) {
+    reference.advance(tick);
+    const ArmOutput got = hand.tick(reference.x_m, reference.v_m_per_s);
+    out.peak_newton = std::max(out.peak_newton, -got.force.x);
+    if (tick < Reference::kHoldFrom_tick || tick >= Reference::kHoldTo_tick) continue;
+    out.held_newton = -got.force.x;
+    least_m = std::min(least_m, hand.x_m());
+    most_m = std::max(most_m, hand.x_m());
+  }
+  out.swing_m = most_m - least_m;
+  out.generated_joule = hand.energy().generated_joule();
+  out.news = arm.counters().news;
+  return out;
+}
+
+constexpr std::array kDelays_ms{1, 2, 5, 10, 20, 50, 100, 200, 500};
+
+// teleop.md 5, gates G1, G2 and G4; at most ½·K·H² for each plane that is news.
+TEST(ConstraintPlaneLoop, AnOffsetHandHoldsStillAndIsGivenNothingAtAnyDelay) {
+  for (const int delay_ms : kDelays_ms) {
+    const Pushed got = push(LateWalls::Offset, delay_ms);
+    EXPECT_LT(got.swing_m, 0.0005) << delay_ms;
+    EXPECT_LT(got.peak_newton, 8.5) << delay_ms;
+    EXPECT_LE(got.generated_joule, static_cast<double>(got.news) * 0.5 * 800 * 0.0005 * 0.0005)
+        << delay_ms;
+    RecordProperty("offset_hold_" + std::to_string(delay_ms) + "_ms_newton",
+                   std::to_string(got.held_newton));
+  }
+}
+
+// teleop.md 3, the last row: walls at their true place hold as if there were no delay, and their
+// way there gives the hand energy: 4 mJ at 20 ms, 41 at 500.
+TEST(ConstraintPlaneLoop, ARecoveredWallHoldsAsWithoutDelayAndInjects) {
+  for (const int delay_ms : kDelays_ms) {
+    const Pushed got = push(LateWalls::Recovery, delay_ms);
+    EXPECT_LT(got.swing_m, 0.0005) << delay_ms;
+    EXPECT_NEAR(got.held_newton, 3.2, 0.1) << delay_ms;
+    EXPECT_LE(got.generated_joule, 0.05) << delay_ms;
+    RecordProperty("recovery_" + std::to_string(delay_ms) + "_ms_millijoule",
+                   std::to_string(1e3 * got.generated_joule));
+  }
+  EXPECT_GT(push(LateWalls::Recovery, 200).generated_joule, 0.01) << "it does inject";
+}
+
+// Round a ball and over its floor: tangent planes of any angle, and edges between them.
+Position3 about(double t_s) {
+  return {0.021 * std::sin(1.1 * t_s), -0.012 + 0.028 * std::sin(1.7 * t_s + 1),
+          0.023 * std::sin(0.9 * t_s + 2)};
+}
+Velocity3 about_speed(double t_s) {
+  return {0.021 * 1.1 * std::cos(1.1 * t_s), 0.028 * 1.7 * std::cos(1.7 * t_s + 1),
+          0.023 * 0.9 * std::cos(0.9 * t_s + 2)};
+}
+
+world::SphereWorld make_ball() {
+  return world::SphereWorld::create({{0, -0.025, 0}, 0.02, -0.035}).value();
+}
+
+// The same hand by the axes `shift` further, mirrored along those of `mirror`.
+struct Turn {
+  std::size_t shift{0};
+  std::array<double, 3> mirror{1, 1, 1};
+
+  template <class Quantity>
+  [[nodiscard]] Quantity there(const Quantity& v) const {
+    Quantity out;
+    for (std::size_t axis = 0; axis < 3; ++axis) out[(axis + shift) % 3] = mirror[axis] * v[axis];
+    return out;
+  }
+  template <class Quantity>
+  [[nodiscard]] Quantity back(const Quantity& v) const {
+    Quantity out;
+    for (std::size_t axis = 0; axis < 3; ++axis) out[axis] = mirror[axis] * v[(axis + shift) % 3];
+    return out;
+  }
+};
+
+// A world as another that was turned: hands go in turned back, what it says comes out turned.
+class TurnedWorld final : public world::World {
+ public:
+  TurnedWorld(world::World& of, const Turn& turn) : of_(of), turn_(turn) {}
+  [[nodiscard]] const world::WorldInfo& info() const noexcept override { return of_.info(); }
+  [[nodiscard]] Result<world::ProbeId> add_probe(Position3 hand) override {
+    return of_.add_probe(turn_.back(hand));
+  }
+  void remove_probe(world::ProbeId probe) noexcept override { of_.remove_probe(probe); }
+  world::ProbeMotion move_probe(world::ProbeId probe, Position3 hand,
+                                Duration dt) noexcept override {
+    world::ProbeMotion motion = of_.move_probe(probe, turn_.back(hand), dt);
+    motion.ghost = turn_.there(motion.ghost);
+    for (world::ContactPlane& plane : motion.planes) plane.normal = turn_.there(plane.normal);
+    return motion;
+  }
+
+ private:
+  world::World& of_;
+  Turn turn_;
+};
+
+struct Felt {
+  Force3 force{};
+  Displacement3 offset{};
+  bool operator==(const Felt&) const = default;
+};
+
+std::vector<Felt> feel(world::World& ball, const Turn& turn, LateWalls late_walls) {
+  TurnedWorld world(ball, turn);
+  ConstraintPlaneSettings settings;
+  settings.late_walls = late_walls;
+  ConstraintPlaneArm arm(settings);
+  DelayedLoop loop(arm, world, milliseconds(1), milliseconds(30));
+  std::vector<Felt> trace;
+  for (int i = 0; i < 12'000; ++i) {
+    const ArmOutput out = loop.tick(turn.there(about(1e-3 * i)), turn.there(about_speed(1e-3 * i)));
+    trace.push_back({turn.back(out.force), turn.back(out.offset)});
+  }
+  return trace;
+}
+
+// Signs change no rounding; permuted axes do, as sums of three products are rounded in their order.
+TEST(ConstraintPlaneLoop, MirroredWorldsFeelMirroredToTheBitPermutedOnesToRounding) {
+  for (const LateWalls late_walls : {LateWalls::Offset, LateWalls::Recovery}) {
+    world::SphereWorld ball = make_ball();
+    const std::vector<Felt> reference = feel(ball, {}, late_walls);
+    EXPECT_GT(std::count_if(reference.begin(), reference.end(),
+                            [](const Felt& felt) { return norm(felt.force) > 0.1; }),
+              1000);
+    for (const auto& mirror : {std::array<double, 3>{-1, 1, 1}, {1, -1, -1}, {-1, -1, -1}}) {
+      EXPECT_EQ(feel(ball, {.shift = 0, .mirror = mirror}, late_walls), reference);
+    }
+    for (const std::size_t shift : {1U, 2U}) {
+      const std::vector<Felt> permuted =
+          feel(ball, {.shift = shift, .mirror = {1, -1, 1}}, late_walls);
+      for (std::size_t i = 0; i < reference.size(); ++i) {
+        ASSERT_NEAR(norm(permuted[i].force - reference[i].force), 0, 1e-6) << i;
+        ASSERT_NEAR(norm(permuted[i].offset - reference[i].offset), 0, 1e-9) << i;
+      }
+    }
+  }
+}
+
+// 500 Hz to 8 kHz, in the plainest box: edges and corners of three walls.
+TEST(ConstraintPlaneLoop, RateOfTheServoChangesNothing) {
+  struct Trace {
+    std::vector<Displacement3> offset;
+    Force3 impulse{};
+  };
+  const auto run = [](Duration dt, LateWalls late_walls) {
+    ConstraintPlaneSettings settings;
+    settings.late_walls = late_walls;
+    ConstraintPlaneArm arm(settings);
+    FakeBox box(0.015);
+    DelayedLoop loop(arm, box, dt, milliseconds(40));
+    Trace trace;
+    for (Duration t{}; t < std::chrono::seconds(12); t += dt) {
+      const ArmOutput out = loop.tick(about(seconds(t)), about_speed(seconds(t)));
+      trace.impulse += seconds(dt) * out.force;
+      if (t % milliseconds(100) == Duration::zero()) trace.offset.push_back(out.offset);
+    }
+    return trace;
+  };
+  for (const LateWalls late_walls : {LateWalls::Offset, LateWalls::Recovery}) {
+    const Trace reference = run(microseconds(125), late_walls);
+    EXPECT_GT(norm(reference.impulse), 1);
+    for (const int period_us : {250, 500, 1000, 2000}) {
+      const Trace trace = run(microseconds(period_us), late_walls);
+      ASSERT_EQ(trace.offset.size(), reference.offset.size());
+      for (std::size_t i = 0; i < trace.offset.size(); ++i) {
+        EXPECT_LT(norm(trace.offset[i] - reference.offset[i]), 0.0004) << period_us << " us, " << i;
+      }
+      EXPECT_LT(norm(trace.impulse - reference.impulse), 0.02 * norm(reference.impulse));
+    }
+  }
+}
+
+// The observer at the arm's port adds up what the hand was given.
+TEST(ConstraintPlaneLoop, ThePortsEnergyIsTheWorkOfWhatWasShown) {
+  ConstraintPlaneArm arm;
+  world::SphereWorld ball = make_ball();
+  DelayedLoop loop(arm, ball, milliseconds(1), milliseconds(30));
+  double work_joule = 0;
+  Position3 last_tip{};
+  Force3 last_force{};
+  for (int i = 0; i < 5000; ++i) {
+    const Position3 tip = about(1e-3 * i);
+    work_joule += dot(last_force, tip - last_tip);
+    last_force = loop.tick(tip, about_speed(1e-3 * i)).force;
+    last_tip = tip;
+  }
+  EXPECT_LT(work_joule, -0.0003) << "the hand pressed";
+  EXPECT_NEAR(arm.energy().given_joule(), work_joule, 1e-9);
+}
+
+}  // namespace
+}  // namespace thimble::coupling
