@@ -96,11 +96,14 @@ enum class CouplingScheme : std::uint8_t {
   ThesisLiteral,
   RemoteForce,
   SpringDamper,
-  Wave
+  Wave,
+  ConstraintPlane
 };
 enum class CouplingMode : std::uint8_t { Streamed, LockStep };
 // Where the force of a spring-damper is computed.
 enum class CouplingForceAt : std::uint8_t { World, Both };
+// What becomes of a wall that a hand is already inside when it is told of.
+enum class CouplingLateWalls : std::uint8_t { Offset, Recovery };
 
 struct CouplingConfig {
   CouplingScheme scheme{CouplingScheme::GhostPoint};
@@ -114,6 +117,8 @@ struct CouplingConfig {
   std::optional<double> fade_after_s;
   std::optional<double> impedance_newton_s_per_m{};
   CouplingForceAt force_at{CouplingForceAt::World};
+  CouplingLateWalls late_walls{CouplingLateWalls::Offset};
+  std::optional<double> recovery_s{};  // only with LateWalls Recovery
   bool operator==(const CouplingConfig&) const = default;
 };
 

@@ -10,12 +10,13 @@ namespace {
 
 using Scheme = CouplingScheme;
 
-constexpr std::array<Choice<Scheme>, 5> kSchemes{{
+constexpr std::array<Choice<Scheme>, 6> kSchemes{{
     {"ghost-point", Scheme::GhostPoint},
     {"thesis-literal", Scheme::ThesisLiteral},
     {"remote-force", Scheme::RemoteForce},
     {"spring-damper", Scheme::SpringDamper},
     {"wave", Scheme::Wave},
+    {"constraint-plane", Scheme::ConstraintPlane},
 }};
 constexpr std::array<Choice<CouplingMode>, 2> kModes{{
     {"streamed", CouplingMode::Streamed},
@@ -24,6 +25,10 @@ constexpr std::array<Choice<CouplingMode>, 2> kModes{{
 constexpr std::array<Choice<CouplingForceAt>, 2> kForceAt{{
     {"world", CouplingForceAt::World},
     {"both", CouplingForceAt::Both},
+}};
+constexpr std::array<Choice<CouplingLateWalls>, 2> kLateWalls{{
+    {"offset", CouplingLateWalls::Offset},
+    {"recovery", CouplingLateWalls::Recovery},
 }};
 
 // Beyond these a number is a slip of the pen, not a wish; what a far end computes with has the
@@ -49,11 +54,15 @@ struct Tuning {
 
 const std::vector<Tuning>& tunings() {
   static const std::vector<Tuning> kTunings{
-      {"stiffness_newton_per_m", {Scheme::GhostPoint, Scheme::RemoteForce, Scheme::SpringDamper}},
-      {"damping_newton_s_per_m", {Scheme::GhostPoint, Scheme::RemoteForce, Scheme::SpringDamper}},
+      {"stiffness_newton_per_m",
+       {Scheme::GhostPoint, Scheme::ConstraintPlane, Scheme::RemoteForce, Scheme::SpringDamper}},
+      {"damping_newton_s_per_m",
+       {Scheme::GhostPoint, Scheme::ConstraintPlane, Scheme::RemoteForce, Scheme::SpringDamper}},
       {"coordinate_spring_newton_per_m", {Scheme::GhostPoint}},
-      {"hysteresis_m", {Scheme::GhostPoint}},
-      {"relaxation_m_per_s", {Scheme::GhostPoint}},
+      {"hysteresis_m", {Scheme::GhostPoint, Scheme::ConstraintPlane}},
+      {"relaxation_m_per_s", {Scheme::GhostPoint, Scheme::ConstraintPlane}},
+      {"late_walls", {Scheme::ConstraintPlane}},
+      {"recovery_s", {Scheme::ConstraintPlane}},
       {"impedance_newton_s_per_m", {Scheme::Wave}},
       {"force_at", {Scheme::SpringDamper}},
   };
@@ -86,6 +95,20 @@ void refuse_what_is_not_taken(TableReader& reader, Scheme scheme) {
   }
 }
 
+// Walls that slide to their place shift no frame.
+void refuse_beside_late_walls(TableReader& reader, const CouplingConfig& said) {
+  if (said.scheme != Scheme::ConstraintPlane) return;
+  const bool recovers = said.late_walls == CouplingLateWalls::Recovery;
+  if (recovers && reader.has("relaxation_m_per_s")) {
+    reader.reject("relaxation_m_per_s",
+                  "expected only with late_walls = \"offset\", found beside \"recovery\"");
+  }
+  if (!recovers && reader.has("recovery_s")) {
+    reader.reject("recovery_s",
+                  "expected only with late_walls = \"recovery\", found beside \"offset\"");
+  }
+}
+
 }  // namespace
 
 std::string_view to_string(CouplingScheme scheme) {
@@ -96,7 +119,7 @@ std::string_view to_string(CouplingScheme scheme) {
 }
 
 bool computes_at_the_far_end(CouplingScheme scheme) {
-  return scheme != Scheme::GhostPoint && scheme != Scheme::ThesisLiteral;
+  return scheme == Scheme::RemoteForce || scheme == Scheme::SpringDamper || scheme == Scheme::Wave;
 }
 
 CouplingConfig read_coupling(TableReader reader) {
@@ -104,6 +127,8 @@ CouplingConfig read_coupling(TableReader reader) {
   reader.read("scheme", std::span<const Choice<Scheme>>(kSchemes), out.scheme);
   reader.read("mode", std::span<const Choice<CouplingMode>>(kModes), out.mode);
   reader.read("force_at", std::span<const Choice<CouplingForceAt>>(kForceAt), out.force_at);
+  reader.read("late_walls", std::span<const Choice<CouplingLateWalls>>(kLateWalls), out.late_walls);
+  reader.read("recovery_s", {0.01, 10}, out.recovery_s);
   reader.read("stiffness_newton_per_m", stiffness_range(out.scheme), out.stiffness_newton_per_m);
   reader.read("damping_newton_s_per_m", damping_range(out.scheme), out.damping_newton_s_per_m);
   reader.read("impedance_newton_s_per_m", kImpedance, out.impedance_newton_s_per_m);
@@ -113,6 +138,7 @@ CouplingConfig read_coupling(TableReader reader) {
   reader.read("freeze_after_s", kAge, out.freeze_after_s);
   reader.read("fade_after_s", kAge, out.fade_after_s);
   refuse_what_is_not_taken(reader, out.scheme);
+  refuse_beside_late_walls(reader, out);
   const bool has_slave = out.scheme == Scheme::SpringDamper || out.scheme == Scheme::Wave;
   if (has_slave && out.mode == CouplingMode::LockStep) {
     reader.reject("mode", "expected \"streamed\" with scheme " + in_quotes(to_string(out.scheme)) +

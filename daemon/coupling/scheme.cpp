@@ -21,6 +21,8 @@ std::string_view to_string(Scheme scheme) noexcept {
       return "spring-damper";
     case Scheme::Wave:
       return "wave";
+    case Scheme::ConstraintPlane:
+      return "constraint-plane";
   }
   return "unknown";
 }
@@ -31,7 +33,7 @@ Result<Scheme> parse_scheme(std::string_view text) {
   }
   return fail(Errc::InvalidArgument, "unknown coupling scheme '" + std::string(text) +
                                          "'; expected ghost-point, thesis-literal, remote-force, "
-                                         "spring-damper or wave");
+                                         "spring-damper, wave or constraint-plane");
 }
 
 bool computes_at_the_far_end(Scheme scheme) noexcept {
@@ -48,6 +50,8 @@ std::unique_ptr<ArmCoupling> make_arm_coupling(Scheme scheme, const SchemeSettin
       return std::make_unique<SpringDamperArm>(settings.spring_damper);
     case Scheme::Wave:
       return std::make_unique<WaveArm>(settings.wave);
+    case Scheme::ConstraintPlane:
+      return std::make_unique<ConstraintPlaneArm>(settings.constraint_plane);
     case Scheme::GhostPoint:
       break;
   }

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "daemon/coupling/arm_coupling.hpp"
+#include "daemon/coupling/constraint_plane_arm.hpp"
 #include "daemon/coupling/ghost_point_arm.hpp"
 #include "daemon/coupling/remote_force_arm.hpp"
 #include "daemon/coupling/spring_damper_arm.hpp"
@@ -17,14 +18,16 @@
 namespace thimble::coupling {
 
 enum class Scheme : std::uint8_t {
-  GhostPoint,     // "ghost-point": thesis 3.7, corrected
-  ThesisLiteral,  // "thesis-literal": the printed client with its defects
-  RemoteForce,    // "remote-force": thesis 3.2
-  SpringDamper,   // "spring-damper": thesis 3.4
-  Wave,           // "wave": thesis 3.5
+  GhostPoint,       // "ghost-point": thesis 3.7, corrected
+  ThesisLiteral,    // "thesis-literal": the printed client with its defects
+  RemoteForce,      // "remote-force": thesis 3.2
+  SpringDamper,     // "spring-damper": thesis 3.4
+  Wave,             // "wave": thesis 3.5
+  ConstraintPlane,  // "constraint-plane": thesis 3.7.2
 };
-inline constexpr std::array kSchemes{Scheme::GhostPoint, Scheme::ThesisLiteral, Scheme::RemoteForce,
-                                     Scheme::SpringDamper, Scheme::Wave};
+inline constexpr std::array kSchemes{Scheme::GhostPoint,  Scheme::ThesisLiteral,
+                                     Scheme::RemoteForce, Scheme::SpringDamper,
+                                     Scheme::Wave,        Scheme::ConstraintPlane};
 [[nodiscard]] std::string_view to_string(Scheme scheme) noexcept;
 // InvalidArgument names what was expected.
 [[nodiscard]] Result<Scheme> parse_scheme(std::string_view text);
@@ -39,6 +42,7 @@ struct SchemeSettings {
   RemoteForceSettings remote_force{};
   SpringDamperSettings spring_damper{};
   WaveSettings wave{};
+  ConstraintPlaneSettings constraint_plane{};
 };
 
 // The arm half of `scheme`. Of the settings of the ghost point, thesis-literal takes only the

@@ -61,6 +61,24 @@ coupling::GhostPointSettings ghost_point_settings(const config::CouplingConfig& 
   return settings;
 }
 
+// What the two schemes have in common is the ghost point's.
+coupling::ConstraintPlaneSettings constraint_plane_settings(
+    const config::CouplingConfig& said, const coupling::GhostPointSettings& ghost) {
+  coupling::ConstraintPlaneSettings settings;
+  settings.cell_m = ghost.cell_m;
+  settings.stiffness = ghost.stiffness;
+  settings.max_stiffness = ghost.max_stiffness;
+  settings.damping = ghost.damping;
+  settings.hysteresis_m = ghost.hysteresis_m;
+  settings.relaxation_m_per_s = ghost.relaxation_m_per_s;
+  settings.age = ghost.age;
+  if (said.late_walls == config::CouplingLateWalls::Recovery) {
+    settings.late_walls = coupling::LateWalls::Recovery;
+  }
+  if (said.recovery_s) settings.recovery_time = from_seconds(*said.recovery_s);
+  return settings;
+}
+
 coupling::ToolProperties tool_of(const config::CouplingConfig& said,
                                  const coupling::ToolProperties& usual, double most_newton_per_m) {
   const double softer = std::min(usual.stiffness.newton_per_m, most_newton_per_m);
@@ -87,6 +105,8 @@ coupling::Scheme scheme_of(const config::CouplingConfig& said) {
       return coupling::Scheme::SpringDamper;
     case config::CouplingScheme::Wave:
       return coupling::Scheme::Wave;
+    case config::CouplingScheme::ConstraintPlane:
+      return coupling::Scheme::ConstraintPlane;
     case config::CouplingScheme::GhostPoint:
       break;
   }
@@ -114,6 +134,7 @@ Result<std::unique_ptr<coupling::ArmCoupling>> make_coupling(
       said.impedance_newton_s_per_m.value_or(settings.wave.impedance.newton_s_per_m);
   const coupling::ConstraintAgeSettings age = age_of(said);
   settings.ghost_point.age = age;
+  settings.constraint_plane = constraint_plane_settings(said, settings.ghost_point);
   settings.remote_force.age = age;
   settings.spring_damper.age = age;
   settings.wave.age = age;

@@ -51,29 +51,32 @@ TEST(ConfigCoupling, ASchemeIsChosenByOneLine) {
       {"thesis-literal", CouplingScheme::ThesisLiteral},
       {"remote-force", CouplingScheme::RemoteForce},
       {"spring-damper", CouplingScheme::SpringDamper},
-      {"wave", CouplingScheme::Wave}};
+      {"wave", CouplingScheme::Wave},
+      {"constraint-plane", CouplingScheme::ConstraintPlane}};
   for (const auto& [word, scheme] : all) {
     const auto sut = parse_text(hello_with_arm("coupling.scheme = \"" + word + "\"\n"));
     ASSERT_TRUE(sut) << word;
     EXPECT_EQ(sut->arms[0].coupling.scheme, scheme);
     EXPECT_EQ(to_string(scheme), word);
   }
-  EXPECT_THAT(
-      mistakes(hello_with_arm("coupling.scheme = \"waves\"\n")),
-      ElementsAre(AllOf(HasSubstr("ghost-point"), HasSubstr("thesis-literal"),
-                        HasSubstr("remote-force"), HasSubstr("spring-damper"), HasSubstr("wave"))));
+  EXPECT_THAT(mistakes(hello_with_arm("coupling.scheme = \"waves\"\n")),
+              ElementsAre(AllOf(HasSubstr("ghost-point"), HasSubstr("thesis-literal"),
+                                HasSubstr("remote-force"), HasSubstr("spring-damper"),
+                                HasSubstr("wave"), HasSubstr("constraint-plane"))));
 }
 
 TEST(ConfigCoupling, EachSchemeTakesItsOwnNumbersAndNoOthers) {
   const std::vector<std::pair<std::string, std::string>> taken{
-      {"stiffness_newton_per_m = 100", "ghost-point remote-force spring-damper"},
-      {"damping_newton_s_per_m = 3", "ghost-point remote-force spring-damper"},
+      {"stiffness_newton_per_m = 100", "ghost-point remote-force spring-damper constraint-plane"},
+      {"damping_newton_s_per_m = 3", "ghost-point remote-force spring-damper constraint-plane"},
       {"impedance_newton_s_per_m = 20", "wave"},
       {"force_at = \"both\"", "spring-damper"},
-      {"hysteresis_m = 0.001", "ghost-point"},
+      {"hysteresis_m = 0.001", "ghost-point constraint-plane"},
+      {"late_walls = \"offset\"", "constraint-plane"},
       {"coordinate_spring_newton_per_m = 10", "ghost-point"},
-      {"relaxation_m_per_s = 0.01", "ghost-point"}};
-  for (const char* scheme : {"ghost-point", "remote-force", "spring-damper", "wave"}) {
+      {"relaxation_m_per_s = 0.01", "ghost-point constraint-plane"}};
+  for (const char* scheme :
+       {"ghost-point", "remote-force", "spring-damper", "wave", "constraint-plane"}) {
     const std::string line = std::string("coupling.scheme = \"") + scheme + "\"\n";
     for (const auto& [key, takers] : taken) {
       const auto found = mistakes(hello_with_arm(line + "coupling." + key + "\n"));
@@ -85,6 +88,25 @@ TEST(ConfigCoupling, EachSchemeTakesItsOwnNumbersAndNoOthers) {
       }
     }
   }
+}
+
+TEST(ConfigCoupling, LateWallsTakeTheTimeOfTheirKind) {
+  const std::string scheme = "coupling.scheme = \"constraint-plane\"\n";
+  const std::string recovery = "coupling.late_walls = \"recovery\"\n";
+  const std::string time = "coupling.recovery_s = 0.2\n";
+  const std::string speed = "coupling.relaxation_m_per_s = 0.01\n";
+  const auto sut = parse_text(hello_with_arm(scheme + recovery + time));
+  ASSERT_TRUE(sut);
+  EXPECT_EQ(sut->arms[0].coupling.late_walls, CouplingLateWalls::Recovery);
+  EXPECT_EQ(sut->arms[0].coupling.recovery_s, 0.2);
+  EXPECT_THAT(mistakes(hello_with_arm(scheme + speed)), IsEmpty());
+  EXPECT_THAT(mistakes(hello_with_arm(scheme + time)),
+              ElementsAre(AllOf(HasSubstr("arm.0.coupling.recovery_s"),
+                                HasSubstr("expected only with late_walls = \"recovery\""))));
+  EXPECT_THAT(mistakes(hello_with_arm(scheme + recovery + speed)),
+              ElementsAre(AllOf(HasSubstr("arm.0.coupling.relaxation_m_per_s"),
+                                HasSubstr("expected only with late_walls = \"offset\""))));
+  EXPECT_EQ(mistakes(hello_with_arm(scheme + recovery + "coupling.recovery_s = 0\n")).size(), 1U);
 }
 
 TEST(ConfigCoupling, NumbersOfAFarEndStayBelowItsCeilings) {

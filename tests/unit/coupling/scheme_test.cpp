@@ -22,7 +22,7 @@ TEST(Scheme, UnknownNameIsRefusedWithWhatWasExpected) {
     ASSERT_FALSE(parsed) << text;
     EXPECT_EQ(parsed.error().code, Errc::InvalidArgument);
     EXPECT_NE(parsed.error().message.find("ghost-point, thesis-literal, remote-force, "
-                                          "spring-damper or wave"),
+                                          "spring-damper, wave or constraint-plane"),
               std::string::npos);
   }
 }
@@ -38,6 +38,8 @@ TEST(Scheme, MakesTheArmHalfItNames) {
   EXPECT_NE(dynamic_cast<RemoteForceArm*>(remote.get()), nullptr);
   EXPECT_NE(dynamic_cast<SpringDamperArm*>(spring.get()), nullptr);
   EXPECT_NE(dynamic_cast<WaveArm*>(wave.get()), nullptr);
+  const auto plane = make_arm_coupling(Scheme::ConstraintPlane, {});
+  EXPECT_NE(dynamic_cast<ConstraintPlaneArm*>(plane.get()), nullptr);
 }
 
 TEST(Scheme, MakesTheWorldHalfOfWhatComputesAtTheFarEnd) {

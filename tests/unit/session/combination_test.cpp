@@ -89,7 +89,7 @@ TEST(Combination, IsAcceptedOrRefusedWithItsReasonAsTheMatrixSays) {
                                                           {"`sphere`", &*sphere},
                                                           {"`pieces`", pieces->world.get()},
                                                           {"`life`", life->get()}};
-  ASSERT_EQ(page().at("world").size(), 9U) << "a new column needs a line here";
+  ASSERT_EQ(page().at("world").size(), 10U) << "a new column needs a line here";
   ASSERT_EQ(page().size(), 1 + 1 + worlds.size()) << "a new row needs a world here";
   for (const auto& [name, world] : worlds) {
     config::WorldConfig said;
@@ -104,6 +104,8 @@ TEST(Combination, IsAcceptedOrRefusedWithItsReasonAsTheMatrixSays) {
     expect_as_on_page(name, "scheme `spring-damper`", check_combination(*world, arm));
     arm.scheme = config::CouplingScheme::Wave;
     expect_as_on_page(name, "scheme `wave`", check_combination(*world, arm));
+    arm.scheme = config::CouplingScheme::ConstraintPlane;
+    expect_as_on_page(name, "scheme `constraint-plane`", check_combination(*world, arm));
     said.listen = config::UdpEndpoint{"127.0.0.1", 5001};
     expect_as_on_page(name, "`listen`", check_combination(*world, said));
     said.listen.reset();
