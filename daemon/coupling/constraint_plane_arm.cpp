@@ -10,6 +10,10 @@
 namespace thimble::coupling {
 namespace {
 
+using world::PastPlanes;
+using world::PlaneProjection;
+using world::project;
+
 // What is left of `v` along the planes that hold the proxy.
 template <class Quantity>
 Vector3<Quantity> along_planes(Vector3<Quantity> v,
@@ -234,7 +238,7 @@ Displacement3 ConstraintPlaneArm::free_way(Displacement3 wanted, Position3 hand)
       const Direction3 normal = faces_[i].plane.normal;
       const Position3 from = i < held_ ? proxy : hand;
       const double room_m = std::max(0.0, -depth_m(faces_[i].plane, from) - kStandoff_m);
-      if (dot(normal, way) - room_m <= kPlaneTolerance_m) continue;
+      if (dot(normal, way) - room_m <= world::kPlaneTolerance_m) continue;
       is_crossed[i] = true;
       if (!crossed.push_back({normal, dot(normal, wanted) - room_m})) return {};
     }

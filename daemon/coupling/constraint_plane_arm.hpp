@@ -10,8 +10,8 @@
 #include "daemon/coupling/coordinate_frame.hpp"
 #include "daemon/coupling/energy_observer.hpp"
 #include "daemon/coupling/messages.hpp"
-#include "daemon/coupling/plane_projection.hpp"
 #include "daemon/coupling/wall_spring.hpp"
+#include "daemon/world/plane_projection.hpp"
 #include "hal/rt/static_vector.hpp"
 
 namespace thimble::coupling {
@@ -54,8 +54,8 @@ struct ConstraintPlaneCounters {
 // The arm half of constraint planes (thesis 3.7.2): a god-object that up to three planes of any
 // angle hold at once, and a spring between it and the hand.
 //
-//   g = argmin ½|g − q|²  with  n_i·g ≤ d_i          q = p + o + e      (plane_projection.hpp)
-//   F = −Π( K·(q − g) + B·v )                        = K·(g − q) − B·v_n, where nothing attracts
+//   g = argmin ½|g − q|²  with  n_i·g ≤ d_i          q = p + o + e (world/plane_projection.hpp) F =
+//   −Π( K·(q − g) + B·v )                        = K·(g − q) − B·v_n, where nothing attracts
 //
 // p, v  tip, m, m/s, arm's frame        o  coordinate offset, m; what is sent is p + o
 // g     proxy, m, world's frame         e  recovery: by how much the walls are still behind, m
@@ -117,25 +117,26 @@ class ConstraintPlaneArm final : public ArmCoupling {
   [[nodiscard]] ArmOutput refuse(const ArmInput& input) const noexcept;
   void describe(const ArmInput& input, ArmOutput& output) const noexcept;
   [[nodiscard]] Position3 rendered(Position3 tip) const noexcept;
-  [[nodiscard]] PastPlanes past_held(Position3 hand) const noexcept;
+  [[nodiscard]] world::PastPlanes past_held(Position3 hand) const noexcept;
   [[nodiscard]] bool names_what_is_held(const PlaneList& planes) const noexcept;
   void apply(const ConstraintSet& set, const ArmInput& input) noexcept;
   // How deep in `plane` the hand may stay; counts news.
   [[nodiscard]] double kept_m(const ConstraintPlane& plane, const ConstraintPlane* held,
                               Position3 hand, bool is_void) noexcept;
   void remember(Face face, const ArmInput& input) noexcept;
-  void give_way(const PastPlanes& too_deep, double felt_m, std::uint64_t news,
+  void give_way(const world::PastPlanes& too_deep, double felt_m, std::uint64_t news,
                 Position3 tip) noexcept;
   void yield(Displacement3 past) noexcept;
   void recover(Duration dt) noexcept;
   void relax(const ArmInput& input) noexcept;
   [[nodiscard]] Displacement3 free_way(Displacement3 wanted, Position3 hand) const noexcept;
   void press(const ArmInput& input, ArmOutput& output) noexcept;
-  void note_pressing(const PlaneProjection& proxy, MonotonicTime now, ArmOutput& output) noexcept;
-  [[nodiscard]] SurfaceProperties surface_under(const PlaneProjection& proxy) const noexcept;
-  [[nodiscard]] Force3 push(const PlaneProjection& proxy, double newton_per_m, Velocity3 velocity,
-                            Damping damping) const noexcept;
-  [[nodiscard]] Force3 rub_along(const PlaneProjection& proxy, const ArmInput& input,
+  void note_pressing(const world::PlaneProjection& proxy, MonotonicTime now,
+                     ArmOutput& output) noexcept;
+  [[nodiscard]] SurfaceProperties surface_under(const world::PlaneProjection& proxy) const noexcept;
+  [[nodiscard]] Force3 push(const world::PlaneProjection& proxy, double newton_per_m,
+                            Velocity3 velocity, Damping damping) const noexcept;
+  [[nodiscard]] Force3 rub_along(const world::PlaneProjection& proxy, const ArmInput& input,
                                  const SurfaceProperties& surface, double wall_newton) noexcept;
 
   ConstraintPlaneSettings settings_;

@@ -7,15 +7,17 @@
 #include <vector>
 
 #include "arm_bench.hpp"
-#include "random_planes.hpp"
+#include "tests/support/random_planes.hpp"
 
 namespace thimble::coupling {
 namespace {
 
+using test::RandomPlanes;
 using testing::kPlusX;
 using testing::kPlusY;
-using testing::RandomPlanes;
 using testing::wall;
+using world::PastPlanes;
+using world::project;
 using PlaneBench = testing::BenchOf<ConstraintPlaneArm, ConstraintPlaneSettings>;
 
 constexpr double kRest_m = 0.0005;

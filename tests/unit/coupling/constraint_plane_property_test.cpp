@@ -6,15 +6,17 @@
 
 #include "arm_bench.hpp"
 #include "daemon/coupling/constraint_plane_arm.hpp"
-#include "random_planes.hpp"
+#include "tests/support/random_planes.hpp"
 
 namespace thimble::coupling {
 namespace {
 
+using test::RandomPlanes;
 using testing::ArmBench;
-using testing::RandomPlanes;
 using testing::wall;
 using testing::without_spring;
+using world::PastPlanes;
+using world::project;
 using PlaneArmBench = testing::BenchOf<ConstraintPlaneArm, ConstraintPlaneSettings>;
 
 constexpr double kInside_m = 0.0005;  // hysteresis

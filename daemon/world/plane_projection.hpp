@@ -3,25 +3,25 @@
 #include <array>
 #include <cstddef>
 
-#include "daemon/coupling/messages.hpp"
+#include "daemon/world/world.hpp"
 #include "hal/base/geometry.hpp"
 #include "hal/rt/annotations.hpp"
 #include "hal/rt/static_vector.hpp"
 
-namespace thimble::coupling {
+namespace thimble::world {
 
 // A half-space as seen from a point: how far the point is past its plane, < 0 on its free side.
 struct PastPlane {
   Direction3 normal{};  // points into the obstacle
   double past_m{0};     // n·q − d
 };
-using PastPlanes = rt::StaticVector<PastPlane, kMaxPlanes>;
+using PastPlanes = rt::StaticVector<PastPlane, kMaxContactPlanes>;
 
 // What takes a point to the nearest place that all planes leave free: q − g = Σ λ_i·n_i.
 struct PlaneProjection {
-  Displacement3 past{};                    // q − g
-  std::array<double, kMaxPlanes> share{};  // λ_i >= 0, m; at most three of them > 0
-  bool has_place{true};                    // false: the planes leave no place free
+  Displacement3 past{};                           // q − g
+  std::array<double, kMaxContactPlanes> share{};  // λ_i >= 0, m; at most three of them > 0
+  bool has_place{true};                           // false: the planes leave no place free
 };
 
 // The god-object of a point q (teleop.md 2(f), thesis 3.7.2): the g of least ½|g − q|² with
@@ -44,4 +44,4 @@ struct PlaneProjection {
 // one of them is a larger error of g, up to 3e4 times this.
 inline constexpr double kPlaneTolerance_m = 1e-12;
 
-}  // namespace thimble::coupling
+}  // namespace thimble::world

@@ -1,9 +1,9 @@
-#include "daemon/coupling/plane_projection.hpp"
+#include "daemon/world/plane_projection.hpp"
 
 #include <algorithm>
 #include <limits>
 
-namespace thimble::coupling {
+namespace thimble::world {
 namespace {
 
 // Squared sine of the least angle at which planes are told apart.
@@ -11,8 +11,8 @@ constexpr double kLeastDeterminant = 1e-9;
 // Planes that are nearly parallel may be met no better than this; beyond it they contradict.
 constexpr double kContradiction_m = 1e-6;
 
-using Shares = std::array<double, kMaxPlanes>;
-using Gram = std::array<std::array<double, kMaxPlanes>, kMaxPlanes>;
+using Shares = std::array<double, kMaxContactPlanes>;
+using Gram = std::array<std::array<double, kMaxContactPlanes>, kMaxContactPlanes>;
 
 // Looks for the set of planes that holds the point.
 class Search {
@@ -123,4 +123,4 @@ PlaneProjection project(const PastPlanes& planes) noexcept {
   return out;
 }
 
-}  // namespace thimble::coupling
+}  // namespace thimble::world

@@ -1,4 +1,4 @@
-#include "daemon/coupling/plane_projection.hpp"
+#include "daemon/world/plane_projection.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,17 +8,17 @@
 #include <random>
 #include <vector>
 
-#include "random_planes.hpp"
+#include "tests/support/random_planes.hpp"
 
-namespace thimble::coupling {
+namespace thimble::world {
 namespace {
 
-using testing::RandomPlanes;
+using test::RandomPlanes;
 
 // Dykstra's alternating projections: slow, and knows nothing of sets of three.
 Displacement3 oracle(const PastPlanes& planes, int rounds) {
   Displacement3 at{};
-  std::array<double, kMaxPlanes> pull{};
+  std::array<double, kMaxContactPlanes> pull{};
   for (int round = 0; round < rounds; ++round) {
     for (std::size_t i = 0; i < planes.size(); ++i) {
       const Direction3 n = planes[i].normal;
@@ -44,7 +44,7 @@ TEST(PlaneProjection, MeetsTheConditionsOfAGodObject) {
   RandomPlanes random(1);
   std::array<int, 4> seen{};
   for (std::size_t i = 0; i < 200'000; ++i) {
-    const PastPlanes planes = random.around_a_free_place(1 + i % kMaxPlanes);
+    const PastPlanes planes = random.around_a_free_place(1 + i % kMaxContactPlanes);
     const PlaneProjection sut = project(planes);
     ASSERT_TRUE(sut.has_place) << i;
     Displacement3 sum{};
@@ -69,7 +69,7 @@ TEST(PlaneProjection, IsTheNearestPlaceThatAlternatingProjectionsFind) {
   RandomPlanes random(2);
   int compared = 0;
   for (std::size_t i = 0; i < 5000; ++i) {
-    const PastPlanes planes = random.around_a_free_place(1 + i % kMaxPlanes);
+    const PastPlanes planes = random.around_a_free_place(1 + i % kMaxContactPlanes);
     const Displacement3 expected = oracle(planes, 4000);
     if (left_m(planes, expected) > 1e-10) continue;  // has not converged: a sharp edge
     ++compared;
@@ -82,7 +82,7 @@ TEST(PlaneProjection, IsTheNearestPlaceThatAlternatingProjectionsFind) {
 TEST(PlaneProjection, NoFreePlaceIsNearer) {
   RandomPlanes random(3);
   for (std::size_t i = 0; i < 300; ++i) {
-    const PastPlanes planes = random.around_a_free_place(1 + i % kMaxPlanes);
+    const PastPlanes planes = random.around_a_free_place(1 + i % kMaxContactPlanes);
     const PlaneProjection sut = project(planes);
     for (int k = 0; k < 2000; ++k) {
       const Displacement3 past = sut.past + random.displacement(0.3 * norm(sut.past) + 1e-4);
@@ -117,7 +117,7 @@ TEST(PlaneProjection, DegenerateNormalsGiveFiniteAnswersThatKeepTheirPromise) {
   RandomPlanes random(4);
   int contradictions = 0;
   for (std::size_t i = 0; i < 200'000; ++i) {
-    const PastPlanes planes = random.degenerate(1 + i % kMaxPlanes);
+    const PastPlanes planes = random.degenerate(1 + i % kMaxContactPlanes);
     const PlaneProjection sut = project(planes);
     ASSERT_TRUE(is_finite(sut.past)) << i;
     if (!sut.has_place) {
@@ -132,7 +132,7 @@ TEST(PlaneProjection, DegenerateNormalsGiveFiniteAnswersThatKeepTheirPromise) {
 TEST(PlaneProjection, MirroredToTheBitPermutedToRounding) {
   RandomPlanes random(5);
   for (std::size_t i = 0; i < 20'000; ++i) {
-    const PastPlanes planes = random.around_a_free_place(1 + i % kMaxPlanes);
+    const PastPlanes planes = random.around_a_free_place(1 + i % kMaxContactPlanes);
     const Displacement3 past = project(planes).past;
     PastPlanes mirrored;
     PastPlanes turned;
@@ -148,4 +148,4 @@ TEST(PlaneProjection, MirroredToTheBitPermutedToRounding) {
 }
 
 }  // namespace
-}  // namespace thimble::coupling
+}  // namespace thimble::world

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <random>
 
-#include "daemon/coupling/plane_projection.hpp"
+#include "daemon/world/plane_projection.hpp"
 
-namespace thimble::coupling::testing {
+namespace thimble::test {
 
 // Planes that lie any way, as seen from a hand that is past some of them.
 class RandomPlanes {
@@ -29,9 +29,9 @@ class RandomPlanes {
   }
 
   // All leave the place free that is up to 3 cm from the hand; its planes are up to 1 cm from it.
-  PastPlanes around_a_free_place(std::size_t count) {
+  world::PastPlanes around_a_free_place(std::size_t count) {
     const Displacement3 from_place = displacement(0.03);
-    PastPlanes planes;
+    world::PastPlanes planes;
     for (std::size_t i = 0; i < count; ++i) {
       const Direction3 normal = direction();
       planes.push_back({normal, dot(normal, from_place) - uniform(0, 0.01)});
@@ -40,10 +40,10 @@ class RandomPlanes {
   }
 
   // Parallel, opposite, coplanar, and off that by anything from nothing to a degree.
-  PastPlanes degenerate(std::size_t count) {
+  world::PastPlanes degenerate(std::size_t count) {
     const Direction3 first = direction();
     const Direction3 second = direction();
-    PastPlanes planes;
+    world::PastPlanes planes;
     for (std::size_t i = 0; i < count; ++i) {
       const double a = static_cast<double>(below(3)) - 1;
       const double b = below(2) == 0 ? 0 : uniform(-1, 1);
@@ -61,4 +61,4 @@ class RandomPlanes {
   std::mt19937 random_;
 };
 
-}  // namespace thimble::coupling::testing
+}  // namespace thimble::test
