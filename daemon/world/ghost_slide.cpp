@@ -15,9 +15,10 @@ constexpr std::size_t kSubsets = 8;
 
 // One leg after another: within a leg the point moves on a straight line; a leg ends where a
 // stopped axis comes free.
+template <class Cells>
 class Slider {
  public:
-  Slider(const VoxelGrid& grid, GhostPoint from, Position3 target) noexcept
+  Slider(const Cells& grid, GhostPoint from, Position3 target) noexcept
       : grid_(grid), cell_(from.cell), leg_start_(from.position), target_(target) {}
 
   // To the next face or faces. False when the target is reached or everything else is stopped.
@@ -173,7 +174,7 @@ class Slider {
     return beyond;
   }
 
-  const VoxelGrid& grid_;
+  const Cells& grid_;
   Cell cell_;
   Position3 leg_start_;
   Position3 target_;
@@ -181,13 +182,22 @@ class Slider {
   std::array<std::int8_t, 3> held_{};
 };
 
-}  // namespace
-
-Slide slide_ghost(const VoxelGrid& grid, GhostPoint from, Position3 target) noexcept {
-  Slider slider(grid, from, grid.clamp_near(target));
+template <class Cells>
+Slide slide_through(const Cells& cells, GhostPoint from, Position3 target) noexcept {
+  Slider<Cells> slider(cells, from, cells.clamp_near(target));
   while (slider.advance()) {
   }
   return slider.finish();
+}
+
+}  // namespace
+
+Slide slide_ghost(const VoxelGrid& grid, GhostPoint from, Position3 target) noexcept {
+  return slide_through(grid, from, target);
+}
+
+Slide slide_ghost(const NearCells& near, GhostPoint from, Position3 target) noexcept {
+  return slide_through(near, from, target);
 }
 
 }  // namespace thimble::world

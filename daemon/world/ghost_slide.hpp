@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "daemon/world/cell.hpp"
+#include "daemon/world/near_cells.hpp"
 #include "daemon/world/voxel_grid.hpp"
 #include "hal/base/geometry.hpp"
 #include "hal/rt/annotations.hpp"
@@ -35,6 +36,9 @@ struct Slide {
 // RT: THIMBLE_RT; bounded by the cells along the way, whatever the size of the grid.
 // Errors: none; `target` must be finite, any size.
 [[nodiscard]] THIMBLE_RT Slide slide_ghost(const VoxelGrid& grid, GhostPoint from,
+                                           Position3 target) noexcept;
+// The same through what is known of a grid: as long as the cells that are met are, bit for bit.
+[[nodiscard]] THIMBLE_RT Slide slide_ghost(const NearCells& near, GhostPoint from,
                                            Position3 target) noexcept;
 
 }  // namespace thimble::world

@@ -8,19 +8,18 @@
 namespace thimble::world {
 
 VoxelGrid::VoxelGrid(std::array<std::uint32_t, 3> cells, double cell_m)
-    : cells_(cells),
-      half_cell_m_(cell_m / 2),
+    : lattice_{cells, cell_m / 2},
       words_((static_cast<std::size_t>(cells[0]) * cells[1] * cells[2] + 63) / 64, 0) {}
 
 Result<void> VoxelGrid::check(std::array<std::uint32_t, 3> cells, double cell_m) {
   for (const std::uint32_t count : cells) {
-    if (count < 1 || count > kMaxCellsPerAxis) {
+    if (!is_count(count)) {
       return fail(Errc::InvalidArgument, "cells per axis: " + std::to_string(count) +
                                              " is not within 1 to " +
                                              std::to_string(kMaxCellsPerAxis));
     }
   }
-  if (!(cell_m >= 1e-9 && cell_m <= 1e3)) {
+  if (!is_edge(cell_m)) {
     return fail(Errc::InvalidArgument,
                 "cell size: " + std::to_string(cell_m) + " m is not within 1e-9 to 1e3 m");
   }
@@ -44,7 +43,7 @@ void VoxelGrid::set_occupied(Cell cell, bool is_occupied) noexcept {
 
 std::size_t VoxelGrid::set_row(Cell from, std::int32_t end_x, bool is_occupied) noexcept {
   from.x = std::max(from.x, 0);
-  const std::int32_t end = std::min(end_x, static_cast<std::int32_t>(cells_[0]));
+  const std::int32_t end = std::min(end_x, static_cast<std::int32_t>(lattice_.cells[0]));
   if (!is_inside(from) || from.x >= end) return 0;
   std::size_t changed = 0;
   std::size_t bit = bit_of(from);
@@ -62,7 +61,8 @@ std::size_t VoxelGrid::set_row(Cell from, std::int32_t end_x, bool is_occupied) 
 }
 
 std::size_t VoxelGrid::count_occupied() const noexcept {
-  const std::size_t cells = static_cast<std::size_t>(cells_[0]) * cells_[1] * cells_[2];
+  const std::size_t cells =
+      static_cast<std::size_t>(lattice_.cells[0]) * lattice_.cells[1] * lattice_.cells[2];
   std::size_t count = 0;
   for (const std::uint64_t word : words_) count += static_cast<std::size_t>(std::popcount(word));
   if (cells % 64 == 0) return count;
@@ -71,7 +71,7 @@ std::size_t VoxelGrid::count_occupied() const noexcept {
 }
 
 std::int32_t VoxelGrid::next_free_in_row(Cell from) const noexcept {
-  const auto end = static_cast<std::int32_t>(cells_[0]);
+  const auto end = static_cast<std::int32_t>(lattice_.cells[0]);
   Cell cell = from;
   while (cell.x < end) {
     const std::size_t bit = bit_of(cell);
@@ -82,16 +82,16 @@ std::int32_t VoxelGrid::next_free_in_row(Cell from) const noexcept {
   return end;
 }
 
-Position3 VoxelGrid::clamp_near(Position3 p) const noexcept {
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double bound = face_m(axis, static_cast<std::int32_t>(cells_[axis]) + 1);
-    p[axis] = std::clamp(p[axis], -bound, bound);
-  }
-  return p;
+std::uint64_t VoxelGrid::bits_in_row(Cell from, std::size_t count) const noexcept {
+  const std::size_t bit = bit_of(from);
+  const std::size_t shift = bit % 64;
+  std::uint64_t bits = words_[bit / 64] >> shift;
+  if (shift + count > 64) bits |= words_[bit / 64 + 1] << (64 - shift);
+  return bits & (~std::uint64_t{0} >> (64 - count));
 }
 
 std::int32_t VoxelGrid::lower_index(std::size_t axis, double p) const noexcept {
-  const auto last = static_cast<std::int32_t>(cells_[axis]) - 1;
+  const auto last = static_cast<std::int32_t>(lattice_.cells[axis]) - 1;
   const double low = face_m(axis, 0);
   if (!(p > low)) return 0;
   if (p >= -low) return last;

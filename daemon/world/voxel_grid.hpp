@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -7,6 +8,7 @@
 #include <vector>
 
 #include "daemon/world/cell.hpp"
+#include "daemon/world/cell_lattice.hpp"
 #include "hal/base/geometry.hpp"
 #include "hal/base/result.hpp"
 
@@ -16,8 +18,8 @@ namespace thimble::world {
 // outside is occupied: the world has walls.
 //
 // Thread: one at a time. RT: reading is THIMBLE_RT; create() allocates.
-// Units, frame: m, world frame; cell i of an axis lies between face_m(axis, i) and
-// face_m(axis, i + 1), and a point on a face belongs to neither cell more than to the other.
+// Units, frame: m, world frame; a point on a face (CellLattice) belongs to neither cell more than
+// to the other.
 class VoxelGrid {
  public:
   // Ours: 1024^3 bits are 128 MiB. The thesis's worlds had 64^3 and 512 x 512 x 1 cells (4.3).
@@ -28,19 +30,21 @@ class VoxelGrid {
   [[nodiscard]] static Result<VoxelGrid> create(std::array<std::uint32_t, 3> cells, double cell_m);
   // What create() would say, without its memory.
   [[nodiscard]] static Result<void> check(std::array<std::uint32_t, 3> cells, double cell_m);
+  // The same in a word, without an allocation. RT: THIMBLE_RT.
+  [[nodiscard]] static bool is_possible(const CellLattice& lattice) noexcept {
+    return std::all_of(lattice.cells.begin(), lattice.cells.end(), is_count) &&
+           is_edge(2 * lattice.half_cell_m);
+  }
 
-  [[nodiscard]] const std::array<std::uint32_t, 3>& cells() const noexcept { return cells_; }
-  [[nodiscard]] double cell_m() const noexcept { return 2 * half_cell_m_; }
-  // Faces mirror exactly: face_m(a, n - i) == -face_m(a, i), because the only rounding is that
-  // of one product.
+  [[nodiscard]] const CellLattice& lattice() const noexcept { return lattice_; }
+  [[nodiscard]] const std::array<std::uint32_t, 3>& cells() const noexcept {
+    return lattice_.cells;
+  }
+  [[nodiscard]] double cell_m() const noexcept { return 2 * lattice_.half_cell_m; }
   [[nodiscard]] double face_m(std::size_t axis, std::int32_t index) const noexcept {
-    return static_cast<double>(2 * index - static_cast<std::int32_t>(cells_[axis])) * half_cell_m_;
+    return lattice_.face_m(axis, index);
   }
-  [[nodiscard]] bool is_inside(Cell cell) const noexcept {
-    return static_cast<std::uint32_t>(cell.x) < cells_[0] &&
-           static_cast<std::uint32_t>(cell.y) < cells_[1] &&
-           static_cast<std::uint32_t>(cell.z) < cells_[2];
-  }
+  [[nodiscard]] bool is_inside(Cell cell) const noexcept { return lattice_.is_inside(cell); }
   [[nodiscard]] bool is_occupied(Cell cell) const noexcept {
     if (!is_inside(cell)) return true;
     const std::size_t bit = bit_of(cell);
@@ -60,27 +64,37 @@ class VoxelGrid {
   // Word `index`, which must be there; its bits are as words() has them. Not RT.
   void set_word(std::size_t index, std::uint64_t word) noexcept { words_[index] = word; }
 
+  // Of the `count` cells of one row from `from` up, 1 to 64, all of them in the grid: bit i is the
+  // i-th.
+  [[nodiscard]] std::uint64_t bits_in_row(Cell from, std::size_t count) const noexcept;
   // The first free cell at or after `from.x` in the row of `from`; x = cells()[0] when none.
   [[nodiscard]] std::int32_t next_free_in_row(Cell from) const noexcept;
-  // `p` moved into the box of the world widened by one cell on every side, component by
-  // component: near enough to compute with, beyond every face that `p` is beyond.
-  [[nodiscard]] Position3 clamp_near(Position3 p) const noexcept;
+  [[nodiscard]] Position3 clamp_near(Position3 p) const noexcept { return lattice_.clamp_near(p); }
   // The index of the one cell whose closed interval holds `p`, or of the lower of two when `p`
   // is on a face; limited to the grid. `p` finite.
   [[nodiscard]] std::int32_t lower_index(std::size_t axis, double p) const noexcept;
+  // The upper of two: lower_index() mirrored.
+  [[nodiscard]] std::int32_t upper_index(std::size_t axis, double p) const noexcept {
+    return static_cast<std::int32_t>(cells()[axis]) - 1 - lower_index(axis, -p);
+  }
   [[nodiscard]] std::size_t memory_bytes() const noexcept { return words_.size() * 8; }
   bool operator==(const VoxelGrid&) const = default;
 
  private:
   VoxelGrid(std::array<std::uint32_t, 3> cells, double cell_m);
+  [[nodiscard]] static constexpr bool is_count(std::uint32_t cells) noexcept {
+    return cells >= 1 && cells <= kMaxCellsPerAxis;
+  }
+  [[nodiscard]] static constexpr bool is_edge(double cell_m) noexcept {
+    return cell_m >= 1e-9 && cell_m <= 1e3;
+  }
   [[nodiscard]] std::size_t bit_of(Cell cell) const noexcept {
     return static_cast<std::size_t>(cell.x) +
-           cells_[0] *
-               (static_cast<std::size_t>(cell.y) + cells_[1] * static_cast<std::size_t>(cell.z));
+           cells()[0] *
+               (static_cast<std::size_t>(cell.y) + cells()[1] * static_cast<std::size_t>(cell.z));
   }
 
-  std::array<std::uint32_t, 3> cells_;
-  double half_cell_m_;
+  CellLattice lattice_;
   std::vector<std::uint64_t> words_;
 };
 

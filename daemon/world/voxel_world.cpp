@@ -71,6 +71,7 @@ ProbeMotion VoxelWorld::move_probe(ProbeId probe, Position3 hand, Duration dt) n
   auto* slot = find(probe);
   if (slot == nullptr) return {hand, {}, false};
   ProbeMotion motion = move_ghost(grid_, (*slot)->ghost, hand, dt);
+  motion.cell = (*slot)->ghost.point.cell;
   paint((*slot)->ghost.point, motion);
   return motion;
 }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "daemon/world/cell.hpp"
 #include "daemon/world/sphere_scene.hpp"
 #include "hal/base/geometry.hpp"
 #include "hal/base/result.hpp"
@@ -51,6 +52,7 @@ struct ProbeMotion {
   rt::StaticVector<ContactPlane, kMaxContactPlanes> planes{};
   bool is_embedded{false};  // it sits in matter: pushed out or released
   bool is_silent{false};    // the world cannot say now: what it said last holds, and grows old
+  Cell cell{};              // of the ghost, in worlds that have World::felt_cells()
 };
 
 // World frame. From the configuration and the volume file, if there is one; cells may change, these
@@ -74,6 +76,16 @@ class World {
   [[nodiscard]] virtual const WorldInfo& info() const noexcept = 0;
   // The cells it is made of, for models that work on them; nullptr where it has none.
   [[nodiscard]] virtual const VoxelGrid* grid() const noexcept { return nullptr; }
+  // The cells that alone hold its probes, which a peer may be told of: what buffer zones are made
+  // of. nullptr where there are none, or something else holds them, too. Those of is_plane() hold
+  // along x and y; of z they have one, and it is free.
+  [[nodiscard]] virtual const VoxelGrid* felt_cells() const noexcept { return grid(); }
+  [[nodiscard]] virtual bool is_plane() const noexcept { return false; }
+  // Somebody will ask whether cells are within `cells` of an occupied one, along each axis.
+  virtual void mark_zone(std::int32_t /*cells*/) noexcept {}
+  // False: no cell is occupied within as many as mark_zone() was told at most. Worlds that do not
+  // mark their zone say true everywhere.
+  [[nodiscard]] virtual bool is_in_zone(Cell /*cell*/) const noexcept { return true; }
   // Filled ones, of those of its grid.
   [[nodiscard]] virtual std::size_t occupied_cells() const noexcept { return 0; }
   // Itself where its cells may be edited; nullptr where they may not, or there are none.

@@ -38,6 +38,8 @@ class LiveWorld final : public World {
   [[nodiscard]] const VoxelGrid* grid() const noexcept override {
     return is_plane_ ? nullptr : cells_.grid();
   }
+  [[nodiscard]] const VoxelGrid* felt_cells() const noexcept override { return cells_.grid(); }
+  [[nodiscard]] bool is_plane() const noexcept override { return is_plane_; }
   [[nodiscard]] std::size_t occupied_cells() const noexcept override {
     return cells_.occupied_cells();
   }
