@@ -9,6 +9,8 @@
 #include "bench/comparison.hpp"
 #include "bench/reference_tick.hpp"
 #include "daemon/coupling/scheme.hpp"
+#include "daemon/world/near_cell_finder.hpp"
+#include "daemon/world/voxel_grid.hpp"
 
 namespace {
 
@@ -32,6 +34,10 @@ class Pressed {
     set_.far.force = {-0.3, 0, 0};
     set_.far.slave = {0.015, 0, 0};
     set_.far.is_pressing = true;
+    set_.has_ghost = true;
+    set_.has_near = true;
+    set_.near =
+        world::NearCellFinder().find(*world::make_box(3), {.middle = {1, 1, 1}, .reach_m = 0.03});
     arm_->reset(now_, {0.0152, 0, 0});
   }
 

@@ -97,13 +97,16 @@ enum class CouplingScheme : std::uint8_t {
   RemoteForce,
   SpringDamper,
   Wave,
-  ConstraintPlane
+  ConstraintPlane,
+  BufferZone
 };
 enum class CouplingMode : std::uint8_t { Streamed, LockStep };
 // Where the force of a spring-damper is computed.
 enum class CouplingForceAt : std::uint8_t { World, Both };
 // What becomes of a wall that a hand is already inside when it is told of.
 enum class CouplingLateWalls : std::uint8_t { Offset, Recovery };
+// What a buffer zone names.
+enum class CouplingZone : std::uint8_t { Cells, Faces };
 
 struct CouplingConfig {
   CouplingScheme scheme{CouplingScheme::GhostPoint};
@@ -119,6 +122,8 @@ struct CouplingConfig {
   CouplingForceAt force_at{CouplingForceAt::World};
   CouplingLateWalls late_walls{CouplingLateWalls::Offset};
   std::optional<double> recovery_s{};  // only with LateWalls Recovery
+  std::optional<double> buffer_m{};
+  CouplingZone zone{CouplingZone::Cells};
   bool operator==(const CouplingConfig&) const = default;
 };
 

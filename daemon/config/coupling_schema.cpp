@@ -10,13 +10,14 @@ namespace {
 
 using Scheme = CouplingScheme;
 
-constexpr std::array<Choice<Scheme>, 6> kSchemes{{
+constexpr std::array<Choice<Scheme>, 7> kSchemes{{
     {"ghost-point", Scheme::GhostPoint},
     {"thesis-literal", Scheme::ThesisLiteral},
     {"remote-force", Scheme::RemoteForce},
     {"spring-damper", Scheme::SpringDamper},
     {"wave", Scheme::Wave},
     {"constraint-plane", Scheme::ConstraintPlane},
+    {"buffer-zone", Scheme::BufferZone},
 }};
 constexpr std::array<Choice<CouplingMode>, 2> kModes{{
     {"streamed", CouplingMode::Streamed},
@@ -31,13 +32,20 @@ constexpr std::array<Choice<CouplingLateWalls>, 2> kLateWalls{{
     {"recovery", CouplingLateWalls::Recovery},
 }};
 
+constexpr std::array<Choice<CouplingZone>, 2> kZones{{
+    {"cells", CouplingZone::Cells},
+    {"faces", CouplingZone::Faces},
+}};
+
 // Beyond these a number is a slip of the pen, not a wish; what a far end computes with has the
 // ceilings of its world half (coupling/wall_penalty.hpp, slave.hpp, wave_channel.hpp).
 constexpr Range kAge{0, 60, true};
 constexpr Range kImpedance{0.1, 40};
+constexpr Range kBuffer{0, 1, true};
 
 Range stiffness_range(Scheme scheme) {
-  return computes_at_the_far_end(scheme) ? Range{0, 3000, true} : Range{0, 20000, true};
+  const bool is_far = scheme == Scheme::RemoteForce || scheme == Scheme::SpringDamper;
+  return is_far ? Range{0, 3000, true} : Range{0, 20000, true};
 }
 
 Range damping_range(Scheme scheme) {
@@ -55,9 +63,11 @@ struct Tuning {
 const std::vector<Tuning>& tunings() {
   static const std::vector<Tuning> kTunings{
       {"stiffness_newton_per_m",
-       {Scheme::GhostPoint, Scheme::ConstraintPlane, Scheme::RemoteForce, Scheme::SpringDamper}},
+       {Scheme::GhostPoint, Scheme::ConstraintPlane, Scheme::RemoteForce, Scheme::SpringDamper,
+        Scheme::BufferZone}},
       {"damping_newton_s_per_m",
-       {Scheme::GhostPoint, Scheme::ConstraintPlane, Scheme::RemoteForce, Scheme::SpringDamper}},
+       {Scheme::GhostPoint, Scheme::ConstraintPlane, Scheme::RemoteForce, Scheme::SpringDamper,
+        Scheme::BufferZone}},
       {"coordinate_spring_newton_per_m", {Scheme::GhostPoint}},
       {"hysteresis_m", {Scheme::GhostPoint, Scheme::ConstraintPlane}},
       {"relaxation_m_per_s", {Scheme::GhostPoint, Scheme::ConstraintPlane}},
@@ -65,6 +75,8 @@ const std::vector<Tuning>& tunings() {
       {"recovery_s", {Scheme::ConstraintPlane}},
       {"impedance_newton_s_per_m", {Scheme::Wave}},
       {"force_at", {Scheme::SpringDamper}},
+      {"buffer_m", {Scheme::BufferZone}},
+      {"zone", {Scheme::BufferZone}},
   };
   return kTunings;
 }
@@ -109,6 +121,12 @@ void refuse_beside_late_walls(TableReader& reader, const CouplingConfig& said) {
   }
 }
 
+// What does; empty: a sample now and then will do.
+std::string_view follows_a_stream(Scheme scheme) {
+  if (scheme == Scheme::SpringDamper || scheme == Scheme::Wave) return "slave";
+  return scheme == Scheme::BufferZone ? "zone" : "";
+}
+
 }  // namespace
 
 std::string_view to_string(CouplingScheme scheme) {
@@ -118,8 +136,9 @@ std::string_view to_string(CouplingScheme scheme) {
   return "";
 }
 
-bool computes_at_the_far_end(CouplingScheme scheme) {
-  return scheme == Scheme::RemoteForce || scheme == Scheme::SpringDamper || scheme == Scheme::Wave;
+bool has_own_world_half(CouplingScheme scheme) {
+  return scheme == Scheme::RemoteForce || scheme == Scheme::SpringDamper ||
+         scheme == Scheme::Wave || scheme == Scheme::BufferZone;
 }
 
 CouplingConfig read_coupling(TableReader reader) {
@@ -132,6 +151,8 @@ CouplingConfig read_coupling(TableReader reader) {
   reader.read("stiffness_newton_per_m", stiffness_range(out.scheme), out.stiffness_newton_per_m);
   reader.read("damping_newton_s_per_m", damping_range(out.scheme), out.damping_newton_s_per_m);
   reader.read("impedance_newton_s_per_m", kImpedance, out.impedance_newton_s_per_m);
+  reader.read("buffer_m", kBuffer, out.buffer_m);
+  reader.read("zone", std::span<const Choice<CouplingZone>>(kZones), out.zone);
   reader.read("coordinate_spring_newton_per_m", {0, 1000}, out.coordinate_spring_newton_per_m);
   reader.read("hysteresis_m", {0, 0.01, true}, out.hysteresis_m);
   reader.read("relaxation_m_per_s", {0, 1}, out.relaxation_m_per_s);
@@ -139,19 +160,28 @@ CouplingConfig read_coupling(TableReader reader) {
   reader.read("fade_after_s", kAge, out.fade_after_s);
   refuse_what_is_not_taken(reader, out.scheme);
   refuse_beside_late_walls(reader, out);
-  const bool has_slave = out.scheme == Scheme::SpringDamper || out.scheme == Scheme::Wave;
-  if (has_slave && out.mode == CouplingMode::LockStep) {
+  if (const std::string_view what = follows_a_stream(out.scheme);
+      !what.empty() && out.mode == CouplingMode::LockStep) {
     reader.reject("mode", "expected \"streamed\" with scheme " + in_quotes(to_string(out.scheme)) +
-                              ", whose slave follows a stream; found \"lock-step\"");
+                              ", whose " + std::string(what) +
+                              " follows a stream; found \"lock-step\"");
   }
   reader.finish();
   return out;
 }
 
 void check_carriage(TableReader& reader, const ArmConfig& arm) {
-  if (!arm.link || !computes_at_the_far_end(arm.coupling.scheme)) return;
+  if (!arm.link || !has_own_world_half(arm.coupling.scheme)) return;
   // The arm's own table knows "coupling", not what is below it.
-  reader.reject("coupling", in_quotes(to_string(arm.coupling.scheme)) +
+  const std::string scheme = in_quotes(to_string(arm.coupling.scheme));
+  if (arm.coupling.scheme == Scheme::BufferZone) {
+    reader.reject("coupling", scheme +
+                                  " needs to know what is near the ghost, which the datagrams of "
+                                  "1999 do not carry; use \"ghost-point\", or name a world of this "
+                                  "configuration instead of a link");
+    return;
+  }
+  reader.reject("coupling", scheme +
                                 " needs forces and motion of the far end, which the datagrams of "
                                 "1999 do not carry; use \"ghost-point\", or name a world of this "
                                 "configuration instead of a link");

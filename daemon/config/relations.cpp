@@ -34,6 +34,11 @@ void check_worlds(std::vector<Entry<ArmConfig>>& arms,
   }
 }
 
+// The printed callback has its stiffness printed, and a zone tells where cells are, not what of.
+bool feels_materials(CouplingScheme scheme) {
+  return scheme != CouplingScheme::ThesisLiteral && scheme != CouplingScheme::BufferZone;
+}
+
 // What a world says is of no use to a scheme that cannot feel it.
 void check_schemes(std::vector<Entry<ArmConfig>>& arms,
                    const std::vector<Entry<WorldConfig>>& worlds) {
@@ -45,17 +50,16 @@ void check_schemes(std::vector<Entry<ArmConfig>>& arms,
     });
     if (world == worlds.end()) continue;
     const CouplingScheme scheme = arm.coupling.scheme;
-    // The arm's own table knows "coupling", not what is below it. The printed callback has its
-    // stiffness printed, too: it would feel every material alike.
-    if (scheme == CouplingScheme::ThesisLiteral && !world->value.materials.empty()) {
-      reader.reject("coupling", "\"thesis-literal\" feels no materials, and world " +
+    // The arm's own table knows "coupling", not what is below it.
+    if (!feels_materials(scheme) && !world->value.materials.empty()) {
+      reader.reject("coupling", in_quotes(to_string(scheme)) + " feels no materials, and world " +
                                     in_quotes(*arm.world) +
                                     " has some; use \"ghost-point\", or leave the materials out");
     }
     const bool is_simple = world->value.constraint_model == ConstraintModel::Simple;
-    if (is_simple && computes_at_the_far_end(scheme)) {
+    if (is_simple && has_own_world_half(scheme)) {
       reader.reject("coupling", in_quotes(to_string(scheme)) +
-                                    " is pushed by the faces of the ghost point, and world " +
+                                    " works with the faces of the ghost point, and world " +
                                     in_quotes(*arm.world) +
                                     " has constraint_model = \"simple\"; use \"ghost-point\" for "
                                     "the scheme or for the model");

@@ -52,8 +52,8 @@ void read_path(TableReader& reader, std::string_view key, const std::filesystem:
 // How touch is made; `reader` is the arm's "coupling".
 [[nodiscard]] CouplingConfig read_coupling(TableReader reader);
 [[nodiscard]] std::string_view to_string(CouplingScheme scheme);
-// Whether its world half answers with forces or motion instead of planes.
-[[nodiscard]] bool computes_at_the_far_end(CouplingScheme scheme);
+// Whether it has a world half of its own, which answers with more than planes.
+[[nodiscard]] bool has_own_world_half(CouplingScheme scheme);
 // Whether the arm's link, if it has one, carries what its scheme needs; `reader` is the arm's.
 void check_carriage(TableReader& reader, const ArmConfig& arm);
 

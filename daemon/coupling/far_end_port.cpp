@@ -46,11 +46,18 @@ void FarEndPort::begin_epoch() noexcept {
 }
 
 const FarEnd* FarEndPort::listen(const ArmInput& input) noexcept {
+  const bool is_usable =
+      input.fresh != nullptr && input.fresh->has_far && is_sound(input.fresh->far);
+  const ConstraintSet* const heard = hear(input, is_usable);
+  return heard != nullptr ? &heard->far : nullptr;
+}
+
+const ConstraintSet* FarEndPort::hear(const ArmInput& input, bool is_usable) noexcept {
   ++sequence_;
   last_tip_ = input.tip;
   is_new_epoch_ = false;
   ArmInput heard = input;
-  if (input.fresh != nullptr && !(input.fresh->has_far && is_sound(input.fresh->far))) {
+  if (input.fresh != nullptr && !is_usable) {
     ++rejected_replies_;
     heard.fresh = nullptr;
   }
@@ -67,7 +74,7 @@ const FarEnd* FarEndPort::listen(const ArmInput& input) noexcept {
   has_session_ = true;
   session_ = heard.fresh->session;
   applied_reply_ = heard.fresh->sequence;
-  return &heard.fresh->far;
+  return heard.fresh;
 }
 
 ArmOutput FarEndPort::show(const ArmInput& input, Force3 wish, bool is_pressing,

@@ -13,8 +13,9 @@ namespace thimble::coupling {
 // Whether every number of it is finite and none absurd.
 [[nodiscard]] THIMBLE_RT bool is_sound(const FarEnd& far) noexcept;
 
-// What the arm halves have in common whose force comes from the far end: which replies count, how
-// old they are, the share of the force that is shown, the sample, and the energy at the port.
+// What the arm halves have in common that leave the hand where it is, with no offset: which replies
+// count, how old they are, the share of the force that is shown, the sample, and the energy at the
+// port.
 //
 // A silent world: what was heard last holds for the fade floor of the constraint age, then the
 // force falls to 0 within its fade time, and the far end is forgotten: `restart` of the samples
@@ -30,7 +31,10 @@ class FarEndPort {
       : age_(age), fade_(age.fade_time) {}
 
   THIMBLE_RT void reset(MonotonicTime now, Position3 tip) noexcept;
-  // First of a step, whose tip must be finite: the reply that came with it, or nullptr.
+  // First of a step, whose tip must be finite: the reply that came with it if it is usable, or
+  // nullptr.
+  THIMBLE_RT const ConstraintSet* hear(const ArmInput& input, bool is_usable) noexcept;
+  // The same, of what the far end computed.
   THIMBLE_RT const FarEnd* listen(const ArmInput& input) noexcept;
   // Of this step: forget the far end before its reply is used.
   [[nodiscard]] bool is_new_epoch() const noexcept { return is_new_epoch_; }
@@ -41,6 +45,8 @@ class FarEndPort {
   // latches a fault behind the coupling. The state stays as it was.
   THIMBLE_RT ArmOutput refuse(const ArmInput& input) noexcept;
 
+  // Number of this step's sample.
+  [[nodiscard]] std::uint64_t sequence() const noexcept { return sequence_; }
   // Share of the wish that is shown, 0…1.
   [[nodiscard]] double gain() const noexcept { return age_.gain() * onset_gain_; }
   // Since reset(): work of what was shown, before the limiter.

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "daemon/world/near_cells.hpp"
 #include "hal/base/geometry.hpp"
 #include "hal/base/time.hpp"
 #include "hal/rt/static_vector.hpp"
@@ -77,6 +78,10 @@ struct HandSample {
   ToolProperties tool{};
   WaveSums waves{};    // of u, since `restart` changed
   Impulse3 impulse{};  // of what the hand put in lately: WaveArm
+  // Only of the arm half that moves a ghost of its own (BufferZoneArm): where it was, valid when
+  // has_ghost.
+  Position3 ghost{};
+  bool has_ghost{false};
 };
 
 // What the far end computed, for the schemes in which it does. World frame; which of the numbers
@@ -101,6 +106,10 @@ struct ConstraintSet {
   bool is_embedded{false};  // the ghost sits in filled cells: pushed out or released
   FarEnd far{};             // valid when has_far
   bool has_far{false};
+  // What is occupied near the ghost, which is in the cell in its middle; valid when has_near.
+  world::NearCells near{};
+  bool has_near{false};
+  bool is_astray{false};  // the ghost that the sample told of is not where that of the world is
 };
 
 // Both cross threads and queues by copying, on the servo's side without an allocation.

@@ -23,6 +23,8 @@ std::string_view to_string(Scheme scheme) noexcept {
       return "wave";
     case Scheme::ConstraintPlane:
       return "constraint-plane";
+    case Scheme::BufferZone:
+      return "buffer-zone";
   }
   return "unknown";
 }
@@ -33,11 +35,12 @@ Result<Scheme> parse_scheme(std::string_view text) {
   }
   return fail(Errc::InvalidArgument, "unknown coupling scheme '" + std::string(text) +
                                          "'; expected ghost-point, thesis-literal, remote-force, "
-                                         "spring-damper, wave or constraint-plane");
+                                         "spring-damper, wave, constraint-plane or buffer-zone");
 }
 
-bool computes_at_the_far_end(Scheme scheme) noexcept {
-  return scheme == Scheme::RemoteForce || scheme == Scheme::SpringDamper || scheme == Scheme::Wave;
+bool has_own_world_half(Scheme scheme) noexcept {
+  return scheme == Scheme::RemoteForce || scheme == Scheme::SpringDamper ||
+         scheme == Scheme::Wave || scheme == Scheme::BufferZone;
 }
 
 std::unique_ptr<ArmCoupling> make_arm_coupling(Scheme scheme, const SchemeSettings& settings) {
@@ -52,24 +55,34 @@ std::unique_ptr<ArmCoupling> make_arm_coupling(Scheme scheme, const SchemeSettin
       return std::make_unique<WaveArm>(settings.wave);
     case Scheme::ConstraintPlane:
       return std::make_unique<ConstraintPlaneArm>(settings.constraint_plane);
+    case Scheme::BufferZone:
+      return std::make_unique<BufferZoneArm>(settings.buffer_zone);
     case Scheme::GhostPoint:
       break;
   }
   return std::make_unique<GhostPointArm>(settings.ghost_point);
 }
 
-Result<std::unique_ptr<WorldCoupling>> make_far_end(Scheme scheme, ForceAt force_at,
-                                                    world::World& world,
-                                                    std::uint32_t first_session) {
-  if (scheme == Scheme::RemoteForce) {
-    return std::make_unique<RemoteForceWorld>(world, first_session);
+Result<std::unique_ptr<WorldCoupling>> make_own_world_half(Scheme scheme,
+                                                           const WorldHalfSettings& settings,
+                                                           world::World& world,
+                                                           std::uint32_t first_session) {
+  switch (scheme) {
+    case Scheme::RemoteForce:
+      return std::make_unique<RemoteForceWorld>(world, first_session);
+    case Scheme::SpringDamper:
+      return std::make_unique<SpringDamperWorld>(world, first_session, settings.force_at);
+    case Scheme::Wave:
+      return std::make_unique<WaveWorld>(world, first_session);
+    case Scheme::BufferZone:
+      return std::make_unique<BufferZoneWorld>(world, first_session, settings.buffer_zone);
+    case Scheme::GhostPoint:
+    case Scheme::ThesisLiteral:
+    case Scheme::ConstraintPlane:
+      break;
   }
-  if (scheme == Scheme::SpringDamper) {
-    return std::make_unique<SpringDamperWorld>(world, first_session, force_at);
-  }
-  if (scheme == Scheme::Wave) return std::make_unique<WaveWorld>(world, first_session);
   return fail(Errc::InvalidArgument,
-              std::string(to_string(scheme)) + " does not compute at the far end");
+              std::string(to_string(scheme)) + " has no world half of its own");
 }
 
 }  // namespace thimble::coupling

@@ -6,6 +6,8 @@
 #include <string_view>
 
 #include "daemon/coupling/arm_coupling.hpp"
+#include "daemon/coupling/buffer_zone_arm.hpp"
+#include "daemon/coupling/buffer_zone_world.hpp"
 #include "daemon/coupling/constraint_plane_arm.hpp"
 #include "daemon/coupling/ghost_point_arm.hpp"
 #include "daemon/coupling/remote_force_arm.hpp"
@@ -24,17 +26,17 @@ enum class Scheme : std::uint8_t {
   SpringDamper,     // "spring-damper": thesis 3.4
   Wave,             // "wave": thesis 3.5
   ConstraintPlane,  // "constraint-plane": thesis 3.7.2
+  BufferZone,       // "buffer-zone": thesis 3.6
 };
-inline constexpr std::array kSchemes{Scheme::GhostPoint,  Scheme::ThesisLiteral,
-                                     Scheme::RemoteForce, Scheme::SpringDamper,
-                                     Scheme::Wave,        Scheme::ConstraintPlane};
+inline constexpr std::array kSchemes{
+    Scheme::GhostPoint, Scheme::ThesisLiteral,   Scheme::RemoteForce, Scheme::SpringDamper,
+    Scheme::Wave,       Scheme::ConstraintPlane, Scheme::BufferZone};
 [[nodiscard]] std::string_view to_string(Scheme scheme) noexcept;
 // InvalidArgument names what was expected.
 [[nodiscard]] Result<Scheme> parse_scheme(std::string_view text);
 
-// Whether the world half answers with FarEnd. Such a scheme has a world half of its own, and needs
-// a carriage that knows FarEnd: the datagrams of 1999 do not.
-[[nodiscard]] bool computes_at_the_far_end(Scheme scheme) noexcept;
+// Whether it has a world half of its own, whose answers the datagrams of 1999 do not carry.
+[[nodiscard]] bool has_own_world_half(Scheme scheme) noexcept;
 
 // Of every scheme; each takes its own.
 struct SchemeSettings {
@@ -43,6 +45,7 @@ struct SchemeSettings {
   SpringDamperSettings spring_damper{};
   WaveSettings wave{};
   ConstraintPlaneSettings constraint_plane{};
+  BufferZoneSettings buffer_zone{};
 };
 
 // The arm half of `scheme`. Of the settings of the ghost point, thesis-literal takes only the
@@ -50,11 +53,16 @@ struct SchemeSettings {
 [[nodiscard]] std::unique_ptr<ArmCoupling> make_arm_coupling(Scheme scheme,
                                                              const SchemeSettings& settings);
 
-// The world half of a scheme that computes at the far end, in `world`, which must outlive it.
-// Sessions are numbered as by GhostPointWorld. Control plane: allocates. InvalidArgument: `scheme`
-// is none.
-[[nodiscard]] Result<std::unique_ptr<WorldCoupling>> make_far_end(Scheme scheme, ForceAt force_at,
-                                                                  world::World& world,
-                                                                  std::uint32_t first_session);
+// Of every world half that is a scheme's own; each takes its own.
+struct WorldHalfSettings {
+  ForceAt force_at{ForceAt::World};
+  BufferZoneWorldSettings buffer_zone{};
+};
+
+// The world half of a scheme that has its own, in `world`, which must outlive it. Sessions are
+// numbered as by GhostPointWorld. Control plane: allocates. InvalidArgument: `scheme` has none.
+[[nodiscard]] Result<std::unique_ptr<WorldCoupling>> make_own_world_half(
+    Scheme scheme, const WorldHalfSettings& settings, world::World& world,
+    std::uint32_t first_session);
 
 }  // namespace thimble::coupling

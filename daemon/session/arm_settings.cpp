@@ -86,6 +86,11 @@ coupling::ToolProperties tool_of(const config::CouplingConfig& said,
           .damping = {said.damping_newton_s_per_m.value_or(usual.damping.newton_s_per_m)}};
 }
 
+coupling::ForceAt force_at(const config::CouplingConfig& said) {
+  return said.force_at == config::CouplingForceAt::Both ? coupling::ForceAt::Both
+                                                        : coupling::ForceAt::World;
+}
+
 coupling::ConstraintAgeSettings age_of(const config::CouplingConfig& said) {
   coupling::ConstraintAgeSettings age;
   if (said.freeze_after_s) age.freeze_floor = from_seconds(*said.freeze_after_s);
@@ -107,15 +112,22 @@ coupling::Scheme scheme_of(const config::CouplingConfig& said) {
       return coupling::Scheme::Wave;
     case config::CouplingScheme::ConstraintPlane:
       return coupling::Scheme::ConstraintPlane;
+    case config::CouplingScheme::BufferZone:
+      return coupling::Scheme::BufferZone;
     case config::CouplingScheme::GhostPoint:
       break;
   }
   return coupling::Scheme::GhostPoint;
 }
 
-coupling::ForceAt force_at(const config::CouplingConfig& said) {
-  return said.force_at == config::CouplingForceAt::Both ? coupling::ForceAt::Both
-                                                        : coupling::ForceAt::World;
+coupling::WorldHalfSettings world_half_settings(const config::CouplingConfig& said) {
+  coupling::WorldHalfSettings settings;
+  settings.force_at = force_at(said);
+  settings.buffer_zone.buffer_m = said.buffer_m.value_or(settings.buffer_zone.buffer_m);
+  if (said.zone == config::CouplingZone::Faces) {
+    settings.buffer_zone.names = coupling::ZoneNames::Faces;
+  }
+  return settings;
 }
 
 Result<std::unique_ptr<coupling::ArmCoupling>> make_coupling(
@@ -130,6 +142,7 @@ Result<std::unique_ptr<coupling::ArmCoupling>> make_coupling(
   settings.remote_force.tool = tool_of(said, settings.remote_force.tool, most);
   settings.spring_damper.tool = tool_of(said, settings.spring_damper.tool, most);
   settings.spring_damper.force_at = force_at(said);
+  settings.buffer_zone.tool = tool_of(said, settings.buffer_zone.tool, most);
   settings.wave.impedance.newton_s_per_m =
       said.impedance_newton_s_per_m.value_or(settings.wave.impedance.newton_s_per_m);
   const coupling::ConstraintAgeSettings age = age_of(said);
@@ -138,6 +151,7 @@ Result<std::unique_ptr<coupling::ArmCoupling>> make_coupling(
   settings.remote_force.age = age;
   settings.spring_damper.age = age;
   settings.wave.age = age;
+  settings.buffer_zone.age = age;
   return coupling::make_arm_coupling(scheme_of(said), settings);
 }
 

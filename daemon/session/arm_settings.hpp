@@ -27,7 +27,7 @@ namespace thimble::session {
 [[nodiscard]] Result<std::unique_ptr<coupling::ArmCoupling>> make_coupling(
     const config::ArmConfig& arm, double cell_m, const HapticCapabilities& capabilities);
 [[nodiscard]] coupling::Scheme scheme_of(const config::CouplingConfig& said);
-[[nodiscard]] coupling::ForceAt force_at(const config::CouplingConfig& said);
+[[nodiscard]] coupling::WorldHalfSettings world_half_settings(const config::CouplingConfig& said);
 [[nodiscard]] Result<link::Endpoint> endpoint(const config::UdpEndpoint& said);
 [[nodiscard]] link::SendMode send_mode(const config::ArmConfig& arm);
 [[nodiscard]] link::ImpairmentSettings impairment_settings(

@@ -1,5 +1,9 @@
 #include "daemon/session/combination.hpp"
 
+#include "daemon/session/arm_settings.hpp"
+#include "daemon/world/near_cells.hpp"
+#include "daemon/world/voxel_grid.hpp"
+
 namespace thimble::session {
 namespace {
 
@@ -9,6 +13,26 @@ namespace {
 // Faces of cells lie across the axes; other worlds may turn theirs any way.
 [[nodiscard]] bool has_cells(const world::World& world) noexcept {
   return world.info().cells[0] > 0;
+}
+
+[[nodiscard]] std::optional<Refusal> refusal_of_zone(const world::World& world,
+                                                     const config::CouplingConfig& arm) {
+  const world::VoxelGrid* const grid = world.felt_cells();
+  if (grid == nullptr && has_cells(world)) {
+    return Refusal{"coupling.scheme",
+                   "a \"buffer-zone\" is made of cells that the daemon has, those of " +
+                       world.info().source + " are its board's; use \"ghost-point\""};
+  }
+  if (grid == nullptr) {
+    return Refusal{"coupling.scheme", "a \"buffer-zone\" is made of cells, of which " +
+                                          world.info().source + " has none; use \"ghost-point\""};
+  }
+  const double most_m = world::kNearReach_cells * grid->cell_m();
+  if (world_half_settings(arm).buffer_zone.buffer_m <= most_m) return std::nullopt;
+  return Refusal{"coupling.buffer_m", "a buffer zone reaches " +
+                                          std::to_string(world::kNearReach_cells) +
+                                          " cells far, which are " + std::to_string(most_m) +
+                                          " m here; take less, or \"ghost-point\""};
 }
 
 [[nodiscard]] Result<void> as_result(const std::optional<Refusal>& refusal) {
@@ -38,6 +62,7 @@ std::optional<Refusal> find_refusal(const world::World& world, const config::Wor
 }
 
 std::optional<Refusal> find_refusal(const world::World& world, const config::CouplingConfig& arm) {
+  if (arm.scheme == config::CouplingScheme::BufferZone) return refusal_of_zone(world, arm);
   if (has_cells(world) || arm.scheme != config::CouplingScheme::ThesisLiteral) return std::nullopt;
   return Refusal{"coupling.scheme", "\"thesis-literal\" feels faces across the axes only, " +
                                         world.info().source + " has others; use \"ghost-point\""};

@@ -94,8 +94,8 @@ BoardPlugs WorldHost::plugs_for(const config::WorldConfig& said, const RigParts&
 Result<std::unique_ptr<coupling::WorldCoupling>> WorldHost::make_world_half(
     const config::CouplingConfig& arm, std::uint32_t first_session) {
   const coupling::Scheme scheme = scheme_of(arm);
-  if (coupling::computes_at_the_far_end(scheme)) {
-    return coupling::make_far_end(scheme, force_at(arm), *world_, first_session);
+  if (coupling::has_own_world_half(scheme)) {
+    return coupling::make_own_world_half(scheme, world_half_settings(arm), *world_, first_session);
   }
   const auto model = model_ == config::ConstraintModel::Simple
                          ? coupling::ConstraintModel::Simple

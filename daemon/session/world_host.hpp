@@ -38,7 +38,7 @@ class WorldHost {
   [[nodiscard]] world::World& world() noexcept { return *world_; }
   [[nodiscard]] const world::World& world() const noexcept { return *world_; }
   // What answers one arm in this world, which must outlive it; sessions are numbered from
-  // `first_session` up. Errors: as coupling::make_world_coupling(), make_far_end().
+  // `first_session` up. Errors: as coupling::make_world_coupling(), make_own_world_half().
   [[nodiscard]] Result<std::unique_ptr<coupling::WorldCoupling>> make_world_half(
       const config::CouplingConfig& arm, std::uint32_t first_session);
   // Edits of its cells; they wait for their turn. The number of the batch. Errors: Unsupported

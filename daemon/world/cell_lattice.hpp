@@ -32,8 +32,8 @@ struct CellLattice {
   // component: near enough to compute with, beyond every face that `p` is beyond.
   [[nodiscard]] Position3 clamp_near(Position3 p) const noexcept {
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double bound = face_m(axis, static_cast<std::int32_t>(cells[axis]) + 1);
-      p[axis] = std::clamp(p[axis], -bound, bound);
+      const double edge_m = face_m(axis, static_cast<std::int32_t>(cells[axis]) + 1);
+      p[axis] = std::clamp(p[axis], -edge_m, edge_m);
     }
     return p;
   }

@@ -18,13 +18,8 @@ std::int32_t zone_cells(double reach_m, double cell_m) noexcept {
                                   : kNearReach_cells;
 }
 
-NearCells nothing_near(const VoxelGrid& grid, const NearQuery& query) noexcept {
-  return {
-      .lattice = grid.lattice(), .middle = query.middle, .boxes = {}, .is_plane = query.is_plane};
-}
-
 NearCells NearCellFinder::find(const VoxelGrid& grid, const NearQuery& query) noexcept {
-  NearCells near = nothing_near(grid, query);
+  NearCells near = nothing(grid, query);
   if (!near.lattice.is_inside(query.middle)) return near;
   NearQuery shorter = query;
   do {
@@ -33,6 +28,26 @@ NearCells NearCellFinder::find(const VoxelGrid& grid, const NearQuery& query) no
   } while (shorter.reach_m >= grid.cell_m());
   name(grid, neighbors_of(grid, query.middle), near);
   return near;
+}
+
+NearCells NearCellFinder::nothing(const VoxelGrid& grid, const NearQuery& query) noexcept {
+  NearCells near;
+  near.lattice = grid.lattice();
+  near.middle = query.middle;
+  near.is_plane = query.is_plane;
+  if (near.lattice.is_inside(query.middle)) near.known = counted(near, region_of(grid, query));
+  return near;
+}
+
+CellBox NearCellFinder::counted(const NearCells& near, const Region& region) noexcept {
+  const Cell first = near.counted(region.first);
+  const Cell last = near.counted(region.last);
+  CellBox box;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    box.first[axis] = static_cast<std::int8_t>(first[axis]);
+    box.last[axis] = static_cast<std::int8_t>(last[axis]);
+  }
+  return box;
 }
 
 NearCellFinder::Region NearCellFinder::region_of(const VoxelGrid& grid,
@@ -76,6 +91,7 @@ bool NearCellFinder::name(const VoxelGrid& grid, const Region& region, NearCells
       left_[z][y] = grid.bits_in_row(row, count) << first_[0];
     }
   }
+  near.known = counted(near, region);
   near.boxes.clear();
   for (std::size_t z = first_[2]; z <= last_[2]; ++z) {
     for (std::size_t y = first_[1]; y <= last_[1]; ++y) {

@@ -25,9 +25,6 @@ struct NearQuery {
 // `reach_m` of it, closed; kNearReach_cells at most.
 [[nodiscard]] std::int32_t zone_cells(double reach_m, double cell_m) noexcept;
 
-// What is said where nothing is occupied.
-[[nodiscard]] NearCells nothing_near(const VoxelGrid& grid, const NearQuery& query) noexcept;
-
 // Finds them in a grid. What does not fit into kMaxNearBoxes is not named: `reach_m` falls by a
 // quarter until the rest fits; the 26 neighbors of the cell in the middle always do. Which way
 // boxes are joined depends on the order of the axes, so that is the one thing that may differ when
@@ -38,6 +35,8 @@ struct NearQuery {
 class NearCellFinder {
  public:
   [[nodiscard]] NearCells find(const VoxelGrid& grid, const NearQuery& query) noexcept;
+  // The same, where it is known that nothing is occupied there.
+  [[nodiscard]] static NearCells nothing(const VoxelGrid& grid, const NearQuery& query) noexcept;
 
  private:
   struct Region {
@@ -49,6 +48,7 @@ class NearCellFinder {
 
   [[nodiscard]] static Region region_of(const VoxelGrid& grid, const NearQuery& query) noexcept;
   [[nodiscard]] static Region neighbors_of(const VoxelGrid& grid, Cell middle) noexcept;
+  [[nodiscard]] static CellBox counted(const NearCells& near, const Region& region) noexcept;
   // False: there is no room for all of it.
   bool name(const VoxelGrid& grid, const Region& region, NearCells& near) noexcept;
   [[nodiscard]] CellBox take_box(std::size_t y, std::size_t z) noexcept;

@@ -18,10 +18,15 @@ inline constexpr std::int32_t kNearReach_cells = 31;
 // Ours: the 26 neighbors of a cell fit, whatever they are; beyond, larger boxes have to do.
 inline constexpr std::size_t kMaxNearBoxes = 32;
 
-// Occupied cells from `first` to `last`, both included, counted from the cell in the middle.
+// Cells from `first` to `last`, both included, counted from the cell in the middle.
 struct CellBox {
   std::array<std::int8_t, 3> first{};
   std::array<std::int8_t, 3> last{};
+
+  [[nodiscard]] bool has(Cell at) const noexcept {
+    return at.x >= first[0] && at.x <= last[0] && at.y >= first[1] && at.y <= last[1] &&
+           at.z >= first[2] && at.z <= last[2];
+  }
   bool operator==(const CellBox&) const = default;
 };
 
@@ -34,6 +39,7 @@ struct NearCells {
   CellLattice lattice{};
   Cell middle{};
   rt::StaticVector<CellBox, kMaxNearBoxes> boxes{};
+  CellBox known{};       // of what is beyond, nothing is said
   bool is_plane{false};  // the third axis is free, and has one cell
 
   [[nodiscard]] double face_m(std::size_t axis, std::int32_t index) const noexcept {
@@ -42,11 +48,17 @@ struct NearCells {
   [[nodiscard]] Position3 clamp_near(Position3 p) const noexcept { return lattice.clamp_near(p); }
   [[nodiscard]] THIMBLE_RT bool is_occupied(Cell cell) const noexcept {
     if (!lattice.is_inside(cell)) return true;
-    const Cell at{cell.x - middle.x, cell.y - middle.y, cell.z - middle.z};
-    return std::any_of(boxes.begin(), boxes.end(), [at](const CellBox& box) {
-      return at.x >= box.first[0] && at.x <= box.last[0] && at.y >= box.first[1] &&
-             at.y <= box.last[1] && at.z >= box.first[2] && at.z <= box.last[2];
-    });
+    const Cell at = counted(cell);
+    return std::any_of(boxes.begin(), boxes.end(),
+                       [at](const CellBox& box) { return box.has(at); });
+  }
+  // Of a cell that is in the grid.
+  [[nodiscard]] THIMBLE_RT bool is_known(Cell cell) const noexcept {
+    return known.has(counted(cell));
+  }
+  // From the cell in the middle.
+  [[nodiscard]] Cell counted(Cell cell) const noexcept {
+    return {cell.x - middle.x, cell.y - middle.y, cell.z - middle.z};
   }
 };
 

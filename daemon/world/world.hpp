@@ -82,7 +82,7 @@ class World {
   [[nodiscard]] virtual const VoxelGrid* felt_cells() const noexcept { return grid(); }
   [[nodiscard]] virtual bool is_plane() const noexcept { return false; }
   // Somebody will ask whether cells are within `cells` of an occupied one, along each axis.
-  virtual void mark_zone(std::int32_t /*cells*/) noexcept {}
+  virtual void mark_zone(std::int32_t /*cells*/) {}
   // False: no cell is occupied within as many as mark_zone() was told at most. Worlds that do not
   // mark their zone say true everywhere.
   [[nodiscard]] virtual bool is_in_zone(Cell /*cell*/) const noexcept { return true; }

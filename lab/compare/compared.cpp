@@ -19,7 +19,7 @@ std::vector<CouplingCase> compared_schemes() {
       {.name = "spring-damper, both",
        .scheme = Scheme::SpringDamper,
        .settings = {.spring_damper = {.force_at = coupling::ForceAt::Both}},
-       .force_at = coupling::ForceAt::Both},
+       .world_half = {.force_at = coupling::ForceAt::Both}},
       wave_of("wave, b = 2", 2),
       wave_of("wave, b = 10", 10),
       wave_of("wave, b = 40", 40),

@@ -9,8 +9,8 @@ namespace {
 
 Result<std::unique_ptr<coupling::WorldCoupling>> make_world_half(const CouplingCase& of,
                                                                  world::World& world) {
-  if (coupling::computes_at_the_far_end(of.scheme)) {
-    return coupling::make_far_end(of.scheme, of.force_at, world, 1);
+  if (coupling::has_own_world_half(of.scheme)) {
+    return coupling::make_own_world_half(of.scheme, of.world_half, world, 1);
   }
   return coupling::make_world_coupling(coupling::ConstraintModel::GhostPoint, world, 1);
 }

@@ -16,7 +16,7 @@ struct CouplingCase {
   std::string name;
   coupling::Scheme scheme{coupling::Scheme::GhostPoint};
   coupling::SchemeSettings settings{};
-  coupling::ForceAt force_at{coupling::ForceAt::World};
+  coupling::WorldHalfSettings world_half{};  // of a scheme that has its own
   link::SendMode mode{link::SendMode::Streamed};
 };
 

@@ -26,6 +26,21 @@ std::vector<std::vector<std::string>> schemes() {
           {"arm.coupling.scheme=wave"}};
 }
 
+void expect_felt(const std::vector<std::string>& said) {
+  ClosedLoop sut(said);
+  ArmWatch watch(sut);
+  double hardest_newton = 0;
+  sut.run(8, [&] {
+    watch.see();
+    hardest_newton = std::max(hardest_newton, norm(sut.frame().force));
+  });
+  EXPECT_EQ(watch.breach(), "");
+  EXPECT_EQ(sut.snapshot().faults, 0U);
+  EXPECT_GT(sut.snapshot().total_contacts, 0U);
+  EXPECT_GT(hardest_newton, 0.3);
+  EXPECT_EQ(sut.frame().offset, Displacement3{});
+}
+
 TEST(FarEnd, EveryWorldIsFeltThroughEverySchemeWithinTheLimits) {
   const std::vector<std::vector<std::string>> worlds{
       {"world.source=box:3"},
@@ -35,18 +50,23 @@ TEST(FarEnd, EveryWorldIsFeltThroughEverySchemeWithinTheLimits) {
   for (const auto& scheme : schemes()) {
     for (const auto& world : worlds) {
       SCOPED_TRACE(scheme.front() + " " + scheme.back() + ", " + world.front());
-      ClosedLoop sut(with(with(scheme, world), {"arm.hand.reach_m=0.03"}));
-      ArmWatch watch(sut);
-      double hardest_newton = 0;
-      sut.run(8, [&] {
-        watch.see();
-        hardest_newton = std::max(hardest_newton, norm(sut.frame().force));
-      });
-      EXPECT_EQ(watch.breach(), "");
-      EXPECT_EQ(sut.snapshot().faults, 0U);
-      EXPECT_GT(sut.snapshot().total_contacts, 0U);
-      EXPECT_GT(hardest_newton, 0.3);
-      EXPECT_EQ(sut.frame().offset, Displacement3{});
+      expect_felt(with(with(scheme, world), {"arm.hand.reach_m=0.03"}));
+    }
+  }
+}
+
+// Thesis 3.6, in whole sessions; a zone is of what has cells that the daemon knows.
+TEST(BufferZone, IsFeltInEveryWorldOfCellsWithinTheLimits) {
+  for (const std::string zone : {"cells", "faces"}) {
+    for (const std::string world : {"box:3", "life", "crystal"}) {
+      std::vector<std::string> said{"arm.coupling.scheme=buffer-zone", "arm.coupling.zone=" + zone,
+                                    "world.source=" + world, "arm.impairment.delay_s=0.05",
+                                    "arm.hand.reach_m=0.03"};
+      if (world != "box:3") {
+        said.insert(said.end(), {"world.automaton.cells=32", "world.automaton.steps_per_s=2"});
+      }
+      SCOPED_TRACE(zone + ", " + world);
+      expect_felt(said);
     }
   }
 }

@@ -31,18 +31,21 @@ TEST(ConfigCoupling, ThePrintedCallbackTakesNoNumbersOfOnesOwn) {
   }
 }
 
-TEST(ConfigCoupling, ThePrintedCallbackRefusesAWorldWithMaterials) {
+TEST(ConfigCoupling, WhatFeelsNoMaterialsRefusesAWorldWithSome) {
   const std::string arms =
       "[[arm]]\nname = \"left\"\ndevice = \"sim:phantom-vintage\"\nworld = \"scan\"\n"
       "[[arm]]\nname = \"right\"\ndevice = \"sim:phantom-vintage\"\nworld = \"scan\"\n";
-  const std::string scheme = "coupling.scheme = \"thesis-literal\"\n";
   const std::string scan = "[[world]]\nname = \"scan\"\nsource = \"scan.nrrd\"\n";
   const std::string bone = "[[world.material]]\nname = \"bone\"\nfrom = 2\nfriction = 0.1\n";
   EXPECT_THAT(mistakes(arms + scan + bone), IsEmpty());
-  EXPECT_THAT(mistakes(arms + scheme + scan), IsEmpty());
-  EXPECT_THAT(mistakes(arms + scheme + scan + bone),
-              ElementsAre(AllOf(HasSubstr("arm.1.coupling: \"thesis-literal\" feels no materials"),
-                                HasSubstr("world \"scan\" has some"))));
+  for (const std::string scheme : {"thesis-literal", "buffer-zone"}) {
+    const std::string line = "coupling.scheme = \"" + scheme + "\"\n";
+    EXPECT_THAT(mistakes(arms + line + scan), IsEmpty());
+    EXPECT_THAT(
+        mistakes(arms + line + scan + bone),
+        ElementsAre(AllOf(HasSubstr("arm.1.coupling: \"" + scheme + "\" feels no materials"),
+                          HasSubstr("world \"scan\" has some"))));
+  }
 }
 
 TEST(ConfigCoupling, ASchemeIsChosenByOneLine) {
@@ -52,31 +55,37 @@ TEST(ConfigCoupling, ASchemeIsChosenByOneLine) {
       {"remote-force", CouplingScheme::RemoteForce},
       {"spring-damper", CouplingScheme::SpringDamper},
       {"wave", CouplingScheme::Wave},
-      {"constraint-plane", CouplingScheme::ConstraintPlane}};
+      {"constraint-plane", CouplingScheme::ConstraintPlane},
+      {"buffer-zone", CouplingScheme::BufferZone}};
   for (const auto& [word, scheme] : all) {
     const auto sut = parse_text(hello_with_arm("coupling.scheme = \"" + word + "\"\n"));
     ASSERT_TRUE(sut) << word;
     EXPECT_EQ(sut->arms[0].coupling.scheme, scheme);
     EXPECT_EQ(to_string(scheme), word);
   }
-  EXPECT_THAT(mistakes(hello_with_arm("coupling.scheme = \"waves\"\n")),
-              ElementsAre(AllOf(HasSubstr("ghost-point"), HasSubstr("thesis-literal"),
-                                HasSubstr("remote-force"), HasSubstr("spring-damper"),
-                                HasSubstr("wave"), HasSubstr("constraint-plane"))));
+  EXPECT_THAT(
+      mistakes(hello_with_arm("coupling.scheme = \"waves\"\n")),
+      ElementsAre(AllOf(HasSubstr("ghost-point"), HasSubstr("thesis-literal"),
+                        HasSubstr("remote-force"), HasSubstr("spring-damper"), HasSubstr("wave"),
+                        HasSubstr("constraint-plane"), HasSubstr("buffer-zone"))));
 }
 
 TEST(ConfigCoupling, EachSchemeTakesItsOwnNumbersAndNoOthers) {
   const std::vector<std::pair<std::string, std::string>> taken{
-      {"stiffness_newton_per_m = 100", "ghost-point remote-force spring-damper constraint-plane"},
-      {"damping_newton_s_per_m = 3", "ghost-point remote-force spring-damper constraint-plane"},
+      {"stiffness_newton_per_m = 100",
+       "ghost-point remote-force spring-damper constraint-plane buffer-zone"},
+      {"damping_newton_s_per_m = 3",
+       "ghost-point remote-force spring-damper constraint-plane buffer-zone"},
+      {"buffer_m = 0.01", "buffer-zone"},
+      {"zone = \"faces\"", "buffer-zone"},
       {"impedance_newton_s_per_m = 20", "wave"},
       {"force_at = \"both\"", "spring-damper"},
       {"hysteresis_m = 0.001", "ghost-point constraint-plane"},
       {"late_walls = \"offset\"", "constraint-plane"},
       {"coordinate_spring_newton_per_m = 10", "ghost-point"},
       {"relaxation_m_per_s = 0.01", "ghost-point constraint-plane"}};
-  for (const char* scheme :
-       {"ghost-point", "remote-force", "spring-damper", "wave", "constraint-plane"}) {
+  for (const char* scheme : {"ghost-point", "remote-force", "spring-damper", "wave",
+                             "constraint-plane", "buffer-zone"}) {
     const std::string line = std::string("coupling.scheme = \"") + scheme + "\"\n";
     for (const auto& [key, takers] : taken) {
       const auto found = mistakes(hello_with_arm(line + "coupling." + key + "\n"));
@@ -119,9 +128,9 @@ TEST(ConfigCoupling, NumbersOfAFarEndStayBelowItsCeilings) {
   }
 }
 
-TEST(ConfigCoupling, ASlaveIsRefusedInLockStep) {
+TEST(ConfigCoupling, ASlaveOrAZoneIsRefusedInLockStep) {
   const std::string mode = "coupling.mode = \"lock-step\"\n";
-  for (const char* scheme : {"spring-damper", "wave"}) {
+  for (const char* scheme : {"spring-damper", "wave", "buffer-zone"}) {
     const std::string line = std::string("coupling.scheme = \"") + scheme + "\"\n";
     EXPECT_THAT(
         mistakes(hello_with_arm(line + mode)),
@@ -130,8 +139,8 @@ TEST(ConfigCoupling, ASlaveIsRefusedInLockStep) {
   EXPECT_THAT(mistakes(hello_with_arm("coupling.scheme = \"remote-force\"\n" + mode)), IsEmpty());
 }
 
-TEST(ConfigCoupling, AFarEndIsRefusedOverTheDatagramsOf1999) {
-  for (const char* scheme : {"remote-force", "spring-damper", "wave"}) {
+TEST(ConfigCoupling, AFarEndOrAZoneIsRefusedOverTheDatagramsOf1999) {
+  for (const char* scheme : {"remote-force", "spring-damper", "wave", "buffer-zone"}) {
     const std::string arm = std::string("[[arm]]\nname = \"left\"\ndevice = ") +
                             "\"sim:phantom-vintage\"\nlink = \"udp://127.0.0.1:5001\"\n" +
                             "coupling.scheme = \"" + scheme + "\"\n";
@@ -141,8 +150,8 @@ TEST(ConfigCoupling, AFarEndIsRefusedOverTheDatagramsOf1999) {
   }
 }
 
-TEST(ConfigCoupling, AFarEndIsRefusedInAWorldOfTheSimpleModel) {
-  for (const char* scheme : {"remote-force", "spring-damper", "wave"}) {
+TEST(ConfigCoupling, AFarEndOrAZoneIsRefusedInAWorldOfTheSimpleModel) {
+  for (const char* scheme : {"remote-force", "spring-damper", "wave", "buffer-zone"}) {
     const std::string line = std::string("coupling.scheme = \"") + scheme + "\"\n";
     EXPECT_THAT(mistakes(hello_with_arm(line) + "constraint_model = \"simple\"\n"),
                 ElementsAre(AllOf(HasSubstr(std::string("arm.0.coupling: \"") + scheme),

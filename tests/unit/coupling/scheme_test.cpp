@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "daemon/coupling/thesis_literal.hpp"
-#include "fake_box.hpp"
+#include "daemon/world/voxel_world.hpp"
 
 namespace thimble::coupling {
 namespace {
@@ -22,7 +22,7 @@ TEST(Scheme, UnknownNameIsRefusedWithWhatWasExpected) {
     ASSERT_FALSE(parsed) << text;
     EXPECT_EQ(parsed.error().code, Errc::InvalidArgument);
     EXPECT_NE(parsed.error().message.find("ghost-point, thesis-literal, remote-force, "
-                                          "spring-damper, wave or constraint-plane"),
+                                          "spring-damper, wave, constraint-plane or buffer-zone"),
               std::string::npos);
   }
 }
@@ -40,19 +40,22 @@ TEST(Scheme, MakesTheArmHalfItNames) {
   EXPECT_NE(dynamic_cast<WaveArm*>(wave.get()), nullptr);
   const auto plane = make_arm_coupling(Scheme::ConstraintPlane, {});
   EXPECT_NE(dynamic_cast<ConstraintPlaneArm*>(plane.get()), nullptr);
+  const auto zone = make_arm_coupling(Scheme::BufferZone, {});
+  EXPECT_NE(dynamic_cast<BufferZoneArm*>(zone.get()), nullptr);
 }
 
-TEST(Scheme, MakesTheWorldHalfOfWhatComputesAtTheFarEnd) {
-  testing::FakeBox box(0.015);
+TEST(Scheme, MakesTheWorldHalfOfWhatHasItsOwn) {
+  world::VoxelWorld box(world::make_box(3).value(), "box:3");
   for (const Scheme scheme : kSchemes) {
-    const auto made = make_far_end(scheme, ForceAt::World, box, 3);
-    EXPECT_EQ(made.has_value(), computes_at_the_far_end(scheme)) << to_string(scheme);
+    const auto made = make_own_world_half(scheme, {}, box, 3);
+    EXPECT_EQ(made.has_value(), has_own_world_half(scheme)) << to_string(scheme);
     if (!made) continue;
     HandSample first;
     first.sequence = 1;
     ASSERT_TRUE((*made)->open(first));
     const ConstraintSet set = (*made)->answer(first, std::chrono::milliseconds(1));
-    EXPECT_TRUE(set.has_far) << to_string(scheme);
+    EXPECT_EQ(set.has_near, scheme == Scheme::BufferZone) << to_string(scheme);
+    EXPECT_EQ(set.has_far, scheme != Scheme::BufferZone) << to_string(scheme);
     EXPECT_EQ(set.session, 3U);
     EXPECT_EQ(set.answers, 1U);
   }

@@ -89,7 +89,7 @@ TEST(Combination, IsAcceptedOrRefusedWithItsReasonAsTheMatrixSays) {
                                                           {"`sphere`", &*sphere},
                                                           {"`pieces`", pieces->world.get()},
                                                           {"`life`", life->get()}};
-  ASSERT_EQ(page().at("world").size(), 10U) << "a new column needs a line here";
+  ASSERT_EQ(page().at("world").size(), 11U) << "a new column needs a line here";
   ASSERT_EQ(page().size(), 1 + 1 + worlds.size()) << "a new row needs a world here";
   for (const auto& [name, world] : worlds) {
     config::WorldConfig said;
@@ -106,12 +106,29 @@ TEST(Combination, IsAcceptedOrRefusedWithItsReasonAsTheMatrixSays) {
     expect_as_on_page(name, "scheme `wave`", check_combination(*world, arm));
     arm.scheme = config::CouplingScheme::ConstraintPlane;
     expect_as_on_page(name, "scheme `constraint-plane`", check_combination(*world, arm));
+    arm.scheme = config::CouplingScheme::BufferZone;
+    arm.buffer_m = 0.010;
+    expect_as_on_page(name, "scheme `buffer-zone`", check_combination(*world, arm));
     said.listen = config::UdpEndpoint{"127.0.0.1", 5001};
     expect_as_on_page(name, "`listen`", check_combination(*world, said));
     said.listen.reset();
     said.constraint_model = config::ConstraintModel::Simple;
     expect_as_on_page(name, "model `simple`", check_combination(*world, said));
   }
+}
+
+TEST(Combination, RefusesABufferZoneThatReachesFurtherThanItCan) {
+  const world::VoxelWorld fine(world::make_box(90).value(), "box:90");
+  config::CouplingConfig arm;
+  arm.scheme = config::CouplingScheme::BufferZone;
+  EXPECT_TRUE(check_combination(fine, arm)) << "30 of 31 cells";
+  arm.buffer_m = 0.032;
+  const auto refused = check_combination(fine, arm);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::Unsupported);
+  EXPECT_NE(refused.error().message.find("coupling.buffer_m: a buffer zone reaches 31 cells far"),
+            std::string::npos)
+      << refused.error().message;
 }
 
 TEST(PieceWorldOfAConfiguration, NeedsAClockAndRoomForItsPieces) {

@@ -77,6 +77,10 @@ TEST(NearCells, NamesWhatIsOccupiedInReachAndNothingThatIsFree) {
       }
     });
     if (!is_whole(grid, near, query)) ++cut;
+    if (is_whole(grid, near, query)) {
+      for_each_cell(
+          grid, [&](Cell c) { ASSERT_TRUE(near.is_known(c) || !touches(grid, c, query)) << run; });
+    }
     EXPECT_TRUE(near.is_occupied({-1, 0, 0})) << "the world has walls";
   }
   EXPECT_GT(cut, 30) << "some did not fit";
@@ -145,7 +149,7 @@ TEST(NearCells, AWallIsOneBoxWhicheverWayItFaces) {
 TEST(NearCells, AreNotSoundWhenTheyCannotBe) {
   const VoxelGrid grid = empty_grid({4, 4, 4});
   const NearCells good =
-      nothing_near(grid, {.middle = {1, 1, 1}, .ghost = center_of(grid, {1, 1, 1})});
+      NearCellFinder::nothing(grid, {.middle = {1, 1, 1}, .ghost = center_of(grid, {1, 1, 1})});
   const Position3 ghost = center_of(grid, {1, 1, 1});
   ASSERT_TRUE(is_sound(good, ghost));
   const auto spoiled = [&](auto spoil) {

@@ -1,0 +1,251 @@
+#include "daemon/coupling/buffer_zone_arm.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include "daemon/coupling/tell.hpp"
+#include "daemon/coupling/wall_penalty.hpp"
+#include "daemon/world/ghost_motion.hpp"
+#include "hand_samples.hpp"
+#include "zoned.hpp"
+
+namespace thimble::coupling {
+namespace {
+
+using testing::delayed_by;
+using testing::kTick;
+using testing::Zoned;
+using world::Cell;
+using world::VoxelGrid;
+
+const ToolProperties kTool = BufferZoneSettings{}.tool;
+
+// What is felt without any delay, worked out with the whole grid.
+struct Undelayed {
+  Undelayed(VoxelGrid the_grid, Position3 at, Cell cell)
+      : grid(std::move(the_grid)), ghost{{at, cell}} {}
+
+  Force3 feel(Position3 tip, Velocity3 velocity, Duration dt) {
+    return wall_penalty(planes_of(move_ghost(grid, ghost, tip, dt)), kTool, tip, velocity);
+  }
+
+  VoxelGrid grid;
+  world::GhostState ghost;
+};
+
+double between(std::mt19937_64& random, double low, double high) {
+  return std::uniform_real_distribution<double>(low, high)(random);
+}
+
+Position3 middle_of(const VoxelGrid& grid, Cell cell) {
+  Position3 p;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    p[axis] = (grid.face_m(axis, cell[axis]) + grid.face_m(axis, cell[axis] + 1)) / 2;
+  }
+  return p;
+}
+
+// A hand that goes to places drawn at random, and gives way where it is held back far.
+class Wanderer {
+ public:
+  Wanderer(std::uint64_t seed, Position3 at, double most_m_per_s)
+      : random_(seed), at_(at), goal_(at), most_m_per_s_(most_m_per_s) {}
+
+  void move(Position3 ghost, Duration dt) {
+    if (random_() % 400 == 0 || norm(at_ - goal_) < 0.001) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        goal_[axis] = at_[axis] + between(random_, -0.08, 0.08);
+      }
+      speed_m_per_s_ = between(random_, 0.1, 1) * most_m_per_s_;
+    }
+    const bool gives_way = norm(at_ - ghost) > 0.008;
+    if (gives_way) goal_ = at_ + (ghost - at_);
+    const Displacement3 way = goal_ - at_;
+    const double share = std::min(1.0, speed_m_per_s_ * seconds(dt) / std::max(1e-9, norm(way)));
+    const Position3 before = at_;
+    at_ = at_ + share * way;
+    const Displacement3 moved = at_ - before;
+    velocity_ = Velocity3{moved.x, moved.y, moved.z} * (1 / seconds(dt));
+  }
+  [[nodiscard]] Position3 at() const { return at_; }
+  [[nodiscard]] Velocity3 velocity() const { return velocity_; }
+
+ private:
+  std::mt19937_64 random_;
+  Position3 at_;
+  Position3 goal_;
+  Velocity3 velocity_{};
+  double most_m_per_s_;
+  double speed_m_per_s_{0};
+};
+
+struct ZoneCourse {
+  VoxelGrid grid;
+  Cell start{};
+  ZoneNames names{};
+  double most_m_per_s{0.3};
+  double delay_s{0};
+  double buffer_m{0};
+  int rate_hz{1000};
+  link::ImpairmentSettings link{};
+};
+
+struct Compared {
+  int ticks_felt{0};
+  int ticks_that_differ{0};
+  std::uint64_t corrections{0};
+};
+
+// The same hand on the scheme and without any delay.
+Compared compare(const ZoneCourse& course, std::uint64_t seed) {
+  const Duration dt = from_seconds(1.0 / course.rate_hz);
+  Zoned sut(course.grid, {.buffer_m = course.buffer_m, .names = course.names}, dt, course.link);
+  const Position3 start = middle_of(course.grid, course.start);
+  Undelayed undelayed(course.grid, start, course.start);
+  Wanderer hand(seed, start, course.most_m_per_s);
+  sut.rest(start, 2 * course.delay_s + 0.3);
+  Compared out;
+  for (double t = 0; t < 3; t += seconds(dt)) {
+    hand.move(undelayed.ghost.point.position, dt);
+    const Force3 expected = undelayed.feel(hand.at(), hand.velocity(), dt);
+    const ArmOutput felt = sut.loop.tick(hand.at(), hand.velocity());
+    if (expected != Force3{}) ++out.ticks_felt;
+    if (felt.force != expected) ++out.ticks_that_differ;
+    EXPECT_EQ(felt.offset, Displacement3{});
+  }
+  out.corrections = sut.arm.corrections();
+  return out;
+}
+
+VoxelGrid cells_at_random(std::mt19937_64& random, double cell_m) {
+  VoxelGrid grid = VoxelGrid::create({9, 8, 7}, cell_m).value();
+  for (Cell c; c.z < 7; ++c.z) {
+    for (c.y = 0; c.y < 8; ++c.y) {
+      for (c.x = 0; c.x < 9; ++c.x) grid.set_occupied(c, random() % 5 == 0);
+    }
+  }
+  grid.set_occupied({4, 4, 3}, false);
+  return grid;
+}
+
+// teleop.md 2(d): with v <= v_max bit-identical to undelayed.
+TEST(BufferZone, NamingCellsIsFeltAsWithoutDelayBitForBitInAnyWorld) {
+  std::mt19937_64 random(610);
+  int felt = 0;
+  for (std::uint64_t run = 0; run < 60; ++run) {
+    ZoneCourse course{.grid = cells_at_random(random, between(random, 0.02, 0.04)),
+                      .start = {4, 4, 3},
+                      .names = ZoneNames::Cells};
+    course.delay_s = between(random, 0, 0.1);
+    course.rate_hz = std::array{500, 1000, 2000, 4000}[run % 4];
+    course.link = delayed_by(course.delay_s);
+    course.buffer_m = course.most_m_per_s * (course.delay_s + 2.0 / course.rate_hz);
+    const Compared found = compare(course, run);
+    EXPECT_EQ(found.ticks_that_differ, 0) << run;
+    EXPECT_EQ(found.corrections, 0U) << run;
+    felt += found.ticks_felt;
+  }
+  EXPECT_GT(felt, 50'000);
+}
+
+VoxelGrid room_at_random(std::mt19937_64& random, double cell_m) {
+  VoxelGrid grid = VoxelGrid::create({12, 12, 12}, cell_m).value();
+  grid.fill();
+  Cell first;
+  Cell last;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    first[axis] = 1 + static_cast<std::int32_t>(random() % 5);
+    last[axis] = 6 + static_cast<std::int32_t>(random() % 5);
+  }
+  for (Cell c = first; c.z <= last.z; ++c.z) {
+    for (c.y = first.y; c.y <= last.y; ++c.y) {
+      for (c.x = first.x; c.x <= last.x; ++c.x) grid.set_occupied(c, false);
+    }
+  }
+  return grid;
+}
+
+TEST(BufferZone, InARoomFacesDoAsWellAlsoUnderJitterAndLoss) {
+  std::mt19937_64 random(611);
+  int felt = 0;
+  for (std::uint64_t run = 0; run < 40; ++run) {
+    ZoneCourse course{.grid = room_at_random(random, between(random, 0.003, 0.01)),
+                      .start = {5, 5, 5},
+                      .names = run % 2 == 0 ? ZoneNames::Faces : ZoneNames::Cells};
+    course.delay_s = between(random, 0, 0.1);
+    course.rate_hz = std::array{500, 1000, 2000, 4000}[run % 4];
+    course.link = {.delay_s = course.delay_s,
+                   .jitter_s = course.delay_s / 4,
+                   .loss = 0.05,
+                   .duplicate = 0.02,
+                   .reorder = 0.02,
+                   .seed = run};
+    course.buffer_m = course.most_m_per_s * (2 * course.delay_s + 30.0 / course.rate_hz);
+    const Compared found = compare(course, run);
+    EXPECT_EQ(found.ticks_that_differ, 0) << run;
+    felt += found.ticks_felt;
+  }
+  EXPECT_GT(felt, 50'000);
+}
+
+TEST(BufferZone, MirroredAndPermutedWorldsGiveMirroredAndPermutedForces) {
+  std::mt19937_64 random(612);
+  for (int run = 0; run < 12; ++run) {
+    VoxelGrid grid = VoxelGrid::create({7, 7, 7}, 0.030).value();
+    for (Cell c; c.z < 7; ++c.z) {
+      for (c.y = 0; c.y < 7; ++c.y) {
+        for (c.x = 0; c.x < 7; ++c.x) grid.set_occupied(c, random() % 6 == 0);
+      }
+    }
+    grid.set_occupied({3, 3, 3}, false);
+    const auto trace = [&](std::size_t shift, bool is_mirrored, ZoneNames names) {
+      VoxelGrid turned = VoxelGrid::create({7, 7, 7}, 0.030).value();
+      for (Cell c; c.z < 7; ++c.z) {
+        for (c.y = 0; c.y < 7; ++c.y) {
+          for (c.x = 0; c.x < 7; ++c.x) {
+            Cell to;
+            for (std::size_t a = 0; a < 3; ++a) to[(a + shift) % 3] = is_mirrored ? 6 - c[a] : c[a];
+            turned.set_occupied(to, grid.is_occupied(c));
+          }
+        }
+      }
+      Zoned sut(turned, {.buffer_m = 0.025, .names = names}, kTick, delayed_by(0.08));
+      sut.rest({}, 0.4);
+      Wanderer hand(static_cast<std::uint64_t>(run), {}, 0.4);
+      Undelayed person(grid, {}, {3, 3, 3});
+      std::vector<std::array<double, 3>> rows;
+      for (int i = 0; i < 2000; ++i) {
+        hand.move(person.ghost.point.position, kTick);
+        (void)person.feel(hand.at(), hand.velocity(), kTick);
+        const double sign = is_mirrored ? -1 : 1;
+        Position3 tip;
+        Velocity3 velocity;
+        for (std::size_t a = 0; a < 3; ++a) {
+          tip[(a + shift) % 3] = sign * hand.at()[a];
+          velocity[(a + shift) % 3] = sign * hand.velocity()[a];
+        }
+        const ArmOutput out = sut.loop.tick(tip, velocity);
+        std::array<double, 3> row{};
+        for (std::size_t a = 0; a < 3; ++a) row[a] = sign * out.force[(a + shift) % 3];
+        rows.push_back(row);
+      }
+      return rows;
+    };
+    for (const ZoneNames names : {ZoneNames::Cells, ZoneNames::Faces}) {
+      const auto reference = trace(0, false, names);
+      for (const std::size_t shift : {0U, 1U, 2U}) {
+        EXPECT_EQ(trace(shift, true, names), reference) << run;
+        EXPECT_EQ(trace(shift, false, names), reference) << run;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace thimble::coupling
