@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "daemon/session/zone_marker.hpp"
 #include "hal/base/check.hpp"
 #include "sim/model/cam/engine/plane_engine.hpp"
 
@@ -45,6 +46,17 @@ class RuleAutomaton final : public world::cam::Automaton {
     }
     THIMBLE_CHECK(engine_->put(sites_));
   }
+  [[nodiscard]] bool mark_zone(std::int32_t cells, std::span<std::uint64_t> zone) override {
+    if (!marker_) {
+      auto made = ZoneMarker::make(log2_cells());
+      if (!made) return false;
+      marker_ = *std::move(made);
+      matter_.resize(zone.size());
+    }
+    read(matter_);
+    marker_->mark(matter_, cells, zone);
+    return true;
+  }
   [[nodiscard]] AutomatonState save() override {
     AutomatonState state{std::string(rule_->name), log2_cells(), steps_, {}};
     state.sites.resize(sites_.size());
@@ -67,7 +79,9 @@ class RuleAutomaton final : public world::cam::Automaton {
  private:
   const Rule* rule_;
   std::unique_ptr<PlaneEngine> engine_;
-  std::vector<std::uint16_t> sites_;  // room
+  std::vector<std::uint16_t> sites_;    // room
+  std::unique_ptr<ZoneMarker> marker_;  // where somebody wants a zone
+  std::vector<std::uint64_t> matter_;   // room
   std::uint64_t steps_{0};
 };
 

@@ -61,6 +61,12 @@ class VoxelGrid {
   // Cell x + X (y + Y z) is bit n % 64 of word n / 64 for n its number; bits behind the last cell
   // mean nothing.
   [[nodiscard]] std::span<const std::uint64_t> words() const noexcept { return words_; }
+  // The number of a cell that is in the grid.
+  [[nodiscard]] std::size_t bit_of(Cell cell) const noexcept {
+    return static_cast<std::size_t>(cell.x) +
+           cells()[0] *
+               (static_cast<std::size_t>(cell.y) + cells()[1] * static_cast<std::size_t>(cell.z));
+  }
   // Word `index`, which must be there; its bits are as words() has them. Not RT.
   void set_word(std::size_t index, std::uint64_t word) noexcept { words_[index] = word; }
 
@@ -87,11 +93,6 @@ class VoxelGrid {
   }
   [[nodiscard]] static constexpr bool is_edge(double cell_m) noexcept {
     return cell_m >= 1e-9 && cell_m <= 1e3;
-  }
-  [[nodiscard]] std::size_t bit_of(Cell cell) const noexcept {
-    return static_cast<std::size_t>(cell.x) +
-           cells()[0] *
-               (static_cast<std::size_t>(cell.y) + cells()[1] * static_cast<std::size_t>(cell.z));
   }
 
   CellLattice lattice_;

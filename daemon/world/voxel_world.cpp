@@ -79,7 +79,7 @@ ProbeMotion VoxelWorld::move_probe(ProbeId probe, Position3 hand, Duration dt) n
 std::size_t VoxelWorld::set_row(Cell from, std::int32_t end_x, std::uint8_t value) noexcept {
   if (value > 0) materials_.set_row(from, end_x, static_cast<std::uint8_t>(value - 1));
   const std::size_t changed = grid_.set_row(from, end_x, value > 0);
-  if (changed > 0) free_rows_.note_changed(grid_, from);
+  if (changed > 0) note_changed(from);
   occupied_ = value > 0 ? occupied_ + changed : occupied_ - changed;
   return changed;
 }
@@ -111,7 +111,7 @@ void VoxelWorld::assign_word(std::size_t index, std::uint64_t changed) noexcept 
                   static_cast<std::int32_t>(row % info_.cells[1]),
                   static_cast<std::int32_t>(row / info_.cells[1])};
     if (materials_.count() > 0 && grid_.is_occupied(at)) materials_.set(at, 0);
-    if (std::exchange(noted, row) != row) free_rows_.note_changed(grid_, at);
+    if (std::exchange(noted, row) != row) note_changed(at);
   }
 }
 

@@ -34,7 +34,7 @@ class VoxelWorld final : public World {
   void set_cell(Cell cell, bool is_occupied) noexcept {
     if (is_occupied && !grid_.is_occupied(cell)) materials_.set(cell, 0);
     const std::size_t changed = grid_.set_row(cell, cell.x + 1, is_occupied);
-    if (changed > 0) free_rows_.note_changed(grid_, cell);
+    if (changed > 0) note_changed(cell);
     occupied_ = is_occupied ? occupied_ + changed : occupied_ - changed;
   }
   // The cells of one row from `from` up to, not including, x = `end_x`: 0 frees them, 1 fills them
@@ -47,6 +47,8 @@ class VoxelWorld final : public World {
   [[nodiscard]] std::size_t materials() const noexcept { return materials_.count(); }
   [[nodiscard]] std::size_t occupied_cells() const noexcept override { return occupied_; }
   [[nodiscard]] bool is_occupied(Cell cell) const noexcept { return grid_.is_occupied(cell); }
+  // Grows whenever a cell is freed or filled.
+  [[nodiscard]] std::uint64_t changes() const noexcept { return changes_; }
   // What looking for places to start has cost: FreeRows::looked_at().
   [[nodiscard]] std::uint64_t looked_at() const noexcept { return free_rows_.looked_at(); }
 
@@ -57,6 +59,10 @@ class VoxelWorld final : public World {
   };
   [[nodiscard]] std::optional<Probe>* find(ProbeId id) noexcept;
 
+  void note_changed(Cell row) noexcept {
+    ++changes_;
+    free_rows_.note_changed(grid_, row);
+  }
   void assign_word(std::size_t index, std::uint64_t changed) noexcept;
   void paint(const GhostPoint& ghost, ProbeMotion& motion) const noexcept;
 
@@ -64,6 +70,7 @@ class VoxelWorld final : public World {
   MaterialMap materials_;
   FreeRows free_rows_;
   std::size_t occupied_;
+  std::uint64_t changes_{0};
   WorldInfo info_;
   std::array<std::optional<Probe>, kMaxProbes> probes_{};
   std::uint32_t last_id_{0};

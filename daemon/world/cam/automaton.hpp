@@ -35,6 +35,9 @@ class Automaton {
   // Cells whose bit is set in `changed` become what `matter` says; no other cell changes.
   virtual void write(std::span<const std::uint64_t> changed,
                      std::span<const std::uint64_t> matter) = 0;
+  // Sets the bits of the cells that have matter within `cells` of them along each axis, diagonals
+  // included, and perhaps of more; clears the others. False: it cannot.
+  [[nodiscard]] virtual bool mark_zone(std::int32_t cells, std::span<std::uint64_t> zone) = 0;
   [[nodiscard]] virtual AutomatonState save() = 0;
   // Errors: InvalidArgument for the state of another rule or space; nothing is changed then.
   [[nodiscard]] virtual Result<void> load(const AutomatonState& state) = 0;

@@ -154,6 +154,32 @@ void LiveWorld::tell_changes() {
 void LiveWorld::show() {
   automaton_->read(seen_);
   cells_.assign(seen_);
+  mark();
+}
+
+void LiveWorld::mark_zone(std::int32_t cells) {
+  if (cells <= zone_cells_) return;
+  zone_cells_ = cells;
+  tell_changes();
+  mark();
+}
+
+void LiveWorld::mark() {
+  zone_changes_.reset();
+  if (zone_cells_ <= 0) return;
+  zone_.resize(seen_.size());
+  if (automaton_->mark_zone(zone_cells_, zone_)) zone_changes_ = cells_.changes();
+}
+
+bool LiveWorld::is_in_zone(Cell cell) const noexcept {
+  if (zone_changes_ != cells_.changes()) return true;
+  const VoxelGrid& grid = *cells_.grid();
+  for (std::size_t axis = 0; axis < (is_plane_ ? 2U : 3U); ++axis) {
+    const auto top = static_cast<std::int32_t>(grid.cells()[axis]) - 1;
+    if (cell[axis] < zone_cells_ || cell[axis] > top - zone_cells_) return true;
+  }
+  const std::size_t bit = grid.bit_of(cell);
+  return (zone_[bit / 64] >> (bit % 64) & 1) != 0;
 }
 
 }  // namespace thimble::world::cam

@@ -40,6 +40,9 @@ class LiveWorld final : public World {
   }
   [[nodiscard]] const VoxelGrid* felt_cells() const noexcept override { return cells_.grid(); }
   [[nodiscard]] bool is_plane() const noexcept override { return is_plane_; }
+  // The automaton marks it, after each step anew; what is edited in between is in every zone.
+  void mark_zone(std::int32_t cells) override;
+  [[nodiscard]] bool is_in_zone(Cell cell) const noexcept override;
   [[nodiscard]] std::size_t occupied_cells() const noexcept override {
     return cells_.occupied_cells();
   }
@@ -66,6 +69,7 @@ class LiveWorld final : public World {
   [[nodiscard]] Position3 within(Position3 p) const noexcept;
   void tell_changes();
   void show();
+  void mark();
 
   LiveSettings settings_;
   std::unique_ptr<Automaton> automaton_;
@@ -74,6 +78,9 @@ class LiveWorld final : public World {
   WorldInfo info_;
   std::vector<std::uint64_t> seen_;  // matter, as the automaton had it last
   std::vector<std::uint64_t> changed_;
+  std::int32_t zone_cells_{0};                 // 0: nobody wants a zone
+  std::vector<std::uint64_t> zone_;            // by cell, as of `zone_changes_`
+  std::optional<std::uint64_t> zone_changes_;  // VoxelWorld::changes() when it was marked
   struct Finger {
     ProbeId probe{};
     Position3 ghost{};

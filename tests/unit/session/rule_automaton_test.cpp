@@ -4,10 +4,12 @@
 
 #include <bit>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "daemon/session/live_settings.hpp"
 #include "daemon/world/cam/live_world.hpp"
+#include "daemon/world/near_cell_finder.hpp"
 
 namespace thimble::session {
 namespace {
@@ -182,6 +184,92 @@ TEST(LiveWorldOfAConfiguration, IsTheRuleAndSizeThatItSays) {
   EXPECT_EQ((*crystal)->live()->save().rule, "dla-3d");
   EXPECT_EQ((*crystal)->info().cells, (std::array<std::uint32_t, 3>{32, 32, 32}));
   EXPECT_DOUBLE_EQ((*crystal)->info().extent_m[2], 0.09);
+}
+
+// Within `cells` along each axis, on the torus.
+Bits zone_of(const Bits& matter, const CamAxes& log2, int cells) {
+  Bits zone(matter.size());
+  const auto reach = [&](int axis) { return log2[static_cast<std::size_t>(axis)] > 0 ? cells : 0; };
+  for (std::size_t cell = 0; cell < matter.size() * 64; ++cell) {
+    if ((matter[cell / 64] >> (cell % 64) & 1) == 0) continue;
+    for (int dz = -reach(2); dz <= reach(2); ++dz) {
+      for (int dy = -reach(1); dy <= reach(1); ++dy) {
+        for (int dx = -reach(0); dx <= reach(0); ++dx) {
+          const auto on = [&](std::size_t axis, std::size_t at, int by) {
+            return (at + static_cast<std::size_t>(by)) & ((std::size_t{1} << log2[axis]) - 1);
+          };
+          const std::size_t x = on(0, cell, dx);
+          const std::size_t y = on(1, cell >> log2[0], dy);
+          const std::size_t z = on(2, cell >> (log2[0] + log2[1]), dz);
+          const std::size_t near = x | y << log2[0] | z << (log2[0] + log2[1]);
+          zone[near / 64] |= std::uint64_t{1} << (near % 64);
+        }
+      }
+    }
+  }
+  return zone;
+}
+
+TEST(RuleAutomaton, MarksTheZoneAroundItsMatterByAProgramOfItsOwn) {
+  const std::vector<std::pair<const char*, CamAxes>> worlds{
+      {"life", {6, 5, 0}}, {"dla", {5, 5, 0}}, {"dla-3d", {5, 4, 4}}};
+  for (const auto& [rule, log2] : worlds) {
+    const auto sut = automaton(rule, log2, 17);
+    Bits matter((std::size_t{1} << (log2[0] + log2[1] + log2[2])) / 64);
+    for (int step = 0; step < 40; ++step) sut->step();
+    for (const int cells : {1, 2, 3, 4, 5, 9, 14, 31}) {
+      Bits sparse(matter.size());
+      sparse[sparse.size() / 2] = 0x8001;
+      sut->write(Bits(matter.size(), ~std::uint64_t{0}), sparse);
+      const AutomatonState before = sut->save();
+      Bits zone(matter.size(), 0x5555);
+      ASSERT_TRUE(sut->mark_zone(cells, zone));
+      EXPECT_EQ(zone, zone_of(sparse, log2, cells)) << rule << ", " << cells;
+      EXPECT_EQ(sut->save(), before) << "what is marked changes nothing";
+    }
+    sut->step();
+    sut->read(matter);
+    Bits zone(matter.size());
+    ASSERT_TRUE(sut->mark_zone(2, zone));
+    EXPECT_EQ(zone, zone_of(matter, log2, 2)) << rule;
+  }
+}
+
+// What a hand is told does not depend on who looked for it.
+TEST(RuleAutomaton, OutsideItsZoneNothingIsNear) {
+  for (const int axes : {2, 3}) {
+    config::WorldConfig said;
+    said.source = axes == 2 ? "life" : "crystal";
+    said.automaton = config::AutomatonConfig{};
+    said.automaton->axes = axes;
+    said.automaton->cells = 32;
+    said.automaton->fill_fraction = 0.02;
+    const auto world = make_live_world(said);
+    ASSERT_TRUE(world) << world.error().message;
+    world::cam::LiveWorld& sut = *(*world)->live();
+    const world::VoxelGrid& grid = *sut.felt_cells();
+    const double reach_m = 2.5 * grid.cell_m();
+    sut.mark_zone(world::zone_cells(reach_m, grid.cell_m()));
+    world::NearCellFinder finder;
+    std::mt19937 random(18);
+    int outside = 0;
+    for (int run = 0; run < 4000; ++run) {
+      if (run % 200 == 0) {
+        (void)sut.pump({});
+        (void)sut.pump({std::chrono::seconds(run)});
+      }
+      world::NearQuery query{.reach_m = reach_m, .is_plane = sut.is_plane()};
+      for (std::size_t axis = 0; axis < (sut.is_plane() ? 2U : 3U); ++axis) {
+        query.middle[axis] = static_cast<std::int32_t>(random() % 32);
+        query.ghost[axis] = grid.face_m(axis, query.middle[axis] + static_cast<int>(random() % 2));
+      }
+      query.hand = query.ghost;
+      if (sut.is_in_zone(query.middle)) continue;
+      ++outside;
+      EXPECT_TRUE(finder.find(grid, query).boxes.empty()) << run;
+    }
+    EXPECT_GT(outside, 300) << axes;
+  }
 }
 
 }  // namespace

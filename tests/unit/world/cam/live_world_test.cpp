@@ -40,6 +40,23 @@ class Drift final : public Automaton {
       matter_[i] = (matter_[i] & ~changed[i]) | (matter[i] & changed[i]);
     }
   }
+  [[nodiscard]] bool mark_zone(std::int32_t cells, std::span<std::uint64_t> zone) override {
+    ++marks;
+    if (!can_mark) return false;
+    const auto along_x = std::int64_t{1} << log2_cells_[0];
+    for (std::size_t cell = 0; cell < matter_.size() * 64; ++cell) {
+      bool is_near = false;
+      const auto x = static_cast<std::int64_t>(cell) % along_x;
+      for (std::int64_t by = -cells; by <= cells; ++by) {
+        if (x + by < 0 || x + by >= along_x) continue;
+        const auto other = static_cast<std::size_t>(static_cast<std::int64_t>(cell) + by);
+        is_near = is_near || (matter_[other / 64] >> (other % 64) & 1) != 0;
+      }
+      const std::uint64_t bit = std::uint64_t{1} << (cell % 64);
+      zone[cell / 64] = is_near ? zone[cell / 64] | bit : zone[cell / 64] & ~bit;
+    }
+    return true;
+  }
   [[nodiscard]] AutomatonState save() override {
     AutomatonState state{"drift", log2_cells_, steps_, {}};
     for (std::size_t cell = 0; cell < matter_.size() * 64; ++cell) {
@@ -58,6 +75,8 @@ class Drift final : public Automaton {
   }
 
   int writes{0};
+  int marks{0};
+  bool can_mark{true};
 
  private:
   CamAxes log2_cells_;
@@ -207,6 +226,45 @@ TEST(LiveWorld, RefusesWhatIsNoPaceRadiusOrWorkspace) {
   }
   EXPECT_FALSE(LiveWorld::create(
       {}, std::make_unique<Drift>(CamAxes{2, 2, 0}, std::vector<std::uint64_t>(1))));
+}
+
+// Matter in column 12 of 16, a zone of 2 cells; 13 and up lie near a wall of the world.
+TEST(LiveWorld, HasItsZoneMarkedByTheAutomatonAfterEachStep) {
+  Bench sut = column(true);
+  EXPECT_TRUE(sut.world->is_in_zone({5, 5, 0})) << "nobody has asked for one";
+  sut.world->mark_zone(2);
+  EXPECT_FALSE(sut.world->is_in_zone({9, 5, 0}));
+  EXPECT_TRUE(sut.world->is_in_zone({10, 5, 0}));
+  EXPECT_TRUE(sut.world->is_in_zone({1, 5, 0})) << "the world has walls";
+  EXPECT_FALSE(sut.world->is_in_zone({2, 5, 0}));
+  EXPECT_TRUE(sut.world->is_in_zone({5, 14, 0}));
+  (void)sut.world->pump({});
+  (void)sut.world->pump({milliseconds(100)});
+  EXPECT_FALSE(sut.world->is_in_zone({10, 5, 0})) << "the column has moved on";
+  EXPECT_TRUE(sut.world->is_in_zone({11, 5, 0}));
+  sut.world->mark_zone(1);
+  EXPECT_TRUE(sut.world->is_in_zone({11, 5, 0})) << "the largest that anybody wants";
+  EXPECT_EQ(sut.automaton->marks, 2);
+}
+
+TEST(LiveWorld, WhatIsEditedIsInTheZoneUntilItIsMarkedAgain) {
+  Bench sut = column(true);
+  sut.world->mark_zone(2);
+  ASSERT_FALSE(sut.world->is_in_zone({5, 5, 0}));
+  sut.world->editable()->set_cell({6, 5, 0}, true);
+  EXPECT_TRUE(sut.world->is_in_zone({5, 5, 0}));
+  EXPECT_TRUE(sut.world->is_in_zone({9, 9, 0})) << "whatever is not known to be far";
+  (void)sut.world->pump({});
+  (void)sut.world->pump({milliseconds(100)});
+  EXPECT_TRUE(sut.world->is_in_zone({5, 5, 0})) << "the cell moved on to 7";
+  EXPECT_FALSE(sut.world->is_in_zone({4, 5, 0}));
+}
+
+TEST(LiveWorld, WithoutMarksEverythingIsInTheZone) {
+  Bench sut = column(true);
+  sut.automaton->can_mark = false;
+  sut.world->mark_zone(2);
+  EXPECT_TRUE(sut.world->is_in_zone({5, 5, 0}));
 }
 
 }  // namespace
