@@ -5,9 +5,11 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "bench/comparison.hpp"
 #include "bench/reference_tick.hpp"
+#include "daemon/coupling/passivity_guard.hpp"
 #include "daemon/coupling/scheme.hpp"
 #include "daemon/world/near_cell_finder.hpp"
 #include "daemon/world/voxel_grid.hpp"
@@ -23,7 +25,7 @@ constexpr Duration kServo = std::chrono::milliseconds(1);
 // square, and a world that answers each step.
 class Pressed {
  public:
-  Pressed(coupling::Scheme scheme, bool is_corner) : arm_(coupling::make_arm_coupling(scheme, {})) {
+  Pressed(std::unique_ptr<coupling::ArmCoupling> arm, bool is_corner) : arm_(std::move(arm)) {
     set_.session = 1;
     set_.planes.push_back({.normal = {1, 0, 0}, .offset_m = 0.015});
     if (is_corner) {
@@ -76,8 +78,9 @@ double nanoseconds_a_step(const Step& step) {
   return std::chrono::duration<double, std::nano>(end - begin).count() / kSteps;
 }
 
-bool run(coupling::Scheme scheme, double goal_ns, bool is_corner = false) {
-  Pressed arm(scheme, is_corner);
+bool run(const std::string& name, std::unique_ptr<coupling::ArmCoupling> half, double goal_ns,
+         bool is_corner = false) {
+  Pressed arm(std::move(half), is_corner);
   ReferenceTick plain;
   bench::Slices ours;
   bench::Slices reference;
@@ -88,9 +91,8 @@ bool run(coupling::Scheme scheme, double goal_ns, bool is_corner = false) {
     std::fputs("bench_coupling_step: the arm does not press on its wall\n", stderr);
     return false;
   }
-  bench::print(
-      bench::compare("arm half, " + std::string(to_string(scheme)) + (is_corner ? ", corner" : ""),
-                     "ns", {bench::Goal::Of::Value, goal_ns}, ours, reference));
+  bench::print(bench::compare("arm half, " + name, "ns", {bench::Goal::Of::Value, goal_ns}, ours,
+                              reference));
   return true;
 }
 
@@ -99,7 +101,13 @@ bool run(coupling::Scheme scheme, double goal_ns, bool is_corner = false) {
 int main() {
   for (const coupling::Scheme scheme : coupling::kSchemes) {
     const double goal_ns = scheme == coupling::Scheme::GhostPoint ? 400 : 1000;
-    if (!run(scheme, goal_ns)) return 1;
+    if (!run(std::string(to_string(scheme)), coupling::make_arm_coupling(scheme, {}), goal_ns)) {
+      return 1;
+    }
   }
-  return run(coupling::Scheme::ConstraintPlane, 1000, true) ? 0 : 1;
+  auto guarded = std::make_unique<coupling::PassivityGuard>(
+      coupling::make_arm_coupling(coupling::Scheme::GhostPoint, {}), coupling::PassivitySettings{});
+  if (!run("ghost-point with passivity", std::move(guarded), 400)) return 1;
+  auto planes = coupling::make_arm_coupling(coupling::Scheme::ConstraintPlane, {});
+  return run("constraint-plane, corner", std::move(planes), 1000, true) ? 0 : 1;
 }

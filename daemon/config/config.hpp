@@ -108,6 +108,14 @@ enum class CouplingLateWalls : std::uint8_t { Offset, Recovery };
 // What a buffer zone names.
 enum class CouplingZone : std::uint8_t { Cells, Faces };
 
+// A guard around the scheme; nothing where it is off.
+struct PassivityConfig {
+  std::optional<double> bound_joule{};
+  std::optional<double> damping_newton_s_per_m{};
+  std::optional<double> least_m_per_s{};
+  bool operator==(const PassivityConfig&) const = default;
+};
+
 struct CouplingConfig {
   CouplingScheme scheme{CouplingScheme::GhostPoint};
   CouplingMode mode{CouplingMode::Streamed};
@@ -124,6 +132,7 @@ struct CouplingConfig {
   std::optional<double> recovery_s{};  // only with LateWalls Recovery
   std::optional<double> buffer_m{};
   CouplingZone zone{CouplingZone::Cells};
+  std::optional<PassivityConfig> passivity{};
   bool operator==(const CouplingConfig&) const = default;
 };
 

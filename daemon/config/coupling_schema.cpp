@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -121,6 +122,22 @@ void refuse_beside_late_walls(TableReader& reader, const CouplingConfig& said) {
   }
 }
 
+// A guard that can be put on any scheme.
+std::optional<PassivityConfig> read_passivity(TableReader& reader) {
+  bool is_on = false;
+  PassivityConfig out;
+  reader.read("passivity", is_on);
+  reader.read("passivity_bound_joule", {0, 1}, out.bound_joule);
+  reader.read("passivity_damping_newton_s_per_m", {0, 1000, true}, out.damping_newton_s_per_m);
+  reader.read("passivity_least_m_per_s", {0, 1}, out.least_m_per_s);
+  if (is_on) return out;
+  for (const char* key :
+       {"passivity_bound_joule", "passivity_damping_newton_s_per_m", "passivity_least_m_per_s"}) {
+    if (reader.has(key)) reader.reject(key, "expected only beside passivity = true");
+  }
+  return std::nullopt;
+}
+
 // What does; empty: a sample now and then will do.
 std::string_view follows_a_stream(Scheme scheme) {
   if (scheme == Scheme::SpringDamper || scheme == Scheme::Wave) return "slave";
@@ -158,6 +175,7 @@ CouplingConfig read_coupling(TableReader reader) {
   reader.read("relaxation_m_per_s", {0, 1}, out.relaxation_m_per_s);
   reader.read("freeze_after_s", kAge, out.freeze_after_s);
   reader.read("fade_after_s", kAge, out.fade_after_s);
+  out.passivity = read_passivity(reader);
   refuse_what_is_not_taken(reader, out.scheme);
   refuse_beside_late_walls(reader, out);
   if (const std::string_view what = follows_a_stream(out.scheme);

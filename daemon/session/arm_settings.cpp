@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "daemon/config/endpoint.hpp"
+#include "daemon/coupling/passivity_guard.hpp"
 
 namespace thimble::session {
 
@@ -98,6 +99,14 @@ coupling::ConstraintAgeSettings age_of(const config::CouplingConfig& said) {
   return age;
 }
 
+coupling::PassivitySettings passivity_settings(const config::PassivityConfig& said) {
+  coupling::PassivitySettings settings;
+  settings.bound_joule = said.bound_joule.value_or(settings.bound_joule);
+  settings.most = {said.damping_newton_s_per_m.value_or(settings.most.newton_s_per_m)};
+  settings.least_m_per_s = said.least_m_per_s.value_or(settings.least_m_per_s);
+  return settings;
+}
+
 }  // namespace
 
 coupling::Scheme scheme_of(const config::CouplingConfig& said) {
@@ -152,7 +161,11 @@ Result<std::unique_ptr<coupling::ArmCoupling>> make_coupling(
   settings.spring_damper.age = age;
   settings.wave.age = age;
   settings.buffer_zone.age = age;
-  return coupling::make_arm_coupling(scheme_of(said), settings);
+  std::unique_ptr<coupling::ArmCoupling> scheme =
+      coupling::make_arm_coupling(scheme_of(said), settings);
+  if (!said.passivity) return scheme;
+  return std::make_unique<coupling::PassivityGuard>(std::move(scheme),
+                                                    passivity_settings(*said.passivity));
 }
 
 Result<link::Endpoint> endpoint(const config::UdpEndpoint& said) {

@@ -118,6 +118,39 @@ TEST(ConfigCoupling, LateWallsTakeTheTimeOfTheirKind) {
   EXPECT_EQ(mistakes(hello_with_arm(scheme + recovery + "coupling.recovery_s = 0\n")).size(), 1U);
 }
 
+TEST(ConfigCoupling, AnySchemeIsGuardedByOneLine) {
+  for (const char* scheme : {"ghost-point", "thesis-literal", "remote-force", "spring-damper",
+                             "wave", "constraint-plane", "buffer-zone"}) {
+    const std::string lines =
+        std::string("coupling.scheme = \"") + scheme + "\"\ncoupling.passivity = true\n";
+    const auto sut = parse_text(hello_with_arm(lines));
+    ASSERT_TRUE(sut) << scheme;
+    EXPECT_EQ(sut->arms[0].coupling.passivity, PassivityConfig{});
+  }
+  EXPECT_FALSE(
+      parse_text(hello_with_arm("coupling.passivity = false\n"))->arms[0].coupling.passivity);
+}
+
+TEST(ConfigCoupling, TheGuardsNumbersAreTakenBesideItOnly) {
+  const std::vector<std::string> keys{"passivity_bound_joule = 0.01",
+                                      "passivity_damping_newton_s_per_m = 3",
+                                      "passivity_least_m_per_s = 0.02"};
+  std::string all = "coupling.passivity = true\n";
+  for (const std::string& key : keys) {
+    EXPECT_THAT(mistakes(hello_with_arm("coupling." + key + "\n")),
+                ElementsAre(AllOf(HasSubstr("arm.0.coupling." + key.substr(0, key.find(' '))),
+                                  HasSubstr("expected only beside passivity = true"))));
+    all += "coupling." + key + "\n";
+  }
+  const auto sut = parse_text(hello_with_arm(all));
+  ASSERT_TRUE(sut);
+  EXPECT_EQ(sut->arms[0].coupling.passivity, (PassivityConfig{0.01, 3, 0.02}));
+  EXPECT_EQ(mistakes(hello_with_arm("coupling.passivity = true\n"
+                                    "coupling.passivity_damping_newton_s_per_m = 0\n"))
+                .size(),
+            1U);
+}
+
 TEST(ConfigCoupling, NumbersOfAFarEndStayBelowItsCeilings) {
   for (const char* lines :
        {"coupling.scheme = \"remote-force\"\ncoupling.stiffness_newton_per_m = 3001\n",

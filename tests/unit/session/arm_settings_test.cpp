@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <typeinfo>
+
+#include "daemon/coupling/passivity_guard.hpp"
+
 namespace thimble::session {
 namespace {
 
@@ -54,6 +58,26 @@ TEST(MakeCoupling, LeavesWhatAPersonConfigured) {
   const auto sut = make_coupling(arm, 0, arm_of(500));
   ASSERT_TRUE(sut);
   EXPECT_NEAR(wall_newton(**sut, -1), 1500 * kDepth_m, 1e-9);
+}
+
+TEST(MakeCoupling, PutsAGuardAroundAnySchemeThatIsToHaveOne) {
+  for (const auto scheme :
+       {config::CouplingScheme::GhostPoint, config::CouplingScheme::ThesisLiteral,
+        config::CouplingScheme::RemoteForce, config::CouplingScheme::SpringDamper,
+        config::CouplingScheme::Wave, config::CouplingScheme::ConstraintPlane,
+        config::CouplingScheme::BufferZone}) {
+    config::ArmConfig arm;
+    arm.coupling.scheme = scheme;
+    const auto bare = make_coupling(arm, 0, arm_of(500));
+    arm.coupling.passivity.emplace();
+    const auto guarded = make_coupling(arm, 0, arm_of(500));
+    ASSERT_TRUE(bare && guarded);
+    EXPECT_EQ(dynamic_cast<coupling::PassivityGuard*>(bare->get()), nullptr);
+    const auto* guard = dynamic_cast<coupling::PassivityGuard*>(guarded->get());
+    ASSERT_NE(guard, nullptr);
+    const coupling::ArmCoupling& inside = guard->inside();
+    EXPECT_EQ(typeid(inside), typeid(**bare));
+  }
 }
 
 }  // namespace

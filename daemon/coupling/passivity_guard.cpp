@@ -1,0 +1,57 @@
+#include "daemon/coupling/passivity_guard.hpp"
+
+#include <algorithm>
+
+#include "daemon/world/push_out.hpp"
+
+namespace thimble::coupling {
+namespace {
+
+// Of products along the axes, in order of size: permuted axes give the same bits.
+template <class A, class B>
+double symmetric_dot(A a, B b) noexcept {
+  return world::symmetric_sum(a.x * b.x, a.y * b.y, a.z * b.z);
+}
+
+}  // namespace
+
+void PassivityGuard::reset(MonotonicTime now, Position3 tip) noexcept {
+  inside_->reset(now, tip);
+  given_joule_ = 0;
+  shown_ = {};
+}
+
+ArmOutput PassivityGuard::step(const ArmInput& input) noexcept {
+  ArmOutput output = inside_->step(input);
+  if (!is_finite(input.tip) || !is_finite(input.tip_velocity) || !is_finite(output.force)) {
+    shown_ = {};
+    return output;
+  }
+  const Displacement3 moved = input.tip - last_tip_;
+  if (shown_ != Force3{}) {
+    given_joule_ = std::max(given_joule_ + symmetric_dot(shown_, moved), -settings_.credit_joule);
+  }
+  last_tip_ = input.tip;
+
+  const double damping = damping_newton_s_per_m(output.force, input);
+  if (damping > 0) {
+    ++steps_damped_;
+    if (damping >= settings_.most.newton_s_per_m) ++steps_at_most_;
+    output.force -= Damping{damping} * input.tip_velocity;
+  }
+  shown_ = output.force;
+  return output;
+}
+
+double PassivityGuard::damping_newton_s_per_m(Force3 force, const ArmInput& input) const noexcept {
+  const double dt_s = seconds(input.dt);
+  const Velocity3 velocity = input.tip_velocity;
+  const double excess_joule =
+      given_joule_ + symmetric_dot(force, velocity) * dt_s - settings_.bound_joule;
+  const double speed2 = symmetric_dot(velocity, velocity);  // m²/s²
+  const bool can_tell = speed2 >= settings_.least_m_per_s * settings_.least_m_per_s && speed2 > 0;
+  if (!(excess_joule > 0) || !can_tell || !(dt_s > 0)) return 0;
+  return std::min(settings_.most.newton_s_per_m, excess_joule / (speed2 * dt_s));
+}
+
+}  // namespace thimble::coupling
