@@ -27,8 +27,8 @@ struct WatchOptions {
 // the exit code.
 int run_status(const std::string& socket_path, bool is_json);
 int run_watch(const std::string& socket_path, const WatchOptions& options);
-// `verb` is "activate", "deactivate" or "clear-fault"; an empty arm means the only one. `body` is
-// what the request says besides (docs/api.md).
+// `verb` is "activate", "deactivate", "clear-fault" or "impedance"; an empty arm means the only
+// one. `body` is what the request says besides (docs/api.md).
 int run_command(const std::string& socket_path, const std::string& verb, const std::string& arm,
                 const std::string& body = {});
 // An empty world means the only one.

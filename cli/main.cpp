@@ -21,6 +21,7 @@
 #include "cli/numbers.hpp"
 #include "cli/picture/snapshot.hpp"
 #include "cli/text.hpp"
+#include "daemon/api/commands.hpp"
 #include "daemon/config/name.hpp"
 #include "daemon/config/paths.hpp"
 #include "hal/linux/monotonic_clock.hpp"
@@ -44,6 +45,7 @@ struct Arguments {
   std::string socket_path;
   std::string arm;
   std::optional<std::uint32_t> fault;
+  double impedance_newton_s_per_m{0};
   std::string file;
   std::string root{"/"};
   double before_s{thimble::flight::kDefaultBefore_s};
@@ -222,6 +224,26 @@ CLI::App* add_arm_command(CLI::App& app, const char* verb, const char* what, Arg
   return command;
 }
 
+void add_impedance_command(CLI::App& app, Arguments& arguments, int& code) {
+  CLI::App* command = app.add_subcommand(
+      "impedance",
+      "Tune an arm of the scheme \"wave\" while it runs: light and soft to heavy and hard");
+  command
+      ->add_option("NEWTON_S_PER_M", arguments.impedance_newton_s_per_m,
+                   "Wave impedance, in N s/m: 2 is a pencil, 40 a heavy drill")
+      ->required()
+      ->check(refuse_not_finite)
+      ->check(CLI::Range(thimble::api::kLeastImpedance_newton_s_per_m,
+                         thimble::api::kMostImpedance_newton_s_per_m));
+  command->add_option("ARM", arguments.arm, "Name of the arm; not needed when there is one")
+      ->check(refuse_no_name);
+  command->callback([&] {
+    code = run_command(
+        arguments.socket_path, "impedance", arguments.arm,
+        "{\"newton_s_per_m\":" + std::to_string(arguments.impedance_newton_s_per_m) + "}");
+  });
+}
+
 void add_calibrate_command(CLI::App& app, Arguments& arguments, int& code) {
   CLI::App* command = app.add_subcommand(
       "calibrate-force", "Measure with a kitchen scale what a count of an arm is in newtons");
@@ -327,6 +349,7 @@ int run(int argc, char** argv) {
       ->add_option("--fault", arguments.fault,
                    "Only this one, as the status numbers it; default: the one latched now")
       ->check(refuse_no_fault);
+  add_impedance_command(app, arguments, code);
   add_calibrate_command(app, arguments, code);
   add_world_command(app, arguments, code);
   thimble::picture::add_snapshot_command(app, arguments.socket_path, code);

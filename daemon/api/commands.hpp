@@ -30,6 +30,10 @@ using Answer = std::function<void(const Result<Done>&)>;
 // Ours: enough for a scale to show even where the arm is a seventh as strong as it thinks.
 inline constexpr double kMostSteady_newton = 8;
 
+// Of a wave impedance, N·s/m: what a wave channel takes (coupling/wave_channel.hpp).
+inline constexpr double kLeastImpedance_newton_s_per_m = 0.1;
+inline constexpr double kMostImpedance_newton_s_per_m = 40;
+
 // A change of a world's cells, as docs/api.md has it. World frame: where an arm's hand plus its
 // coordinate offset is; the origin is the middle of the world, cell {0, 0, 0} its corner where x, y
 // and z are least.
@@ -84,6 +88,9 @@ class Commands {
   // for who holds the arm's lease; ends with it, with the client, and after a minute.
   virtual void steady_force(std::string_view arm, std::optional<double> up_newton, ClientId client,
                             Answer answer) = 0;
+  // Tunes how an arm of the scheme "wave" feels, within what is above: pencil to heavy drill. Needs
+  // no lease: it moves nothing. Stays until the arm leaves. Unsupported: another scheme.
+  virtual void set_impedance(std::string_view arm, double newton_s_per_m, Answer answer) = 0;
   // Needs no lease (0196). All of the edits or none, some 4 s of work at most (EditQueue). Answered
   // when the last of them is applied; a client that goes meanwhile takes them back as long as none
   // has begun.

@@ -24,11 +24,12 @@ struct Verb {
   ActionKind kind;
   PieceVerb piece_verb{};
 };
-constexpr std::array<Verb, 12> kVerbs{{
+constexpr std::array<Verb, 13> kVerbs{{
     {kArms, "activate", ActionKind::Activate},
     {kArms, "deactivate", ActionKind::Deactivate},
     {kArms, "clear-fault", ActionKind::ClearFault},
     {kArms, "steady-force", ActionKind::SteadyForce},
+    {kArms, "impedance", ActionKind::SetImpedance},
     {kWorlds, "edits", ActionKind::EditWorld},
     {kWorlds, "state", ActionKind::SaveWorld},
     {kWorlds, "cells", ActionKind::ReadCells},
@@ -80,18 +81,30 @@ tl::expected<std::optional<std::uint32_t>, RequestError> read_fault(
   return static_cast<std::uint32_t>(*number);
 }
 
+// The one member of the body, a number; nothing where it is not so.
+std::optional<double> read_only_number(const boost::json::value& document, std::string_view key) {
+  const boost::json::object* parameters = document.if_object();
+  const boost::json::value* said = parameters == nullptr ? nullptr : parameters->if_contains(key);
+  if (said == nullptr || parameters->size() != 1) return std::nullopt;
+  boost::system::error_code wrong;
+  const double number = said->to_number<double>(wrong);
+  if (wrong) return std::nullopt;
+  return number;
+}
+
 // How strong; nothing where it shall end.
 tl::expected<std::optional<double>, RequestError> read_steady(const boost::json::value& document) {
   const boost::json::object* parameters = document.if_object();
   if (parameters != nullptr && parameters->empty()) return std::nullopt;
-  const boost::json::value* said =
-      parameters == nullptr ? nullptr : parameters->if_contains("up_newton");
-  boost::system::error_code wrong;
-  const double up_newton = said == nullptr ? 0 : said->to_number<double>(wrong);
-  const bool is_good = said != nullptr && parameters->size() == 1 && !wrong &&
-                       std::abs(up_newton) <= kMostSteady_newton;
-  if (is_good) return up_newton;
+  const auto up_newton = read_only_number(document, "up_newton");
+  if (up_newton && std::abs(*up_newton) <= kMostSteady_newton) return up_newton;
   return malformed("this takes no body, or one such as {\"up_newton\": -2.5}, from -8 to 8");
+}
+
+tl::expected<double, RequestError> read_impedance(const boost::json::value& document) {
+  const auto b = read_only_number(document, "newton_s_per_m");
+  if (b && *b >= kLeastImpedance_newton_s_per_m && *b <= kMostImpedance_newton_s_per_m) return *b;
+  return malformed("this takes a body such as {\"newton_s_per_m\": 10}, from 0.1 to 40");
 }
 
 // `action` with what the body says to it.
@@ -113,6 +126,12 @@ tl::expected<Action, RequestError> read_parameters(Action action,
     const auto up_newton = read_steady(document);
     if (!up_newton) return tl::unexpected(up_newton.error());
     action.up_newton = *up_newton;
+    return action;
+  }
+  if (action.kind == ActionKind::SetImpedance) {
+    const auto b = read_impedance(document);
+    if (!b) return tl::unexpected(b.error());
+    action.newton_s_per_m = *b;
     return action;
   }
   // Nothing else takes parameters yet; refusing them now leaves their meaning free.
@@ -171,7 +190,7 @@ tl::expected<Action, RequestError> parse_request(std::string_view method, std::s
   if (!action) {
     return tl::unexpected(RequestError{404, "not-found",
                                        "there is only /v1/status, /v1/arms/NAME/activate, "
-                                       "deactivate, clear-fault and steady-force, and "
+                                       "deactivate, clear-fault, steady-force and impedance, and "
                                        "/v1/worlds/NAME/edits, state, cells, select, "
                                        "drop, delete, free and reset",
                                        ""});

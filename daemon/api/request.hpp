@@ -17,6 +17,7 @@ enum class ActionKind : std::uint8_t {
   Deactivate,
   ClearFault,
   SteadyForce,
+  SetImpedance,
   EditWorld,
   ActOnPieces,
   SaveWorld,
@@ -31,6 +32,7 @@ struct Action {
   std::vector<CellEdit> edits{};
   std::optional<std::uint32_t> fault{};  // ClearFault: its number, where one is named
   std::optional<double> up_newton{};     // SteadyForce: nothing ends it
+  double newton_s_per_m{0};              // SetImpedance
   PieceVerb piece_verb{};                // ActOnPieces
   std::string state{};                   // LoadWorld: the bytes of the file
   bool operator==(const Action&) const = default;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "daemon/coupling/wave_channel.hpp"
+
 namespace thimble::app {
 namespace {
 
@@ -123,6 +125,20 @@ void ArmCommands::steady_force(std::string_view arm, std::optional<double> up_ne
     steady_.push_back({*index, client, clock_.now() + kSteadyFor});
   } else {
     asked.steady_force().release();
+  }
+  answer(done(*index));
+}
+
+static_assert(api::kLeastImpedance_newton_s_per_m == coupling::kLeastImpedance_newton_s_per_m &&
+              api::kMostImpedance_newton_s_per_m == coupling::kMostImpedance_newton_s_per_m);
+
+void ArmCommands::set_impedance(std::string_view arm, double newton_s_per_m, api::Answer answer) {
+  const Result<std::size_t> index = leases_.find(arm);
+  if (!index) return answer(tl::unexpected(index.error()));
+  session::ArmSession& asked = session(*index);
+  if (!asked.set_impedance({newton_s_per_m})) {
+    return answer(fail(Errc::Unsupported,
+                       named(asked) + " has no impedance to tune: its scheme is not \"wave\""));
   }
   answer(done(*index));
 }

@@ -45,6 +45,8 @@ class ArmCoupling {
   // Forgets constraints, offset and contacts; the ghost restarts at the hand.
   THIMBLE_RT virtual void reset(MonotonicTime now, Position3 tip) noexcept = 0;
   THIMBLE_RT virtual ArmOutput step(const ArmInput& input) noexcept = 0;
+  // Tunes the wave impedance b while it runs, from one control thread. False: it has none.
+  virtual bool set_impedance(Damping /*b*/) noexcept { return false; }
 };
 
 }  // namespace thimble::coupling

@@ -59,6 +59,8 @@ class PassivityGuard final : public ArmCoupling {
   THIMBLE_RT void reset(MonotonicTime now, Position3 tip) noexcept override;
   THIMBLE_RT ArmOutput step(const ArmInput& input) noexcept override;
 
+  bool set_impedance(Damping b) noexcept override { return inside_->set_impedance(b); }
+
   // E: above 0, the hand has been given more than it gave.
   [[nodiscard]] double given_joule() const noexcept { return given_joule_; }
   // Since construction: steps in which damping was added, and those in which it was all there is.

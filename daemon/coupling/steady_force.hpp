@@ -37,6 +37,7 @@ class SteadyForce final : public ArmCoupling {
     if (is_held) out.force = {0, up_newton_.load(std::memory_order_relaxed), 0};
     return out;
   }
+  bool set_impedance(Damping b) noexcept override { return below_->set_impedance(b); }
 
  private:
   std::unique_ptr<ArmCoupling> below_;

@@ -35,9 +35,11 @@ void WaveArm::reset(MonotonicTime now, Position3 tip) noexcept {
   is_pressing_ = false;
 }
 
-void WaveArm::set_impedance(Damping b) noexcept {
-  if (!std::isfinite(b.newton_s_per_m)) return;
-  wanted_b_newton_s_per_m_.store(within_bounds(b.newton_s_per_m), std::memory_order_relaxed);
+bool WaveArm::set_impedance(Damping b) noexcept {
+  if (std::isfinite(b.newton_s_per_m)) {
+    wanted_b_newton_s_per_m_.store(within_bounds(b.newton_s_per_m), std::memory_order_relaxed);
+  }
+  return true;
 }
 
 ArmOutput WaveArm::step(const ArmInput& input) noexcept {

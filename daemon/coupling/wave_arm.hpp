@@ -48,7 +48,7 @@ class WaveArm final : public ArmCoupling {
   THIMBLE_RT ArmOutput step(const ArmInput& input) noexcept override;
 
   // kLeastImpedance to kMostImpedance; what is not finite is left alone.
-  void set_impedance(Damping b) noexcept;
+  bool set_impedance(Damping b) noexcept override;
   // As it is now; servo thread.
   [[nodiscard]] Damping impedance() const noexcept { return {b_newton_s_per_m_}; }
   [[nodiscard]] const FarEndPort& port() const noexcept { return port_; }

@@ -65,6 +65,8 @@ class ArmSession {
   [[nodiscard]] servo::ServoControls& controls() noexcept { return controls_; }
   // What the arm is made to wish instead of what its world says.
   [[nodiscard]] coupling::SteadyForce& steady_force() noexcept { return *coupling_; }
+  // Tunes the wave impedance of its scheme. False: it has none.
+  bool set_impedance(Damping b) noexcept { return coupling_->set_impedance(b); }
   [[nodiscard]] const config::ArmConfig& config() const noexcept { return arm_; }
   [[nodiscard]] const devices::ReplaceableDevice& device() const noexcept { return device_; }
   // The newest state; what was known before when the servo wrote all the while.

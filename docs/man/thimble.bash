@@ -6,7 +6,7 @@ _thimble_arms() {
 
 _thimble() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]}
-  local commands="status watch report doctor devices flight cam activate deactivate clear-fault calibrate-force world snapshot lab select drop delete free reset"
+  local commands="status watch report doctor devices flight cam activate deactivate clear-fault impedance calibrate-force world snapshot lab select drop delete free reset"
   local options="--help --socket" command= socket=() i
   for ((i = 1; i < COMP_CWORD; ++i)); do
     if [[ ${COMP_WORDS[i]} == --socket ]]; then

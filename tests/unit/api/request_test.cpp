@@ -25,6 +25,24 @@ TEST(ApiRequest, TakesASteadyForceWithinItsBounds) {
   }
 }
 
+TEST(ApiRequest, TakesAnImpedanceWithinItsBounds) {
+  const auto tuned = [](std::string_view body) {
+    return parse_request("POST", "/v1/arms/right/impedance", body);
+  };
+  EXPECT_EQ(tuned("{\"newton_s_per_m\":0.1}")->newton_s_per_m, 0.1);
+  EXPECT_EQ(tuned("{\"newton_s_per_m\":40}")->newton_s_per_m, 40);
+  EXPECT_EQ(tuned("{\"newton_s_per_m\":7}")->kind, ActionKind::SetImpedance);
+  for (const char* bad :
+       {"", "{}", "{\"newton_s_per_m\":0.09}", "{\"newton_s_per_m\":40.1}",
+        "{\"newton_s_per_m\":-1}", "{\"newton_s_per_m\":\"10\"}", "{\"newton_s_per_m\":null}",
+        "{\"newton_s_per_m\":1e999}", "{\"newton_s_per_m\":10,\"x\":1}", "[10]", "10"}) {
+    const auto refused = tuned(bad);
+    ASSERT_FALSE(refused) << bad;
+    EXPECT_EQ(refused.error().http_status, 400U) << bad;
+  }
+  EXPECT_EQ(parse_request("GET", "/v1/arms/right/impedance", "").error().http_status, 405U);
+}
+
 TEST(ApiRequest, KnowsItsFourActions) {
   EXPECT_EQ(parse_request("GET", "/v1/status", ""), (Action{ActionKind::Status, ""}));
   EXPECT_EQ(parse_request("POST", "/v1/arms/right/activate", ""),

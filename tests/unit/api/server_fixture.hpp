@@ -63,6 +63,11 @@ class FakeDaemon : public StatusView, public Commands {
     }
   }
   void steady_force(std::string_view, std::optional<double>, ClientId, Answer) override {}
+  void set_impedance(std::string_view arm, double newton_s_per_m, Answer answer) override {
+    log.push_back("impedance " + std::string(arm) + " " + std::to_string(newton_s_per_m));
+    if (arm != "right") return answer(fail(Errc::Unsupported, "it has no impedance to tune"));
+    answer(Done{"active", ""});
+  }
   void edit_world(std::string_view world, const std::vector<CellEdit>& edits, ClientId,
                   EditAnswer answer) override {
     log.push_back("edit " + std::string(world) + " " + std::to_string(edits.size()));

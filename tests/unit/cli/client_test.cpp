@@ -36,6 +36,9 @@ class FakeDaemon : public api::StatusView, public api::Commands {
                     api::Answer answer) override {
     answer(api::Done{"active", ""});
   }
+  void set_impedance(std::string_view, double, api::Answer answer) override {
+    answer(api::Done{"active", ""});
+  }
   void edit_world(std::string_view, const std::vector<api::CellEdit>&, api::ClientId,
                   api::EditAnswer) override {}
   void act_on_pieces(std::string_view, api::PieceVerb, api::ClientId, api::PieceAnswer) override {}

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <random>
 #include <string>
 
 #include "daemon/coupling/wave_arm.hpp"
@@ -203,6 +204,39 @@ TEST(Wave, NoWayGivesOutMoreEnergyThanWentInAndTheSlaveEndsWhereTheHandIs) {
     EXPECT_GT(hardest_newton, 0.5);
     for (int i = 0; i < 10'000; ++i) sut.loop.tick({0.003, -0.002, 0.001}, {});
     EXPECT_LT(norm(sut.world.slave().at() - Position3{0.003, -0.002, 0.001}), 0.0005) << seed;
+  }
+}
+
+// However b is turned, and whenever: no energy comes out of either end that did not go in.
+TEST(Wave, ImpedanceTunedAtAnyMomentGivesTheHandNoEnergy) {
+  std::mt19937_64 random(640);
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    Waves sut(of_impedance(10),
+              {.delay_s = 0.1 * static_cast<double>(random() % 3),
+               .jitter_s = seed % 2 == 0 ? 0.03 : 0,
+               .loss = seed % 3 == 0 ? 0.1 : 0,
+               .seed = seed},
+              seed % 4 == 0 ? kFar_m : kBox_m);
+    double t_s = 0;
+    double x_m = 0;
+    double given_joule = 0;
+    int tuned = 0;
+    for (int i = 0; i < 15'000; ++i, t_s += kServo_s) {
+      if (random() % 300 == 0) {
+        ++tuned;
+        sut.arm.set_impedance(
+            {std::exp(std::uniform_real_distribution<double>(-2.3, 3.7)(random))});
+      }
+      const double next_m = roam(t_s + kServo_s).x;
+      const ArmOutput out = sut.tick(x_m, (next_m - x_m) / kServo_s);
+      given_joule += out.force.x * (next_m - x_m);
+      x_m = next_m;
+      ASSERT_LE(given_joule, 0.0005) << seed << ", " << i;
+      ASSERT_LE(sut.world.incoming().taken().joule[0], sut.arm.sent().joule[0]) << i;
+      ASSERT_LE(sut.arm.incoming().taken().joule[0], sut.world.sent().joule[0]) << i;
+    }
+    EXPECT_GT(tuned, 20);
+    EXPECT_LT(given_joule, -0.01) << "it takes some";
   }
 }
 
