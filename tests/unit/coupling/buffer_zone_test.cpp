@@ -52,9 +52,9 @@ Position3 middle_of(const VoxelGrid& grid, Cell cell) {
 }
 
 // A hand that goes to places drawn at random, and gives way where it is held back far.
-class Wanderer {
+class ZoneHand {
  public:
-  Wanderer(std::uint64_t seed, Position3 at, double most_m_per_s)
+  ZoneHand(std::uint64_t seed, Position3 at, double most_m_per_s)
       : random_(seed), at_(at), goal_(at), most_m_per_s_(most_m_per_s) {}
 
   void move(Position3 ghost, Duration dt) {
@@ -108,7 +108,7 @@ Compared compare(const ZoneCourse& course, std::uint64_t seed) {
   Zoned sut(course.grid, {.buffer_m = course.buffer_m, .names = course.names}, dt, course.link);
   const Position3 start = middle_of(course.grid, course.start);
   Undelayed undelayed(course.grid, start, course.start);
-  Wanderer hand(seed, start, course.most_m_per_s);
+  ZoneHand hand(seed, start, course.most_m_per_s);
   sut.rest(start, 2 * course.delay_s + 0.3);
   Compared out;
   for (double t = 0; t < 3; t += seconds(dt)) {
@@ -217,7 +217,7 @@ TEST(BufferZone, MirroredAndPermutedWorldsGiveMirroredAndPermutedForces) {
       }
       Zoned sut(turned, {.buffer_m = 0.025, .names = names}, kTick, delayed_by(0.08));
       sut.rest({}, 0.4);
-      Wanderer hand(static_cast<std::uint64_t>(run), {}, 0.4);
+      ZoneHand hand(static_cast<std::uint64_t>(run), {}, 0.4);
       Undelayed person(grid, {}, {3, 3, 3});
       std::vector<std::array<double, 3>> rows;
       for (int i = 0; i < 2000; ++i) {

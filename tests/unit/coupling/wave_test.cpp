@@ -217,6 +217,7 @@ TEST(Wave, ImpedanceTunedAtAnyMomentGivesTheHandNoEnergy) {
                .loss = seed % 3 == 0 ? 0.1 : 0,
                .seed = seed},
               seed % 4 == 0 ? kFar_m : kBox_m);
+    for (int i = 0; i < 800; ++i) sut.tick(0, 0);  // until the force has risen
     double t_s = 0;
     double x_m = 0;
     double given_joule = 0;
@@ -231,12 +232,12 @@ TEST(Wave, ImpedanceTunedAtAnyMomentGivesTheHandNoEnergy) {
       const ArmOutput out = sut.tick(x_m, (next_m - x_m) / kServo_s);
       given_joule += out.force.x * (next_m - x_m);
       x_m = next_m;
-      ASSERT_LE(given_joule, 0.0005) << seed << ", " << i;
+      ASSERT_LE(given_joule, 0) << seed << ", " << i;
       ASSERT_LE(sut.world.incoming().taken().joule[0], sut.arm.sent().joule[0]) << i;
       ASSERT_LE(sut.arm.incoming().taken().joule[0], sut.world.sent().joule[0]) << i;
     }
     EXPECT_GT(tuned, 20);
-    EXPECT_LT(given_joule, -0.01) << "it takes some";
+    EXPECT_LT(given_joule, -0.0002) << "it takes some";
   }
 }
 
