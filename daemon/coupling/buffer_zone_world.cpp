@@ -24,14 +24,10 @@ Result<void> BufferZoneWorld::open(const HandSample& first) {
 }
 
 ConstraintSet BufferZoneWorld::answer(const HandSample& sample, Duration dt) noexcept {
-  if (!probe_.is_open() || !is_finite(sample.hand)) return last_;
-  if (sample.sequence <= last_.answers) return last_;
-  probe_.press(sample.buttons);
-  const world::ProbeMotion motion = probe_.move(sample.hand, dt);
-  if (motion.is_silent) return last_;
-  tell(motion, sample, last_);
-  last_.ghost = motion.ghost;
-  last_.has_ghost = true;
+  if (!probe_.is_open() || sample.sequence <= last_.answers) return last_;
+  const auto moved = follow_and_tell(probe_, sample, dt, last_);
+  if (!moved) return last_;
+  const world::ProbeMotion& motion = *moved;
   last_.has_near = false;
   last_.is_astray = false;
   if (motion.is_embedded) return last_;

@@ -15,13 +15,7 @@ Result<void> GhostPointWorld::open(const HandSample& first) {
 }
 
 ConstraintSet GhostPointWorld::answer(const HandSample& sample, Duration dt) noexcept {
-  if (!probe_.is_open() || !is_finite(sample.hand)) return last_;
-  probe_.press(sample.buttons);
-  const world::ProbeMotion motion = probe_.move(sample.hand, dt);
-  if (motion.is_silent) return last_;
-  tell(motion, sample, last_);
-  last_.ghost = motion.ghost;
-  last_.has_ghost = true;
+  if (probe_.is_open()) (void)follow_and_tell(probe_, sample, dt, last_);
   return last_;
 }
 

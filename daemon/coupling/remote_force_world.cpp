@@ -13,14 +13,9 @@ Result<void> RemoteForceWorld::open(const HandSample& first) {
 }
 
 ConstraintSet RemoteForceWorld::answer(const HandSample& sample, Duration dt) noexcept {
-  if (!probe_.is_open() || !is_finite(sample.hand) || !is_finite(sample.velocity)) return last_;
+  if (!probe_.is_open() || !is_finite(sample.velocity)) return last_;
   if (sample.sequence <= last_.answers) return last_;
-  probe_.press(sample.buttons);
-  const world::ProbeMotion motion = probe_.move(sample.hand, dt);
-  if (motion.is_silent) return last_;
-  tell(motion, sample, last_);
-  last_.ghost = motion.ghost;
-  last_.has_ghost = true;
+  if (!follow_and_tell(probe_, sample, dt, last_)) return last_;
   last_.has_far = true;
   last_.far.slave = sample.hand;
   last_.far.velocity = sample.velocity;

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <optional>
+
 #include "daemon/coupling/messages.hpp"
+#include "daemon/coupling/probe_in_world.hpp"
 #include "daemon/world/world.hpp"
 
 namespace thimble::coupling {
@@ -29,6 +32,23 @@ inline void tell(const world::ProbeMotion& motion, const HandSample& sample,
   set.sampled_at = sample.sampled_at;
   set.planes = planes_of(motion);
   set.is_embedded = motion.is_embedded;
+}
+
+// Moves a probe that is open after the hand of `sample`, tells the world its buttons, and makes
+// `set` the next reply, ghost included. Nothing, and `set` as it was: the hand is nowhere, or the
+// world cannot say; to the arm it then looks silent.
+// Thread: the world's thread. Errors: none.
+inline std::optional<world::ProbeMotion> follow_and_tell(ProbeInWorld& probe,
+                                                         const HandSample& sample, Duration dt,
+                                                         ConstraintSet& set) noexcept {
+  if (!is_finite(sample.hand)) return std::nullopt;
+  probe.press(sample.buttons);
+  const world::ProbeMotion motion = probe.move(sample.hand, dt);
+  if (motion.is_silent) return std::nullopt;
+  tell(motion, sample, set);
+  set.ghost = motion.ghost;
+  set.has_ghost = true;
+  return motion;
 }
 
 }  // namespace thimble::coupling
