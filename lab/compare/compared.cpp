@@ -27,6 +27,8 @@ std::vector<CouplingCase> compared_schemes() {
       {.name = "ghost-point, lock-step",
        .scheme = Scheme::GhostPoint,
        .mode = link::SendMode::LockStep},
+      {.name = "constraint-plane", .scheme = Scheme::ConstraintPlane},
+      {.name = "buffer-zone", .scheme = Scheme::BufferZone},
   };
 }
 
