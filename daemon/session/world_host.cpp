@@ -23,9 +23,8 @@ class WorldHost::Listener {
   [[nodiscard]] Result<void> open(const config::WorldConfig& said, const RigParts& parts) {
     Result<link::UdpWorldServer::Settings> settings = server_settings(said);
     if (!settings) return tl::unexpected(settings.error());
-    Result<std::unique_ptr<link::UdpWorldServer>> server =
-        link::UdpWorldServer::open(*parts.io, *parts.real_clock, *settings,
-                                   {.of_1999 = world_half_.get()});
+    Result<std::unique_ptr<link::UdpWorldServer>> server = link::UdpWorldServer::open(
+        *parts.io, *parts.real_clock, *settings, {.of_1999 = world_half_.get()});
     if (!server) return tl::unexpected(server.error());
     server_ = *std::move(server);
     return {};
