@@ -200,4 +200,8 @@ Slide slide_ghost(const NearCells& near, GhostPoint from, Position3 target) noex
   return slide_through(near, from, target);
 }
 
+Slide slide_ghost(const OccupancyMirror& mirror, GhostPoint from, Position3 target) noexcept {
+  return slide_through(mirror, from, target);
+}
+
 }  // namespace thimble::world

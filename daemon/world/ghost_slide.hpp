@@ -5,6 +5,7 @@
 
 #include "daemon/world/cell.hpp"
 #include "daemon/world/near_cells.hpp"
+#include "daemon/world/occupancy_mirror.hpp"
 #include "daemon/world/voxel_grid.hpp"
 #include "hal/base/geometry.hpp"
 #include "hal/rt/annotations.hpp"
@@ -39,6 +40,8 @@ struct Slide {
                                            Position3 target) noexcept;
 // The same through what is known of a grid: as long as the cells that are met are, bit for bit.
 [[nodiscard]] THIMBLE_RT Slide slide_ghost(const NearCells& near, GhostPoint from,
+                                           Position3 target) noexcept;
+[[nodiscard]] THIMBLE_RT Slide slide_ghost(const OccupancyMirror& mirror, GhostPoint from,
                                            Position3 target) noexcept;
 
 }  // namespace thimble::world

@@ -1,0 +1,192 @@
+#include "daemon/world/occupancy_teller.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace thimble::world {
+namespace {
+
+// Ours: 2 s at 1 kHz, half a second at 4 kHz: no answer is under way longer.
+constexpr std::size_t kAnswers = 2048;
+constexpr std::size_t kFarLooks = 8;
+constexpr int kWindow = static_cast<int>(kWindowEdge_blocks);
+
+struct Offset {
+  std::array<std::int8_t, 3> by{};
+  int squared{0};
+};
+using Offsets = std::array<Offset, kMirrorSlots>;
+
+// A window of 8 blocks an edge about a block, the nearest first.
+const Offsets& nearest_first() {
+  static const Offsets kOffsets = [] {
+    Offsets offsets;
+    std::size_t n = 0;
+    for (int z = -kWindow / 2; z < kWindow / 2; ++z) {
+      for (int y = -kWindow / 2; y < kWindow / 2; ++y) {
+        for (int x = -kWindow / 2; x < kWindow / 2; ++x) {
+          offsets[n++] = {{static_cast<std::int8_t>(x), static_cast<std::int8_t>(y),
+                           static_cast<std::int8_t>(z)},
+                          x * x + y * y + z * z};
+        }
+      }
+    }
+    std::stable_sort(offsets.begin(), offsets.end(),
+                     [](const Offset& a, const Offset& b) { return a.squared < b.squared; });
+    return offsets;
+  }();
+  return kOffsets;
+}
+
+bool is_near(const Offset& offset) {
+  return std::all_of(offset.by.begin(), offset.by.end(), [](int by) { return std::abs(by) <= 1; });
+}
+
+// The first block of the window along an axis with as many: about the middle, and within the world.
+int window_begin(int middle, int blocks) {
+  return std::clamp(middle - kWindow / 2, 0, std::max(0, blocks - kWindow));
+}
+
+// Eight cells of a row, one bit each from `from` up; those beyond the grid are occupied.
+std::uint64_t row_of(const VoxelGrid& grid, Cell from) noexcept {
+  constexpr std::uint64_t kAll = 0xFF;
+  if (!grid.is_inside(from)) return kAll;
+  const std::size_t inside = std::min(grid.cells()[0] - static_cast<std::size_t>(from.x),
+                                      static_cast<std::size_t>(kBlockEdge_cells));
+  return grid.bits_in_row(from, inside) | (kAll << inside & kAll);
+}
+
+std::uint64_t slice_of(const VoxelGrid& grid, const std::array<std::int16_t, 3>& at,
+                       std::int32_t z) noexcept {
+  std::uint64_t slice = 0;
+  for (std::int32_t y = 0; y < kBlockEdge_cells; ++y) {
+    const std::uint64_t row = row_of(grid, {at[0] * kBlockEdge_cells, at[1] * kBlockEdge_cells + y,
+                                            at[2] * kBlockEdge_cells + z});
+    slice |= row << static_cast<unsigned>(kBlockEdge_cells * y);
+  }
+  return slice;
+}
+
+// Calls `visit` with the blocks of the window about `middle`, the nearest first, until it says
+// false.
+void visit_window(const VoxelGrid& grid, const std::array<std::int16_t, 3>& middle,
+                  const auto& visit) {
+  std::array<int, 3> begin{};
+  std::array<int, 3> end{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto cells = static_cast<int>(grid.cells()[axis]);
+    const int blocks = (cells + kBlockEdge_cells - 1) / kBlockEdge_cells;
+    begin[axis] = window_begin(middle[axis], blocks);
+    end[axis] = std::min(begin[axis] + kWindow, blocks);
+  }
+  for (const Offset& offset : nearest_first()) {
+    std::array<std::int16_t, 3> at{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      // Beyond one side of the window there is as much on the other.
+      int place = middle[axis] + offset.by[axis];
+      if (place < begin[axis]) place += kWindow;
+      if (place >= begin[axis] + kWindow) place -= kWindow;
+      at[axis] = static_cast<std::int16_t>(place);
+    }
+    const bool is_there = at[0] < end[0] && at[1] < end[1] && at[2] < end[2];
+    if (is_there && !visit(at, offset)) return;
+  }
+}
+
+}  // namespace
+
+void OccupancyTeller::reset() {
+  slots_.assign(kMirrorSlots, Slot{});
+  answers_.assign(kAnswers, Answer{});
+  told_ = 0;
+  versions_ = 0;
+  turn_ = 0;
+}
+
+void OccupancyTeller::acknowledge(std::uint64_t newest, std::uint64_t before) noexcept {
+  if (newest == 0 || newest > told_) return;
+  apply(newest);
+  for (std::uint64_t i = 0; i < 64 && i + 1 < newest; ++i) {
+    if (((before >> i) & 1U) != 0) apply(newest - 1 - i);
+  }
+}
+
+void OccupancyTeller::apply(std::uint64_t number) noexcept {
+  const Answer& answer = answers_[number % kAnswers];
+  if (answer.number != number) return;
+  for (std::size_t i = 0; i < answer.count; ++i) {
+    Slot& slot = slots_[answer.slots[i]];
+    slot.known_version = std::max(slot.known_version, answer.versions[i]);
+  }
+}
+
+void OccupancyTeller::look_at(const VoxelGrid& grid,
+                              const std::array<std::int16_t, 3>& at) noexcept {
+  Slot& slot = slots_[slot_of(at)];
+  std::array<std::uint64_t, kBlockSlices> slices{};
+  for (std::int32_t z = 0; z < kBlockEdge_cells; ++z) {
+    slices[static_cast<std::size_t>(z)] = slice_of(grid, at, z);
+  }
+  if (slot.block.version > 0 && slot.block.at == at && slot.block.slices == slices) return;
+  slot.block = {at, ++versions_, slices};
+  slot.told_in = 0;
+}
+
+void OccupancyTeller::look_around(const VoxelGrid& grid,
+                                  const std::array<std::int16_t, 3>& middle) noexcept {
+  std::size_t place = 0;
+  const std::size_t first = turn_;
+  turn_ = (turn_ + kFarLooks) % kMirrorSlots;
+  visit_window(grid, middle, [&](const std::array<std::int16_t, 3>& at, const Offset& offset) {
+    const bool is_turn = (place + kMirrorSlots - first) % kMirrorSlots < kFarLooks;
+    ++place;
+    if (is_turn || is_near(offset)) look_at(grid, at);
+    return true;
+  });
+}
+
+ToldBlocks OccupancyTeller::tell(const VoxelGrid& grid, Cell ghost, std::uint64_t number) noexcept {
+  const std::array<std::int16_t, 3> middle = block_of(ghost);
+  look_around(grid, middle);
+  told_ = number;
+  Answer& answer = answers_[number % kAnswers];
+  answer = {.number = number};
+  ToldBlocks told;
+  for (const std::uint16_t which : choose(grid, middle)) {
+    Slot& slot = slots_[which];
+    slot.told_in = number;
+    answer.slots[answer.count] = which;
+    answer.versions[answer.count++] = slot.block.version;
+    told.push_back(slot.block);
+  }
+  return told;
+}
+
+OccupancyTeller::Chosen OccupancyTeller::choose(
+    const VoxelGrid& grid, const std::array<std::int16_t, 3>& middle) const noexcept {
+  Chosen chosen;
+  visit_window(grid, middle, [&](const std::array<std::int16_t, 3>& at, const Offset&) {
+    const auto which = static_cast<std::uint16_t>(slot_of(at));
+    const Slot& slot = slots_[which];
+    const bool is_mine = slot.block.version > 0 && slot.block.at == at;
+    if (!is_mine || slot.known_version == slot.block.version) return true;
+    // Of those told equally long ago the nearer, which was met first, stays before.
+    std::size_t place = chosen.size();
+    while (place > 0 && slots_[chosen[place - 1]].told_in > slot.told_in) --place;
+    if (place == kMostBlocksTold) return true;
+    if (chosen.size() < kMostBlocksTold) chosen.push_back(which);
+    for (std::size_t i = chosen.size() - 1; i > place; --i) chosen[i] = chosen[i - 1];
+    chosen[place] = which;
+    // No other comes before four that were never told.
+    return chosen.size() < kMostBlocksTold || slots_[chosen[kMostBlocksTold - 1]].told_in > 0;
+  });
+  return chosen;
+}
+
+std::size_t OccupancyTeller::open_blocks() const noexcept {
+  return static_cast<std::size_t>(std::count_if(slots_.begin(), slots_.end(), [](const Slot& slot) {
+    return slot.block.version != slot.known_version;
+  }));
+}
+
+}  // namespace thimble::world

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "daemon/world/cell.hpp"
+#include "daemon/world/occupancy_block.hpp"
+#include "daemon/world/voxel_grid.hpp"
+#include "hal/rt/static_vector.hpp"
+
+namespace thimble::world {
+
+// Tells one peer, answer by answer, of the blocks of a grid that he does not know yet, or not as
+// they are now: those never told first, the nearest of them before the others, then those that were
+// told the longest ago. What a peer has is what he says that he applied; until then he is told
+// again, so that what was lost or overtaken is missed for the shortest time.
+//
+// Changes are found by looking: at the blocks around the ghost in each answer, at a few of the
+// others in turn.
+//
+// Thread: the world's. Not RT: neither blocks nor, after reset(), allocates; a look at 35 blocks an
+// answer. Ownership: none; the grid is given to each call.
+// Errors: none; answers that were never given are not acknowledged.
+class OccupancyTeller {
+ public:
+  // A new session: the peer knows nothing. Allocates once.
+  void reset();
+  // He has applied answer `newest`, and of those before it `newest − 1 − i` where bit i of `before`
+  // is set.
+  void acknowledge(std::uint64_t newest, std::uint64_t before) noexcept;
+  // What goes with answer `number`, which is above all before; the ghost is in `ghost`.
+  [[nodiscard]] ToldBlocks tell(const VoxelGrid& grid, Cell ghost, std::uint64_t number) noexcept;
+
+  // Blocks of the window that the peer is not known to have.
+  [[nodiscard]] std::size_t open_blocks() const noexcept;
+
+ private:
+  struct Slot {
+    OccupancyBlock block{};          // as it is now; version 0: not in the window yet
+    std::uint32_t known_version{0};  // what the peer has
+    std::uint64_t told_in{0};        // the newest answer that has it as it is now; 0: none
+  };
+  struct Answer {
+    std::uint64_t number{0};
+    std::array<std::uint16_t, kMostBlocksTold> slots{};
+    std::array<std::uint32_t, kMostBlocksTold> versions{};
+    std::size_t count{0};
+  };
+  using Chosen = rt::StaticVector<std::uint16_t, kMostBlocksTold>;
+  void look_at(const VoxelGrid& grid, const std::array<std::int16_t, 3>& at) noexcept;
+  void look_around(const VoxelGrid& grid, const std::array<std::int16_t, 3>& middle) noexcept;
+  void apply(std::uint64_t number) noexcept;
+  [[nodiscard]] Chosen choose(const VoxelGrid& grid,
+                              const std::array<std::int16_t, 3>& middle) const noexcept;
+
+  std::vector<Slot> slots_{};
+  std::vector<Answer> answers_{};
+  std::uint64_t told_{0};  // the newest answer
+  std::uint32_t versions_{0};
+  std::size_t turn_{0};  // of the looks at blocks far away
+};
+
+}  // namespace thimble::world
