@@ -25,12 +25,15 @@ void GhostPointArm::reset(MonotonicTime now, Position3 tip) noexcept {
   has_set_ = false;
 }
 
-ArmOutput GhostPointArm::step(const ArmInput& input) noexcept {
+ArmOutput GhostPointArm::step(const ArmInput& input) noexcept { return step(input, input.fresh); }
+
+ArmOutput GhostPointArm::step(const ArmInput& input, const ConstraintSet* said) noexcept {
   ++sequence_;
   if (!is_finite(input.tip) || !is_finite(input.tip_velocity)) return refuse(input);
 
   age_.update(input);
-  if (input.fresh != nullptr) apply(*input.fresh, input);
+  // What is known here goes on being said while the world is silent, and is not felt any more.
+  if (said != nullptr && !age_.has_expired()) apply(*said, input);
   if (age_.has_expired()) contacts_.clear();
   if (!age_.is_frozen()) relax(input);
   last_hand_ = input.tip + frame_.offset();

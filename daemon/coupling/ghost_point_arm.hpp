@@ -57,6 +57,10 @@ class GhostPointArm final : public ArmCoupling {
 
   THIMBLE_RT void reset(MonotonicTime now, Position3 tip) noexcept override;
   THIMBLE_RT ArmOutput step(const ArmInput& input) noexcept override;
+  // The same with planes that are known here: `said`, or none, instead of those of input.fresh,
+  // which still tells that the world is alive.
+  THIMBLE_RT ArmOutput step(const ArmInput& input, const ConstraintSet* said) noexcept;
+  [[nodiscard]] Displacement3 offset() const noexcept { return frame_.offset(); }
 
   [[nodiscard]] const GhostPointCounters& counters() const noexcept { return counters_; }
 

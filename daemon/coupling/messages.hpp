@@ -5,7 +5,10 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "daemon/world/cell.hpp"
+#include "daemon/world/cell_lattice.hpp"
 #include "daemon/world/near_cells.hpp"
+#include "daemon/world/occupancy_block.hpp"
 #include "hal/base/geometry.hpp"
 #include "hal/base/time.hpp"
 #include "hal/rt/static_vector.hpp"
@@ -78,10 +81,13 @@ struct HandSample {
   ToolProperties tool{};
   WaveSums waves{};    // of u, since `restart` changed
   Impulse3 impulse{};  // of what the hand put in lately: WaveArm
-  // Only of the arm half that moves a ghost of its own (BufferZoneArm): where it was, valid when
-  // has_ghost.
+  // Only of the arm halves that move a ghost of their own (BufferZoneArm, CompositeArm): where it
+  // was, valid when has_ghost.
   Position3 ghost{};
   bool has_ghost{false};
+  // Only of CompositeArm: of the answers before applied_reply, which were in force, too: that of
+  // number applied_reply − 1 − i where bit i is set.
+  std::uint64_t applied_before{0};
 };
 
 // What the far end computed, for the schemes in which it does. World frame; which of the numbers
@@ -92,6 +98,14 @@ struct FarEnd {
   Velocity3 velocity{};     // of the slave
   WaveSums waves{};         // of the returning wave, since the session began
   bool is_pressing{false};  // the world pushes at the far end
+};
+
+// What the arm half does not know yet of the cells of a world (CompositeWorld).
+struct MapNews {
+  world::CellLattice lattice{};
+  world::Cell ghost_cell{};  // where the ghost of the answer is
+  bool is_plane{false};      // the third axis is free, and has one cell
+  world::ToldBlocks blocks{};
 };
 
 // World side to arm side: everything that constrains the hand, replacing what was known.
@@ -110,10 +124,12 @@ struct ConstraintSet {
   world::NearCells near{};
   bool has_near{false};
   bool is_astray{false};  // the ghost that the sample told of is not where that of the world is
+  MapNews map{};          // valid when has_map
+  bool has_map{false};
 };
 
 // Both cross threads and queues by copying, on the servo's side without an allocation.
 static_assert(std::is_trivially_copyable_v<HandSample> && sizeof(HandSample) <= 256);
-static_assert(std::is_trivially_copyable_v<ConstraintSet> && sizeof(ConstraintSet) <= 1024);
+static_assert(std::is_trivially_copyable_v<ConstraintSet> && sizeof(ConstraintSet) <= 1536);
 
 }  // namespace thimble::coupling

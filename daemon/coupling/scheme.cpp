@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "daemon/coupling/composite_world.hpp"
 #include "daemon/coupling/remote_force_world.hpp"
 #include "daemon/coupling/spring_damper_world.hpp"
 #include "daemon/coupling/thesis_literal.hpp"
@@ -25,6 +26,8 @@ std::string_view to_string(Scheme scheme) noexcept {
       return "constraint-plane";
     case Scheme::BufferZone:
       return "buffer-zone";
+    case Scheme::Composite:
+      return "composite";
   }
   return "unknown";
 }
@@ -33,14 +36,15 @@ Result<Scheme> parse_scheme(std::string_view text) {
   for (const Scheme scheme : kSchemes) {
     if (to_string(scheme) == text) return scheme;
   }
-  return fail(Errc::InvalidArgument, "unknown coupling scheme '" + std::string(text) +
-                                         "'; expected ghost-point, thesis-literal, remote-force, "
-                                         "spring-damper, wave, constraint-plane or buffer-zone");
+  return fail(Errc::InvalidArgument,
+              "unknown coupling scheme '" + std::string(text) +
+                  "'; expected ghost-point, thesis-literal, remote-force, "
+                  "spring-damper, wave, constraint-plane, buffer-zone or composite");
 }
 
 bool has_own_world_half(Scheme scheme) noexcept {
   return scheme == Scheme::RemoteForce || scheme == Scheme::SpringDamper ||
-         scheme == Scheme::Wave || scheme == Scheme::BufferZone;
+         scheme == Scheme::Wave || scheme == Scheme::BufferZone || scheme == Scheme::Composite;
 }
 
 std::unique_ptr<ArmCoupling> make_arm_coupling(Scheme scheme, const SchemeSettings& settings) {
@@ -57,6 +61,8 @@ std::unique_ptr<ArmCoupling> make_arm_coupling(Scheme scheme, const SchemeSettin
       return std::make_unique<ConstraintPlaneArm>(settings.constraint_plane);
     case Scheme::BufferZone:
       return std::make_unique<BufferZoneArm>(settings.buffer_zone);
+    case Scheme::Composite:
+      return std::make_unique<CompositeArm>(settings.ghost_point);
     case Scheme::GhostPoint:
       break;
   }
@@ -76,6 +82,8 @@ Result<std::unique_ptr<WorldCoupling>> make_own_world_half(Scheme scheme,
       return std::make_unique<WaveWorld>(world, first_session);
     case Scheme::BufferZone:
       return std::make_unique<BufferZoneWorld>(world, first_session, settings.buffer_zone);
+    case Scheme::Composite:
+      return std::make_unique<CompositeWorld>(world, first_session);
     case Scheme::GhostPoint:
     case Scheme::ThesisLiteral:
     case Scheme::ConstraintPlane:

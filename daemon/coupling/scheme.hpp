@@ -8,6 +8,7 @@
 #include "daemon/coupling/arm_coupling.hpp"
 #include "daemon/coupling/buffer_zone_arm.hpp"
 #include "daemon/coupling/buffer_zone_world.hpp"
+#include "daemon/coupling/composite_arm.hpp"
 #include "daemon/coupling/constraint_plane_arm.hpp"
 #include "daemon/coupling/ghost_point_arm.hpp"
 #include "daemon/coupling/remote_force_arm.hpp"
@@ -27,10 +28,11 @@ enum class Scheme : std::uint8_t {
   Wave,             // "wave": thesis 3.5
   ConstraintPlane,  // "constraint-plane": thesis 3.7.2
   BufferZone,       // "buffer-zone": thesis 3.6
+  Composite,        // "composite": our own, the ghost point with a map
 };
 inline constexpr std::array kSchemes{
     Scheme::GhostPoint, Scheme::ThesisLiteral,   Scheme::RemoteForce, Scheme::SpringDamper,
-    Scheme::Wave,       Scheme::ConstraintPlane, Scheme::BufferZone};
+    Scheme::Wave,       Scheme::ConstraintPlane, Scheme::BufferZone,  Scheme::Composite};
 [[nodiscard]] std::string_view to_string(Scheme scheme) noexcept;
 // InvalidArgument names what was expected.
 [[nodiscard]] Result<Scheme> parse_scheme(std::string_view text);

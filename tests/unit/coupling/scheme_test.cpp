@@ -22,7 +22,8 @@ TEST(Scheme, UnknownNameIsRefusedWithWhatWasExpected) {
     ASSERT_FALSE(parsed) << text;
     EXPECT_EQ(parsed.error().code, Errc::InvalidArgument);
     EXPECT_NE(parsed.error().message.find("ghost-point, thesis-literal, remote-force, "
-                                          "spring-damper, wave, constraint-plane or buffer-zone"),
+                                          "spring-damper, wave, constraint-plane, buffer-zone or "
+                                          "composite"),
               std::string::npos);
   }
 }
@@ -42,6 +43,8 @@ TEST(Scheme, MakesTheArmHalfItNames) {
   EXPECT_NE(dynamic_cast<ConstraintPlaneArm*>(plane.get()), nullptr);
   const auto zone = make_arm_coupling(Scheme::BufferZone, {});
   EXPECT_NE(dynamic_cast<BufferZoneArm*>(zone.get()), nullptr);
+  const auto composite = make_arm_coupling(Scheme::Composite, {});
+  EXPECT_NE(dynamic_cast<CompositeArm*>(composite.get()), nullptr);
 }
 
 TEST(Scheme, MakesTheWorldHalfOfWhatHasItsOwn) {
@@ -55,7 +58,8 @@ TEST(Scheme, MakesTheWorldHalfOfWhatHasItsOwn) {
     ASSERT_TRUE((*made)->open(first));
     const ConstraintSet set = (*made)->answer(first, std::chrono::milliseconds(1));
     EXPECT_EQ(set.has_near, scheme == Scheme::BufferZone) << to_string(scheme);
-    EXPECT_EQ(set.has_far, scheme != Scheme::BufferZone) << to_string(scheme);
+    EXPECT_EQ(set.has_map, scheme == Scheme::Composite) << to_string(scheme);
+    EXPECT_EQ(set.has_far, !set.has_near && !set.has_map) << to_string(scheme);
     EXPECT_EQ(set.session, 3U);
     EXPECT_EQ(set.answers, 1U);
   }

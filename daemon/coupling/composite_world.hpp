@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+
+#include "daemon/coupling/probe_in_world.hpp"
+#include "daemon/coupling/world_coupling.hpp"
+#include "daemon/world/occupancy_teller.hpp"
+
+namespace thimble::coupling {
+
+// The world half of our own scheme: a probe follows the hand as by GhostPointWorld, and the answer
+// also tells of cells that the arm half does not know yet, or that have changed
+// (world/occupancy_teller.hpp), and whether its ghost is where the arm's own was.
+//
+// Thread: the world's thread. Not RT; answer() neither allocates nor blocks.
+// Ownership: `world` must outlive it, and have World::felt_cells(); the destructor closes.
+// Sessions: as by GhostPointWorld. Errors: open() refuses a world without cells, Unsupported, and
+// passes on what the world says; answer() as GhostPointWorld.
+class CompositeWorld final : public WorldCoupling {
+ public:
+  CompositeWorld(world::World& world, std::uint32_t first_session) noexcept;
+
+  [[nodiscard]] Result<void> open(const HandSample& first) override;
+  [[nodiscard]] ConstraintSet answer(const HandSample& sample, Duration dt) noexcept override;
+  void close() noexcept override { probe_.close(); }
+
+ private:
+  world::World& world_;
+  ProbeInWorld probe_;
+  std::uint32_t next_session_;
+  world::OccupancyTeller teller_{};
+  ConstraintSet last_{};
+};
+
+}  // namespace thimble::coupling

@@ -1,0 +1,275 @@
+// What our own scheme does where the map does not help: cells that change, silence, maps that lie.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "composed.hpp"
+#include "fake_box.hpp"
+#include "hand_samples.hpp"
+
+namespace thimble::coupling {
+namespace {
+
+using testing::Composed;
+using testing::delayed_by;
+using testing::in_cells_of;
+using testing::kTick;
+using world::Cell;
+using world::VoxelGrid;
+
+constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
+constexpr double kCell_m = 0.010;
+constexpr double kInside_m = 0.0005;
+
+VoxelGrid room() { return VoxelGrid::create({21, 9, 9}, kCell_m).value(); }
+
+void fill_from(Composed& sut, std::int32_t x, bool is_occupied) {
+  for (Cell c{x, 0, 0}; c.z < 9; ++c.z) {
+    for (c.y = 0; c.y < 9; ++c.y) {
+      for (c.x = x; c.x < 21; ++c.x) sut.cells.set_cell(c, is_occupied);
+    }
+  }
+}
+
+TEST(Composite, AWallThatAppearsBeforeTheHandIsFeltWhereItIsOnceItIsToldOf) {
+  for (const double delay_s : {0.005, 0.02, 0.1, 0.5}) {
+    Composed sut(room(), kTick, delayed_by(delay_s));
+    (void)sut.rest({-0.05, 0, 0}, delay_s + 0.2);
+    fill_from(sut, 13, true);
+    const double face_m = sut.cells.grid()->face_m(0, 13);
+    (void)sut.rest({-0.05, 0, 0}, delay_s + 0.01);
+    double x_m = -0.05;
+    ArmOutput out;
+    while (out.force.x == 0 && x_m < 0.1) out = sut.loop.tick({x_m += 0.0002, 0, 0}, {0.2, 0, 0});
+    EXPECT_NEAR(x_m, face_m, 0.0003) << delay_s;
+    EXPECT_EQ(out.offset, Displacement3{});
+  }
+}
+
+// The hand is already past it: the frame gives way, and the finger is just inside the wall.
+TEST(Composite, AWallThatAppearsBehindTheHandIsFeltLateByOffsetAndWithoutAKick) {
+  for (const double delay_s : {0.02, 0.1, 0.3, 0.4, 0.5}) {
+    Composed sut(room(), kTick, delayed_by(delay_s));
+    double x_m = -0.03;
+    (void)sut.rest({x_m, 0, 0}, delay_s + 0.2);
+    const double face_m = sut.cells.grid()->face_m(0, 10);
+    fill_from(sut, 10, true);
+    ArmOutput out;
+    double before_newton = 0;
+    double past_m = 0;
+    for (int i = 0; i < 400; ++i) {
+      out = sut.loop.tick({x_m += 0.0002, 0, 0}, {0.2, 0, 0});
+      // K·H, a tick's way, and the damper: a contact that starts at full speed.
+      EXPECT_LT(std::abs(out.force.x) - before_newton, 800 * (kInside_m + 0.0002) + 5 * 0.2)
+          << delay_s;
+      before_newton = std::abs(out.force.x);
+      if (out.force.x < 0) break;
+      past_m = std::max(0.0, x_m - face_m);
+    }
+    ASSERT_LT(out.force.x, 0) << delay_s;
+    // The news waits for no question: half of D late, in which the hand comes to the face first.
+    const double expected_m = std::max(0.0, 0.2 * delay_s / 2 - 0.025);
+    EXPECT_NEAR(past_m, expected_m, 0.0006) << delay_s;
+    if (past_m > kInside_m) {
+      EXPECT_LT(out.offset.x, 0) << delay_s;
+    }
+    EXPECT_LE(x_m + out.offset.x - face_m, kInside_m + 0.0003);
+  }
+}
+
+TEST(Composite, AWallThatGoesIsFeltUntilThatIsToldAndNoLonger) {
+  Composed sut(room(), kTick, delayed_by(0.1));
+  fill_from(sut, 13, true);
+  const double x_m = sut.cells.grid()->face_m(0, 13) + 0.003;
+  (void)sut.rest({0, 0, 0}, 0.4);
+  for (int i = 0; i < 100; ++i) (void)sut.loop.tick({x_m * i / 100, 0, 0}, {});
+  ArmOutput out = sut.rest({x_m, 0, 0}, 0.3);
+  const double pressed_newton = -out.force.x;
+  EXPECT_GT(pressed_newton, 2);
+  fill_from(sut, 13, false);
+  int felt = 0;
+  while (out.force.x < 0 && felt < 1000) {
+    out = sut.loop.tick({x_m, 0, 0}, {});
+    ++felt;
+  }
+  EXPECT_NEAR(felt, 51, 2) << "half the round trip: the news comes by itself";
+  out = sut.rest({x_m, 0, 0}, 0.3);
+  EXPECT_EQ(out.force, Force3{});
+  EXPECT_EQ(out.sample.ghost, out.sample.hand);
+}
+
+TEST(Composite, MatterThatFillsTheHandPushesItOutGently) {
+  Composed sut(room(), kTick, delayed_by(0.05));
+  (void)sut.rest({0.001, 0, 0}, 0.4);
+  sut.cells.set_cell({10, 4, 4}, true);
+  double hardest_newton = 0;
+  double last_newton = 0;
+  for (int i = 0; i < 500; ++i) {
+    const double newton = norm(sut.loop.tick({0.001, 0, 0}, {}).force);
+    EXPECT_LT(newton - last_newton, 0.5);
+    hardest_newton = std::max(hardest_newton, newton);
+    last_newton = newton;
+  }
+  EXPECT_GT(hardest_newton, 0.3);
+  EXPECT_LE(hardest_newton, 800 * 0.004 + 0.1);
+}
+
+TEST(Composite, OfASilentWorldTheMapIsFeltThenFadesAndComesBackGently) {
+  Composed sut(room(), kTick, delayed_by(0.02));
+  fill_from(sut, 13, true);
+  const double face_m = sut.cells.grid()->face_m(0, 13);
+  (void)sut.rest({0, 0, 0}, 0.4);
+  sut.loop.is_up = false;
+  double x_m = 0;
+  ArmOutput out;
+  while (x_m < face_m + 0.002) out = sut.loop.tick({x_m += 0.0002, 0, 0}, {});
+  EXPECT_LT(out.force.x, -1.5) << "a wall that is known is there";
+  EXPECT_TRUE(out.is_frozen);
+  double last_newton = norm(out.force);
+  for (int i = 0; i < 500; ++i) {
+    out = sut.loop.tick({x_m, 0, 0}, {});
+    EXPECT_LE(norm(out.force), last_newton + 1e-9);
+    EXPECT_GE(norm(out.force), last_newton - 0.05);
+    last_newton = norm(out.force);
+  }
+  EXPECT_EQ(out.force, Force3{});
+  EXPECT_TRUE(out.is_fading);
+  // Deep in matter by now.
+  for (int i = 0; i < 100; ++i) out = sut.loop.tick({x_m += 0.0002, 0, 0}, {});
+  EXPECT_EQ(out.force, Force3{});
+  sut.loop.is_up = true;
+  last_newton = 0;
+  for (int i = 0; i < 400; ++i) {
+    out = sut.loop.tick({x_m, 0, 0}, {});
+    EXPECT_LE(norm(out.force), last_newton + 0.05);
+    last_newton = norm(out.force);
+  }
+  EXPECT_GT(last_newton, 0);
+}
+
+TEST(Composite, ArmThatStartsAnewKeepsTheMapOfItsSessionAndForgetsThatOfAnother) {
+  Composed sut(room(), kTick, delayed_by(0.02));
+  (void)sut.rest({}, 0.4);
+  const std::uint64_t trusted = sut.arm.counters().trusted;
+  sut.arm.reset(sut.loop.now(), {});
+  (void)sut.rest({}, 0.2);
+  EXPECT_LE(sut.arm.counters().trusted, trusted + 1) << "until the next answer";
+  sut.world.close();
+  ASSERT_TRUE(sut.world.open(sut.rest({}, 0).sample));
+  sut.loop.is_up = false;
+  HandSample asked;
+  asked.sequence = 1'000'000;
+  ConstraintSet set = sut.world.answer(asked, kTick);
+  set.map.blocks.clear();
+  const ArmOutput out = sut.arm.step({.now = sut.loop.now(), .dt = kTick, .fresh = &set});
+  EXPECT_FALSE(out.sample.has_ghost);
+}
+
+// A hand of 0.15 kg on a spring before matter that comes and goes.
+TEST(Composite, AWorldThatChangesGivesTheHandNoMoreThanItsShiftsStore) {
+  for (const double delay_s : {0.005, 0.05, 0.2}) {
+    Composed sut(room(), kTick, delayed_by(delay_s));
+    (void)sut.rest({-0.03, 0, 0}, delay_s + 0.2);
+    std::mt19937_64 random(731);
+    fill_from(sut, 13, true);
+    double x_m = -0.03;
+    double work_joule = 0;
+    double last_force_newton = 0;
+    double most_joule = 0;
+    for (int i = 0; i < 4000; ++i) {
+      // Against the wall and back at 1 Hz, while cells far behind its face come and go.
+      const double goal_m = 0.02 + 0.02 * std::sin(2 * 3.14159265358979 * i / 1000.0);
+      const double before_m = x_m;
+      x_m += std::clamp(goal_m - x_m, -0.0002, 0.0002);
+      work_joule += last_force_newton * (x_m - before_m);
+      most_joule = std::max(most_joule, work_joule);
+      if (i % 50 == 0) sut.cells.set_cell({17, static_cast<int>(random() % 9), 4}, i % 100 == 0);
+      const ArmOutput out = sut.loop.tick({x_m, 0, 0}, {(x_m - before_m) * 1000, 0, 0});
+      last_force_newton = out.force.x;
+    }
+    EXPECT_LT(most_joule, 0.001) << delay_s;
+  }
+}
+
+TEST(Composite, AMapThatCannotBeIsAsGoodAsNone) {
+  const VoxelGrid grid = room();
+  std::mt19937_64 random(730);
+  for (int run = 0; run < 300; ++run) {
+    CompositeArm sut(in_cells_of(kCell_m));
+    sut.reset({}, {});
+    for (int i = 1; i <= 300; ++i) {
+      ConstraintSet set;
+      set.sequence = random() % 8 == 0 ? random() : static_cast<std::uint64_t>(i);
+      set.session = random() % 20 == 0 ? 2 : 1;
+      set.answers = random() % 4 == 0 ? random() : static_cast<std::uint64_t>(i);
+      set.has_ghost = random() % 8 != 0;
+      set.has_map = random() % 8 != 0;
+      set.is_astray = random() % 2 == 0;
+      set.map.lattice = grid.lattice();
+      set.map.is_plane = random() % 8 == 0;
+      set.map.ghost_cell = {10, 4, 4};
+      for (std::size_t b = random() % 5; b-- > 0;) {
+        world::OccupancyBlock block;
+        for (auto& place : block.at) place = static_cast<std::int16_t>(random() % 4 - 1);
+        block.version = static_cast<std::uint32_t>(random() % 1000);
+        for (auto& slice : block.slices) slice = random() & random() & random();
+        set.map.blocks.push_back(block);
+      }
+      switch (random() % 6) {
+        case 0:
+          set.map.lattice.cells[random() % 3] = static_cast<std::uint32_t>(random());
+          break;
+        case 1:
+          set.map.lattice.half_cell_m = random() % 2 == 0 ? kNotANumber : -1;
+          break;
+        case 2:
+          set.map.ghost_cell[random() % 3] = static_cast<std::int32_t>(random());
+          break;
+        case 3:
+          set.ghost[random() % 3] = random() % 2 == 0 ? kNotANumber : 1e9;
+          break;
+        default:
+          break;
+      }
+      const Position3 tip{0.0004 * (i % 100), 0.0003 * (i % 77), -0.0004 * (i % 55)};
+      const ArmOutput out = sut.step({.now = {kTick * i}, .dt = kTick, .tip = tip, .fresh = &set});
+      ASSERT_TRUE(is_finite(out.force));
+      ASSERT_TRUE(is_finite(out.sample.hand));
+      ASSERT_TRUE(!out.sample.has_ghost || is_finite(out.sample.ghost));
+    }
+  }
+}
+
+TEST(Composite, AWorldWithoutCellsIsRefused) {
+  testing::FakeBox box(0.015);
+  CompositeWorld sut(box, 1);
+  EXPECT_EQ(sut.open(testing::sample(1, {})).error().code, Errc::Unsupported);
+  EXPECT_EQ(box.probes, 0);
+}
+
+TEST(Composite, AHandOrTipThatIsNowhereLeavesBothHalvesAsTheyWere) {
+  world::VoxelWorld cells(room(), "room");
+  CompositeWorld world(cells, 1);
+  EXPECT_EQ(world.open(testing::sample(1, {kNotANumber, 0, 0})).error().code,
+            Errc::InvalidArgument);
+  ASSERT_TRUE(world.open(testing::sample(1, {})));
+  const ConstraintSet good = world.answer(testing::sample(1, {}), kTick);
+  EXPECT_EQ(world.answer(testing::sample(2, {0, kNotANumber, 0}), kTick).sequence, good.sequence);
+  EXPECT_EQ(world.answer(testing::sample(1, {0.01, 0, 0}), kTick).sequence, good.sequence)
+      << "overtaken";
+  Composed sut(room(), kTick, {});
+  fill_from(sut, 13, true);
+  const double face_m = sut.cells.grid()->face_m(0, 13);
+  (void)sut.rest({0.020, 0, 0}, 0.3);
+  const ArmOutput bad =
+      sut.arm.step({.now = sut.loop.now(), .dt = kTick, .tip = {kNotANumber, 0, 0}});
+  EXPECT_TRUE(std::isnan(bad.force.x));
+  const ArmOutput out = sut.loop.tick({face_m + 0.0004, 0, 0}, {});
+  EXPECT_NEAR(out.force.x, -800 * 0.0004, 1e-9);
+}
+
+}  // namespace
+}  // namespace thimble::coupling
