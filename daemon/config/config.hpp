@@ -92,13 +92,15 @@ struct LimitsConfig {
 };
 
 enum class CouplingScheme : std::uint8_t {
+  Auto,  // Composite where the world goes with it, else GhostPoint
   GhostPoint,
   ThesisLiteral,
   RemoteForce,
   SpringDamper,
   Wave,
   ConstraintPlane,
-  BufferZone
+  BufferZone,
+  Composite
 };
 enum class CouplingMode : std::uint8_t { Streamed, LockStep };
 // Where the force of a spring-damper is computed.
@@ -117,7 +119,7 @@ struct PassivityConfig {
 };
 
 struct CouplingConfig {
-  CouplingScheme scheme{CouplingScheme::GhostPoint};
+  CouplingScheme scheme{CouplingScheme::Auto};
   CouplingMode mode{CouplingMode::Streamed};
   std::optional<double> stiffness_newton_per_m;
   std::optional<double> damping_newton_s_per_m;

@@ -11,7 +11,8 @@ namespace {
 
 using Scheme = CouplingScheme;
 
-constexpr std::array<Choice<Scheme>, 7> kSchemes{{
+constexpr std::array<Choice<Scheme>, 9> kSchemes{{
+    {"auto", Scheme::Auto},
     {"ghost-point", Scheme::GhostPoint},
     {"thesis-literal", Scheme::ThesisLiteral},
     {"remote-force", Scheme::RemoteForce},
@@ -19,6 +20,7 @@ constexpr std::array<Choice<Scheme>, 7> kSchemes{{
     {"wave", Scheme::Wave},
     {"constraint-plane", Scheme::ConstraintPlane},
     {"buffer-zone", Scheme::BufferZone},
+    {"composite", Scheme::Composite},
 }};
 constexpr std::array<Choice<CouplingMode>, 2> kModes{{
     {"streamed", CouplingMode::Streamed},
@@ -64,14 +66,16 @@ struct Tuning {
 const std::vector<Tuning>& tunings() {
   static const std::vector<Tuning> kTunings{
       {"stiffness_newton_per_m",
-       {Scheme::GhostPoint, Scheme::ConstraintPlane, Scheme::RemoteForce, Scheme::SpringDamper,
-        Scheme::BufferZone}},
+       {Scheme::Auto, Scheme::GhostPoint, Scheme::Composite, Scheme::ConstraintPlane,
+        Scheme::RemoteForce, Scheme::SpringDamper, Scheme::BufferZone}},
       {"damping_newton_s_per_m",
-       {Scheme::GhostPoint, Scheme::ConstraintPlane, Scheme::RemoteForce, Scheme::SpringDamper,
-        Scheme::BufferZone}},
-      {"coordinate_spring_newton_per_m", {Scheme::GhostPoint}},
-      {"hysteresis_m", {Scheme::GhostPoint, Scheme::ConstraintPlane}},
-      {"relaxation_m_per_s", {Scheme::GhostPoint, Scheme::ConstraintPlane}},
+       {Scheme::Auto, Scheme::GhostPoint, Scheme::Composite, Scheme::ConstraintPlane,
+        Scheme::RemoteForce, Scheme::SpringDamper, Scheme::BufferZone}},
+      {"coordinate_spring_newton_per_m", {Scheme::Auto, Scheme::GhostPoint, Scheme::Composite}},
+      {"hysteresis_m",
+       {Scheme::Auto, Scheme::GhostPoint, Scheme::Composite, Scheme::ConstraintPlane}},
+      {"relaxation_m_per_s",
+       {Scheme::Auto, Scheme::GhostPoint, Scheme::Composite, Scheme::ConstraintPlane}},
       {"late_walls", {Scheme::ConstraintPlane}},
       {"recovery_s", {Scheme::ConstraintPlane}},
       {"impedance_newton_s_per_m", {Scheme::Wave}},
@@ -96,8 +100,7 @@ void refuse_what_is_not_taken(TableReader& reader, Scheme scheme) {
   for (const auto& [key, schemes] : tunings()) {
     if (std::find(schemes.begin(), schemes.end(), scheme) != schemes.end()) continue;
     if (!reader.has(key)) continue;
-    const bool is_printed =
-        scheme == Scheme::ThesisLiteral && schemes.front() == Scheme::GhostPoint;
+    const bool is_printed = scheme == Scheme::ThesisLiteral && schemes.front() == Scheme::Auto;
     if (is_printed) {
       reader.reject(key, "expected only with scheme " + listed(schemes) +
                              ", since \"thesis-literal\" has its numbers printed; found beside it");
@@ -141,6 +144,7 @@ std::optional<PassivityConfig> read_passivity(TableReader& reader) {
 // What does; empty: a sample now and then will do.
 std::string_view follows_a_stream(Scheme scheme) {
   if (scheme == Scheme::SpringDamper || scheme == Scheme::Wave) return "slave";
+  if (scheme == Scheme::Composite) return "map";
   return scheme == Scheme::BufferZone ? "zone" : "";
 }
 
@@ -155,7 +159,7 @@ std::string_view to_string(CouplingScheme scheme) {
 
 bool has_own_world_half(CouplingScheme scheme) {
   return scheme == Scheme::RemoteForce || scheme == Scheme::SpringDamper ||
-         scheme == Scheme::Wave || scheme == Scheme::BufferZone;
+         scheme == Scheme::Wave || scheme == Scheme::BufferZone || scheme == Scheme::Composite;
 }
 
 CouplingConfig read_coupling(TableReader reader) {
@@ -192,7 +196,7 @@ void check_carriage(TableReader& reader, const ArmConfig& arm) {
   if (!arm.link || !has_own_world_half(arm.coupling.scheme)) return;
   // The arm's own table knows "coupling", not what is below it.
   const std::string scheme = in_quotes(to_string(arm.coupling.scheme));
-  if (arm.coupling.scheme == Scheme::BufferZone) {
+  if (arm.coupling.scheme == Scheme::BufferZone || arm.coupling.scheme == Scheme::Composite) {
     reader.reject("coupling", scheme +
                                   " needs to know what is near the ghost, which the datagrams of "
                                   "1999 do not carry; use \"ghost-point\", or name a world of this "

@@ -34,9 +34,11 @@ void check_worlds(std::vector<Entry<ArmConfig>>& arms,
   }
 }
 
-// The printed callback has its stiffness printed, and a zone tells where cells are, not what of.
+// The printed callback has its stiffness printed; a zone and a map tell where cells are, not what
+// of.
 bool feels_materials(CouplingScheme scheme) {
-  return scheme != CouplingScheme::ThesisLiteral && scheme != CouplingScheme::BufferZone;
+  return scheme != CouplingScheme::ThesisLiteral && scheme != CouplingScheme::BufferZone &&
+         scheme != CouplingScheme::Composite;
 }
 
 // What a world says is of no use to a scheme that cannot feel it.

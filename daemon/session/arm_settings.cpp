@@ -123,6 +123,9 @@ coupling::Scheme scheme_of(const config::CouplingConfig& said) {
       return coupling::Scheme::ConstraintPlane;
     case config::CouplingScheme::BufferZone:
       return coupling::Scheme::BufferZone;
+    case config::CouplingScheme::Composite:
+      return coupling::Scheme::Composite;
+    case config::CouplingScheme::Auto:  // of another host's world nothing is known
     case config::CouplingScheme::GhostPoint:
       break;
   }

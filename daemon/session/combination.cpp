@@ -35,6 +35,16 @@ namespace {
                                           " m here; take less, or \"ghost-point\""};
 }
 
+[[nodiscard]] std::optional<Refusal> refusal_of_map(const world::World& world) {
+  if (world.felt_cells() != nullptr) return std::nullopt;
+  return Refusal{"coupling.scheme",
+                 has_cells(world)
+                     ? "the map of \"composite\" is of cells that the daemon has, those of " +
+                           world.info().source + " are its board's; use \"ghost-point\""
+                     : "the map of \"composite\" is of cells, of which " + world.info().source +
+                           " has none; use \"ghost-point\""};
+}
+
 [[nodiscard]] Result<void> as_result(const std::optional<Refusal>& refusal) {
   if (!refusal) return {};
   return fail(Errc::Unsupported, refusal->key + ": " + refusal->reason);
@@ -63,9 +73,19 @@ std::optional<Refusal> find_refusal(const world::World& world, const config::Wor
 
 std::optional<Refusal> find_refusal(const world::World& world, const config::CouplingConfig& arm) {
   if (arm.scheme == config::CouplingScheme::BufferZone) return refusal_of_zone(world, arm);
+  if (arm.scheme == config::CouplingScheme::Composite) return refusal_of_map(world);
   if (has_cells(world) || arm.scheme != config::CouplingScheme::ThesisLiteral) return std::nullopt;
   return Refusal{"coupling.scheme", "\"thesis-literal\" feels faces across the axes only, " +
                                         world.info().source + " has others; use \"ghost-point\""};
+}
+
+config::CouplingScheme choose_scheme(const world::World& world, const config::WorldConfig& said,
+                                     const config::CouplingConfig& arm) {
+  if (arm.scheme != config::CouplingScheme::Auto) return arm.scheme;
+  const bool goes_with_a_map = world.felt_cells() != nullptr && said.materials.empty() &&
+                               said.constraint_model == config::ConstraintModel::GhostPoint &&
+                               arm.mode == config::CouplingMode::Streamed;
+  return goes_with_a_map ? config::CouplingScheme::Composite : config::CouplingScheme::GhostPoint;
 }
 
 Result<void> check_combination(const world::World& world, const config::WorldConfig& said) {

@@ -22,6 +22,12 @@ struct Refusal {
 [[nodiscard]] std::optional<Refusal> find_refusal(const world::World& world,
                                                   const config::CouplingConfig& arm);
 
+// What "auto" means for an arm that touches `world`, which was made as said; any other word means
+// itself.
+[[nodiscard]] config::CouplingScheme choose_scheme(const world::World& world,
+                                                   const config::WorldConfig& said,
+                                                   const config::CouplingConfig& arm);
+
 // The same as a Result. Errors: Unsupported, "KEY: reason".
 // What is said of the world itself: its constraint model, and whether it listens.
 [[nodiscard]] Result<void> check_combination(const world::World& world,

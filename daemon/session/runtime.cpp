@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "daemon/session/combination.hpp"
 #include "daemon/session/retry_pace.hpp"
 
 namespace thimble::session {
@@ -17,7 +18,13 @@ Result<std::unique_ptr<Runtime>> Runtime::create(const config::Config& config,
     runtime->worlds_.push_back(*std::move(host));
   }
   for (const config::ArmConfig& said : config.arms) {
-    Result<std::unique_ptr<ArmRig>> rig = runtime->make_first_rig(said);
+    config::ArmConfig arm = said;
+    for (std::size_t i = 0; i < config.worlds.size(); ++i) {
+      const config::WorldConfig& world = config.worlds[i];
+      if (said.world != world.name) continue;
+      arm.coupling.scheme = choose_scheme(runtime->worlds_[i]->world(), world, said.coupling);
+    }
+    Result<std::unique_ptr<ArmRig>> rig = runtime->make_first_rig(arm);
     if (!rig) return tl::unexpected(rig.error());
     runtime->arms_.push_back(*std::move(rig));
   }

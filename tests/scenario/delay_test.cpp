@@ -14,6 +14,8 @@ using test::BoxWatch;
 using test::ClosedLoop;
 
 constexpr double kHysteresis_m = 0.0005;
+// To which a wall is told late; with a map it is not.
+constexpr const char* kGhostPoint = "arm.coupling.scheme=ghost-point";
 
 std::string delay_of_ms(int ms) { return "arm.impairment.delay_s=" + std::to_string(ms * 1e-3); }
 
@@ -24,9 +26,9 @@ struct FirstShift {
 
 // A hand so strong that the wall hardly slows it, as in thesis table 4.1.
 FirstShift first_shift(int delay_ms, const std::string& mode, double speed_m_per_s) {
-  ClosedLoop loop({delay_of_ms(delay_ms), "arm.coupling.mode=" + mode, "arm.hand.motion=poke",
-                   "arm.hand.reach_m=0.07", "arm.hand.stiffness_newton_per_m=6000",
-                   "arm.hand.damping_newton_s_per_m=60",
+  ClosedLoop loop({kGhostPoint, delay_of_ms(delay_ms), "arm.coupling.mode=" + mode,
+                   "arm.hand.motion=poke", "arm.hand.reach_m=0.07",
+                   "arm.hand.stiffness_newton_per_m=6000", "arm.hand.damping_newton_s_per_m=60",
                    "arm.hand.speed_m_per_s=" + std::to_string(speed_m_per_s)});
   double speed = 0;
   const bool is_shifted = loop.run_until(6, [&] {
@@ -74,16 +76,22 @@ TEST(DelayedWorld, WithinOneMillisecondTheWallIsFeltWithoutAShift) {
 class DelayedWorldStays : public testing::TestWithParam<std::tuple<int, std::string>> {};
 INSTANTIATE_TEST_SUITE_P(, DelayedWorldStays,
                          testing::Combine(testing::Values(1, 20, 50, 100, 200),
-                                          testing::Values("streamed", "lock-step")),
+                                          testing::Values("streamed", "lock-step", "map")),
                          [](const auto& of) {
-                           const bool is_streamed = std::get<1>(of.param) == "streamed";
+                           const std::string& way = std::get<1>(of.param);
+                           const bool is_map = way == "map";
                            return std::to_string(std::get<0>(of.param)) + "ms" +
-                                  (is_streamed ? "Streamed" : "LockStep");
+                                  (is_map              ? "Map"
+                                   : way == "streamed" ? "Streamed"
+                                                       : "LockStep");
                          });
 
 TEST_P(DelayedWorldStays, StableRepulsiveAndWithinItsEnergy) {
   const auto& [delay_ms, mode] = GetParam();
-  ClosedLoop sut({delay_of_ms(delay_ms), "arm.coupling.mode=" + mode});
+  ClosedLoop sut(mode == "map" ? std::vector<std::string>{"arm.coupling.scheme=composite",
+                                                          delay_of_ms(delay_ms)}
+                               : std::vector<std::string>{kGhostPoint, delay_of_ms(delay_ms),
+                                                          "arm.coupling.mode=" + mode});
   BoxWatch watch(sut);
   sut.run(12, [&] { watch.see(); });
   const servo::ServoSnapshot& end = sut.snapshot();
@@ -101,8 +109,8 @@ TEST_P(DelayedWorldStays, StableRepulsiveAndWithinItsEnergy) {
 
 TEST(DelayedWorld, OffsetRelaxesToNothingWhenNothingIsTouched) {
   for (const char* mode : {"streamed", "lock-step"}) {
-    ClosedLoop sut(
-        {delay_of_ms(50), "arm.hand.motion=still", std::string("arm.coupling.mode=") + mode});
+    ClosedLoop sut({kGhostPoint, delay_of_ms(50), "arm.hand.motion=still",
+                    std::string("arm.coupling.mode=") + mode});
     sut.run_until_driven();
     sut.sim_arm().backend().push_tip({4, 0, 0});
     sut.run(0.5);
@@ -117,7 +125,7 @@ TEST(DelayedWorld, OffsetRelaxesToNothingWhenNothingIsTouched) {
 TEST(BadNetwork, LossDuplicationReorderingAndJitterStopNothing) {
   for (const char* mode : {"streamed", "lock-step"}) {
     for (const int seed : {1, 2, 3}) {
-      ClosedLoop sut({"arm.impairment.delay_s=0.03", "arm.impairment.jitter_s=0.01",
+      ClosedLoop sut({kGhostPoint, "arm.impairment.delay_s=0.03", "arm.impairment.jitter_s=0.01",
                       "arm.impairment.loss=0.05", "arm.impairment.duplicate=0.05",
                       "arm.impairment.reorder=0.05", "arm.impairment.seed=" + std::to_string(seed),
                       std::string("arm.coupling.mode=") + mode});

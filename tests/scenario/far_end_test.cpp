@@ -26,7 +26,8 @@ std::vector<std::vector<std::string>> schemes() {
           {"arm.coupling.scheme=wave"}};
 }
 
-void expect_felt(const std::vector<std::string>& said) {
+// The offset of the frame at the end.
+Displacement3 expect_felt(const std::vector<std::string>& said) {
   ClosedLoop sut(said);
   ArmWatch watch(sut);
   double hardest_newton = 0;
@@ -38,7 +39,7 @@ void expect_felt(const std::vector<std::string>& said) {
   EXPECT_EQ(sut.snapshot().faults, 0U);
   EXPECT_GT(sut.snapshot().total_contacts, 0U);
   EXPECT_GT(hardest_newton, 0.3);
-  EXPECT_EQ(sut.frame().offset, Displacement3{});
+  return sut.frame().offset;
 }
 
 TEST(FarEnd, EveryWorldIsFeltThroughEverySchemeWithinTheLimits) {
@@ -50,7 +51,7 @@ TEST(FarEnd, EveryWorldIsFeltThroughEverySchemeWithinTheLimits) {
   for (const auto& scheme : schemes()) {
     for (const auto& world : worlds) {
       SCOPED_TRACE(scheme.front() + " " + scheme.back() + ", " + world.front());
-      expect_felt(with(with(scheme, world), {"arm.hand.reach_m=0.03"}));
+      EXPECT_EQ(expect_felt(with(with(scheme, world), {"arm.hand.reach_m=0.03"})), Displacement3{});
     }
   }
 }
@@ -66,9 +67,38 @@ TEST(BufferZone, IsFeltInEveryWorldOfCellsWithinTheLimits) {
         said.insert(said.end(), {"world.automaton.cells=32", "world.automaton.steps_per_s=2"});
       }
       SCOPED_TRACE(zone + ", " + world);
-      expect_felt(said);
+      EXPECT_EQ(expect_felt(said), Displacement3{});
     }
   }
+}
+
+// Our own, in whole sessions, with delay on both worlds that stay and worlds that do not.
+TEST(Composite, IsFeltInEveryWorldOfCellsWithinTheLimits) {
+  for (const std::string world : {"box:3", "life", "crystal"}) {
+    std::vector<std::string> said{"arm.coupling.scheme=composite", "world.source=" + world,
+                                  "arm.impairment.delay_s=0.1", "arm.impairment.loss=0.05",
+                                  "arm.hand.reach_m=0.03"};
+    if (world != "box:3") {
+      said.insert(said.end(), {"world.automaton.cells=32", "world.automaton.steps_per_s=2"});
+    }
+    SCOPED_TRACE(world);
+    const Displacement3 offset = expect_felt(said);
+    if (world == "box:3") {
+      EXPECT_EQ(offset, Displacement3{});
+    }
+  }
+}
+
+TEST(Composite, IsWhatAWorldOfCellsIsFeltByWhereNothingIsSaid) {
+  const auto peak_offset_m = [](const std::vector<std::string>& more) {
+    ClosedLoop sut(with(
+        more, {"arm.impairment.delay_s=0.1", "arm.hand.motion=poke", "arm.hand.reach_m=0.03"}));
+    sut.run(6);
+    EXPECT_GT(sut.snapshot().total_contacts, 1U);
+    return sut.snapshot().peak_offset_m;
+  };
+  EXPECT_LT(peak_offset_m({}), 0.001) << "no wall comes as a surprise";
+  EXPECT_GT(peak_offset_m({"arm.coupling.scheme=ghost-point"}), 0.003);
 }
 
 // Thesis 3.2: "distracting and sometimes violent instabilities".

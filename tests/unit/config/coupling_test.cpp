@@ -38,7 +38,7 @@ TEST(ConfigCoupling, WhatFeelsNoMaterialsRefusesAWorldWithSome) {
   const std::string scan = "[[world]]\nname = \"scan\"\nsource = \"scan.nrrd\"\n";
   const std::string bone = "[[world.material]]\nname = \"bone\"\nfrom = 2\nfriction = 0.1\n";
   EXPECT_THAT(mistakes(arms + scan + bone), IsEmpty());
-  for (const std::string scheme : {"thesis-literal", "buffer-zone"}) {
+  for (const std::string scheme : {"thesis-literal", "buffer-zone", "composite"}) {
     const std::string line = "coupling.scheme = \"" + scheme + "\"\n";
     EXPECT_THAT(mistakes(arms + line + scan), IsEmpty());
     EXPECT_THAT(
@@ -56,36 +56,38 @@ TEST(ConfigCoupling, ASchemeIsChosenByOneLine) {
       {"spring-damper", CouplingScheme::SpringDamper},
       {"wave", CouplingScheme::Wave},
       {"constraint-plane", CouplingScheme::ConstraintPlane},
-      {"buffer-zone", CouplingScheme::BufferZone}};
+      {"buffer-zone", CouplingScheme::BufferZone},
+      {"composite", CouplingScheme::Composite},
+      {"auto", CouplingScheme::Auto}};
   for (const auto& [word, scheme] : all) {
     const auto sut = parse_text(hello_with_arm("coupling.scheme = \"" + word + "\"\n"));
     ASSERT_TRUE(sut) << word;
     EXPECT_EQ(sut->arms[0].coupling.scheme, scheme);
     EXPECT_EQ(to_string(scheme), word);
   }
-  EXPECT_THAT(
-      mistakes(hello_with_arm("coupling.scheme = \"waves\"\n")),
-      ElementsAre(AllOf(HasSubstr("ghost-point"), HasSubstr("thesis-literal"),
-                        HasSubstr("remote-force"), HasSubstr("spring-damper"), HasSubstr("wave"),
-                        HasSubstr("constraint-plane"), HasSubstr("buffer-zone"))));
+  EXPECT_THAT(mistakes(hello_with_arm("coupling.scheme = \"waves\"\n")),
+              ElementsAre(AllOf(HasSubstr("ghost-point"), HasSubstr("thesis-literal"),
+                                HasSubstr("remote-force"), HasSubstr("spring-damper"),
+                                HasSubstr("wave"), HasSubstr("constraint-plane"),
+                                HasSubstr("buffer-zone"), HasSubstr("composite"))));
 }
 
 TEST(ConfigCoupling, EachSchemeTakesItsOwnNumbersAndNoOthers) {
   const std::vector<std::pair<std::string, std::string>> taken{
       {"stiffness_newton_per_m = 100",
-       "ghost-point remote-force spring-damper constraint-plane buffer-zone"},
+       "auto ghost-point composite remote-force spring-damper constraint-plane buffer-zone"},
       {"damping_newton_s_per_m = 3",
-       "ghost-point remote-force spring-damper constraint-plane buffer-zone"},
+       "auto ghost-point composite remote-force spring-damper constraint-plane buffer-zone"},
       {"buffer_m = 0.01", "buffer-zone"},
       {"zone = \"faces\"", "buffer-zone"},
       {"impedance_newton_s_per_m = 20", "wave"},
       {"force_at = \"both\"", "spring-damper"},
-      {"hysteresis_m = 0.001", "ghost-point constraint-plane"},
+      {"hysteresis_m = 0.001", "auto ghost-point composite constraint-plane"},
       {"late_walls = \"offset\"", "constraint-plane"},
-      {"coordinate_spring_newton_per_m = 10", "ghost-point"},
-      {"relaxation_m_per_s = 0.01", "ghost-point constraint-plane"}};
-  for (const char* scheme : {"ghost-point", "remote-force", "spring-damper", "wave",
-                             "constraint-plane", "buffer-zone"}) {
+      {"coordinate_spring_newton_per_m = 10", "auto ghost-point composite"},
+      {"relaxation_m_per_s = 0.01", "auto ghost-point composite constraint-plane"}};
+  for (const char* scheme : {"auto", "ghost-point", "composite", "remote-force", "spring-damper",
+                             "wave", "constraint-plane", "buffer-zone"}) {
     const std::string line = std::string("coupling.scheme = \"") + scheme + "\"\n";
     for (const auto& [key, takers] : taken) {
       const auto found = mistakes(hello_with_arm(line + "coupling." + key + "\n"));
@@ -120,7 +122,7 @@ TEST(ConfigCoupling, LateWallsTakeTheTimeOfTheirKind) {
 
 TEST(ConfigCoupling, AnySchemeIsGuardedByOneLine) {
   for (const char* scheme : {"ghost-point", "thesis-literal", "remote-force", "spring-damper",
-                             "wave", "constraint-plane", "buffer-zone"}) {
+                             "wave", "constraint-plane", "buffer-zone", "composite"}) {
     const std::string lines =
         std::string("coupling.scheme = \"") + scheme + "\"\ncoupling.passivity = true\n";
     const auto sut = parse_text(hello_with_arm(lines));
@@ -161,19 +163,22 @@ TEST(ConfigCoupling, NumbersOfAFarEndStayBelowItsCeilings) {
   }
 }
 
-TEST(ConfigCoupling, ASlaveOrAZoneIsRefusedInLockStep) {
+TEST(ConfigCoupling, ASlaveZoneOrMapIsRefusedInLockStep) {
   const std::string mode = "coupling.mode = \"lock-step\"\n";
-  for (const char* scheme : {"spring-damper", "wave", "buffer-zone"}) {
+  for (const char* scheme : {"spring-damper", "wave", "buffer-zone", "composite"}) {
     const std::string line = std::string("coupling.scheme = \"") + scheme + "\"\n";
     EXPECT_THAT(
         mistakes(hello_with_arm(line + mode)),
         ElementsAre(AllOf(HasSubstr("arm.0.coupling.mode"), HasSubstr("follows a stream"))));
   }
-  EXPECT_THAT(mistakes(hello_with_arm("coupling.scheme = \"remote-force\"\n" + mode)), IsEmpty());
+  for (const char* scheme : {"auto", "remote-force"}) {
+    const std::string line = std::string("coupling.scheme = \"") + scheme + "\"\n";
+    EXPECT_THAT(mistakes(hello_with_arm(line + mode)), IsEmpty());
+  }
 }
 
 TEST(ConfigCoupling, AFarEndOrAZoneIsRefusedOverTheDatagramsOf1999) {
-  for (const char* scheme : {"remote-force", "spring-damper", "wave", "buffer-zone"}) {
+  for (const char* scheme : {"remote-force", "spring-damper", "wave", "buffer-zone", "composite"}) {
     const std::string arm = std::string("[[arm]]\nname = \"left\"\ndevice = ") +
                             "\"sim:phantom-vintage\"\nlink = \"udp://127.0.0.1:5001\"\n" +
                             "coupling.scheme = \"" + scheme + "\"\n";
@@ -184,7 +189,7 @@ TEST(ConfigCoupling, AFarEndOrAZoneIsRefusedOverTheDatagramsOf1999) {
 }
 
 TEST(ConfigCoupling, AFarEndOrAZoneIsRefusedInAWorldOfTheSimpleModel) {
-  for (const char* scheme : {"remote-force", "spring-damper", "wave", "buffer-zone"}) {
+  for (const char* scheme : {"remote-force", "spring-damper", "wave", "buffer-zone", "composite"}) {
     const std::string line = std::string("coupling.scheme = \"") + scheme + "\"\n";
     EXPECT_THAT(mistakes(hello_with_arm(line) + "constraint_model = \"simple\"\n"),
                 ElementsAre(AllOf(HasSubstr(std::string("arm.0.coupling: \"") + scheme),

@@ -65,7 +65,7 @@ TEST(MakeCoupling, PutsAGuardAroundAnySchemeThatIsToHaveOne) {
        {config::CouplingScheme::GhostPoint, config::CouplingScheme::ThesisLiteral,
         config::CouplingScheme::RemoteForce, config::CouplingScheme::SpringDamper,
         config::CouplingScheme::Wave, config::CouplingScheme::ConstraintPlane,
-        config::CouplingScheme::BufferZone}) {
+        config::CouplingScheme::BufferZone, config::CouplingScheme::Composite}) {
     config::ArmConfig arm;
     arm.coupling.scheme = scheme;
     const auto bare = make_coupling(arm, 0, arm_of(500));

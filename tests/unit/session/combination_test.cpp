@@ -89,7 +89,7 @@ TEST(Combination, IsAcceptedOrRefusedWithItsReasonAsTheMatrixSays) {
                                                           {"`sphere`", &*sphere},
                                                           {"`pieces`", pieces->world.get()},
                                                           {"`life`", life->get()}};
-  ASSERT_EQ(page().at("world").size(), 11U) << "a new column needs a line here";
+  ASSERT_EQ(page().at("world").size(), 12U) << "a new column needs a line here";
   ASSERT_EQ(page().size(), 1 + 1 + worlds.size()) << "a new row needs a world here";
   for (const auto& [name, world] : worlds) {
     config::WorldConfig said;
@@ -109,11 +109,38 @@ TEST(Combination, IsAcceptedOrRefusedWithItsReasonAsTheMatrixSays) {
     arm.scheme = config::CouplingScheme::BufferZone;
     arm.buffer_m = 0.010;
     expect_as_on_page(name, "scheme `buffer-zone`", check_combination(*world, arm));
+    arm.scheme = config::CouplingScheme::Composite;
+    expect_as_on_page(name, "scheme `composite`", check_combination(*world, arm));
     said.listen = config::UdpEndpoint{"127.0.0.1", 5001};
     expect_as_on_page(name, "`listen`", check_combination(*world, said));
     said.listen.reset();
     said.constraint_model = config::ConstraintModel::Simple;
     expect_as_on_page(name, "model `simple`", check_combination(*world, said));
+  }
+}
+
+TEST(Combination, ChoosesTheMapWhereNothingIsInItsWay) {
+  using config::CouplingScheme;
+  const world::VoxelWorld cells(world::make_box(9).value(), "box:9");
+  const auto sphere = world::SphereWorld::create({{}, 0.02, -0.02}).value();
+  const config::WorldConfig plain;
+  const config::CouplingConfig arm;
+  EXPECT_EQ(arm.scheme, CouplingScheme::Auto) << "where nothing is said";
+  EXPECT_EQ(choose_scheme(cells, plain, arm), CouplingScheme::Composite);
+  EXPECT_EQ(choose_scheme(sphere, plain, arm), CouplingScheme::GhostPoint);
+  config::WorldConfig simple;
+  simple.constraint_model = config::ConstraintModel::Simple;
+  EXPECT_EQ(choose_scheme(cells, simple, arm), CouplingScheme::GhostPoint);
+  config::WorldConfig of_bone;
+  of_bone.materials.emplace_back();
+  EXPECT_EQ(choose_scheme(cells, of_bone, arm), CouplingScheme::GhostPoint);
+  config::CouplingConfig waits;
+  waits.mode = config::CouplingMode::LockStep;
+  EXPECT_EQ(choose_scheme(cells, plain, waits), CouplingScheme::GhostPoint);
+  for (const CouplingScheme said : {CouplingScheme::GhostPoint, CouplingScheme::Wave}) {
+    config::CouplingConfig chosen;
+    chosen.scheme = said;
+    EXPECT_EQ(choose_scheme(cells, plain, chosen), said);
   }
 }
 
