@@ -29,6 +29,7 @@ std::vector<CouplingCase> compared_schemes() {
        .mode = link::SendMode::LockStep},
       {.name = "constraint-plane", .scheme = Scheme::ConstraintPlane},
       {.name = "buffer-zone", .scheme = Scheme::BufferZone},
+      {.name = "composite", .scheme = Scheme::Composite},
   };
 }
 

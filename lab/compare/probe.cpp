@@ -8,8 +8,9 @@
 namespace thimble::lab {
 namespace {
 
-// SOURCE: teleop.md section 5, M1 to M3; reach: its section 1. Ours: what comes after the contact.
-constexpr Position3 kStart{kWall_m - 0.030, -0.02, 0};
+// SOURCE: teleop.md section 5, M1 to M3; reach: its section 1. Ours: what comes after the contact,
+// and from where: farther than a buffer zone reaches, which would be full at rest.
+constexpr Position3 kStart{kWall_m - 0.060, -0.02, 0};
 constexpr double kSpeed_m_per_s = 0.2;
 constexpr double kReach_m = 0.0635;
 constexpr double kFelt_newton = 0.5;

@@ -57,4 +57,15 @@ std::vector<Standing> rank(std::span<const NetworkMarks> schemes, const Weights&
   return standings;
 }
 
+std::size_t place_of(std::size_t scheme, std::span<const Standing> standings) {
+  std::size_t place = 1;
+  for (std::size_t i = 0; i < standings.size(); ++i) {
+    const bool is_same = i > 0 && standings[i].failed == standings[i - 1].failed &&
+                         standings[i].score - standings[place - 1].score < kSameScore;
+    if (!is_same) place = i + 1;
+    if (standings[i].scheme == scheme) break;
+  }
+  return place;
+}
+
 }  // namespace thimble::lab

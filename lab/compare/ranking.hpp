@@ -68,5 +68,9 @@ struct Standing {
 // networks, at least one.
 [[nodiscard]] std::vector<Standing> rank(std::span<const NetworkMarks> schemes,
                                          const Weights& weights);
+// The place of a scheme among them, from 1; those that fail as many gates share it where their
+// scores differ by less than kSameScore.
+inline constexpr double kSameScore = 1e-3;  // ours: less than the tables show
+[[nodiscard]] std::size_t place_of(std::size_t scheme, std::span<const Standing> standings);
 
 }  // namespace thimble::lab

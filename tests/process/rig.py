@@ -236,10 +236,10 @@ class ProcessTest(unittest.TestCase):
         return daemon
 
     def run_program(self, program, *arguments, environment=None, preexec=None,
-                    stdout=subprocess.PIPE):
+                    stdout=subprocess.PIPE, timeout=TIMEOUT_S):
         return subprocess.run(
             [str(BIN / program), *map(str, arguments)], stdin=subprocess.DEVNULL,
-            stdout=stdout, stderr=subprocess.PIPE, text=True, errors="replace", timeout=TIMEOUT_S, check=False,
+            stdout=stdout, stderr=subprocess.PIPE, text=True, errors="replace", timeout=timeout, check=False,
             env={**clean_environment(), **(environment or {})},
             preexec_fn=preexec or die_with_parent)
 

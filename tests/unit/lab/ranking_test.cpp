@@ -37,6 +37,23 @@ TEST(Ranking, AFailedGateComesBehindAnyScore) {
   EXPECT_EQ(standings[1].failed, 1U);
 }
 
+TEST(Ranking, EqualsShareAPlaceAndTheNextOneIsBehindThemAll) {
+  const auto of = [](double score, bool fails) {
+    Marks marks;
+    marks.metrics.fill(score);
+    marks.fails[0] = fails;
+    return NetworkMarks{marks};
+  };
+  const std::vector<NetworkMarks> schemes{of(0.5, false), of(0.1004, false), of(0.1, false),
+                                          of(0.1, true), of(0.6, false)};
+  const auto standings = rank(schemes, kWeights);
+  EXPECT_EQ(place_of(2, standings), 1U);
+  EXPECT_EQ(place_of(1, standings), 1U);
+  EXPECT_EQ(place_of(0, standings), 3U);
+  EXPECT_EQ(place_of(4, standings), 4U);
+  EXPECT_EQ(place_of(3, standings), 5U) << "who fails a gate is no one's equal who does not";
+}
+
 TEST(Ranking, WhatIsNoNumberIsTheWorst) {
   EXPECT_EQ(bounded_mark(std::numeric_limits<double>::quiet_NaN()), kWorst);
   EXPECT_EQ(bounded_mark(std::numeric_limits<double>::infinity()), kWorst);
