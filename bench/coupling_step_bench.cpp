@@ -12,6 +12,7 @@
 #include "daemon/coupling/passivity_guard.hpp"
 #include "daemon/coupling/scheme.hpp"
 #include "daemon/world/near_cell_finder.hpp"
+#include "daemon/world/occupancy_teller.hpp"
 #include "daemon/world/voxel_grid.hpp"
 
 namespace {
@@ -40,6 +41,14 @@ class Pressed {
     set_.has_near = true;
     set_.near =
         world::NearCellFinder().find(*world::make_box(3), {.middle = {1, 1, 1}, .reach_m = 0.03});
+    const world::VoxelGrid box = *world::make_box(3);
+    world::OccupancyTeller teller;
+    teller.reset();
+    set_.has_map = true;
+    set_.map = {.lattice = box.lattice(),
+                .ghost_cell = {1, 1, 1},
+                .blocks = teller.tell(box, {1, 1, 1}, 1)};
+    set_.ghost = {0.015, 0, 0};
     arm_->reset(now_, {0.0152, 0, 0});
   }
 
@@ -100,7 +109,9 @@ bool run(const std::string& name, std::unique_ptr<coupling::ArmCoupling> half, d
 
 int main() {
   for (const coupling::Scheme scheme : coupling::kSchemes) {
-    const double goal_ns = scheme == coupling::Scheme::GhostPoint ? 400 : 1000;
+    const bool is_ours =
+        scheme == coupling::Scheme::GhostPoint || scheme == coupling::Scheme::Composite;
+    const double goal_ns = is_ours ? 400 : 1000;
     if (!run(std::string(to_string(scheme)), coupling::make_arm_coupling(scheme, {}), goal_ns)) {
       return 1;
     }

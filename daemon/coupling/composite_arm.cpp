@@ -38,11 +38,10 @@ ArmOutput CompositeArm::step(const ArmInput& input) noexcept {
     has_ghost_ = false;
     has_told_ = true;
   }
-  const ConstraintSet* said = has_told_ ? &told_ : nullptr;
-  if (has_ghost_) {
-    said = &known_;
-  } else {
+  const ConstraintSet* said = has_ghost_ || has_told_ ? &felt_ : nullptr;
+  if (!has_ghost_) {
     ++counters_.trusted;
+    if (has_told_) felt_.planes = told_;
     has_told_ = false;
   }
   ArmOutput output = ghost_point_.step(input, said);
@@ -59,7 +58,10 @@ ArmOutput CompositeArm::step(const ArmInput& input) noexcept {
 
 void CompositeArm::learn(const ConstraintSet& said) noexcept {
   note_applied(said);
-  told_ = said;
+  felt_.sequence = said.sequence;
+  felt_.session = said.session;
+  told_.clear();
+  for (const ConstraintPlane& plane : said.planes) told_.push_back(plane);
   has_told_ = true;
   if (!take_map(said) || said.is_embedded || !is_explained(said)) {
     has_ghost_ = false;
@@ -123,15 +125,13 @@ bool CompositeArm::follow(Position3 hand) noexcept {
   if (!mirror_.is_known(slide.ghost.cell)) return false;
   ghost_ = slide.ghost;
   if (is_plane_) ghost_.position.z = hand.z;
-  known_.sequence = told_.sequence;
-  known_.session = told_.session;
-  known_.planes.clear();
+  felt_.planes.clear();
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (slide.held[axis] == 0) continue;
     ConstraintPlane plane;
     plane.normal[axis] = slide.held[axis];
     plane.offset_m = slide.held[axis] * ghost_.position[axis];
-    known_.planes.push_back(plane);
+    felt_.planes.push_back(plane);
   }
   return true;
 }

@@ -63,8 +63,8 @@ class CompositeArm final : public ArmCoupling {
   GhostPointArm ghost_point_;
   world::OccupancyMirror mirror_{};
   world::GhostPoint ghost_{};
-  ConstraintSet told_{};   // the newest answer
-  ConstraintSet known_{};  // what holds the ghost now
+  PlaneList told_{};      // of the newest answer
+  ConstraintSet felt_{};  // the planes that hold the ghost now, else those
   bool has_ghost_{false};
   bool is_plane_{false};
   bool has_session_{false};

@@ -26,11 +26,12 @@ struct OccupancyBlock {
   bool operator==(const OccupancyBlock&) const = default;
 };
 
-// Of a cell that is in a grid.
+// Of a cell that is in a grid, whose numbers are 0 at least: unsigned division is a shift.
 [[nodiscard]] constexpr std::array<std::int16_t, 3> block_of(Cell cell) noexcept {
-  return {static_cast<std::int16_t>(cell.x / kBlockEdge_cells),
-          static_cast<std::int16_t>(cell.y / kBlockEdge_cells),
-          static_cast<std::int16_t>(cell.z / kBlockEdge_cells)};
+  constexpr auto kEdge = static_cast<std::uint32_t>(kBlockEdge_cells);
+  return {static_cast<std::int16_t>(static_cast<std::uint32_t>(cell.x) / kEdge),
+          static_cast<std::int16_t>(static_cast<std::uint32_t>(cell.y) / kEdge),
+          static_cast<std::int16_t>(static_cast<std::uint32_t>(cell.z) / kEdge)};
 }
 
 // What one answer tells. Ours: 512 blocks are told in 128 answers, and an answer still fits into a

@@ -22,8 +22,8 @@ bool OccupancyMirror::learn(const OccupancyBlock& block) noexcept {
   return true;
 }
 
+// Of a cell that is inside.
 const OccupancyBlock* OccupancyMirror::find(Cell cell) const noexcept {
-  if (!lattice_.is_inside(cell)) return nullptr;
   const std::array<std::int16_t, 3> at = block_of(cell);
   const OccupancyBlock& slot = slots_[slot_of(at)];
   return slot.version > 0 && slot.at == at ? &slot : nullptr;
@@ -37,10 +37,10 @@ bool OccupancyMirror::is_occupied(Cell cell) const noexcept {
   if (!lattice_.is_inside(cell)) return true;
   const OccupancyBlock* const block = find(cell);
   if (block == nullptr) return false;
-  const auto z = static_cast<std::size_t>(cell.z % kBlockEdge_cells);
-  const auto bit = static_cast<unsigned>(cell.x % kBlockEdge_cells +
-                                         kBlockEdge_cells * (cell.y % kBlockEdge_cells));
-  return ((block->slices[z] >> bit) & 1U) != 0;
+  constexpr auto kEdge = static_cast<std::uint32_t>(kBlockEdge_cells);
+  const std::uint32_t bit = static_cast<std::uint32_t>(cell.x) % kEdge +
+                            kEdge * (static_cast<std::uint32_t>(cell.y) % kEdge);
+  return ((block->slices[static_cast<std::uint32_t>(cell.z) % kEdge] >> bit) & 1U) != 0;
 }
 
 }  // namespace thimble::world

@@ -101,6 +101,8 @@ void OccupancyTeller::reset() {
   told_ = 0;
   versions_ = 0;
   turn_ = 0;
+  looks_ = 0;
+  is_quiet_ = false;
 }
 
 void OccupancyTeller::acknowledge(std::uint64_t newest, std::uint64_t before) noexcept {
@@ -123,11 +125,14 @@ void OccupancyTeller::apply(std::uint64_t number) noexcept {
 void OccupancyTeller::look_at(const VoxelGrid& grid,
                               const std::array<std::int16_t, 3>& at) noexcept {
   Slot& slot = slots_[slot_of(at)];
+  const bool is_mine = slot.block.version > 0 && slot.block.at == at;
+  if (is_mine && slot.seen_at == grid.revision()) return;
+  slot.seen_at = grid.revision();
   std::array<std::uint64_t, kBlockSlices> slices{};
   for (std::int32_t z = 0; z < kBlockEdge_cells; ++z) {
     slices[static_cast<std::size_t>(z)] = slice_of(grid, at, z);
   }
-  if (slot.block.version > 0 && slot.block.at == at && slot.block.slices == slices) return;
+  if (is_mine && slot.block.slices == slices) return;
   slot.block = {at, ++versions_, slices};
   slot.told_in = 0;
 }
@@ -137,6 +142,7 @@ void OccupancyTeller::look_around(const VoxelGrid& grid,
   std::size_t place = 0;
   const std::size_t first = turn_;
   turn_ = (turn_ + kFarLooks) % kMirrorSlots;
+  looks_ += kFarLooks;
   visit_window(grid, middle, [&](const std::array<std::int16_t, 3>& at, const Offset& offset) {
     const bool is_turn = (place + kMirrorSlots - first) % kMirrorSlots < kFarLooks;
     ++place;
@@ -147,11 +153,19 @@ void OccupancyTeller::look_around(const VoxelGrid& grid,
 
 ToldBlocks OccupancyTeller::tell(const VoxelGrid& grid, Cell ghost, std::uint64_t number) noexcept {
   const std::array<std::int16_t, 3> middle = block_of(ghost);
-  look_around(grid, middle);
   told_ = number;
   Answer& answer = answers_[number % kAnswers];
   answer = {.number = number};
   ToldBlocks told;
+  if (looks_ == 0 || revision_ != grid.revision() || middle_ != middle) {
+    revision_ = grid.revision();
+    middle_ = middle;
+    looks_ = 0;
+    is_quiet_ = false;
+  }
+  if (is_quiet_) return told;
+  // Once around, all has been looked at as it is.
+  if (looks_ < kMirrorSlots) look_around(grid, middle);
   for (const std::uint16_t which : choose(grid, middle)) {
     Slot& slot = slots_[which];
     slot.told_in = number;
@@ -159,6 +173,7 @@ ToldBlocks OccupancyTeller::tell(const VoxelGrid& grid, Cell ghost, std::uint64_
     answer.versions[answer.count++] = slot.block.version;
     told.push_back(slot.block);
   }
+  is_quiet_ = looks_ >= kMirrorSlots && told.empty();
   return told;
 }
 

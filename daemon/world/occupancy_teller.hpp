@@ -17,12 +17,12 @@ namespace thimble::world {
 // told the longest ago. What a peer has is what he says that he applied; until then he is told
 // again, so that what was lost or overtaken is missed for the shortest time.
 //
-// Changes are found by looking: at the blocks around the ghost in each answer, at a few of the
-// others in turn.
+// Changes are found by looking, while the grid changes: at the blocks around the ghost in each
+// answer, at a few of the others in turn.
 //
 // Thread: the world's. Not RT: neither blocks nor, after reset(), allocates; a look at 35 blocks an
-// answer. Ownership: none; the grid is given to each call.
-// Errors: none; answers that were never given are not acknowledged.
+// answer, and nothing at all once the peer knows a grid that stays. Ownership: none; the grid is
+// given to each call. Errors: none; answers that were never given are not acknowledged.
 class OccupancyTeller {
  public:
   // A new session: the peer knows nothing. Allocates once.
@@ -41,6 +41,7 @@ class OccupancyTeller {
     OccupancyBlock block{};          // as it is now; version 0: not in the window yet
     std::uint32_t known_version{0};  // what the peer has
     std::uint64_t told_in{0};        // the newest answer that has it as it is now; 0: none
+    std::uint64_t seen_at{0};        // VoxelGrid::revision() of that look
   };
   struct Answer {
     std::uint64_t number{0};
@@ -60,6 +61,11 @@ class OccupancyTeller {
   std::uint64_t told_{0};  // the newest answer
   std::uint32_t versions_{0};
   std::size_t turn_{0};  // of the looks at blocks far away
+  // What was looked at without a break: as the grid is, around one place.
+  std::uint64_t revision_{0};
+  std::array<std::int16_t, 3> middle_{};
+  std::size_t looks_{0};
+  bool is_quiet_{false};  // all has been looked at since, and the peer has it
 };
 
 }  // namespace thimble::world

@@ -31,14 +31,17 @@ Result<VoxelGrid> VoxelGrid::create(std::array<std::uint32_t, 3> cells, double c
   return VoxelGrid(cells, cell_m);
 }
 
-void VoxelGrid::fill() noexcept { std::fill(words_.begin(), words_.end(), ~std::uint64_t{0}); }
+void VoxelGrid::fill() noexcept {
+  std::fill(words_.begin(), words_.end(), ~std::uint64_t{0});
+  ++revision_;
+}
 
 void VoxelGrid::set_occupied(Cell cell, bool is_occupied) noexcept {
   if (!is_inside(cell)) return;
   const std::size_t bit = bit_of(cell);
   const std::uint64_t mask = std::uint64_t{1} << (bit % 64);
-  std::uint64_t& word = words_[bit / 64];
-  word = is_occupied ? word | mask : word & ~mask;
+  const std::uint64_t word = words_[bit / 64];
+  set_word(bit / 64, is_occupied ? word | mask : word & ~mask);
 }
 
 std::size_t VoxelGrid::set_row(Cell from, std::int32_t end_x, bool is_occupied) noexcept {
@@ -50,10 +53,10 @@ std::size_t VoxelGrid::set_row(Cell from, std::int32_t end_x, bool is_occupied) 
   for (auto left = static_cast<std::size_t>(end - from.x); left > 0;) {
     const std::size_t count = std::min(left, 64 - bit % 64);
     const std::uint64_t mask = (~std::uint64_t{0} >> (64 - count)) << (bit % 64);
-    std::uint64_t& word = words_[bit / 64];
+    const std::uint64_t word = words_[bit / 64];
     const std::uint64_t after = is_occupied ? word | mask : word & ~mask;
     changed += static_cast<std::size_t>(std::popcount(word ^ after));
-    word = after;
+    set_word(bit / 64, after);
     bit += count;
     left -= count;
   }

@@ -68,7 +68,14 @@ class VoxelGrid {
                (static_cast<std::size_t>(cell.y) + cells()[1] * static_cast<std::size_t>(cell.z));
   }
   // Word `index`, which must be there; its bits are as words() has them. Not RT.
-  void set_word(std::size_t index, std::uint64_t word) noexcept { words_[index] = word; }
+  void set_word(std::size_t index, std::uint64_t word) noexcept {
+    if (words_[index] == word) return;
+    words_[index] = word;
+    ++revision_;
+  }
+  // Grows whenever words() may have changed: who saw it before knows that they have not. A copy has
+  // that of its origin.
+  [[nodiscard]] std::uint64_t revision() const noexcept { return revision_; }
 
   // Of the `count` cells of one row from `from` up, 1 to 64, all of them in the grid: bit i is the
   // i-th.
@@ -84,7 +91,10 @@ class VoxelGrid {
     return static_cast<std::int32_t>(cells()[axis]) - 1 - lower_index(axis, -p);
   }
   [[nodiscard]] std::size_t memory_bytes() const noexcept { return words_.size() * 8; }
-  bool operator==(const VoxelGrid&) const = default;
+  // Of the cells; how often they were changed does not count.
+  bool operator==(const VoxelGrid& other) const noexcept {
+    return lattice_ == other.lattice_ && words_ == other.words_;
+  }
 
  private:
   VoxelGrid(std::array<std::uint32_t, 3> cells, double cell_m);
@@ -97,6 +107,7 @@ class VoxelGrid {
 
   CellLattice lattice_;
   std::vector<std::uint64_t> words_;
+  std::uint64_t revision_{0};
 };
 
 // The thesis's workspace, a cube of 90 mm (thesis 4.1; app. A and B: 3 cells of 30 mm).

@@ -170,6 +170,20 @@ TEST(Occupancy, AChangeBesideTheGhostGoesWithTheNextAnswer) {
   }
 }
 
+// Also once there was nothing left to look for, wherever it is.
+TEST(Occupancy, AChangeInAGridThatStayedIsToldWithinATurn) {
+  std::mt19937 random(706);
+  ToldWorld sut(empty_grid({60, 64, 50}), 1, 0, 0);
+  const Cell ghost{30, 31, 32};
+  for (int run = 0; run < 40; ++run) {
+    for (int i = 0; i < 200; ++i) sut.tick(ghost);
+    const Cell cell = any_cell(random, sut.grid);
+    sut.grid.set_occupied(cell, !sut.grid.is_occupied(cell));
+    for (int i = 0; i < 65; ++i) sut.tick(ghost);
+    EXPECT_EQ(sut.cells_that_differ(kWhole_cells, ghost), 0) << run;
+  }
+}
+
 TEST(Occupancy, OfALargeWorldWhatIsAroundTheGhostIsKnownWhereverItGoes) {
   std::mt19937 random(704);
   VoxelGrid grid = empty_grid({200, 9, 130});

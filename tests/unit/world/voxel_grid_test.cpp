@@ -131,5 +131,25 @@ TEST(MakeBox, RefusesSizesOutOfRange) {
   EXPECT_FALSE(make_box(3, 0));
 }
 
+TEST(VoxelGrid, ItsRevisionGrowsWithEveryChangeAndWithNothingElse) {
+  VoxelGrid sut = VoxelGrid::create({70, 3, 2}, 0.01).value();
+  const auto grows = [&](const auto& change) {
+    const std::uint64_t before = sut.revision();
+    change();
+    return sut.revision() > before;
+  };
+  EXPECT_TRUE(grows([&] { sut.set_occupied({1, 1, 1}, true); }));
+  EXPECT_FALSE(grows([&] { sut.set_occupied({1, 1, 1}, true); }));
+  EXPECT_FALSE(grows([&] { sut.set_occupied({-1, 1, 1}, true); }));
+  EXPECT_TRUE(grows([&] { (void)sut.set_row({0, 2, 1}, 70, true); }));
+  EXPECT_FALSE(grows([&] { (void)sut.set_row({5, 2, 1}, 60, true); }));
+  EXPECT_TRUE(grows([&] { sut.set_word(0, 77); }));
+  EXPECT_FALSE(grows([&] { sut.set_word(0, 77); }));
+  EXPECT_TRUE(grows([&] { sut.fill(); }));
+  VoxelGrid other = VoxelGrid::create({70, 3, 2}, 0.01).value();
+  other.fill();
+  EXPECT_EQ(other, sut) << "what they are counts, not how they came to it";
+}
+
 }  // namespace
 }  // namespace thimble::world
