@@ -108,20 +108,28 @@ void add_experiments(CLI::App& lab, int& code) {
                  {.contacts = asked.contacts, .seed = asked.seed, .progress = asked.progress});
            }},
       code);
-  const auto compare = [](bool moves) {
-    return [moves](const Asked& asked) {
-      return lab::run_compare({.moves = moves, .seed = asked.seed, .progress = asked.progress});
+  const auto compare = [](bool moves, bool are_guarded) {
+    return [moves, are_guarded](const Asked& asked) {
+      return lab::run_compare({.moves = moves,
+                               .are_guarded = are_guarded,
+                               .seed = asked.seed,
+                               .progress = asked.progress});
     };
   };
   add_experiment(lab,
                  {.name = "compare",
                   .help = "Every coupling scheme at 1 to 500 ms on four networks, ranked",
-                  .run = compare(false)},
+                  .run = compare(false, false)},
                  code);
   add_experiment(lab,
                  {.name = "compare-moving",
                   .help = "The same at a wall that moves to and fro",
-                  .run = compare(true)},
+                  .run = compare(true, false)},
+                 code);
+  add_experiment(lab,
+                 {.name = "compare-guarded",
+                  .help = "The same as compare, each scheme with a passivity guard",
+                  .run = compare(false, true)},
                  code);
 }
 

@@ -40,7 +40,9 @@ StageSettings stage_of(const CompareSettings& settings, double delay_s, Network 
 // Runs in the order of delay, scheme, network.
 class Grid {
  public:
-  explicit Grid(const CompareSettings& settings) : settings_(settings) {}
+  explicit Grid(const CompareSettings& settings) : settings_(settings) {
+    for (CouplingCase& scheme : schemes_) scheme.is_guarded = settings.are_guarded;
+  }
 
   [[nodiscard]] std::size_t size() const {
     return kDelays_s.size() * schemes_.size() * kNetworks.size();
@@ -281,6 +283,18 @@ std::vector<Criterion> criteria_of(const Compared& compared, bool moves) {
   return {bounded_criterion(compared), first_criterion(compared), stiffness_criterion(compared)};
 }
 
+std::string name_of(const CompareSettings& settings) {
+  return std::string("compare") + (settings.moves ? "-moving" : "") +
+         (settings.are_guarded ? "-guarded" : "");
+}
+
+std::string title_of(const CompareSettings& settings) {
+  return std::string("Coupling schemes") +
+         (settings.are_guarded ? ", each with a passivity guard," : "") +
+         (settings.moves ? " at a wall whose front moves by 3 mm every 0.7 s"
+                         : " at a wall that stays");
+}
+
 }  // namespace
 
 Result<Findings> run_compare(const CompareSettings& settings) {
@@ -295,10 +309,8 @@ Result<Findings> run_compare(const CompareSettings& settings) {
     compared.measures.push_back(*run);
     compared.marks.push_back(marks_of(*run, compared.reference, settings.moves));
   }
-  return Findings{.experiment = settings.moves ? "compare-moving" : "compare",
-                  .title = settings.moves
-                               ? "Coupling schemes at a wall whose front moves by 3 mm every 0.7 s"
-                               : "Coupling schemes at a wall that stays",
+  return Findings{.experiment = name_of(settings),
+                  .title = title_of(settings),
                   .parameters = {{"seed", "", static_cast<double>(settings.seed)},
                                  {"servo_rate", "Hz", 1000.0},
                                  {"jitter_of_delay", "", kJitter},

@@ -9,7 +9,8 @@
 namespace thimble::lab {
 
 struct CompareSettings {
-  bool moves{false};  // the wall's front, to and fro
+  bool moves{false};        // the wall's front, to and fro
+  bool are_guarded{false};  // the schemes, each by a passivity guard
   std::uint64_t seed{1};
   Progress progress{};
 };

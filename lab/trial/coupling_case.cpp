@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "daemon/coupling/constraint_model.hpp"
+#include "daemon/coupling/passivity_guard.hpp"
 
 namespace thimble::lab {
 namespace {
@@ -22,8 +23,12 @@ Result<std::unique_ptr<TrialLoop>> make_trial(const CouplingCase& of, world::Wor
   auto world_half = make_world_half(of, world);
   if (!world_half) return tl::unexpected(world_half.error().in(of.name));
   settings.mode = of.mode;
-  return std::make_unique<TrialLoop>(coupling::make_arm_coupling(of.scheme, of.settings),
-                                     *std::move(world_half), settings);
+  auto arm_half = coupling::make_arm_coupling(of.scheme, of.settings);
+  if (of.is_guarded) {
+    arm_half = std::make_unique<coupling::PassivityGuard>(std::move(arm_half),
+                                                          coupling::PassivitySettings{});
+  }
+  return std::make_unique<TrialLoop>(std::move(arm_half), *std::move(world_half), settings);
 }
 
 }  // namespace thimble::lab

@@ -18,6 +18,7 @@ struct CouplingCase {
   coupling::SchemeSettings settings{};
   coupling::WorldHalfSettings world_half{};  // of a scheme that has its own
   link::SendMode mode{link::SendMode::Streamed};
+  bool is_guarded{false};  // by a PassivityGuard, as it ships
 };
 
 // Both halves of `of` at a link as `settings` says, but for its mode, which is that of the case.

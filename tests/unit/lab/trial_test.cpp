@@ -74,6 +74,24 @@ TEST(TrialLoop, ASampleIsAnsweredAfterTheDelayAndNoSooner) {
   }
 }
 
+// A remote force at 50 ms swings, and what a guard adds is against it.
+TEST(TrialLoop, AGuardedSchemeGivesTheHandLess) {
+  const auto most_given_joule = [](bool is_guarded) {
+    const auto world = world::make_world("box:3");
+    auto loop = make_trial(
+        {.name = "remote-force", .scheme = coupling::Scheme::RemoteForce, .is_guarded = is_guarded},
+        **world, {.impairment = {.delay_s = 0.05}});
+    EXPECT_TRUE(loop);
+    Finger finger({}, (*loop)->dt());
+    for (int tick = 0; tick < 2000; ++tick) {
+      const coupling::ArmOutput out = (*loop)->tick(finger.tip(), finger.seen_velocity());
+      finger.move({.at = {0.02, 0, 0}}, out.force);
+    }
+    return finger.energy().generated_joule();
+  };
+  EXPECT_LT(most_given_joule(true), 0.8 * most_given_joule(false));
+}
+
 TEST(TrialLoop, ANetworkThatIsDownCarriesNothingEitherWay) {
   const auto world = world::make_world("box:3");
   ASSERT_TRUE(world);
