@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "daemon/world/free_place.hpp"
 #include "daemon/world/plane_projection.hpp"
 #include "hal/rt/static_vector.hpp"
 
@@ -16,7 +17,6 @@ constexpr double kArrived_m = 1e-10;
 // Far from every arm, near enough to compute with.
 constexpr double kFar_m = 1e3;
 // Of a search for a free place.
-constexpr double kSearch_m = 10;
 constexpr double kSearchStep_m = 0.001;
 
 struct Touch {
@@ -106,18 +106,6 @@ double depth_inside_m(std::span<const PlacedShape> shapes, Position3 at) noexcep
   return -nearest_m;
 }
 
-// The first free place on a straight way out.
-std::optional<Position3> march(std::span<const PlacedShape> shapes, Position3 from,
-                               Displacement3 way, double within_m) noexcept {
-  for (double gone_m = 0; gone_m < within_m;) {
-    const Position3 at = from + gone_m * way;
-    const double depth_m = depth_inside_m(shapes, at);
-    if (depth_m <= -kTouch_m) return at;
-    gone_m += std::max(depth_m, kSearchStep_m);
-  }
-  return std::nullopt;
-}
-
 }  // namespace
 
 ProbeMotion move_ghost(std::span<const PlacedShape> shapes, Position3& ghost,
@@ -138,17 +126,9 @@ ProbeMotion move_ghost(std::span<const PlacedShape> shapes, Position3& ghost,
 
 std::optional<Position3> find_place(std::span<const PlacedShape> shapes, Position3 hand) noexcept {
   if (depth_inside_m(shapes, hand) <= 0) return hand;
-  std::optional<Position3> best;
-  double best_m = kSearch_m;
-  for (int direction = 0; direction < 27; ++direction) {
-    const Displacement3 way{direction % 3 - 1.0, direction / 3 % 3 - 1.0, direction / 9 - 1.0};
-    const double length = norm(way);
-    if (length == 0) continue;
-    const auto place = march(shapes, hand, (1 / length) * way, best_m);
-    if (!place) continue;
-    best = place;
-    best_m = norm(*place - hand);
-  }
+  auto best =
+      find_free_place([shapes](Position3 at) { return depth_inside_m(shapes, at) + kTouch_m; },
+                      hand, kSearchStep_m);
   if (best) (void)move_ghost(shapes, *best, hand);
   return best;
 }

@@ -24,32 +24,17 @@ Result<ShapeWorld> ShapeWorld::create(const std::vector<Shape>& shapes) {
 
 Result<ProbeId> ShapeWorld::add_probe(Position3 hand) {
   if (!is_finite(hand)) return fail(Errc::InvalidArgument, "probe: the hand's place is not finite");
-  for (auto& slot : probes_) {
-    if (slot) continue;
-    const std::optional<Position3> place = find_place(shapes_, hand);
-    if (!place) return fail(Errc::NotFound, "shapes: no free place near the hand");
-    slot = Probe{{++last_id_}, *place};
-    return slot->id;
-  }
-  return fail(Errc::Busy, info_.source + ": all " + std::to_string(kMaxProbes) +
-                              " probes of the world are taken");
+  const std::optional<Position3> place = find_place(shapes_, hand);
+  if (!place) return fail(Errc::NotFound, "shapes: no free place near the hand");
+  return probes_.add(*place, info_.source);
 }
 
-void ShapeWorld::remove_probe(ProbeId probe) noexcept {
-  if (auto* slot = find(probe)) slot->reset();
-}
+void ShapeWorld::remove_probe(ProbeId probe) noexcept { probes_.remove(probe); }
 
 ProbeMotion ShapeWorld::move_probe(ProbeId probe, Position3 hand, Duration /*dt*/) noexcept {
-  auto* slot = find(probe);
-  if (slot == nullptr) return {hand, {}, false};
-  return move_ghost(shapes_, (*slot)->ghost, hand);
-}
-
-std::optional<ShapeWorld::Probe>* ShapeWorld::find(ProbeId id) noexcept {
-  for (auto& slot : probes_) {
-    if (slot && slot->id == id) return &slot;
-  }
-  return nullptr;
+  Position3* const ghost = probes_.find(probe);
+  if (ghost == nullptr) return {hand, {}, false};
+  return move_ghost(shapes_, *ghost, hand);
 }
 
 }  // namespace thimble::world

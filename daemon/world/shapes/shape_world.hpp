@@ -1,9 +1,8 @@
 #pragma once
 
-#include <array>
-#include <optional>
 #include <vector>
 
+#include "daemon/world/probe_slots.hpp"
 #include "daemon/world/shapes/shape_motion.hpp"
 #include "daemon/world/world.hpp"
 
@@ -24,17 +23,11 @@ class ShapeWorld final : public World {
   ProbeMotion move_probe(ProbeId probe, Position3 hand, Duration dt) noexcept override;
 
  private:
-  struct Probe {
-    ProbeId id{};
-    Position3 ghost{};
-  };
   ShapeWorld();
-  [[nodiscard]] std::optional<Probe>* find(ProbeId id) noexcept;
 
   std::vector<PlacedShape> shapes_;
   WorldInfo info_;
-  std::array<std::optional<Probe>, kMaxProbes> probes_{};
-  std::uint32_t last_id_{0};
+  ProbeSlots<Position3> probes_;
 };
 
 }  // namespace thimble::world
