@@ -191,6 +191,22 @@ struct SphereConfig {
   bool operator==(const SphereConfig&) const = default;
 };
 
+enum class ShapeKind : std::uint8_t { Sphere, Box, Capsule, Cylinder, Floor };
+
+// A piece of matter of the source "shapes" (thesis 3.7.2). Sizes that its kind has not are 0.
+struct ShapeConfig {
+  ShapeKind kind{ShapeKind::Sphere};
+  std::array<double, 3> center_m{};
+  std::array<double, 3> rotation_rad{};  // a rotation vector
+  double radius_m{0};
+  double length_m{0};  // along y: of a cylinder; of a capsule between the centers of its ends
+  std::array<double, 3> size_m{};                  // edges of a box
+  std::optional<double> stiffness_newton_per_m{};  // else the arm's
+  std::optional<double> damping_newton_s_per_m{};  // else the arm's
+  std::optional<double> friction{};                // Coulomb's coefficient, else none
+  bool operator==(const ShapeConfig&) const = default;
+};
+
 enum class PieceSearch : std::uint8_t { Leap, OneCell, Trail };
 
 // A simulated board, in a slot of PCI or on USB; or a real one, likewise.
@@ -227,7 +243,7 @@ struct AutomatonConfig {
 struct WorldConfig {
   std::string name;
   std::string
-      source;  // "box:N", "sphere", "pieces", "life", "crystal", or the path of a volume file
+      source;  // "box:N", "sphere", "shapes", "pieces", "life", "crystal", or a volume file's path
   double workspace_m{0.09};
   double threshold{0};  // cells above it are filled (files)
   ConstraintModel constraint_model{ConstraintModel::GhostPoint};
@@ -241,6 +257,7 @@ struct WorldConfig {
   std::optional<std::array<double, 3>> spacing{};  // along them, instead of the file's
   std::vector<MaterialConfig> materials{};         // the first that fits counts
   std::optional<SphereConfig> sphere{};            // of the source "sphere", and only there
+  std::vector<ShapeConfig> shapes{};               // of "shapes", which has at least one
   std::optional<PiecesConfig> pieces{};            // likewise of "pieces"
   std::optional<AutomatonConfig> automaton{};      // of "life" and "crystal"
   bool operator==(const WorldConfig&) const = default;

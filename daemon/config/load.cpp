@@ -131,7 +131,8 @@ ConfigResult load(const std::filesystem::path& file, std::span<const std::string
 
 std::vector<std::string> schema_keys() {
   Report report;
-  const auto root = parse_tree("arm = [{}]\nworld = [{material = [{}]}]\n", "", report);
+  const auto root =
+      parse_tree("arm = [{}]\nworld = [{material = [{}], shape = [{}]}]\n", "", report);
   static_cast<void>(read_tree(*root, "", report, {}));
   return {report.known_keys().begin(), report.known_keys().end()};
 }

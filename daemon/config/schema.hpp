@@ -34,6 +34,10 @@ void read_volume(TableReader& reader, WorldConfig& world);
 inline constexpr std::string_view kSphereSource = "sphere";
 void read_sphere(TableReader& reader, WorldConfig& world);
 
+// The source that is made of shapes, and its tables.
+inline constexpr std::string_view kShapesSource = "shapes";
+void read_shapes(TableReader& reader, WorldConfig& world);
+
 // The source of pieces on a CAM board, and its keys.
 inline constexpr std::string_view kPiecesSource = "pieces";
 void read_pieces(TableReader& reader, const std::filesystem::path& folder, WorldConfig& world);

@@ -6,6 +6,7 @@
 #include "daemon/session/live_settings.hpp"
 #include "daemon/session/piece_settings.hpp"
 #include "daemon/world/io/world_source.hpp"
+#include "daemon/world/shapes/shape_world.hpp"
 #include "daemon/world/sphere_world.hpp"
 
 namespace thimble::session {
@@ -19,6 +20,42 @@ Result<std::unique_ptr<world::World>> make_sphere(const config::SphereConfig& sa
                                                        said.friction.value_or(-1)});
   if (!sphere) return tl::unexpected(sphere.error());
   return std::make_unique<world::SphereWorld>(*std::move(sphere));
+}
+
+[[nodiscard]] world::ShapeKind kind_of(config::ShapeKind said) noexcept {
+  switch (said) {
+    case config::ShapeKind::Box:
+      return world::ShapeKind::Box;
+    case config::ShapeKind::Capsule:
+      return world::ShapeKind::Capsule;
+    case config::ShapeKind::Cylinder:
+      return world::ShapeKind::Cylinder;
+    case config::ShapeKind::Floor:
+      return world::ShapeKind::Floor;
+    case config::ShapeKind::Sphere:
+      break;
+  }
+  return world::ShapeKind::Sphere;
+}
+
+Result<std::unique_ptr<world::World>> make_shapes(const std::vector<config::ShapeConfig>& all) {
+  std::vector<world::Shape> shapes;
+  for (const config::ShapeConfig& said : all) {
+    const bool is_box = said.kind == config::ShapeKind::Box;
+    world::Shape shape{.kind = kind_of(said.kind), .radius_m = said.radius_m};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      shape.center[axis] = said.center_m[axis];
+      shape.turn_rad[axis] = said.rotation_rad[axis];
+      shape.half_m[axis] = (is_box ? said.size_m[axis] : said.length_m) / 2;
+    }
+    shape.surface = {{said.stiffness_newton_per_m.value_or(-1)},
+                     {said.damping_newton_s_per_m.value_or(-1)},
+                     said.friction.value_or(-1)};
+    shapes.push_back(shape);
+  }
+  Result<world::ShapeWorld> made = world::ShapeWorld::create(shapes);
+  if (!made) return tl::unexpected(made.error());
+  return std::make_unique<world::ShapeWorld>(*std::move(made));
 }
 
 }  // namespace
@@ -56,9 +93,10 @@ bool is_board_plugged_in(const config::WorldConfig& said) noexcept {
 Result<MadeWorld> make_world(const config::WorldConfig& said, const Clock* clock,
                              const BoardPlugs& plugs) {
   if (said.pieces) return make_piece_world(said, clock, plugs);
-  auto world = said.automaton ? make_live_world(said)
-               : said.sphere  ? make_sphere(*said.sphere)
-                              : world::make_world(said.source, volume_options(said));
+  auto world = said.automaton         ? make_live_world(said)
+               : said.sphere          ? make_sphere(*said.sphere)
+               : !said.shapes.empty() ? make_shapes(said.shapes)
+                                      : world::make_world(said.source, volume_options(said));
   if (!world) return tl::unexpected(world.error());
   return MadeWorld{*std::move(world), nullptr};
 }

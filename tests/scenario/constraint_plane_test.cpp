@@ -44,5 +44,56 @@ TEST(ConstraintPlaneSession, EveryWorldIsFeltThroughIt) {
   }
 }
 
+// A leaning slab on a floor and a ball beside it.
+std::string of_shapes(const std::string& scheme) {
+  return R"(
+[[arm]]
+name = "right"
+device = "sim:phantom-vintage"
+amplifier_max_a = 3.0
+world = "corner"
+coupling.scheme = ")" +
+         scheme + R"("
+[arm.hand]
+motion = "explore"
+reach_m = 0.03
+[[world]]
+name = "corner"
+source = "shapes"
+[[world.shape]]
+kind = "floor"
+center_m = [0, -0.020, 0]
+[[world.shape]]
+kind = "box"
+center_m = [0.020, -0.010, 0]
+rotation_rad = [0, 0, 0.5]
+size_m = [0.010, 0.050, 0.060]
+stiffness_newton_per_m = 400
+[[world.shape]]
+kind = "sphere"
+center_m = [-0.015, -0.012, 0]
+radius_m = 0.012
+)";
+}
+
+TEST(Shapes, AreFeltThroughEverySchemeThatTakesThem) {
+  for (const char* scheme : {"ghost-point", "constraint-plane", "spring-damper", "wave"}) {
+    SCOPED_TRACE(scheme);
+    ClosedLoop::Setup setup;
+    setup.text = of_shapes(scheme);
+    ClosedLoop sut({"arm.right.impairment.delay_s=0.02"}, setup);
+    ArmWatch watch(sut);
+    double hardest_newton = 0;
+    sut.run(8, [&] {
+      watch.see();
+      hardest_newton = std::max(hardest_newton, norm(sut.frame().force));
+    });
+    EXPECT_EQ(watch.breach(), "");
+    EXPECT_EQ(sut.snapshot().faults, 0U);
+    EXPECT_GT(sut.snapshot().total_contacts, 0U);
+    EXPECT_GT(hardest_newton, 0.3);
+  }
+}
+
 }  // namespace
 }  // namespace thimble

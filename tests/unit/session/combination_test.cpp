@@ -10,6 +10,7 @@
 
 #include "daemon/session/live_settings.hpp"
 #include "daemon/session/piece_settings.hpp"
+#include "daemon/world/shapes/shape_world.hpp"
 #include "daemon/world/sphere_world.hpp"
 #include "daemon/world/voxel_world.hpp"
 #include "sim/time/virtual_clock.hpp"
@@ -74,6 +75,8 @@ TEST(Combination, IsAcceptedOrRefusedWithItsReasonAsTheMatrixSays) {
   const world::VoxelWorld with_cells(world::make_box(3).value(), "box:3");
   const auto sphere = world::SphereWorld::create({{}, 0.02, -0.02});
   ASSERT_TRUE(sphere);
+  const auto shapes = world::ShapeWorld::create({{.radius_m = 0.02}});
+  ASSERT_TRUE(shapes);
   const sim::VirtualClock clock;
   config::WorldConfig of_pieces;
   of_pieces.source = "pieces";
@@ -87,6 +90,7 @@ TEST(Combination, IsAcceptedOrRefusedWithItsReasonAsTheMatrixSays) {
   ASSERT_TRUE(life) << life.error().message;
   const std::map<std::string, const world::World*> worlds{{"with cells", &with_cells},
                                                           {"`sphere`", &*sphere},
+                                                          {"`shapes`", &*shapes},
                                                           {"`pieces`", pieces->world.get()},
                                                           {"`life`", life->get()}};
   ASSERT_EQ(page().at("world").size(), 12U) << "a new column needs a line here";
