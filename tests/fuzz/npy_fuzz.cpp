@@ -3,6 +3,7 @@
 #include <span>
 #include <string_view>
 
+#include "daemon/world/io/field_file.hpp"
 #include "daemon/world/io/npy.hpp"
 #include "daemon/world/io/npy_header.hpp"
 #include "hal/base/check.hpp"
@@ -21,6 +22,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   } else {
     thimble::fuzz::require_sentence(grid.error(), 256);
   }
+  MemorySource again(bytes);
+  const auto field = load_npy_field(again, {});
+  if (!field) thimble::fuzz::require_sentence(field.error(), 256);
+  if (field) THIMBLE_CHECK(field->steepest() >= 1);
   // The text by itself as well, so that no checksum-like length stands before the parser.
   const auto header = parse_npy_text(std::string_view(reinterpret_cast<const char*>(data), size));
   if (!header) thimble::fuzz::require_sentence(header.error(), 256);

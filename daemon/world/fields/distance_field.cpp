@@ -50,7 +50,7 @@ Result<void> DistanceField::check(std::array<std::uint32_t, 3> numbers, double s
 }
 
 Result<DistanceField> DistanceField::create(std::array<std::uint32_t, 3> numbers, double step_m,
-                                            std::vector<float> distances_m) {
+                                            std::vector<float> distances_m, Position3 center) {
   if (auto good = check(numbers, step_m); !good) return tl::unexpected(good.error());
   if (distances_m.size() != std::size_t{numbers[0]} * numbers[1] * numbers[2]) {
     return fail(Errc::InvalidArgument, "field: its numbers are not as many as its axes say");
@@ -59,13 +59,15 @@ Result<DistanceField> DistanceField::create(std::array<std::uint32_t, 3> numbers
   if (std::any_of(distances_m.begin(), distances_m.end(), is_absurd)) {
     return fail(Errc::Malformed, "field: a number is not finite, or beyond 1 km");
   }
-  return DistanceField(numbers, step_m, std::move(distances_m));
+  if (!is_finite(center)) return fail(Errc::InvalidArgument, "field: its middle is not finite");
+  return DistanceField(numbers, step_m, std::move(distances_m), center);
 }
 
 DistanceField::DistanceField(std::array<std::uint32_t, 3> numbers, double step_m,
-                             std::vector<float> distances_m)
+                             std::vector<float> distances_m, Position3 center)
     : numbers_(numbers),
       step_m_(step_m),
+      center_(center - Position3{}),
       distances_m_(std::move(distances_m)),
       steepest_(norm(find_steepest(), 1, 0)) {}
 
@@ -86,7 +88,8 @@ double DistanceField::find_steepest() const noexcept {
   return norm(most_m[0], most_m[1], most_m[2]) / step_m_;
 }
 
-FieldLook DistanceField::look(Position3 at) const noexcept {
+FieldLook DistanceField::look(Position3 place) const noexcept {
+  const Position3 at = place - center_;
   const std::array<Along, 3> along_axes{find_along(at.x, numbers_[0], step_m_),
                                         find_along(at.y, numbers_[1], step_m_),
                                         find_along(at.z, numbers_[2], step_m_)};

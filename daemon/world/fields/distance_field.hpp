@@ -21,7 +21,7 @@ struct FieldLook {
   double slope{0};  // length of the gradient; 1 of a true distance, 0: outward means nothing
 };
 
-// A signed distance field: numbers at the nodes of a cubic lattice, centered on the origin, and
+// A signed distance field: numbers at the nodes of a cubic lattice, its middle at `center`, and
 // what lies between them by trilinear interpolation. Beyond the lattice the distance grows with the
 // way to it. It need not be a true distance: steepest() bounds how fast it falls anywhere, so that
 // a way of distance/steepest passes no surface.
@@ -33,7 +33,8 @@ class DistanceField {
   // InvalidArgument: counts or the step make no sense; TooLarge: above kMaxFieldNumbers; Malformed:
   // a number is not finite or beyond 1 km.
   [[nodiscard]] static Result<DistanceField> create(std::array<std::uint32_t, 3> numbers,
-                                                    double step_m, std::vector<float> distances_m);
+                                                    double step_m, std::vector<float> distances_m,
+                                                    Position3 center = {});
   // What create() would say of counts and step.
   [[nodiscard]] static Result<void> check(std::array<std::uint32_t, 3> numbers, double step_m);
 
@@ -44,8 +45,8 @@ class DistanceField {
   [[nodiscard]] const std::array<std::uint32_t, 3>& numbers() const noexcept { return numbers_; }
 
  private:
-  DistanceField(std::array<std::uint32_t, 3> numbers, double step_m,
-                std::vector<float> distances_m);
+  DistanceField(std::array<std::uint32_t, 3> numbers, double step_m, std::vector<float> distances_m,
+                Position3 center);
   [[nodiscard]] double node_m(std::size_t x, std::size_t y, std::size_t z) const noexcept {
     return distances_m_[(z * numbers_[1] + y) * numbers_[0] + x];
   }
@@ -53,6 +54,7 @@ class DistanceField {
 
   std::array<std::uint32_t, 3> numbers_;
   double step_m_;
+  Displacement3 center_;  // from the origin
   std::vector<float> distances_m_;
   double steepest_;
 };

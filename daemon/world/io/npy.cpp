@@ -63,16 +63,24 @@ namespace {
 
 }  // namespace
 
-Result<VoxelGrid> load_npy(ByteSource& source, const VolumeOptions& options,
-                           MaterialMap* materials) {
+Result<void> read_npy(ByteSource& source, const SinkMaker& make_sink) {
   const auto header = read_checked_header(source);
   if (!header) return tl::unexpected(header.error());
-  auto writer = VolumeWriter::create(shape_of(*header), options);
-  if (!writer) return tl::unexpected(writer.error());
-  const ItemType type{header->kind, header->item_bytes, header->is_big_endian};
-  if (auto read = read_items(source, type, *writer); !read) return tl::unexpected(read.error());
-  if (materials != nullptr) *materials = writer->take_materials();
-  return std::move(*writer).finish();
+  const auto sink = make_sink(shape_of(*header));
+  if (!sink) return tl::unexpected(sink.error());
+  return read_items(source, {header->kind, header->item_bytes, header->is_big_endian}, **sink);
+}
+
+Result<VolumeShape> read_npy_shape(ByteSource& source) {
+  const auto header = read_checked_header(source);
+  if (!header) return tl::unexpected(header.error());
+  return shape_of(*header);
+}
+
+Result<VoxelGrid> load_npy(ByteSource& source, const VolumeOptions& options,
+                           MaterialMap* materials) {
+  return write_volume([&](const SinkMaker& make_sink) { return read_npy(source, make_sink); },
+                      options, materials);
 }
 
 Result<VoxelGrid> load_npy_file(const std::string& path, const VolumeOptions& options,
@@ -87,9 +95,9 @@ Result<VoxelGrid> load_npy_file(const std::string& path, const VolumeOptions& op
 Result<void> check_npy_file(const std::string& path, const VolumeOptions& options) {
   const auto source = open_file(path);
   if (!source) return tl::unexpected(source.error().in(path));
-  const auto header = read_checked_header(**source);
-  if (!header) return tl::unexpected(header.error().in(path));
-  const auto checked = VolumeWriter::check(shape_of(*header), options);
+  const auto shape = read_npy_shape(**source);
+  if (!shape) return tl::unexpected(shape.error().in(path));
+  const auto checked = VolumeWriter::check(*shape, options);
   if (!checked) return tl::unexpected(checked.error().in(path));
   return {};
 }

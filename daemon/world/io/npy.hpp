@@ -20,6 +20,10 @@ namespace thimble::world {
                                          MaterialMap* materials = nullptr);
 [[nodiscard]] Result<VoxelGrid> load_npy_file(const std::string& path, const VolumeOptions& options,
                                               MaterialMap* materials = nullptr);
+// The same numbers, whatever becomes of them.
+[[nodiscard]] Result<void> read_npy(ByteSource& source, const SinkMaker& make_sink);
+// What the file says of its shape, after everything that header and length tell.
+[[nodiscard]] Result<VolumeShape> read_npy_shape(ByteSource& source);
 // All that load_npy_file() checks before it allocates: everything but the numbers themselves.
 [[nodiscard]] Result<void> check_npy_file(const std::string& path, const VolumeOptions& options);
 

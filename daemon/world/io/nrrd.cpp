@@ -26,15 +26,15 @@ class NrrdFile {
  public:
   [[nodiscard]] Result<void> open(ByteSource& source, const DataOpener& open_data);
   [[nodiscard]] Result<VolumeShape> shape(const VolumeOptions& options) const;
-  [[nodiscard]] Result<void> read(VolumeWriter& writer);
+  [[nodiscard]] Result<void> read(NumberSink& sink);
 
  private:
   [[nodiscard]] Result<void> read_header();
   [[nodiscard]] Result<void> skip_lines();
   [[nodiscard]] Result<void> check_length() const;
-  [[nodiscard]] Result<void> read_raw(VolumeWriter& writer);
-  [[nodiscard]] Result<void> read_gzip(VolumeWriter& writer);
-  [[nodiscard]] Result<void> read_text(VolumeWriter& writer);
+  [[nodiscard]] Result<void> read_raw(NumberSink& sink);
+  [[nodiscard]] Result<void> read_gzip(NumberSink& sink);
+  [[nodiscard]] Result<void> read_text(NumberSink& sink);
   [[nodiscard]] std::uint64_t items() const noexcept {
     return std::uint64_t{header_.sizes[0]} * header_.sizes[1] * header_.sizes[2];
   }
@@ -126,18 +126,18 @@ Result<VolumeShape> NrrdFile::shape(const VolumeOptions& options) const {
   return shape;
 }
 
-Result<void> NrrdFile::read(VolumeWriter& writer) {
-  if (header_.encoding == NrrdEncoding::Gzip) return read_gzip(writer);
-  return header_.encoding == NrrdEncoding::Text ? read_text(writer) : read_raw(writer);
+Result<void> NrrdFile::read(NumberSink& sink) {
+  if (header_.encoding == NrrdEncoding::Gzip) return read_gzip(sink);
+  return header_.encoding == NrrdEncoding::Text ? read_text(sink) : read_raw(sink);
 }
 
-Result<void> NrrdFile::read_raw(VolumeWriter& writer) {
+Result<void> NrrdFile::read_raw(NumberSink& sink) {
   const auto skipped = data_->skip(data_->size() - std::min(data_->size(), data_bytes()));
   if (!skipped) return tl::unexpected(skipped.error());
-  return read_items(*data_, header_.type, writer);
+  return read_items(*data_, header_.type, sink);
 }
 
-Result<void> NrrdFile::read_gzip(VolumeWriter& writer) {
+Result<void> NrrdFile::read_gzip(NumberSink& sink) {
   GunzipStream stream(*data_);
   std::vector<std::byte> dropped(
       static_cast<std::size_t>(std::min<std::uint64_t>(byte_skip(), BufferedSource::kAhead)));
@@ -151,7 +151,7 @@ Result<void> NrrdFile::read_gzip(VolumeWriter& writer) {
     }
     left -= count;
   }
-  if (auto read = read_items(stream, header_.type, writer); !read) return read;
+  if (auto read = read_items(stream, header_.type, sink); !read) return read;
   // One byte more tells a bomb; the rest of it is never unpacked.
   std::array<std::byte, 1> more{};
   const auto got = stream.read(more);
@@ -163,10 +163,10 @@ Result<void> NrrdFile::read_gzip(VolumeWriter& writer) {
   return {};
 }
 
-Result<void> NrrdFile::read_text(VolumeWriter& writer) {
+Result<void> NrrdFile::read_text(NumberSink& sink) {
   const auto skipped = data_->skip(byte_skip());
   if (!skipped) return tl::unexpected(skipped.error());
-  if (auto read = read_text_items(*data_, header_.type, writer); !read) return read;
+  if (auto read = read_text_items(*data_, header_.type, sink); !read) return read;
   const auto is_over = is_text_over(*data_);
   if (!is_over) return tl::unexpected(is_over.error());
   if (*is_over) return {};
@@ -174,8 +174,9 @@ Result<void> NrrdFile::read_text(VolumeWriter& writer) {
                    " numbers that sizes ask for");
 }
 
-// The file of that name in the folder of `path`, and no other.
-[[nodiscard]] DataOpener beside(const std::string& path) {
+}  // namespace
+
+DataOpener beside(const std::string& path) {
   const auto slash = path.rfind('/');
   const std::string folder = slash == std::string::npos ? "./" : path.substr(0, slash + 1);
   return [folder](const std::string& name) -> Result<std::unique_ptr<ByteSource>> {
@@ -185,19 +186,22 @@ Result<void> NrrdFile::read_text(VolumeWriter& writer) {
   };
 }
 
-}  // namespace
-
-Result<VoxelGrid> load_nrrd(ByteSource& source, const DataOpener& open_data,
-                            const VolumeOptions& options, MaterialMap* materials) {
+Result<void> read_nrrd(ByteSource& source, const DataOpener& open_data,
+                       const VolumeOptions& options, const SinkMaker& make_sink) {
   NrrdFile file;
   if (auto opened = file.open(source, open_data); !opened) return tl::unexpected(opened.error());
   const auto shape = file.shape(options);
   if (!shape) return tl::unexpected(shape.error());
-  auto writer = VolumeWriter::create(*shape, options);
-  if (!writer) return tl::unexpected(writer.error());
-  if (auto read = file.read(*writer); !read) return tl::unexpected(read.error());
-  if (materials != nullptr) *materials = writer->take_materials();
-  return std::move(*writer).finish();
+  const auto sink = make_sink(*shape);
+  if (!sink) return tl::unexpected(sink.error());
+  return file.read(**sink);
+}
+
+Result<VoxelGrid> load_nrrd(ByteSource& source, const DataOpener& open_data,
+                            const VolumeOptions& options, MaterialMap* materials) {
+  return write_volume(
+      [&](const SinkMaker& make_sink) { return read_nrrd(source, open_data, options, make_sink); },
+      options, materials);
 }
 
 Result<VoxelGrid> load_nrrd_file(const std::string& path, const VolumeOptions& options,
@@ -209,14 +213,17 @@ Result<VoxelGrid> load_nrrd_file(const std::string& path, const VolumeOptions& o
   return grid;
 }
 
+Result<VolumeShape> read_nrrd_shape(ByteSource& source, const DataOpener& open_data,
+                                    const VolumeOptions& options) {
+  NrrdFile file;
+  if (auto opened = file.open(source, open_data); !opened) return tl::unexpected(opened.error());
+  return file.shape(options);
+}
+
 Result<void> check_nrrd_file(const std::string& path, const VolumeOptions& options) {
   const auto source = open_file(path);
   if (!source) return tl::unexpected(source.error().in(path));
-  NrrdFile file;
-  if (auto opened = file.open(**source, beside(path)); !opened) {
-    return tl::unexpected(opened.error().in(path));
-  }
-  const auto shape = file.shape(options);
+  const auto shape = read_nrrd_shape(**source, beside(path), options);
   if (!shape) return tl::unexpected(shape.error().in(path));
   const auto checked = VolumeWriter::check(*shape, options);
   if (!checked) return tl::unexpected(checked.error().in(path));

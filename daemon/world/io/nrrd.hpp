@@ -29,6 +29,14 @@ using DataOpener = std::function<Result<std::unique_ptr<ByteSource>>(const std::
 [[nodiscard]] Result<VoxelGrid> load_nrrd_file(const std::string& path,
                                                const VolumeOptions& options,
                                                MaterialMap* materials = nullptr);
+// The same numbers, whatever becomes of them.
+[[nodiscard]] Result<void> read_nrrd(ByteSource& source, const DataOpener& open_data,
+                                     const VolumeOptions& options, const SinkMaker& make_sink);
+// What the file says of its shape; data files are opened, too.
+[[nodiscard]] Result<VolumeShape> read_nrrd_shape(ByteSource& source, const DataOpener& open_data,
+                                                  const VolumeOptions& options);
+// Opens data files in the folder of `path`, and nowhere else.
+[[nodiscard]] DataOpener beside(const std::string& path);
 // All that load_nrrd_file() checks before it allocates: everything but the numbers themselves.
 [[nodiscard]] Result<void> check_nrrd_file(const std::string& path, const VolumeOptions& options);
 

@@ -7,25 +7,25 @@
 
 namespace thimble::world {
 
-Result<void> read_items(ByteStream& bytes, ItemType type, VolumeWriter& writer) {
+Result<void> read_items(ByteStream& bytes, ItemType type, NumberSink& sink) {
   constexpr std::uint64_t kItems = 8192;
-  const std::uint64_t total = writer.items_left();
+  const std::uint64_t total = sink.items_left();
   const auto most = static_cast<std::size_t>(std::min(total, kItems));
   std::vector<std::byte> raw(most * type.bytes);
   std::vector<double> values(most);
-  while (writer.items_left() > 0) {
-    const auto count = static_cast<std::size_t>(std::min(writer.items_left(), kItems));
+  while (sink.items_left() > 0) {
+    const auto count = static_cast<std::size_t>(std::min(sink.items_left(), kItems));
     const auto wanted = std::span(raw).first(count * type.bytes);
     const auto got = bytes.read(wanted);
     if (!got) return tl::unexpected(got.error());
     if (*got != wanted.size()) {
-      const std::uint64_t before = (total - writer.items_left()) * type.bytes;
+      const std::uint64_t before = (total - sink.items_left()) * type.bytes;
       return fail(Errc::Malformed, "data: ends after " + std::to_string(before + *got) +
                                        " bytes, its numbers take " +
                                        std::to_string(total * type.bytes));
     }
     decode_items(wanted, type, std::span(values).first(count));
-    if (auto put = writer.put(std::span(values).first(count)); !put) return put;
+    if (auto put = sink.put(std::span(values).first(count)); !put) return put;
   }
   return {};
 }

@@ -82,13 +82,13 @@ constexpr std::size_t kMaxWordBytes = 64;
 
 }  // namespace
 
-Result<void> read_text_items(BufferedSource& text, ItemType type, VolumeWriter& writer) {
-  const std::uint64_t total = writer.items_left();
-  while (writer.items_left() > 0) {
+Result<void> read_text_items(BufferedSource& text, ItemType type, NumberSink& sink) {
+  const std::uint64_t total = sink.items_left();
+  while (sink.items_left() > 0) {
     const auto word = next_word(text);
     if (!word) return tl::unexpected(word.error());
     const auto place = [&] {
-      return "data: number " + std::to_string(total - writer.items_left() + 1);
+      return "data: number " + std::to_string(total - sink.items_left() + 1);
     };
     if (word->empty()) {
       return fail(Errc::Malformed, place() + " of " + std::to_string(total) + " is missing");
@@ -99,7 +99,7 @@ Result<void> read_text_items(BufferedSource& text, ItemType type, VolumeWriter& 
       return fail(Errc::Malformed,
                   place() + ": expected " + name_of(type) + ", found " + quoted(*word));
     }
-    if (auto put = writer.put(value); !put) return put;
+    if (auto put = sink.put(value); !put) return put;
   }
   return {};
 }

@@ -172,4 +172,18 @@ std::string VolumeWriter::name_of(std::size_t fast_index) const {
          std::to_string(at[2]) + "]";
 }
 
+Result<VoxelGrid> write_volume(const std::function<Result<void>(const SinkMaker&)>& read,
+                               const VolumeOptions& options, MaterialMap* materials) {
+  std::optional<VolumeWriter> writer;
+  const auto done = read([&](const VolumeShape& shape) -> Result<NumberSink*> {
+    auto made = VolumeWriter::create(shape, options);
+    if (!made) return tl::unexpected(made.error());
+    writer.emplace(std::move(*made));
+    return &*writer;
+  });
+  if (!done) return tl::unexpected(done.error());
+  if (materials != nullptr) *materials = writer->take_materials();
+  return std::move(*writer).finish();
+}
+
 }  // namespace thimble::world

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "daemon/world/cell.hpp"
+#include "daemon/world/io/number_sink.hpp"
 #include "daemon/world/material_map.hpp"
 #include "daemon/world/voxel_grid.hpp"
 #include "hal/base/result.hpp"
@@ -35,29 +37,20 @@ struct VolumeOptions {
   std::vector<MaterialRange> materials{};
 };
 
-// What a file says of its volume.
-struct VolumeShape {
-  std::array<std::uint32_t, 3> sizes{};
-  std::array<double, 3> spacing{1, 1, 1};       // in any one unit: only the ratios count
-  std::array<std::size_t, 3> fastest{0, 1, 2};  // the axis that runs fastest, first
-};
-
 // Turns the numbers of a volume, as they come from a file, into occupancy. Cells are cubes of the
 // finest spacing; along coarser axes a number fills the cells whose centres are nearest to it.
 //
 // Thread: one. Not RT. Holds the bits of the grid, the labels of a MaterialMap and 12 KiB.
 // Errors: InvalidArgument, TooLarge for a shape or spacing that gives no grid; Malformed for NaN.
-class VolumeWriter {
+class VolumeWriter final : public NumberSink {
  public:
   [[nodiscard]] static Result<VolumeWriter> create(const VolumeShape& shape,
                                                    const VolumeOptions& options);
   // What create() would say, without its memory.
   [[nodiscard]] static Result<void> check(const VolumeShape& shape, const VolumeOptions& options);
 
-  // How many numbers the volume has, and how many of them are still to come.
-  [[nodiscard]] std::uint64_t items_left() const noexcept { return left_; }
-  // The next numbers of the file; not more than are left.
-  [[nodiscard]] Result<void> put(std::span<const double> values);
+  [[nodiscard]] std::uint64_t items_left() const noexcept override { return left_; }
+  [[nodiscard]] Result<void> put(std::span<const double> values) override;
   // To be asked for when none is left.
   [[nodiscard]] VoxelGrid finish() && { return std::move(grid_); }
   [[nodiscard]] MaterialMap take_materials() noexcept { return std::move(materials_); }
@@ -102,5 +95,11 @@ class VolumeWriter {
   Cell low_{}, high_{};                // what the current number fills, high_ excluded
   std::uint64_t left_{0};
 };
+
+// The occupancy of what `read` puts into the sink that it is given, and where `materials` is not
+// null what the options say of them. Errors: those of `read` and of VolumeWriter.
+[[nodiscard]] Result<VoxelGrid> write_volume(
+    const std::function<Result<void>(const SinkMaker&)>& read, const VolumeOptions& options,
+    MaterialMap* materials);
 
 }  // namespace thimble::world
