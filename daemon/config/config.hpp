@@ -191,6 +191,16 @@ struct SphereConfig {
   bool operator==(const SphereConfig&) const = default;
 };
 
+// Of a volume file whose numbers are signed distances, below 0 in matter (thesis 3.7.2).
+struct FieldConfig {
+  double unit_m{1};                                // of one of its numbers
+  std::array<double, 3> center_m{};                // of its middle
+  std::optional<double> stiffness_newton_per_m{};  // else the arm's
+  std::optional<double> damping_newton_s_per_m{};  // else the arm's
+  std::optional<double> friction{};                // Coulomb's coefficient, else none
+  bool operator==(const FieldConfig&) const = default;
+};
+
 enum class ShapeKind : std::uint8_t { Sphere, Box, Capsule, Cylinder, Floor };
 
 // A piece of matter of the source "shapes" (thesis 3.7.2). Sizes that its kind has not are 0.
@@ -256,6 +266,7 @@ struct WorldConfig {
   std::string axis_order{"xyz"};   // axis of the world of each axis of the file; - before: reversed
   std::optional<std::array<double, 3>> spacing{};  // along them, instead of the file's
   std::vector<MaterialConfig> materials{};         // the first that fits counts
+  std::optional<FieldConfig> field{};              // its numbers are distances
   std::optional<SphereConfig> sphere{};            // of the source "sphere", and only there
   std::vector<ShapeConfig> shapes{};               // of "shapes", which has at least one
   std::optional<PiecesConfig> pieces{};            // likewise of "pieces"

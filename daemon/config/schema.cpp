@@ -322,6 +322,7 @@ Entry<WorldConfig> read_world(TableReader reader, const std::filesystem::path& f
   read_name(reader, out.name);
   read_source(reader, folder, out);
   read_volume(reader, out);
+  read_field(reader, out);
   read_sphere(reader, out);
   read_shapes(reader, out);
   read_pieces(reader, folder, out);

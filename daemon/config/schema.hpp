@@ -34,6 +34,9 @@ void read_volume(TableReader& reader, WorldConfig& world);
 inline constexpr std::string_view kSphereSource = "sphere";
 void read_sphere(TableReader& reader, WorldConfig& world);
 
+// The table of a volume file whose numbers are distances.
+void read_field(TableReader& reader, WorldConfig& world);
+
 // The source that is made of shapes, and its tables.
 inline constexpr std::string_view kShapesSource = "shapes";
 void read_shapes(TableReader& reader, WorldConfig& world);

@@ -13,6 +13,8 @@
 #include "daemon/session/combination.hpp"
 #include "daemon/session/stand_in.hpp"
 #include "daemon/session/world_settings.hpp"
+#include "daemon/world/fields/field_world.hpp"
+#include "daemon/world/io/field_file.hpp"
 #include "daemon/world/io/world_source.hpp"
 #include "drivers/falcon/find_model.hpp"
 #include "hal/bus/device_name.hpp"
@@ -191,6 +193,22 @@ class ArmInspection {
   std::vector<Objection> objections_;
 };
 
+// What does not go with a world of this kind.
+void inspect_beside(const config::Config& config, std::size_t index, const world::World& world,
+                    std::vector<Objection>& out) {
+  const config::WorldConfig& said = config.worlds[index];
+  if (const auto refusal = find_refusal(world, said)) {
+    out.push_back({Objection::Table::World, index, refusal->key, refusal->reason});
+  }
+  for (std::size_t i = 0; i < config.arms.size(); ++i) {
+    if (config.arms[i].world != said.name) continue;
+    if (const auto refusal = find_refusal(world, config.arms[i].coupling)) {
+      // The arm's own table knows "coupling", not what is below it.
+      out.push_back({Objection::Table::Arm, i, "coupling", refusal->reason});
+    }
+  }
+}
+
 // A world without a grid costs little to make, so whether it goes with what is said is seen at
 // once; one with a grid goes with everything.
 void inspect_made(const config::Config& config, std::size_t index, std::vector<Objection>& out) {
@@ -201,16 +219,18 @@ void inspect_made(const config::Config& config, std::size_t index, std::vector<O
   const Result<MadeWorld> made =
       make_world(said, &clock, {&none, &executor, [] { return fail(Errc::NotFound, "none"); }});
   if (!made) return out.push_back({Objection::Table::World, index, "source", made.error().message});
-  if (const auto refusal = find_refusal(*made->world, said)) {
-    out.push_back({Objection::Table::World, index, refusal->key, refusal->reason});
+  inspect_beside(config, index, *made->world, out);
+}
+
+// A field may be large: its file is looked at, and the smallest of all stands in for the rest.
+void inspect_field(const config::Config& config, std::size_t index, std::vector<Objection>& out) {
+  const config::WorldConfig& said = config.worlds[index];
+  const auto checked = world::check_field_file(said.source, field_options(said));
+  if (!checked) {
+    return out.push_back({Objection::Table::World, index, "source", checked.error().message});
   }
-  for (std::size_t i = 0; i < config.arms.size(); ++i) {
-    if (config.arms[i].world != said.name) continue;
-    if (const auto refusal = find_refusal(*made->world, config.arms[i].coupling)) {
-      // The arm's own table knows "coupling", not what is below it.
-      out.push_back({Objection::Table::Arm, i, "coupling", refusal->reason});
-    }
-  }
+  auto least = world::DistanceField::create({2, 2, 2}, 1, std::vector<float>(8, 1));
+  if (least) inspect_beside(config, index, world::FieldWorld(*std::move(least), said.source), out);
 }
 
 }  // namespace
@@ -227,6 +247,10 @@ std::vector<Objection> inspect(const config::Config& config, const RigParts& par
     if (said.source.empty()) continue;
     if (said.sphere || !said.shapes.empty() || said.pieces || said.automaton) {
       inspect_made(config, i, out);
+      continue;
+    }
+    if (said.field) {
+      inspect_field(config, i, out);
       continue;
     }
     const Result<void> checked = world::check_world(said.source, volume_options(said));

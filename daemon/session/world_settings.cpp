@@ -5,6 +5,7 @@
 
 #include "daemon/session/live_settings.hpp"
 #include "daemon/session/piece_settings.hpp"
+#include "daemon/world/fields/field_world.hpp"
 #include "daemon/world/io/world_source.hpp"
 #include "daemon/world/shapes/shape_world.hpp"
 #include "daemon/world/sphere_world.hpp"
@@ -20,6 +21,16 @@ Result<std::unique_ptr<world::World>> make_sphere(const config::SphereConfig& sa
                                                        said.friction.value_or(-1)});
   if (!sphere) return tl::unexpected(sphere.error());
   return std::make_unique<world::SphereWorld>(*std::move(sphere));
+}
+
+Result<std::unique_ptr<world::World>> make_field(const config::WorldConfig& said) {
+  auto field = world::load_field_file(said.source, field_options(said));
+  if (!field) return tl::unexpected(field.error());
+  return std::make_unique<world::FieldWorld>(
+      *std::move(field), said.source,
+      world::Material{{said.field->stiffness_newton_per_m.value_or(-1)},
+                      {said.field->damping_newton_s_per_m.value_or(-1)},
+                      said.field->friction.value_or(-1)});
 }
 
 [[nodiscard]] world::ShapeKind kind_of(config::ShapeKind said) noexcept {
@@ -85,6 +96,12 @@ world::VolumeOptions volume_options(const config::WorldConfig& said) {
   return options;
 }
 
+world::FieldOptions field_options(const config::WorldConfig& said) {
+  const config::FieldConfig field = said.field.value_or(config::FieldConfig{});
+  const auto& [x_m, y_m, z_m] = field.center_m;
+  return {volume_options(said), field.unit_m, {x_m, y_m, z_m}};
+}
+
 bool is_board_plugged_in(const config::WorldConfig& said) noexcept {
   using enum config::PieceBoardKind;
   return said.pieces && (said.pieces->board == Usb || said.pieces->board == Pci);
@@ -96,6 +113,7 @@ Result<MadeWorld> make_world(const config::WorldConfig& said, const Clock* clock
   auto world = said.automaton         ? make_live_world(said)
                : said.sphere          ? make_sphere(*said.sphere)
                : !said.shapes.empty() ? make_shapes(said.shapes)
+               : said.field           ? make_field(said)
                                       : world::make_world(said.source, volume_options(said));
   if (!world) return tl::unexpected(world.error());
   return MadeWorld{*std::move(world), nullptr};

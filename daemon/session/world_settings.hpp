@@ -5,6 +5,7 @@
 #include "daemon/config/config.hpp"
 #include "daemon/session/board_search.hpp"
 #include "daemon/session/made_world.hpp"
+#include "daemon/world/io/field_file.hpp"
 #include "daemon/world/io/volume_writer.hpp"
 #include "hal/base/result.hpp"
 #include "hal/base/time.hpp"
@@ -13,6 +14,9 @@ namespace thimble::session {
 
 // What the configuration's words about a world mean to the readers of volumes. Pure.
 [[nodiscard]] world::VolumeOptions volume_options(const config::WorldConfig& said);
+
+// The same of one with a [world.field].
+[[nodiscard]] world::FieldOptions field_options(const config::WorldConfig& said);
 
 // Whether it lives on a real board.
 [[nodiscard]] bool is_board_plugged_in(const config::WorldConfig& said) noexcept;

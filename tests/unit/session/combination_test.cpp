@@ -10,6 +10,7 @@
 
 #include "daemon/session/live_settings.hpp"
 #include "daemon/session/piece_settings.hpp"
+#include "daemon/world/fields/field_world.hpp"
 #include "daemon/world/shapes/shape_world.hpp"
 #include "daemon/world/sphere_world.hpp"
 #include "daemon/world/voxel_world.hpp"
@@ -77,6 +78,9 @@ TEST(Combination, IsAcceptedOrRefusedWithItsReasonAsTheMatrixSays) {
   ASSERT_TRUE(sphere);
   const auto shapes = world::ShapeWorld::create({{.radius_m = 0.02}});
   ASSERT_TRUE(shapes);
+  auto numbers = world::DistanceField::create({2, 2, 2}, 0.01, {-1, -1, 1, 1, -1, -1, 1, 1});
+  ASSERT_TRUE(numbers);
+  const world::FieldWorld field(*std::move(numbers), "ball.npy");
   const sim::VirtualClock clock;
   config::WorldConfig of_pieces;
   of_pieces.source = "pieces";
@@ -91,6 +95,7 @@ TEST(Combination, IsAcceptedOrRefusedWithItsReasonAsTheMatrixSays) {
   const std::map<std::string, const world::World*> worlds{{"with cells", &with_cells},
                                                           {"`sphere`", &*sphere},
                                                           {"`shapes`", &*shapes},
+                                                          {"of a field", &field},
                                                           {"`pieces`", pieces->world.get()},
                                                           {"`life`", life->get()}};
   ASSERT_EQ(page().at("world").size(), 12U) << "a new column needs a line here";

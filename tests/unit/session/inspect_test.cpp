@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <string>
+
 #include "daemon/session/plugins.hpp"
 #include "drivers/falcon/firmware_image.hpp"
 #include "hal/bus/device_name.hpp"
@@ -87,6 +89,28 @@ TEST_F(InspectSphere, HasNothingAgainstAWorldThatRuns) {
     ASSERT_EQ(inspected().size(), 1U);
     EXPECT_EQ(inspected()[0].key, "constraint_model");
   }
+}
+
+TEST_F(InspectSphere, LooksAtTheFileOfAFieldAndAtWhatGoesWithIt) {
+  const testing_support::TemporaryFolder folder;
+  const std::string path = folder / "ball.nrrd";
+  config.worlds[0] = {};
+  config.worlds[0].name = "hello";
+  config.worlds[0].source = path;
+  config.worlds[0].field.emplace();
+  ASSERT_EQ(inspected().size(), 1U);
+  EXPECT_THAT(inspected()[0].message, StartsWith(path));
+  folder.write("ball.nrrd",
+               "NRRD0004\ntype: float\ndimension: 3\nsizes: 2 2 2\nencoding: text\n\n"
+               "1 1 1 1 1 1 1 -1\n");
+  EXPECT_TRUE(inspected().empty());
+  config.worlds[0].constraint_model = config::ConstraintModel::Simple;
+  config::ArmConfig arm;
+  arm.device = "usb:1-4";
+  arm.world = "hello";
+  arm.coupling.scheme = config::CouplingScheme::ThesisLiteral;
+  config.arms = {arm};
+  EXPECT_EQ(inspected().size(), 2U) << "the model, and the scheme";
 }
 
 TEST_F(InspectSphere, ObjectsToTheModelThatWorksOnCells) {

@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <chrono>
 #include <cstdint>
+
+#include "tests/support/temporary_folder.hpp"
 
 namespace thimble::session {
 namespace {
@@ -31,6 +34,25 @@ TEST(WorldSettings, AMaterialThatSaysNothingLeavesTheArmItsOwn) {
   const auto sut = volume_options(said);
   ASSERT_EQ(sut.materials.size(), 1U);
   EXPECT_EQ(sut.materials[0].material, (world::Material{{-1}, {-1}, 0.2}));
+}
+
+TEST(WorldSettings, AFieldHasItsUnitItsPlaceAndItsSurface) {
+  const testing_support::TemporaryFolder folder;
+  config::WorldConfig said;
+  said.source = folder.write("half.nrrd",
+                             "NRRD0004\ntype: float\ndimension: 3\nsizes: 2 2 2\n"
+                             "encoding: text\n\n-1 -1 1 1 -1 -1 1 1\n");
+  said.cell_m = 0.02;
+  said.field = config::FieldConfig{.unit_m = 0.01, .center_m = {0, 0.1, 0}, .friction = 0.5};
+  const auto sut = make_world(said, nullptr);
+  ASSERT_TRUE(sut) << sut.error().message;
+  const auto probe = sut->world->add_probe({0, 0.2, 0});
+  ASSERT_TRUE(probe);
+  const auto motion = sut->world->move_probe(*probe, {0, 0.05, 0}, std::chrono::milliseconds(1));
+  EXPECT_NEAR(motion.ghost.y, 0.1, 1e-4);
+  ASSERT_EQ(motion.planes.size(), 1U);
+  EXPECT_EQ(motion.planes[0].friction, 0.5);
+  EXPECT_NEAR(motion.planes[0].offset_m, -0.1, 1e-6) << "as far as the middle of the field";
 }
 
 }  // namespace
