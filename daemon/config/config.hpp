@@ -191,9 +191,13 @@ struct SphereConfig {
   bool operator==(const SphereConfig&) const = default;
 };
 
-// Of a volume file whose numbers are signed distances, below 0 in matter (thesis 3.7.2).
+// Of a volume file whose numbers are signed distances, below 0 in matter, and of a mesh, which
+// becomes such (thesis 3.7.2).
 struct FieldConfig {
-  double unit_m{1};                                // of one of its numbers
+  std::optional<double> unit_m{};                  // of one of its numbers, else 1 or longest_m
+  std::optional<double> longest_m{};               // edge of a mesh, where unit_m is not said
+  bool is_mesh{false};                             // by the ending of the source
+  std::int64_t resolution{64};                     // of a mesh: steps along that edge
   std::array<double, 3> center_m{};                // of its middle
   std::optional<double> stiffness_newton_per_m{};  // else the arm's
   std::optional<double> damping_newton_s_per_m{};  // else the arm's
@@ -266,7 +270,7 @@ struct WorldConfig {
   std::string axis_order{"xyz"};   // axis of the world of each axis of the file; - before: reversed
   std::optional<std::array<double, 3>> spacing{};  // along them, instead of the file's
   std::vector<MaterialConfig> materials{};         // the first that fits counts
-  std::optional<FieldConfig> field{};              // its numbers are distances
+  std::optional<FieldConfig> field{};              // its numbers are distances, or it is a mesh
   std::optional<SphereConfig> sphere{};            // of the source "sphere", and only there
   std::vector<ShapeConfig> shapes{};               // of "shapes", which has at least one
   std::optional<PiecesConfig> pieces{};            // likewise of "pieces"

@@ -194,11 +194,10 @@ void read_other_side(TableReader& reader, ArmConfig& arm) {
 void read_source(TableReader& reader, const std::filesystem::path& folder, WorldConfig& world) {
   reader.require("source",
                  "\"box:N\", \"sphere\", \"shapes\", \"pieces\", \"life\", \"crystal\" or the path "
-                 "of an .npy, "
-                 ".nrrd or .nhdr file");
+                 "of an .npy, .nrrd, .nhdr, .stl or .obj file");
   std::string source;
   if (!reader.read("source", source)) return;
-  if (is_volume_file(source)) {
+  if (is_volume_file(source) || is_mesh_file(source)) {
     std::optional<std::string> path;
     read_path(reader, "source", folder, path);
     world.source = path.value_or(source);
@@ -218,7 +217,7 @@ void read_source(TableReader& reader, const std::filesystem::path& folder, World
     return reader.reject(
         "source",
         "expected \"box:N\" with N from 3 to 1024, \"sphere\", \"shapes\", \"pieces\", \"life\", "
-        "\"crystal\", or the path of an .npy, .nrrd or .nhdr file, found " +
+        "\"crystal\", or the path of an .npy, .nrrd, .nhdr, .stl or .obj file, found " +
             in_quotes(source));
   }
   world.source = source;

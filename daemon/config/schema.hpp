@@ -34,7 +34,9 @@ void read_volume(TableReader& reader, WorldConfig& world);
 inline constexpr std::string_view kSphereSource = "sphere";
 void read_sphere(TableReader& reader, WorldConfig& world);
 
-// The table of a volume file whose numbers are distances.
+// A surface of triangles.
+[[nodiscard]] bool is_mesh_file(std::string_view source);
+// The table of a volume file whose numbers are distances, and of a mesh.
 void read_field(TableReader& reader, WorldConfig& world);
 
 // The source that is made of shapes, and its tables.

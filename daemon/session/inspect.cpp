@@ -15,6 +15,7 @@
 #include "daemon/session/world_settings.hpp"
 #include "daemon/world/fields/field_world.hpp"
 #include "daemon/world/io/field_file.hpp"
+#include "daemon/world/io/mesh_file.hpp"
 #include "daemon/world/io/world_source.hpp"
 #include "drivers/falcon/find_model.hpp"
 #include "hal/bus/device_name.hpp"
@@ -225,7 +226,9 @@ void inspect_made(const config::Config& config, std::size_t index, std::vector<O
 // A field may be large: its file is looked at, and the smallest of all stands in for the rest.
 void inspect_field(const config::Config& config, std::size_t index, std::vector<Objection>& out) {
   const config::WorldConfig& said = config.worlds[index];
-  const auto checked = world::check_field_file(said.source, field_options(said));
+  const auto checked = said.field->is_mesh
+                           ? world::check_mesh_file(said.source)
+                           : world::check_field_file(said.source, field_options(said));
   if (!checked) {
     return out.push_back({Objection::Table::World, index, "source", checked.error().message});
   }

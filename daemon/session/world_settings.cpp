@@ -24,7 +24,8 @@ Result<std::unique_ptr<world::World>> make_sphere(const config::SphereConfig& sa
 }
 
 Result<std::unique_ptr<world::World>> make_field(const config::WorldConfig& said) {
-  auto field = world::load_field_file(said.source, field_options(said));
+  auto field = said.field->is_mesh ? world::load_mesh_field(said.source, mesh_options(said))
+                                   : world::load_field_file(said.source, field_options(said));
   if (!field) return tl::unexpected(field.error());
   return std::make_unique<world::FieldWorld>(
       *std::move(field), said.source,
@@ -99,7 +100,17 @@ world::VolumeOptions volume_options(const config::WorldConfig& said) {
 world::FieldOptions field_options(const config::WorldConfig& said) {
   const config::FieldConfig field = said.field.value_or(config::FieldConfig{});
   const auto& [x_m, y_m, z_m] = field.center_m;
-  return {volume_options(said), field.unit_m, {x_m, y_m, z_m}};
+  return {volume_options(said), field.unit_m.value_or(1), {x_m, y_m, z_m}};
+}
+
+world::MeshFieldOptions mesh_options(const config::WorldConfig& said) {
+  const config::FieldConfig field = said.field.value_or(config::FieldConfig{});
+  const auto& [x_m, y_m, z_m] = field.center_m;
+  world::MeshFieldOptions out{.resolution = static_cast<std::uint32_t>(field.resolution),
+                              .unit_m = field.unit_m,
+                              .center = {x_m, y_m, z_m}};
+  out.longest_m = field.longest_m.value_or(out.longest_m);
+  return out;
 }
 
 bool is_board_plugged_in(const config::WorldConfig& said) noexcept {

@@ -6,6 +6,7 @@
 #include "daemon/session/board_search.hpp"
 #include "daemon/session/made_world.hpp"
 #include "daemon/world/io/field_file.hpp"
+#include "daemon/world/io/mesh_file.hpp"
 #include "daemon/world/io/volume_writer.hpp"
 #include "hal/base/result.hpp"
 #include "hal/base/time.hpp"
@@ -17,6 +18,8 @@ namespace thimble::session {
 
 // The same of one with a [world.field].
 [[nodiscard]] world::FieldOptions field_options(const config::WorldConfig& said);
+// The same of a mesh.
+[[nodiscard]] world::MeshFieldOptions mesh_options(const config::WorldConfig& said);
 
 // Whether it lives on a real board.
 [[nodiscard]] bool is_board_plugged_in(const config::WorldConfig& said) noexcept;

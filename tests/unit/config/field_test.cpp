@@ -45,6 +45,36 @@ TEST(ConfigField, AnEmptyTableSaysThatNumbersAreDistances) {
   EXPECT_FALSE(without->worlds.at(0).field);
 }
 
+TEST(ConfigField, AMeshIsAFieldWithoutATable) {
+  for (const char* source : {"a.stl", "A.STL", "b.obj"}) {
+    const auto sut =
+        parse_text(std::string("[[world]]\nname = \"w\"\nsource = \"") + source + "\"\n");
+    ASSERT_TRUE(sut);
+    EXPECT_EQ(sut->worlds.at(0).source, std::string("/etc/thimble/") + source);
+    ASSERT_TRUE(sut->worlds.at(0).field);
+    EXPECT_TRUE(sut->worlds.at(0).field->is_mesh);
+    EXPECT_EQ(sut->worlds.at(0).field->resolution, 64);
+  }
+  const auto sized = parse_text(field_of("a.stl", "longest_m = 0.05\nresolution = 32\n"));
+  ASSERT_TRUE(sized);
+  EXPECT_EQ(sized->worlds.at(0).field->longest_m, 0.05);
+  EXPECT_EQ(sized->worlds.at(0).field->resolution, 32);
+}
+
+TEST(ConfigField, AMeshHasItsOwnKeysAndNoneOfAVolume) {
+  EXPECT_THAT(mistakes(field_of("a.stl", "longest_m = 0.05\nunit_m = 1\n")),
+              ElementsAre(HasSubstr("either longest_m or unit_m")));
+  EXPECT_THAT(mistakes(field_of("a.stl", "resolution = 300\n")),
+              ElementsAre(HasSubstr("8 to 256")));
+  for (const char* line : {"longest_m = 0.05\n", "resolution = 32\n"}) {
+    EXPECT_THAT(mistakes(field_of("a.npy", line)), ElementsAre(HasSubstr("only with a mesh")));
+  }
+  for (const char* line : {"threshold = 1\n", "workspace_m = 0.1\n", "cell_m = 0.001\n",
+                           "spacing = [1, 1, 1]\n", "axis_order = \"zyx\"\n"}) {
+    EXPECT_EQ(mistakes(field_of("a.stl", "", line)).size(), 1U) << line;
+  }
+}
+
 TEST(ConfigField, GoesWithVolumeFilesAndHasNoCells) {
   for (const char* source : {"box:3", "sphere", "life"}) {
     EXPECT_THAT(mistakes(field_of(source, "")),

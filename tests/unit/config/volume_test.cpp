@@ -24,7 +24,7 @@ TEST(ConfigVolume, KnowsTheEndingsOfVolumeFiles) {
     EXPECT_EQ(sut->worlds.at(0).source, std::string("/etc/thimble/a.") + ending);
   }
   EXPECT_THAT(mistakes("[[world]]\nname = \"w\"\nsource = \"a.mha\"\n"),
-              ElementsAre(HasSubstr(".npy, .nrrd or .nhdr file, found \"a.mha\"")));
+              ElementsAre(HasSubstr(".npy, .nrrd, .nhdr, .stl or .obj file, found \"a.mha\"")));
 }
 
 TEST(ConfigVolume, SaysNothingThatTheFileDoesNotSay) {

@@ -55,5 +55,19 @@ TEST(WorldSettings, AFieldHasItsUnitItsPlaceAndItsSurface) {
   EXPECT_NEAR(motion.planes[0].offset_m, -0.1, 1e-6) << "as far as the middle of the field";
 }
 
+TEST(WorldSettings, AMeshBecomesAFieldOfItsSizeAtItsPlace) {
+  config::WorldConfig said;
+  said.source = THIMBLE_SOURCE_DIR "/examples/gem.obj";
+  said.field = config::FieldConfig{
+      .longest_m = 0.04, .is_mesh = true, .resolution = 20, .center_m = {0, 0, 0.05}};
+  const auto sut = make_world(said, nullptr);
+  ASSERT_TRUE(sut) << sut.error().message;
+  const auto probe = sut->world->add_probe({0, 0.03, 0.05});
+  ASSERT_TRUE(probe);
+  const auto motion = sut->world->move_probe(*probe, {0, 0, 0.05}, std::chrono::milliseconds(1));
+  ASSERT_EQ(motion.planes.size(), 1U);
+  EXPECT_NEAR(motion.planes[0].normal.y, -1, 1e-6) << "on its table";
+}
+
 }  // namespace
 }  // namespace thimble::session
