@@ -15,6 +15,9 @@ constexpr double kFar_m = 1e3;
 // Shares of the field's step: what touches, and the longest slide.
 constexpr double kTouchShare = 1e-3;
 constexpr double kSlideShare = 0.125;
+// Flatter is no face; turned by less than 25 degrees is the same face, curved.
+constexpr double kLeastSlope = 0.5;
+constexpr double kSameFaceCosine = 0.9;
 constexpr int kHalvings = 7;
 constexpr int kLifts = 4;
 
@@ -40,24 +43,57 @@ class Run {
     }
     const double into_m = std::max(0.0, -dot(here_.outward, wanted));
     const Displacement3 way = wanted + along<DisplacementTag>(here_.outward, into_m);
-    return slide(way, left_m);
+    is_at_rest_ = !slide(way, left_m);
+    return !is_at_rest_;
   }
 
   [[nodiscard]] Position3 ghost() const noexcept { return ghost_; }
 
   void tell(const Material& surface, ProbeMotion& motion) const noexcept {
-    const bool is_held =
-        here_.distance_m <= touch_m_ && here_.slope > 0 && dot(here_.outward, target_ - ghost_) < 0;
-    if (!is_held) return;
-    const Direction3 normal = -here_.outward;
-    motion.planes.push_back({.normal = normal,
-                             .offset_m = dot(normal, ghost_) + here_.distance_m / here_.slope,
-                             .stiffness = surface.stiffness,
-                             .damping = surface.damping,
-                             .friction = surface.friction});
+    if (here_.distance_m > touch_m_) return;
+    const Displacement3 wanted = target_ - ghost_;
+    if (here_.slope > 0 && dot(here_.outward, wanted) < 0) {
+      motion.planes.push_back(plane_at(ghost_, here_, surface));
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      for (const double way : {-1.0, 1.0}) tell_beside(axis, way, surface, motion);
+    }
+    const double left_m = norm(wanted);
+    if (!motion.planes.empty() || !is_at_rest_ || left_m <= kArrived_m) return;
+    // On a crease the gradient of its own cell may lead away: what holds it is across its way.
+    const Direction3 across{-wanted.x / left_m, -wanted.y / left_m, -wanted.z / left_m};
+    motion.planes.push_back(plane_at(ghost_, {0, across, 1}, surface));
   }
 
  private:
+  // Where the field comes to 0, as it falls from `at` on.
+  [[nodiscard]] static ContactPlane plane_at(Position3 at, const FieldLook& seen,
+                                             const Material& surface) noexcept {
+    const Direction3 normal = -seen.outward;
+    return {.normal = normal,
+            .offset_m = dot(normal, at) + seen.distance_m / seen.slope,
+            .stiffness = surface.stiffness,
+            .damping = surface.damping,
+            .friction = surface.friction};
+  }
+  // In a dent other faces hold the hand, too: what a place a step beside sees, if it is another
+  // face, leaves the ghost free, is as near to it as that, and the hand is past it.
+  void tell_beside(std::size_t axis, double way, const Material& surface,
+                   ProbeMotion& motion) const noexcept {
+    Position3 at = ghost_;
+    at[axis] += way * field_.step_m();
+    const FieldLook seen = field_.look(at);
+    if (!(seen.slope > kLeastSlope)) return;
+    const ContactPlane plane = plane_at(at, seen, surface);
+    const double gap_m = plane.offset_m - dot(plane.normal, ghost_);
+    const bool is_past = dot(plane.normal, target_) > plane.offset_m;
+    if (!is_past || gap_m < -touch_m_ || gap_m > field_.step_m()) return;
+    for (const ContactPlane& told : motion.planes) {
+      if (dot(told.normal, plane.normal) > kSameFaceCosine) return;
+    }
+    motion.planes.push_back(plane);
+  }
+
   void go_to(Position3 at) noexcept {
     ghost_ = at;
     here_ = field_.look(at);
@@ -93,6 +129,7 @@ class Run {
   Position3 ghost_;
   Position3 target_;
   FieldLook here_;
+  bool is_at_rest_{false};  // touching, and no slide led nearer
 };
 
 }  // namespace

@@ -21,8 +21,10 @@ inline constexpr int kMaxFieldLegs = 256;
 // the gradient, and keeps what is nearer to the hand; so it rests where no such slide leads nearer.
 // A sheet of matter thinner than that eighth is not safe from a slide round a sharp edge of it.
 //
-// At most one plane holds it: the tangent plane at its place. In a dent of the field the plane
-// turns as the ghost moves, since between nodes a field has no edges.
+// The planes that hold it: the tangent plane at its place, and in a dent those of the faces that
+// places a step beside it along the axes see, turned by more than 25 degrees; seven at most. They
+// leave the ghost free within what touches; where it rests, at least one holds it. An edge of a
+// dent is rounded by about a step.
 //
 // RT: THIMBLE_RT; at most kMaxFieldLegs legs. Errors: none; a hand that is not finite leaves the
 // ghost where it is and gives no planes.

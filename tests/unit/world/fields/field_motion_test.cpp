@@ -42,7 +42,9 @@ TEST(FieldMotion, TheGhostIsNeverInsideAndItsPlaneIsTangent) {
   for (int i = 0; i < 5000; ++i) {
     const ProbeMotion motion = move_ghost(sut, {}, ghost, Position3{} + random.displacement(0.05));
     ASSERT_GT(sut.look(motion.ghost).distance_m, 0) << i;
-    ASSERT_LE(motion.planes.size(), 1U);
+    for (const ContactPlane& plane : motion.planes) {
+      ASSERT_GE(plane.offset_m - dot(plane.normal, motion.ghost), -kGrid_m / 500);
+    }
     if (motion.planes.empty()) continue;
     ++held;
     const ContactPlane& plane = motion.planes[0];
@@ -63,6 +65,32 @@ TEST(FieldMotion, APlateOfTwoStepsHoldsAHandThatJumps) {
     hand.x = std::clamp(hand.x, -0.035, 0.035);  // within its edges
     hand.z = std::clamp(hand.z, -0.035, 0.035);
     ASSERT_GT(move_ghost(sut, {}, ghost, hand).ghost.y, 0.9 * kGrid_m) << i;
+  }
+}
+
+// A dent between two walls holds by both, so that no scheme is drawn into one while the other
+// turns.
+TEST(FieldMotion, ACornerHoldsAHandByItsTwoWalls) {
+  RandomPlanes random(5);
+  for (int i = 0; i < 40; ++i) {
+    const double angle = random.uniform(0.7, 2.3);
+    const double turn = random.uniform(0, 6);
+    const Direction3 floor{-std::sin(turn), std::cos(turn), 0};  // both point out of the matter
+    const Direction3 wall{std::sin(turn + angle), -std::cos(turn + angle), 0};
+    const DistanceField sut =
+        sampled(31, kGrid_m, [&](Position3 at) { return std::min(dot(floor, at), dot(wall, at)); });
+    const Displacement3 middle{std::cos(turn + angle / 2), std::sin(turn + angle / 2), 0};
+    Position3 ghost = Position3{} + 0.015 * middle;
+    const Position3 hand = Position3{} - 0.005 * middle;
+    ProbeMotion motion;
+    for (int tick = 0; tick < 20; ++tick) motion = move_ghost(sut, {}, ghost, hand);
+    PastPlanes planes;
+    for (const ContactPlane& plane : motion.planes) {
+      planes.push_back({plane.normal, dot(plane.normal, hand) - plane.offset_m});
+    }
+    const Position3 proxy = hand - project(planes).past;
+    EXPECT_GE(motion.planes.size(), 2U) << i;
+    EXPECT_LE(norm(proxy - Position3{}), 1.5 * kGrid_m) << i << ", " << angle;
   }
 }
 
@@ -90,8 +118,10 @@ TEST(FieldMotion, RestsWhereNoWayLeadsNearer) {
   for (int world = 0; world < 200; ++world) {
     Position3 ghost = Position3{} + along<DisplacementTag>(random.direction(), 0.045);
     const Position3 hand = Position3{-0.012, 0, 0} + random.displacement(0.010);
-    for (int i = 0; i < 20; ++i) move_ghost(sut, {}, ghost, hand);
+    ProbeMotion motion;
+    for (int i = 0; i < 20; ++i) motion = move_ghost(sut, {}, ghost, hand);
     const double left_m = norm(hand - ghost);
+    ASSERT_EQ(motion.planes.empty(), left_m < 1e-6) << world << ": it rests, so something holds it";
     for (int k = 0; k < 300; ++k) {
       const Position3 near = ghost + random.displacement(1e-4);
       if (sut.look(near).distance_m < kGrid_m / 1000) continue;
