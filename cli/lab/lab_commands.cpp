@@ -12,6 +12,7 @@
 #include "cli/text.hpp"
 #include "drivers/cambus/cambus_registers.hpp"
 #include "lab/compare/compare.hpp"
+#include "lab/constraint_models/constraint_models.hpp"
 #include "lab/piece_separator.hpp"
 #include "lab/table_4_1/table_4_1.hpp"
 
@@ -131,6 +132,12 @@ void add_experiments(CLI::App& lab, int& code) {
                   .help = "The same as compare, each scheme with a passivity guard",
                   .run = compare(false, true)},
                  code);
+  add_experiment(
+      lab,
+      {.name = "constraint-models",
+       .help = "What holds a hand at cells, corners and edges (thesis 3.7, figures 3-7 to 3-10)",
+       .run = [](const Asked& asked) { return lab::run_constraint_models({asked.seed}); }},
+      code);
 }
 
 void add_lab_commands(CLI::App& app, int& code) {

@@ -69,7 +69,9 @@ bool Findings::is_met() const noexcept {
 
 std::string tell(const Findings& findings) {
   std::string text = findings.title + "\n\n";
-  for (const Table& table : findings.tables) text += tell_table(table) + '\n';
+  for (const Table& table : findings.tables) {
+    if (!table.is_for_files) text += tell_table(table) + '\n';
+  }
   for (const std::string& remark : findings.remarks) text += remark + '\n';
   for (const Criterion& criterion : findings.criteria) {
     text += (criterion.is_met ? "as it must be: " : "NOT as it must be: ") + criterion.text + '\n';

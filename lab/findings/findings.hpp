@@ -30,6 +30,7 @@ struct Table {
   std::string title;
   std::vector<Column> columns;
   std::vector<std::vector<Cell>> rows;  // each as long as `columns`
+  bool is_for_files{false};             // too long to be told to people
 };
 
 enum class Mark { Line, Points, LinePoints };

@@ -49,6 +49,17 @@ class Lab(ProcessTest):
             self.assertEqual(places[0], "1")
             self.assertGreater(len(places), 5)
 
+    def test_constraint_models_hold_as_the_figures_draw_them(self):
+        folder = self.folder / "figures"
+        shown = self.run_experiment("constraint-models", "--out", folder)
+        self.assertEqual(shown.returncode, 0, shown.stdout[-400:] + shown.stderr)
+        self.assertEqual(shown.stdout.count("as it must be: "), 4)
+        with (folder / "constraint-models-trace-side.csv").open() as file:
+            trace = list(csv.DictReader(file))
+        end = trace[-1]
+        self.assertLess(float(end["simple_proxy_y [mm]"]), float(end["hand_y [mm]"]) - 1, "figure 3-8e")
+        self.assertEqual(end["cells_proxy_y [mm]"], end["hand_y [mm]"], "figure 3-9")
+
     def test_what_cannot_be_done_is_said(self):
         shown = self.run_experiment("table-4.1", "--contacts", "1", "--out", "/proc/none")
         self.assertNotEqual(shown.returncode, 0)
