@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "daemon/world/block_scene.hpp"
 #include "daemon/world/cell.hpp"
 #include "daemon/world/sphere_scene.hpp"
 #include "hal/base/geometry.hpp"
@@ -63,6 +64,7 @@ struct WorldInfo {
   double cell_m{0};
   std::array<double, 3> extent_m{};     // the world is centred on the origin; 0 where it has no end
   std::optional<SphereScene> sphere{};  // of a world that is one
+  std::optional<BlockScene> block{};    // likewise, as it was made
 };
 
 // A world that ghost points move through. Every position is in the world frame: of a hand, the one
@@ -86,6 +88,15 @@ class World {
   // False: no cell is occupied within as many as mark_zone() was told at most. Worlds that do not
   // mark their zone say true everywhere.
   [[nodiscard]] virtual bool is_in_zone(Cell /*cell*/) const noexcept { return true; }
+  // Whether every face it tells of lies across an axis, which is all that the datagrams of 1999 can
+  // say.
+  [[nodiscard]] virtual bool has_faces_across_the_axes_only() const noexcept {
+    return info().cells[0] > 0;
+  }
+  // Where its block is now; nothing where there is none.
+  [[nodiscard]] virtual std::optional<Position3> block_center() const noexcept {
+    return std::nullopt;
+  }
   // Filled ones, of those of its grid.
   [[nodiscard]] virtual std::size_t occupied_cells() const noexcept { return 0; }
   // Itself where its cells may be edited; nullptr where they may not, or there are none.
