@@ -36,6 +36,7 @@ struct Scene {
   std::array<double, 3> extent_m{kDefaultExtent_m, kDefaultExtent_m, kDefaultExtent_m};
   bool is_box{false};
   std::optional<api::SphereStatus> sphere;
+  std::optional<api::BlockStatus> block;
   std::array<double, 3> hand_m{};
   std::array<double, 3> finger_m{};
   bool is_in_contact{false};
@@ -55,6 +56,7 @@ Scene scene_of(const api::ArmStatus& arm, const api::WorldStatus* world) {
   out.is_in_contact = arm.is_in_contact;
   out.is_box = world != nullptr && world->source.starts_with("box:");
   if (world != nullptr) out.sphere = world->sphere;
+  if (world != nullptr) out.block = world->block;
   for (std::size_t i = 0; i < 3; ++i) {
     out.hand_m[i] = arm.position_m[i];
     out.finger_m[i] = arm.position_m[i] + arm.offset_m[i];
@@ -62,6 +64,7 @@ Scene scene_of(const api::ArmStatus& arm, const api::WorldStatus* world) {
     if (extent_m > 0 && std::isfinite(extent_m)) out.extent_m[i] = extent_m;
   }
   if (out.sphere) out.extent_m.fill(extent_around(*out.sphere));
+  if (out.block) out.extent_m.fill(out.block->room_m);
   return out;
 }
 
@@ -81,11 +84,21 @@ bool is_wall_of_box(const Scene& scene, std::size_t row, std::size_t column) {
   return is_outside(row, scene.rows) || is_outside(column, scene.columns);
 }
 
+// Of the `place`th of `count` characters along an axis.
+double middle_m(std::size_t place, std::size_t count, double extent_m) {
+  return ((static_cast<double>(place) + 0.5) / static_cast<double>(count) - 0.5) * extent_m;
+}
+
+bool is_before_block(const Scene& scene, const View& view, std::size_t row, std::size_t column) {
+  const double across_m = middle_m(column, scene.columns, scene.extent_m[view.across]);
+  const double up_m = middle_m(scene.rows - 1 - row, scene.rows, scene.extent_m[view.up]);
+  const std::array<double, 3>& center_m = scene.block->center_m;
+  return std::abs(across_m - center_m[view.across]) < scene.block->edge_m / 2 &&
+         std::abs(up_m - center_m[view.up]) < scene.block->edge_m / 2;
+}
+
 // Cut through the middle of the ball.
 bool is_in_sphere(const Scene& scene, const View& view, std::size_t row, std::size_t column) {
-  const auto middle_m = [](std::size_t place, std::size_t count, double extent_m) {
-    return ((static_cast<double>(place) + 0.5) / static_cast<double>(count) - 0.5) * extent_m;
-  };
   const std::array<double, 3>& center_m = scene.sphere->center_m;
   const double across_m = middle_m(column, scene.columns, scene.extent_m[view.across]);
   const double up_m = middle_m(scene.rows - 1 - row, scene.rows, scene.extent_m[view.up]);
@@ -98,6 +111,7 @@ bool is_in_sphere(const Scene& scene, const View& view, std::size_t row, std::si
 
 bool is_wall(const Scene& scene, const View& view, std::size_t row, std::size_t column) {
   if (scene.is_box) return is_wall_of_box(scene, row, column);
+  if (scene.block) return is_before_block(scene, view, row, column);
   return scene.sphere && is_in_sphere(scene, view, row, column);
 }
 
@@ -107,7 +121,7 @@ std::string missing_of(const Scene& scene, const api::WorldStatus* world) {
   if (scene.is_box && world->edits_applied > 0) {
     return "the box is drawn as configured, without the edits since then";
   }
-  if (scene.is_box) return "";
+  if (scene.is_box || scene.block) return "";
   if (!scene.sphere) {
     return "the world's cells are not drawn: the status does not tell which are filled";
   }

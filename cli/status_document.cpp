@@ -154,6 +154,16 @@ std::optional<api::SphereStatus> sphere(const json::value& value) {
   return out.radius_m > 0 && std::isfinite(sum + out.radius_m) ? std::optional(out) : std::nullopt;
 }
 
+std::optional<api::BlockStatus> block(const json::value& value) {
+  const json::value* found = member(value, "block");
+  if (found == nullptr) return {};
+  const api::BlockStatus out{vector(*found, "center_m"), number(*found, "edge_m"),
+                             number(*found, "room_m")};
+  const double sum = out.center_m[0] + out.center_m[1] + out.center_m[2] + out.room_m;
+  const bool can_be = out.edge_m > 0 && out.room_m > out.edge_m && std::isfinite(sum);
+  return can_be ? std::optional(out) : std::nullopt;
+}
+
 // 0 for what cannot be.
 std::array<std::uint32_t, 3> cells(const json::value& value, std::string_view key) {
   const std::array<double, 3> said = vector(value, key);
@@ -183,6 +193,7 @@ api::WorldStatus world(const json::value& value) {
   out.edits_applied = count(value, "edits_applied");
   out.edits_waiting = count(value, "edits_waiting");
   out.sphere = sphere(value);
+  out.block = block(value);
   out.pieces = pieces(value);
   return out;
 }

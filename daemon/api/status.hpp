@@ -100,6 +100,14 @@ struct SphereStatus {
   bool operator==(const SphereStatus&) const = default;
 };
 
+// World frame: a cube in a cubic room around the origin.
+struct BlockStatus {
+  std::array<double, 3> center_m{};
+  double edge_m{0};
+  double room_m{0};
+  bool operator==(const BlockStatus&) const = default;
+};
+
 // Of a world with pieces, as its board has confirmed it.
 struct PiecesStatus {
   std::uint32_t held{0};  // number of the held piece; 0: none
@@ -118,6 +126,7 @@ struct WorldStatus {
   std::uint64_t edits_applied{0};  // since the start
   std::uint64_t edits_waiting{0};
   std::optional<SphereStatus> sphere{};  // of a world that is one
+  std::optional<BlockStatus> block{};    // likewise
   std::optional<PiecesStatus> pieces{};  // of a world that has some
   bool operator==(const WorldStatus&) const = default;
 };

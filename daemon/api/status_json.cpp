@@ -106,6 +106,11 @@ json::object to_value(const WorldStatus& world) {
                                  {"radius_m", world.sphere->radius_m},
                                  {"floor_m", world.sphere->floor_m}};
   }
+  if (world.block) {
+    out["block"] = json::object{{"center_m", vector_of(world.block->center_m)},
+                                {"edge_m", world.block->edge_m},
+                                {"room_m", world.block->room_m}};
+  }
   if (world.pieces) {
     out["pieces"] = json::object{{"held", world.pieces->held},
                                  {"is_free_motion", world.pieces->is_free_motion},

@@ -174,6 +174,10 @@ api::WorldStatus world_status(const session::WorldHost& host) {
   if (info.sphere) {
     world.sphere = {as_array(info.sphere->center), info.sphere->radius_m, info.sphere->floor_m};
   }
+  if (info.block) {
+    const Position3 center = host.world().block_center().value_or(Position3{});
+    world.block = {as_array(center), info.block->edge_m, info.block->room_m};
+  }
   if (const world::cam::PieceWorld* pieces = host.pieces()) {
     const world::cam::PieceState& state = pieces->board().state();
     world.pieces = {static_cast<std::uint32_t>(state.held), state.is_free_motion, {}};

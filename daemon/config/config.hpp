@@ -221,6 +221,14 @@ struct ShapeConfig {
   bool operator==(const ShapeConfig&) const = default;
 };
 
+// A block that hands push about a room (thesis 5.2, 5.3.4).
+struct BlockConfig {
+  double room_m{0.09};
+  double edge_m{0.03};
+  double drag_newton_s_per_m{40};
+  bool operator==(const BlockConfig&) const = default;
+};
+
 enum class PieceSearch : std::uint8_t { Leap, OneCell, Trail };
 
 // A simulated board, in a slot of PCI or on USB; or a real one, likewise.
@@ -256,8 +264,8 @@ struct AutomatonConfig {
 
 struct WorldConfig {
   std::string name;
-  std::string
-      source;  // "box:N", "sphere", "shapes", "pieces", "life", "crystal", or a volume file's path
+  std::string source;  // "box:N", "sphere", "block", "shapes", "pieces", "life", "crystal", or the
+                       // path of a file
   double workspace_m{0.09};
   double threshold{0};  // cells above it are filled (files)
   ConstraintModel constraint_model{ConstraintModel::GhostPoint};
@@ -273,6 +281,7 @@ struct WorldConfig {
   std::optional<FieldConfig> field{};              // its numbers are distances, or it is a mesh
   std::optional<SphereConfig> sphere{};            // of the source "sphere", and only there
   std::vector<ShapeConfig> shapes{};               // of "shapes", which has at least one
+  std::optional<BlockConfig> block{};              // likewise of "block"
   std::optional<PiecesConfig> pieces{};            // likewise of "pieces"
   std::optional<AutomatonConfig> automaton{};      // of "life" and "crystal"
   bool operator==(const WorldConfig&) const = default;

@@ -192,9 +192,10 @@ void read_other_side(TableReader& reader, ArmConfig& arm) {
 }
 
 void read_source(TableReader& reader, const std::filesystem::path& folder, WorldConfig& world) {
-  reader.require("source",
-                 "\"box:N\", \"sphere\", \"shapes\", \"pieces\", \"life\", \"crystal\" or the path "
-                 "of an .npy, .nrrd, .nhdr, .stl or .obj file");
+  reader.require(
+      "source",
+      "\"box:N\", \"sphere\", \"block\", \"shapes\", \"pieces\", \"life\", \"crystal\" or "
+      "the path of an .npy, .nrrd, .nhdr, .stl or .obj file");
   std::string source;
   if (!reader.read("source", source)) return;
   if (is_volume_file(source) || is_mesh_file(source)) {
@@ -203,8 +204,8 @@ void read_source(TableReader& reader, const std::filesystem::path& folder, World
     world.source = path.value_or(source);
     return;
   }
-  if (source == kSphereSource || source == kShapesSource || source == kPiecesSource ||
-      source == kLifeSource || source == kCrystalSource) {
+  if (source == kSphereSource || source == kBlockSource || source == kShapesSource ||
+      source == kPiecesSource || source == kLifeSource || source == kCrystalSource) {
     world.source = source;
     return;
   }
@@ -216,8 +217,8 @@ void read_source(TableReader& reader, const std::filesystem::path& folder, World
   if (!source.starts_with("box:") || !is_number || cells < 3 || cells > 1024) {
     return reader.reject(
         "source",
-        "expected \"box:N\" with N from 3 to 1024, \"sphere\", \"shapes\", \"pieces\", \"life\", "
-        "\"crystal\", or the path of an .npy, .nrrd, .nhdr, .stl or .obj file, found " +
+        "expected \"box:N\" with N from 3 to 1024, \"sphere\", \"block\", \"shapes\", \"pieces\", "
+        "\"life\", \"crystal\", or the path of an .npy, .nrrd, .nhdr, .stl or .obj file, found " +
             in_quotes(source));
   }
   world.source = source;
@@ -324,6 +325,7 @@ Entry<WorldConfig> read_world(TableReader reader, const std::filesystem::path& f
   read_field(reader, out);
   read_sphere(reader, out);
   read_shapes(reader, out);
+  read_block(reader, out);
   read_pieces(reader, folder, out);
   read_automaton(reader, out);
   read_choice(reader, "constraint_model", kConstraintModels, out.constraint_model);

@@ -42,6 +42,9 @@ void read_field(TableReader& reader, WorldConfig& world);
 // The source that is made of shapes, and its tables.
 inline constexpr std::string_view kShapesSource = "shapes";
 void read_shapes(TableReader& reader, WorldConfig& world);
+// Likewise.
+inline constexpr std::string_view kBlockSource = "block";
+void read_block(TableReader& reader, WorldConfig& world);
 
 // The source of pieces on a CAM board, and its keys.
 inline constexpr std::string_view kPiecesSource = "pieces";

@@ -63,7 +63,7 @@ std::optional<Refusal> find_refusal(const world::World& world, const config::Wor
                    "datagrams of 1999 cannot say; name it as the world of an arm of "
                    "this configuration"};
   }
-  if (said.listen && !has_cells(world)) {
+  if (said.listen && !world.has_faces_across_the_axes_only()) {
     return Refusal{"listen", "the datagrams of 1999 carry faces across the axes only, " +
                                  world.info().source + " has others; name it as the world of " +
                                  "an arm of this configuration"};
@@ -74,7 +74,8 @@ std::optional<Refusal> find_refusal(const world::World& world, const config::Wor
 std::optional<Refusal> find_refusal(const world::World& world, const config::CouplingConfig& arm) {
   if (arm.scheme == config::CouplingScheme::BufferZone) return refusal_of_zone(world, arm);
   if (arm.scheme == config::CouplingScheme::Composite) return refusal_of_map(world);
-  if (has_cells(world) || arm.scheme != config::CouplingScheme::ThesisLiteral) return std::nullopt;
+  const bool is_literal = arm.scheme == config::CouplingScheme::ThesisLiteral;
+  if (!is_literal || world.has_faces_across_the_axes_only()) return std::nullopt;
   return Refusal{"coupling.scheme", "\"thesis-literal\" feels faces across the axes only, " +
                                         world.info().source + " has others; use \"ghost-point\""};
 }

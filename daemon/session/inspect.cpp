@@ -248,7 +248,7 @@ std::vector<Objection> inspect(const config::Config& config, const RigParts& par
   for (std::size_t i = 0; i < config.worlds.size(); ++i) {
     const config::WorldConfig& said = config.worlds[i];
     if (said.source.empty()) continue;
-    if (said.sphere || !said.shapes.empty() || said.pieces || said.automaton) {
+    if (said.sphere || said.block || !said.shapes.empty() || said.pieces || said.automaton) {
       inspect_made(config, i, out);
       continue;
     }

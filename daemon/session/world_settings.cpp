@@ -5,6 +5,7 @@
 
 #include "daemon/session/live_settings.hpp"
 #include "daemon/session/piece_settings.hpp"
+#include "daemon/world/block_world.hpp"
 #include "daemon/world/fields/field_world.hpp"
 #include "daemon/world/io/world_source.hpp"
 #include "daemon/world/shapes/shape_world.hpp"
@@ -70,6 +71,13 @@ Result<std::unique_ptr<world::World>> make_shapes(const std::vector<config::Shap
   return std::make_unique<world::ShapeWorld>(*std::move(made));
 }
 
+Result<std::unique_ptr<world::World>> make_block(const config::BlockConfig& said) {
+  Result<world::BlockWorld> block =
+      world::BlockWorld::create({said.room_m, said.edge_m, said.drag_newton_s_per_m});
+  if (!block) return tl::unexpected(block.error());
+  return std::make_unique<world::BlockWorld>(*std::move(block));
+}
+
 }  // namespace
 
 world::VolumeOptions volume_options(const config::WorldConfig& said) {
@@ -123,6 +131,7 @@ Result<MadeWorld> make_world(const config::WorldConfig& said, const Clock* clock
   if (said.pieces) return make_piece_world(said, clock, plugs);
   auto world = said.automaton         ? make_live_world(said)
                : said.sphere          ? make_sphere(*said.sphere)
+               : said.block           ? make_block(*said.block)
                : !said.shapes.empty() ? make_shapes(said.shapes)
                : said.field           ? make_field(said)
                                       : world::make_world(said.source, volume_options(said));

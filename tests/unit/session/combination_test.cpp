@@ -10,6 +10,7 @@
 
 #include "daemon/session/live_settings.hpp"
 #include "daemon/session/piece_settings.hpp"
+#include "daemon/world/block_world.hpp"
 #include "daemon/world/fields/field_world.hpp"
 #include "daemon/world/shapes/shape_world.hpp"
 #include "daemon/world/sphere_world.hpp"
@@ -81,6 +82,8 @@ TEST(Combination, IsAcceptedOrRefusedWithItsReasonAsTheMatrixSays) {
   auto numbers = world::DistanceField::create({2, 2, 2}, 0.01, {-1, -1, 1, 1, -1, -1, 1, 1});
   ASSERT_TRUE(numbers);
   const world::FieldWorld field(*std::move(numbers), "ball.npy");
+  const auto block = world::BlockWorld::create({});
+  ASSERT_TRUE(block);
   const sim::VirtualClock clock;
   config::WorldConfig of_pieces;
   of_pieces.source = "pieces";
@@ -92,12 +95,10 @@ TEST(Combination, IsAcceptedOrRefusedWithItsReasonAsTheMatrixSays) {
   of_life.automaton = config::AutomatonConfig{.cells = 32};
   const auto life = make_live_world(of_life);
   ASSERT_TRUE(life) << life.error().message;
-  const std::map<std::string, const world::World*> worlds{{"with cells", &with_cells},
-                                                          {"`sphere`", &*sphere},
-                                                          {"`shapes`", &*shapes},
-                                                          {"of a field", &field},
-                                                          {"`pieces`", pieces->world.get()},
-                                                          {"`life`", life->get()}};
+  const std::map<std::string, const world::World*> worlds{
+      {"with cells", &with_cells}, {"`sphere`", &*sphere}, {"`shapes`", &*shapes},
+      {"of a field", &field},      {"`block`", &*block},   {"`pieces`", pieces->world.get()},
+      {"`life`", life->get()}};
   ASSERT_EQ(page().at("world").size(), 12U) << "a new column needs a line here";
   ASSERT_EQ(page().size(), 1 + 1 + worlds.size()) << "a new row needs a world here";
   for (const auto& [name, world] : worlds) {
