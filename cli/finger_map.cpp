@@ -59,7 +59,7 @@ Scene scene_of(const api::ArmStatus& arm, const api::WorldStatus* world) {
   if (world != nullptr) out.block = world->block;
   for (std::size_t i = 0; i < 3; ++i) {
     out.hand_m[i] = arm.position_m[i];
-    out.finger_m[i] = arm.position_m[i] + arm.offset_m[i];
+    out.finger_m[i] = arm.felt.position_m[i];
     const double extent_m = world == nullptr ? 0 : world->cells[i] * world->cell_m;
     if (extent_m > 0 && std::isfinite(extent_m)) out.extent_m[i] = extent_m;
   }
@@ -185,7 +185,7 @@ std::vector<std::string> finger_map(const api::ArmStatus& arm, const api::WorldS
   }
   out.push_back(kIndent + edge(scene, signs, nullptr) + kGap + edge(scene, signs, nullptr));
   out.push_back(kIndent + std::string(signs.finger) + " finger   " + signs.touching +
-                " touching   " + signs.hand + " hand, where the offset parts them");
+                " touching   " + signs.hand + " hand, where offset or delay part them");
   if (!missing.empty()) out.push_back(kIndent + missing);
   return out;
 }

@@ -97,6 +97,17 @@ api::FaultStatus fault(const json::value& value) {
           text(value, "recording"), number_of_fault(value)};
 }
 
+api::PlaneStatus plane(const json::value& value) {
+  return {vector(value, "normal"), number(value, "offset_m")};
+}
+
+api::FeltStatus felt(const json::value& value) {
+  api::FeltStatus out{
+      vector(value, "position_m"), number(value, "lag_s"), {}, list(value, "planes", plane)};
+  if (member(value, "ghost_m") != nullptr) out.ghost_m = vector(value, "ghost_m");
+  return out;
+}
+
 api::ArmStatus arm(const json::value& value) {
   api::ArmStatus out;
   out.name = text(value, "name");
@@ -114,6 +125,8 @@ api::ArmStatus arm(const json::value& value) {
   out.force_newton = vector(value, "force_newton");
   out.peak_force_newton = number(value, "peak_force_newton");
   out.offset_m = vector(value, "offset_m");
+  const json::value* const seen = member(value, "felt");
+  out.felt = felt(seen == nullptr ? json::value{} : *seen);
   out.peak_offset_m = number(value, "peak_offset_m");
   out.contacts = count(value, "contacts");
   out.faults = list(value, "faults", fault);

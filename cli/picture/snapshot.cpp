@@ -142,7 +142,7 @@ void add_fingers(ColorVolume& volume, std::uint32_t every, const api::WorldStatu
     std::array<double, 3> center{};
     bool is_somewhere = true;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      center[axis] = place_of(arm.position_m[axis] + arm.offset_m[axis], world, times, axis);
+      center[axis] = place_of(arm.felt.position_m[axis], world, times, axis);
       is_somewhere = is_somewhere && std::isfinite(center[axis]);
     }
     if (is_somewhere) add_ball(volume, center);

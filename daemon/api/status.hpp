@@ -22,6 +22,22 @@ struct FaultStatus {
   bool operator==(const FaultStatus&) const = default;
 };
 
+// A half-space that the hand may not enter: dot(normal, q) <= offset_m is left free. World frame.
+struct PlaneStatus {
+  std::array<double, 3> normal{};  // into the obstacle
+  double offset_m{0};
+  bool operator==(const PlaneStatus&) const = default;
+};
+
+// What an eye has to see for it to match what the hand feels. World frame.
+struct FeltStatus {
+  std::array<double, 3> position_m{};
+  double lag_s{0};  // how long ago the hand was there
+  std::optional<std::array<double, 3>> ghost_m{};
+  std::vector<PlaneStatus> planes{};  // that hold the hand now
+  bool operator==(const FeltStatus&) const = default;
+};
+
 struct ArmStatus {
   std::string name;
   std::string device;
@@ -36,6 +52,7 @@ struct ArmStatus {
   std::array<double, 3> force_newton{};
   double peak_force_newton{0};  // largest norm since the start
   std::array<double, 3> offset_m{};
+  FeltStatus felt{};
   double peak_offset_m{0};    // largest norm since the start
   std::uint64_t contacts{0};  // begun since the start
   std::vector<FaultStatus> faults;

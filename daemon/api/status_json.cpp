@@ -28,6 +28,19 @@ json::object to_value(const FaultStatus& fault) {
           {"number", fault.number}};
 }
 
+json::object to_value(const PlaneStatus& plane) {
+  return {{"normal", vector_of(plane.normal)}, {"offset_m", plane.offset_m}};
+}
+
+json::object to_value(const FeltStatus& felt) {
+  json::object out{
+      {"position_m", vector_of(felt.position_m)},
+      {"lag_s", felt.lag_s},
+      {"planes", list_of(felt.planes, [](const PlaneStatus& p) { return to_value(p); })}};
+  if (felt.ghost_m) out["ghost_m"] = vector_of(*felt.ghost_m);
+  return out;
+}
+
 json::object to_value(const ArmStatus& arm) {
   return {{"name", arm.name},
           {"device", arm.device},
@@ -46,6 +59,7 @@ json::object to_value(const ArmStatus& arm) {
           {"force_newton", vector_of(arm.force_newton)},
           {"peak_force_newton", arm.peak_force_newton},
           {"offset_m", vector_of(arm.offset_m)},
+          {"felt", to_value(arm.felt)},
           {"peak_offset_m", arm.peak_offset_m},
           {"contacts", arm.contacts},
           {"is_in_contact", arm.is_in_contact},

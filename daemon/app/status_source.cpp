@@ -51,6 +51,17 @@ std::vector<double> gimbal_of(const HapticCapabilities& arm, const servo::ServoS
   return {snapshot.gimbal_rad.begin(), snapshot.gimbal_rad.end()};
 }
 
+api::FeltStatus felt_status(const coupling::FeltHand& felt) {
+  api::FeltStatus out;
+  out.position_m = as_array(felt.hand);
+  out.lag_s = seconds(felt.lag);
+  if (felt.has_ghost) out.ghost_m = as_array(felt.ghost);
+  for (const coupling::ConstraintPlane& plane : felt.planes) {
+    out.planes.push_back({as_array(plane.normal), plane.offset_m});
+  }
+  return out;
+}
+
 // As its driver takes it: what was measured, or what the model is thought to have.
 double newton_per_count_of(const session::ArmSession& session) {
   const falcon::FalconModel* model = falcon::find_model(session.device().capabilities().model);
@@ -88,6 +99,7 @@ api::ArmStatus arm_status(session::ArmRig& rig, const session::WorldHost* world,
   arm.force_newton = as_array(frame.force);
   arm.peak_force_newton = snapshot.peak_force_newton;
   arm.offset_m = as_array(frame.offset);
+  arm.felt = felt_status(snapshot.felt);
   arm.peak_offset_m = snapshot.peak_offset_m;
   arm.contacts = snapshot.total_contacts;
   arm.faults = faults_of(snapshot, arm.name, context);

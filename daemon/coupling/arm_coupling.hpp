@@ -30,8 +30,9 @@ struct ArmOutput {
   HandSample sample{};     // to be sent now
   std::uint32_t new_contacts{0};  // planes that began to press in this step
   bool is_in_contact{false};
-  bool is_frozen{false};  // constraint age: coordinate frame frozen
-  bool is_fading{false};  // constraint age: constraints fade to zero
+  bool is_foretold{false};  // walls are known before the hand is there: it is felt where it is now
+  bool is_frozen{false};    // constraint age: coordinate frame frozen
+  bool is_fading{false};    // constraint age: constraints fade to zero
 };
 
 // The arm half of a coupling scheme: turns the state of the arm and what the world side said

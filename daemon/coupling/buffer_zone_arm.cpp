@@ -44,6 +44,7 @@ ArmOutput BufferZoneArm::step(const ArmInput& input) noexcept {
   ArmOutput output = port_.show(input, wish, is_behind_any(planes_, input.tip), tool_);
   output.sample.ghost = ghost_.position;
   output.sample.has_ghost = has_ghost_;
+  output.is_foretold = true;
   return output;
 }
 

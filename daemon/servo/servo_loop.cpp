@@ -256,7 +256,7 @@ bool ServoLoop::may_drive() const noexcept {
 
 void ServoLoop::couple(ServoFrame& frame) noexcept {
   frame.contacts = snapshot_.frame.contacts;
-  if (!is_driving()) return;
+  if (!is_driving()) return felt_.reset(frame.now, arm_.tip);
   if (is_outage_over_) parts_.coupling.reset(frame.now, arm_.tip);
   if (is_let_go_ && may_drive()) restart_coupling(frame.now);
   if (frame.is_stale) {
@@ -265,13 +265,15 @@ void ServoLoop::couple(ServoFrame& frame) noexcept {
     return;
   }
   const bool is_fresh_reply = parts_.link.receive(reply_);
-  const coupling::ArmOutput out = parts_.coupling.step({.now = frame.now,
-                                                        .dt = frame.dt,
-                                                        .tip = arm_.tip,
-                                                        .tip_velocity = frame.velocity,
-                                                        .buttons = arm_.buttons,
-                                                        .fresh = is_fresh_reply ? &reply_ : nullptr,
-                                                        .link = parts_.link.quality()});
+  const coupling::ArmInput input{.now = frame.now,
+                                 .dt = frame.dt,
+                                 .tip = arm_.tip,
+                                 .tip_velocity = frame.velocity,
+                                 .buttons = arm_.buttons,
+                                 .fresh = is_fresh_reply ? &reply_ : nullptr,
+                                 .link = parts_.link.quality()};
+  const coupling::ArmOutput out = parts_.coupling.step(input);
+  felt_.observe(input, out);
   frame.wish = out.force;
   frame.offset = out.offset;
   frame.is_in_contact = out.is_in_contact;
@@ -347,6 +349,7 @@ void ServoLoop::record(ServoFrame& frame) noexcept {
 
 void ServoLoop::publish(const ServoFrame& frame) noexcept {
   snapshot_.frame = frame;
+  snapshot_.felt = felt_.felt();
   const auto gimbal = arm_.joint_position_rad.begin() + kFirstGimbalJoint;
   std::copy_n(gimbal, snapshot_.gimbal_rad.size(), snapshot_.gimbal_rad.begin());
   if (latch_.is_latched()) snapshot_.fault = latch_.fault();

@@ -7,6 +7,7 @@
 #include "daemon/coupling/arm_coupling.hpp"
 #include "daemon/coupling/arm_link.hpp"
 #include "daemon/coupling/energy_observer.hpp"
+#include "daemon/coupling/felt_hand.hpp"
 #include "daemon/servo/drive_gain.hpp"
 #include "daemon/servo/flight_recorder.hpp"
 #include "daemon/servo/sample_freshness.hpp"
@@ -120,6 +121,7 @@ class ServoLoop {
   VelocityFilter velocity_filter_;
   DriveGain gain_;
   coupling::EnergyObserver energy_;  // since activation
+  coupling::FeltHandObserver felt_;  // for the eye
   FaultLatch latch_;
   FlightRecorder recorder_;
   TickHistogram wakeup_error_;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 
+#include "daemon/coupling/felt_hand.hpp"
 #include "daemon/servo/servo_frame.hpp"
 #include "hal/device/fault.hpp"
 
@@ -11,6 +12,7 @@ namespace thimble::servo {
 // What observers see of a servo, once per tick, through a word seqlock.
 struct ServoSnapshot {
   ServoFrame frame{};
+  coupling::FeltHand felt{};  // while it is not driven: the tip
   Fault fault{};
   std::array<double, 3> gimbal_rad{};  // joints 3 to 5 of HapticState, where the arm has them
   double peak_force_newton{0};         // largest norm sent since the servo was made

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <tuple>
@@ -140,6 +141,28 @@ TEST(BadNetwork, LossDuplicationReorderingAndJitterStopNothing) {
       EXPECT_GT(status.counters.injected.lost, 0U);
       EXPECT_GT(status.counters.injected.duplicated, 0U);
       EXPECT_GT(status.counters.injected.reordered, 0U);
+    }
+  }
+}
+
+// What a person sees begins and ends with what the hand feels, in the daemon's own servo.
+TEST(DelayedWorld, TheEyeSeesTheWallTouchedWhileItIsFelt) {
+  for (const char* scheme : {"ghost-point", "constraint-plane", "remote-force"}) {
+    for (const int ms : {1, 20, 100}) {
+      ClosedLoop sut({"arm.impairment.delay_s=" + std::to_string(ms * 1e-3),
+                      "arm.coupling.stiffness_newton_per_m=60",
+                      std::string("arm.coupling.scheme=") + scheme});
+      int felt = 0;
+      int differing = 0;
+      sut.run(6, [&] {
+        if (sut.frame().state != OperatingState::Active) return;
+        const Position3 shown = sut.snapshot().felt.hand;
+        const double far_m = std::max({std::abs(shown.x), std::abs(shown.y), std::abs(shown.z)});
+        if (sut.frame().is_in_contact) ++felt;
+        if ((far_m > 0.015 - 1e-9) != sut.frame().is_in_contact) ++differing;
+      });
+      EXPECT_GT(felt, 100) << scheme << ' ' << ms;
+      EXPECT_EQ(differing, 0) << scheme << ' ' << ms;
     }
   }
 }

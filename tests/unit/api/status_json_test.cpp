@@ -63,6 +63,18 @@ TEST(StatusJson, TellsOfTheHeldPieceWhereTheWorldHasPieces) {
   EXPECT_EQ(sut.at("grasp_cell"), (json::array{16, 3, 0}));
 }
 
+TEST(StatusJson, TellsWhereTheHandIsFelt) {
+  Status status = sample();
+  status.arms.at(0).felt = {{0.1, 0.2, 0.3}, 0.05, std::array{0.1, 0.2, 0.25}, {{{0, 0, 1}, 0.25}}};
+  const auto sut = json::parse(to_json(status)).at("arms").at(0).at("felt");
+  EXPECT_EQ(sut.at("position_m"), (json::array{0.1, 0.2, 0.3}));
+  EXPECT_DOUBLE_EQ(sut.at("lag_s").to_number<double>(), 0.05);
+  EXPECT_EQ(sut.at("ghost_m"), (json::array{0.1, 0.2, 0.25}));
+  ASSERT_EQ(sut.at("planes").as_array().size(), 1U);
+  EXPECT_EQ(keys_of(sut.at("planes").at(0)), (std::set<std::string>{"normal", "offset_m"}));
+  EXPECT_DOUBLE_EQ(sut.at("planes").at(0).at("offset_m").to_number<double>(), 0.25);
+}
+
 TEST(StatusJson, TellsOfTheSafetyLinesWhereThereAreAny) {
   Status status = sample();
   EXPECT_FALSE(json::parse(to_json(status)).as_object().contains("safety"));
@@ -80,13 +92,30 @@ TEST(StatusJson, HasTheNamesThatOthersRelyOn) {
   using Names = std::set<std::string>;
   EXPECT_EQ(keys_of(sut),
             (Names{"version", "uptime_s", "degraded", "arms", "servos", "links", "worlds"}));
-  EXPECT_EQ(keys_of(sut.at("arms").at(0)),
-            (Names{"name",          "device",          "newton_per_count", "stands_in_for",
-                   "model",         "state",           "calibration",      "instruction",
-                   "position_m",    "gimbal_rad",      "force_newton",     "peak_force_newton",
-                   "offset_m",      "peak_offset_m",   "contacts",         "faults",
-                   "is_in_contact", "lease",           "lease_number",     "constraint_state",
-                   "world",         "max_force_newton"}));
+  EXPECT_EQ(keys_of(sut.at("arms").at(0)), (Names{"name",
+                                                  "device",
+                                                  "newton_per_count",
+                                                  "stands_in_for",
+                                                  "model",
+                                                  "state",
+                                                  "calibration",
+                                                  "instruction",
+                                                  "position_m",
+                                                  "gimbal_rad",
+                                                  "force_newton",
+                                                  "peak_force_newton",
+                                                  "offset_m",
+                                                  "peak_offset_m",
+                                                  "contacts",
+                                                  "faults",
+                                                  "is_in_contact",
+                                                  "lease",
+                                                  "lease_number",
+                                                  "constraint_state",
+                                                  "world",
+                                                  "max_force_newton",
+                                                  "felt"}));
+  EXPECT_EQ(keys_of(sut.at("arms").at(0).at("felt")), (Names{"position_m", "lag_s", "planes"}));
   EXPECT_EQ(keys_of(sut.at("arms").at(0).at("faults").at(0)),
             (Names{"code", "message", "at_s", "recording", "number"}));
   EXPECT_EQ(

@@ -168,6 +168,7 @@ api::Status beside_a_sphere(const api::SphereStatus& sphere) {
   status.worlds = {{"box", "sphere", {}, 0, 1}};
   status.worlds[0].sphere = sphere;
   status.arms[0].position_m = {-0.04, 0.04, 0.04};  // out of the way
+  status.arms[0].felt.position_m = status.arms[0].position_m;
   return status;
 }
 
@@ -220,15 +221,16 @@ TEST(RenderWatch, SaysSoEvenWhereThereIsNoRoomForThePicture) {
   }
 }
 
-TEST(RenderWatch, DrawsTheHandApartOnceTheOffsetShows) {
+TEST(RenderWatch, DrawsTheHandApartFromWhereItIsFelt) {
   api::Status status = sample_status();
   EXPECT_THAT(render_watch(status, Glyphs::Unicode, 40), AllOf(HasSubstr("●"), HasSubstr("│")));
   const auto plus_signs = [](const std::string& text) {
     return std::count(text.begin(), text.end(), '+');
   };
   const auto before = plus_signs(render_watch(status, Glyphs::Unicode, 40));
-  status.arms[0].offset_m = {-0.02, 0, 0};
-  EXPECT_EQ(plus_signs(render_watch(status, Glyphs::Unicode, 40)), before + 1);  // x/y, x/z: -sign
+  status.arms[0].felt.position_m[0] -= 0.02;
+  EXPECT_EQ(plus_signs(render_watch(status, Glyphs::Unicode, 40)),
+            before + 2);  // in x/y and in x/z
 }
 
 TEST(RenderStatus, TellsThePersonWhatToDoAndWhatWentWrong) {

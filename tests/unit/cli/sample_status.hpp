@@ -22,6 +22,8 @@ inline api::Status sample_status() {
   arm.force_newton = {-1.25, 0.5, 0.25};
   arm.peak_force_newton = 3.25;
   arm.offset_m = {0, 0, 0};
+  arm.felt = {
+      {0.0148, -0.0035, 0.001}, 0.001, std::array{0.0148, -0.0035, 0.001}, {{{1, 0, 0}, 0.015}}};
   arm.peak_offset_m = 0.0042;
   arm.contacts = 42;
   arm.is_in_contact = true;

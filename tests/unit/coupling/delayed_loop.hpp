@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "daemon/coupling/arm_coupling.hpp"
+#include "daemon/coupling/felt_hand.hpp"
 #include "daemon/coupling/ghost_point_world.hpp"
 
 namespace thimble::coupling::testing {
@@ -36,11 +37,14 @@ class DelayedLoop {
       pending_.pop_front();
     }
     const ArmOutput output = arm_.step(input);
+    felt_.observe(input, output);
     if (pace_ == Pace::Streamed || pending_.empty()) {
       pending_.push_back({now_ + delay_, world_->answer(output.sample, dt_)});
     }
     return output;
   }
+
+  [[nodiscard]] const FeltHand& felt() const { return felt_.felt(); }
 
  private:
   struct Pending {
@@ -53,6 +57,7 @@ class DelayedLoop {
   Duration delay_;
   Pace pace_;
   MonotonicTime now_{};
+  FeltHandObserver felt_;
   std::deque<Pending> pending_;
 };
 

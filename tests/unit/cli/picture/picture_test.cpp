@@ -167,22 +167,23 @@ TEST(Snapshot, AClosedBoxIsCutInTheMiddle) {
   EXPECT_EQ(volume_of(plane).colors, std::vector<std::uint8_t>(slice, 6)) << "has no middle";
 }
 
-TEST(Snapshot, FingersAreWhereTheirHandsAreWithTheirOffsets) {
+TEST(Snapshot, FingersAreWhereTheirHandsAreFelt) {
   api::Status status;
   status.worlds.push_back({.name = "w", .source = "crystal", .cells = {8, 8, 8}, .cell_m = 0.01});
   status.arms.resize(3);
   status.arms[0].world = "w";
-  status.arms[0].position_m = {0.015, 0.005, -0.035};  // with its offset, the middle of (6, 4, 0)
-  status.arms[0].offset_m = {0.01, 0, 0};
+  status.arms[0].position_m = {0.015, 0.005, -0.035};
+  status.arms[0].offset_m = {0.02, 0, 0};
+  status.arms[0].felt.position_m = {0.025, 0.005, -0.035};  // the middle of (6, 4, 0)
   status.arms[1].world = "elsewhere";
   status.arms[2].world = "w";
-  status.arms[2].position_m = {std::nan(""), 0, 0};
+  status.arms[2].felt.position_m = {std::nan(""), 0, 0};
   ColorVolume volume{{8, 8, 8}, std::vector<std::uint8_t>(512)};
   add_fingers(volume, 1, status.worlds[0], status);
   EXPECT_EQ(std::count(volume.colors.begin(), volume.colors.end(), 7), 1 + 5);
   EXPECT_EQ(volume.colors[6 + 8 * 4], 7);
   EXPECT_EQ(volume.colors[6 + 8 * (4 + 8)], 7);
-  status.arms[0].position_m = {1e300, 1e300, 1e300};
+  status.arms[0].felt.position_m = {1e300, 1e300, 1e300};
   ColorVolume far{{8, 8, 8}, std::vector<std::uint8_t>(512)};
   add_fingers(far, 1, status.worlds[0], status);
   EXPECT_EQ(std::count(far.colors.begin(), far.colors.end(), 7), 0);
