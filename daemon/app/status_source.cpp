@@ -51,13 +51,14 @@ std::vector<double> gimbal_of(const HapticCapabilities& arm, const servo::ServoS
   return {snapshot.gimbal_rad.begin(), snapshot.gimbal_rad.end()};
 }
 
-api::FeltStatus felt_status(const coupling::FeltHand& felt) {
+// `place`: of the arm's frame in the world, which viewers draw.
+api::FeltStatus felt_status(const coupling::FeltHand& felt, Displacement3 place) {
   api::FeltStatus out;
-  out.position_m = as_array(felt.hand);
+  out.position_m = as_array(felt.hand + place);
   out.lag_s = seconds(felt.lag);
-  if (felt.has_ghost) out.ghost_m = as_array(felt.ghost);
+  if (felt.has_ghost) out.ghost_m = as_array(felt.ghost + place);
   for (const coupling::ConstraintPlane& plane : felt.planes) {
-    out.planes.push_back({as_array(plane.normal), plane.offset_m});
+    out.planes.push_back({as_array(plane.normal), plane.offset_m + dot(plane.normal, place)});
   }
   return out;
 }
@@ -81,6 +82,8 @@ api::ArmStatus arm_status(session::ArmRig& rig, const session::WorldHost* world,
   const servo::ServoSnapshot& snapshot = session.snapshot();
   const servo::ServoFrame& frame = snapshot.frame;
   api::ArmStatus arm;
+  const auto& [x, y, z] = session.config().place_m;
+  const Displacement3 place{x, y, z};
   arm.name = session.config().name;
   arm.device = session.config().device;
   const session::AwaitedArm* const awaited = rig.awaited();
@@ -92,14 +95,14 @@ api::ArmStatus arm_status(session::ArmRig& rig, const session::WorldHost* world,
   arm.calibration = to_string(frame.calibration);
   arm.instruction = session::instruction_for(rig);
   if (arm.instruction.empty() && world != nullptr && is_ready(frame)) {
-    arm.instruction = session::way_into(world->world().info(), frame.tip + frame.offset);
+    arm.instruction = session::way_into(world->world().info(), frame.tip + frame.offset + place);
   }
   arm.position_m = as_array(frame.tip);
   arm.gimbal_rad = gimbal_of(session.device().capabilities(), snapshot);
   arm.force_newton = as_array(frame.force);
   arm.peak_force_newton = snapshot.peak_force_newton;
   arm.offset_m = as_array(frame.offset);
-  arm.felt = felt_status(snapshot.felt);
+  arm.felt = felt_status(snapshot.felt, place);
   arm.peak_offset_m = snapshot.peak_offset_m;
   arm.contacts = snapshot.total_contacts;
   arm.faults = faults_of(snapshot, arm.name, context);

@@ -162,6 +162,7 @@ struct ArmConfig {
   LimitsConfig limits;
   CouplingConfig coupling;
   std::optional<ImpairmentConfig> impairment;
+  std::array<double, 3> place_m{};  // of its base frame's origin in the world
   bool operator==(const ArmConfig&) const = default;
 };
 

@@ -192,7 +192,17 @@ CouplingConfig read_coupling(TableReader reader) {
   return out;
 }
 
+// Cells are told of where the world has them.
+void check_place(TableReader& reader, const ArmConfig& arm) {
+  const Scheme scheme = arm.coupling.scheme;
+  const bool is_of_cells = scheme == Scheme::BufferZone || scheme == Scheme::Composite;
+  if (!is_of_cells || arm.place_m == std::array<double, 3>{}) return;
+  reader.reject("place_m", "expected none beside the scheme " + in_quotes(to_string(scheme)) +
+                               ", which knows cells only where they are; use \"ghost-point\"");
+}
+
 void check_carriage(TableReader& reader, const ArmConfig& arm) {
+  check_place(reader, arm);
   if (!arm.link || !has_own_world_half(arm.coupling.scheme)) return;
   // The arm's own table knows "coupling", not what is below it.
   const std::string scheme = in_quotes(to_string(arm.coupling.scheme));

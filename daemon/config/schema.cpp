@@ -168,6 +168,11 @@ void read_person(TableReader& reader, ArmConfig& arm) {
   }
 }
 
+void read_place(TableReader& reader, ArmConfig& arm) {
+  std::optional<std::array<double, 3>> place;
+  if (reader.read("place_m", {-1, 1}, place)) arm.place_m = *place;
+}
+
 void read_other_side(TableReader& reader, ArmConfig& arm) {
   reader.read("world", arm.world);
   read_endpoint(reader, "link", 1, arm.link);
@@ -307,6 +312,7 @@ Entry<ArmConfig> read_arm(TableReader reader, const std::filesystem::path& folde
   reader.read("newton_per_count", kAboveZero, out.newton_per_count);
   read_fallback(reader, out);
   read_other_side(reader, out);
+  read_place(reader, out);
   reader.read("activate", out.activate);
   read_person(reader, out);
   out.limits = read_limits(reader.table("limits"));

@@ -89,14 +89,18 @@ Result<void> ArmRig::connect(const config::ArmConfig& arm, WorldHost* world,
                              const RigParts& parts) {
   if (Result<void> chosen = choose_bus(arm, parts); !chosen) return chosen;
   if (Result<void> linked = link_to(world, arm, parts); !linked) return linked;
-  if (parts.wrap_link) wrapped_link_ = parts.wrap_link(link_->arm_end());
+  if (arm.place_m != std::array<double, 3>{}) {
+    const auto& [x, y, z] = arm.place_m;
+    placed_link_.emplace(link_->arm_end(), Displacement3{x, y, z});
+  }
+  if (parts.wrap_link) wrapped_link_ = parts.wrap_link(arm_end());
   return {};
 }
 
 ArmSessionParts ArmRig::session_parts(WorldHost* world, const RigParts& parts) {
   return {*buses_,
           parts.drivers,
-          wrapped_link_ ? *wrapped_link_ : link_->arm_end(),
+          wrapped_link_ ? *wrapped_link_ : arm_end(),
           *executor_,
           *clock_,
           parts.stopwatch != nullptr ? *parts.stopwatch : *clock_,

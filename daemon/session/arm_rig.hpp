@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "daemon/coupling/placed_link.hpp"
 #include "daemon/session/arm_session.hpp"
 #include "daemon/session/rig_link.hpp"
 #include "daemon/session/sim_arm.hpp"
@@ -103,6 +104,9 @@ class ArmRig {
   [[nodiscard]] Result<void> choose_bus(const config::ArmConfig& arm, const RigParts& parts);
   [[nodiscard]] Result<void> link_to(WorldHost* world, const config::ArmConfig& arm,
                                      const RigParts& parts);
+  [[nodiscard]] coupling::ArmLink& arm_end() noexcept {
+    return placed_link_ ? static_cast<coupling::ArmLink&>(*placed_link_) : link_->arm_end();
+  }
   [[nodiscard]] ArmSessionParts session_parts(WorldHost* world, const RigParts& parts);
 
   devices::InlineExecutor inline_executor_;
@@ -114,6 +118,7 @@ class ArmRig {
   Clock* clock_{nullptr};
   bus::BusEnumerator* buses_{nullptr};
   std::unique_ptr<RigLink> link_;
+  std::optional<coupling::PlacedLink> placed_link_;  // where the arm stands elsewhere
   std::unique_ptr<coupling::ArmLink> wrapped_link_;  // of RigParts::wrap_link
   std::unique_ptr<ArmSession> session_;              // last: it uses all of the above
 };

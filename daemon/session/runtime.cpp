@@ -21,7 +21,8 @@ Result<std::unique_ptr<Runtime>> Runtime::create(const config::Config& config,
     config::ArmConfig arm = said;
     for (std::size_t i = 0; i < config.worlds.size(); ++i) {
       const config::WorldConfig& world = config.worlds[i];
-      if (said.world != world.name) continue;
+      // A map is of cells where they are: one that stands elsewhere goes by the ghost point.
+      if (said.world != world.name || said.place_m != std::array<double, 3>{}) continue;
       arm.coupling.scheme = choose_scheme(runtime->worlds_[i]->world(), world, said.coupling);
     }
     Result<std::unique_ptr<ArmRig>> rig = runtime->make_first_rig(arm);
