@@ -81,6 +81,8 @@ struct HandSample {
   ToolProperties tool{};
   WaveSums waves{};    // of u, since `restart` changed
   Impulse3 impulse{};  // of what the hand put in lately: WaveArm
+  // Only of the arm half of a spring and damper: K_c·(x_s − x), what draws the hand to its far end.
+  Force3 pull{};
   // Only of the arm halves that move a ghost of their own (BufferZoneArm, CompositeArm): where it
   // was, valid when has_ghost.
   Position3 ghost{};
@@ -98,6 +100,7 @@ struct FarEnd {
   Velocity3 velocity{};     // of the slave
   WaveSums waves{};         // of the returning wave, since the session began
   bool is_pressing{false};  // the world pushes at the far end
+  ToolProperties tool{};    // only where the far end is an arm: what it computes with; 0: nothing
 };
 
 // What the arm half does not know yet of the cells of a world (CompositeWorld).

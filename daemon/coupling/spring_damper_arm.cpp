@@ -50,12 +50,20 @@ ArmOutput SpringDamperArm::step(const ArmInput& input) noexcept {
   ArmOutput output = port_.show(input, wish, has_far_ && far_.is_pressing, tool_);
   output.sample.hand = master_.at;
   output.sample.velocity = master_.velocity;
+  if (has_far_) output.sample.pull = tool_.stiffness * (far_.slave - master_.at);
   return output;
 }
 
 void SpringDamperArm::soften(Duration round_trip) noexcept {
-  if (!settings_.softens_with_delay || round_trip <= Duration::zero()) return;
-  const double reach_s = seconds(round_trip) * (settings_.force_at == ForceAt::Both ? 0.5 : 1.0);
+  if (!settings_.softens_with_delay) return;
+  if (settings_.is_between_arms) {
+    const double theirs = has_far_ ? far_.tool.stiffness.newton_per_m : 0;
+    if (!(theirs > 0)) return;  // no spring at the other end: there is no loop with delay in it
+    tool_.stiffness.newton_per_m = std::min(tool_.stiffness.newton_per_m, theirs);
+  }
+  if (round_trip <= Duration::zero()) return;
+  const bool is_half = settings_.force_at == ForceAt::Both && !settings_.is_between_arms;
+  const double reach_s = seconds(round_trip) * (is_half ? 0.5 : 1.0);
   const double most = tool_.damping.newton_s_per_m / (kMargin * reach_s);
   tool_.stiffness.newton_per_m = std::min(tool_.stiffness.newton_per_m, most);
 }

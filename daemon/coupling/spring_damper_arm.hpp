@@ -10,6 +10,9 @@ struct SpringDamperSettings {
   // K_c as hard as the ghost point's wall, B as a PHANToM takes it (teleop.md 1).
   ToolProperties tool{.stiffness = {800}, .damping = {5}};
   ForceAt force_at{ForceAt::World};
+  // The far end is another arm (arm_pair.hpp): T is a whole round trip of this arm's link, and K_c
+  // no larger than the other arm's. One that has no spring (GhostPointArm) lets K_c be.
+  bool is_between_arms{false};
   // Whether K_c falls with delay so that the pair stays stable (teleop.md 2(b): "K_c ≤ B/T").
   bool softens_with_delay{true};
   // Of a mass between the tip and the spring, which makes the hand's tool heavier; 0: the arm and
