@@ -110,7 +110,8 @@ api::ArmStatus arm_status(session::ArmRig& rig, const session::WorldHost* world,
   arm.lease = to_string(context.leases.holder(index));
   arm.lease_number = context.leases.number(index);
   arm.constraint_state = constraint_state(frame);
-  arm.world = session.config().world.value_or(rig.link_status().peer);
+  arm.world =
+      session.config().world.value_or(session.config().peer.value_or(rig.link_status().peer));
   return arm;
 }
 

@@ -152,7 +152,7 @@ struct ArmConfig {
   std::optional<std::string> firmware_sha256;
   std::optional<double> newton_per_count;
   Fallback fallback{Fallback::None};  // only for a real device, and beside model
-  // Exactly one of the two.
+  // Exactly one of the two, or peer.
   std::optional<std::string> world;  // name of a WorldConfig of the same file
   std::optional<UdpEndpoint> link;
   LinkProtocol protocol{LinkProtocol::Thesis};  // only with link
@@ -162,6 +162,8 @@ struct ArmConfig {
   LimitsConfig limits;
   CouplingConfig coupling;
   std::optional<ImpairmentConfig> impairment;
+  // Instead of world and link: the name of the other ArmConfig of the same file.
+  std::optional<std::string> peer{};
   std::array<double, 3> place_m{};  // of its base frame's origin in the world
   bool operator==(const ArmConfig&) const = default;
 };

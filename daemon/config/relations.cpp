@@ -69,6 +69,42 @@ void check_schemes(std::vector<Entry<ArmConfig>>& arms,
   }
 }
 
+bool is_peer_scheme(const ArmConfig& arm, const ArmConfig& peer) {
+  using enum CouplingScheme;
+  const auto scheme_of = [](const ArmConfig& of) {
+    return of.coupling.scheme == Auto ? GhostPoint : of.coupling.scheme;
+  };
+  const CouplingScheme mine = scheme_of(arm);
+  const CouplingScheme theirs = scheme_of(peer);
+  if (mine == Wave || theirs == Wave) return mine == theirs;
+  return (mine == SpringDamper && (theirs == SpringDamper || theirs == GhostPoint)) ||
+         (mine == GhostPoint && theirs == SpringDamper);
+}
+
+// Two arms are each other's far end, by schemes that fit (coupling/arm_pair.hpp).
+void check_peers(std::vector<Entry<ArmConfig>>& arms) {
+  for (auto& [reader, said] : arms) {
+    const ArmConfig& arm = said;
+    if (!arm.peer) continue;
+    const auto peer = std::find_if(
+        arms.begin(), arms.end(), [&](const auto& entry) { return entry.value.name == *arm.peer; });
+    if (peer == arms.end() || peer->value.peer != arm.name || *arm.peer == arm.name) {
+      reader.reject("peer",
+                    "expected the name of another [[arm]] of this configuration whose peer "
+                    "is " +
+                        in_quotes(arm.name) + ", found " + in_quotes(*arm.peer));
+      continue;
+    }
+    if (is_peer_scheme(arm, peer->value) && arm.coupling.mode == CouplingMode::Streamed) continue;
+    reader.reject("coupling",
+                  "two arms are coupled, streamed, by \"wave\" or \"spring-damper\" at both, or "
+                  "\"ghost-point\" at the one that feels and \"spring-damper\" at the one that "
+                  "follows; found " +
+                      in_quotes(to_string(arm.coupling.scheme)) + " beside " +
+                      in_quotes(to_string(peer->value.coupling.scheme)));
+  }
+}
+
 // One piece of hardware serves one arm; of simulated models there are as many as wanted.
 void check_devices(std::vector<Entry<ArmConfig>>& arms) {
   for (std::size_t i = 0; i < arms.size(); ++i) {
@@ -118,6 +154,7 @@ void check_relations(std::vector<Entry<ArmConfig>>& arms, std::vector<Entry<Worl
   check_names(worlds);
   check_worlds(arms, worlds);
   check_schemes(arms, worlds);
+  check_peers(arms);
   check_devices(arms);
   check_listeners(worlds);
   check_board_in_slot(worlds);

@@ -178,12 +178,20 @@ void read_other_side(TableReader& reader, ArmConfig& arm) {
   read_endpoint(reader, "link", 1, arm.link);
   read_choice(reader, "protocol", kProtocols, arm.protocol);
   reader.read("allow_unauthenticated", arm.allow_unauthenticated);
+  reader.read("peer", arm.peer);
   const bool has_world = reader.has("world");
   const bool has_link = reader.has("link");
+  const bool has_peer = reader.has("peer");
   if (has_world && has_link) {
     reader.reject("link", "expected either world or link, found both");
   }
-  if (!has_world && !has_link) reader.reject("", "expected either world or link, found neither");
+  if (has_peer && (has_world || has_link)) {
+    reader.reject("peer", "expected neither world nor link beside it, found " +
+                              in_quotes(has_world ? "world" : "link"));
+  }
+  if (!has_world && !has_link && !has_peer) {
+    reader.reject("", "expected either world or link, found neither");
+  }
   for (const char* key : {"protocol", "allow_unauthenticated"}) {
     if (reader.has(key) && !has_link) {
       reader.reject(key, "expected only beside link, found without it");

@@ -66,6 +66,12 @@ Result<void> ArmRig::choose_bus(const config::ArmConfig& arm, const RigParts& pa
 
 Result<void> ArmRig::link_to(WorldHost* world, const config::ArmConfig& arm,
                              const RigParts& parts) {
+  if (arm.peer) {
+    auto half = parts.make_peer_half ? parts.make_peer_half(arm) : nullptr;
+    if (!half) return fail(Errc::Unsupported, "peer: no arm '" + *arm.peer + "' is here");
+    link_ = make_in_process_link(arm, std::move(half), parts.wake);
+    return {};
+  }
   if (world != nullptr) {
     Result<void> good = check_combination(world->world(), arm.coupling);
     if (!good) return good;

@@ -3,10 +3,26 @@
 #include <algorithm>
 #include <utility>
 
+#include "daemon/session/arm_settings.hpp"
 #include "daemon/session/combination.hpp"
 #include "daemon/session/retry_pace.hpp"
 
 namespace thimble::session {
+
+Runtime::Runtime(const config::Config& config, const RigParts& parts)
+    : servo_(config.servo), parts_(parts) {
+  parts_.make_peer_half = [this](const config::ArmConfig& arm) { return make_peer_half(arm); };
+}
+
+// An arm that comes later has another rig, and another half of the same pair.
+std::unique_ptr<coupling::WorldCoupling> Runtime::make_peer_half(const config::ArmConfig& arm) {
+  const bool is_first = arm.name < *arm.peer;
+  const auto pair = pairs_.try_emplace(is_first ? arm.name : *arm.peer, parts_.first_session).first;
+  const bool is_master = scheme_of(arm.coupling) == coupling::Scheme::GhostPoint;
+  return pair->second.make_half(
+      is_first ? coupling::ArmPair::Side::First : coupling::ArmPair::Side::Second,
+      is_master ? coupling::PeerAnswer::Touch : coupling::PeerAnswer::Motion);
+}
 
 Result<std::unique_ptr<Runtime>> Runtime::create(const config::Config& config,
                                                  const RigParts& parts) {

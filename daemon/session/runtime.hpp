@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -7,6 +9,7 @@
 #include <vector>
 
 #include "daemon/config/config.hpp"
+#include "daemon/coupling/arm_pair.hpp"
 #include "daemon/session/arm_rig.hpp"
 #include "daemon/session/world_host.hpp"
 #include "daemon/world/world.hpp"
@@ -57,8 +60,9 @@ class Runtime {
   static constexpr Duration kBusyPatience = std::chrono::seconds(2);
 
  private:
-  Runtime(const config::Config& config, const RigParts& parts)
-      : servo_(config.servo), parts_(parts) {}
+  Runtime(const config::Config& config, const RigParts& parts);
+  [[nodiscard]] std::unique_ptr<coupling::WorldCoupling> make_peer_half(
+      const config::ArmConfig& arm);
   [[nodiscard]] Result<std::unique_ptr<ArmRig>> make_rig(const config::ArmConfig& said);
   [[nodiscard]] Result<std::unique_ptr<ArmRig>> make_rig_when_free(const config::ArmConfig& said);
   [[nodiscard]] Result<std::unique_ptr<ArmRig>> make_first_rig(const config::ArmConfig& said);
@@ -67,6 +71,8 @@ class Runtime {
 
   config::ServoConfig servo_;
   RigParts parts_;
+  // Of arms that are coupled to each other, by the name that comes first.
+  std::map<std::string, coupling::ArmPair, std::less<>> pairs_;
 
   // The order matters: links on the arms' side use the worlds.
   std::vector<std::unique_ptr<WorldHost>> worlds_;
