@@ -15,6 +15,7 @@
 #include "lab/constraint_models/constraint_models.hpp"
 #include "lab/piece_separator.hpp"
 #include "lab/table_4_1/table_4_1.hpp"
+#include "lab/teleoperation/teleoperation.hpp"
 
 namespace thimble::lab_commands {
 namespace {
@@ -137,6 +138,15 @@ void add_experiments(CLI::App& lab, int& code) {
       {.name = "constraint-models",
        .help = "What holds a hand at cells, corners and edges (thesis 3.7, figures 3-7 to 3-10)",
        .run = [](const Asked& asked) { return lab::run_constraint_models({asked.seed}); }},
+      code);
+  add_experiment(
+      lab,
+      {.name = "teleoperation",
+       .help = "Two arms coupled to each other, at 1 to 500 ms (thesis 5.3.5)",
+       .run =
+           [](const Asked& asked) {
+             return lab::run_teleoperation({.seed = asked.seed, .progress = asked.progress});
+           }},
       code);
 }
 

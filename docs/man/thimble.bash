@@ -67,10 +67,10 @@ _thimble() {
       if [[ $before == --write || $before == --out ]]; then
         mapfile -t COMPREPLY < <(compgen -f -- "$word"); return
       elif [[ $word != -* ]]; then
-        options="cam-latency separate compare compare-guarded compare-moving constraint-models table-4.1"
+        options="cam-latency separate compare compare-guarded compare-moving constraint-models teleoperation table-4.1"
       elif [[ " ${COMP_WORDS[*]:0:COMP_CWORD} " == *" table-4.1 "* ]]; then
         options+=" --seed --contacts --out"
-      elif [[ " ${COMP_WORDS[*]:0:COMP_CWORD} " == *" compare"* ]]; then
+      elif [[ " ${COMP_WORDS[*]:0:COMP_CWORD} " =~ " compare"|" teleoperation " ]]; then
         options+=" --seed --out"
       elif [[ " ${COMP_WORDS[*]:0:COMP_CWORD} " == *" constraint-models "* ]]; then
         options+=" --seed --out"
