@@ -16,6 +16,7 @@ LinkCounters sum(const LinkCounters& a, const LinkCounters& b) noexcept {
                    .stale = a.stale + b.stale,
                    .duplicated = a.duplicated + b.duplicated,
                    .reordered = a.reordered + b.reordered,
+                   .withheld = a.withheld + b.withheld,
                    .timed_out = a.timed_out + b.timed_out,
                    .unencodable_planes = a.unencodable_planes + b.unencodable_planes,
                    .send_errors = a.send_errors + b.send_errors,

@@ -36,6 +36,7 @@ struct LinkCounters {
   std::uint64_t stale{0};  // duplicated + reordered + replies that nothing asks for (any more)
   std::uint64_t duplicated{0};  // seen before; 0 where the carriage cannot tell
   std::uint64_t reordered{0};   // overtaken by a newer one; 0 where the carriage cannot tell
+  std::uint64_t withheld{0};    // samples that a deadband kept back
   std::uint64_t timed_out{0};   // lock-step: went on without the reply
   std::uint64_t unencodable_planes{0};  // constraints the carriage cannot express
   std::uint64_t send_errors{0};

@@ -22,6 +22,7 @@ ThimbleArmEnd::ThimbleArmEnd(const Settings& settings, RandomBytes random)
       to_world_handshake_(handshake_seal(settings.key, Towards::World)),
       from_world_handshake_(handshake_seal(settings.key, Towards::Arm)),
       gate_(settings.mode),
+      deadband_(settings.mode == SendMode::Streamed ? settings.deadband_m : 0),
       outgoing_(settings.impairment, 0),
       incoming_(settings.impairment, 1),
       sent_(kOpenRequests) {}
@@ -80,6 +81,11 @@ bool ThimbleArmEnd::send(ThimbleKind kind, std::uint64_t sequence, const Message
 
 void ThimbleArmEnd::send_pending(MonotonicTime now) {
   if (!pending_ || !gate_.may_send(now)) return;
+  const Duration answer_after = round_trip_.smoothed() + 4 * round_trip_.deviation();
+  if (deadband_.may_skip(*pending_, now, answer_after)) {
+    ++counters_.withheld;
+    return pending_.reset();
+  }
   const ThimbleSample message{
       .timing = {.sent_at = now, .echo = echo_.echo, .echoed_at = echo_.echoed_at},
       .sample = *std::exchange(pending_, std::nullopt)};
@@ -88,7 +94,9 @@ void ThimbleArmEnd::send_pending(MonotonicTime now) {
   last_number_ = number;
   gate_.on_sent(now, round_trip_.smoothed());
   const coupling::HandSample& sample = message.sample;
-  sent_[number % sent_.size()] = {number, sample.sequence, sample.restart, sample.sampled_at, now};
+  deadband_.on_sent(sample, now);
+  sent_[number % sent_.size()] = {number, sample.sequence, sample.restart, sample.sampled_at,
+                                  now,    sample.hand};
 }
 
 std::optional<RejectReason> ThimbleArmEnd::on_datagram(std::span<const std::byte> bytes,
@@ -194,6 +202,7 @@ void ThimbleArmEnd::take_welcome(const ThimbleHeader& header, const ThimbleDatag
   arrived_ = {};
   arrived_.note(header.sequence);
   gate_.on_answered();
+  deadband_.reset();
   ++epoch_;
   told_session_ = 0;
   last_error_.clear();
@@ -275,6 +284,7 @@ bool ThimbleArmEnd::accept(const ThimbleConstraints& reply, MonotonicTime now,
     return false;
   }
   account(reply.request);
+  deadband_.on_answered(sent.hand, sent.sent_at);
   accepted_at_ = now;
   round_trip_.note(now - sent.sent_at);
   if (sent.restart != restart_) {  // proves the link, but its ghost is gone

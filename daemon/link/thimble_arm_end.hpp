@@ -10,6 +10,7 @@
 #include "daemon/coupling/arm_link.hpp"
 #include "daemon/coupling/messages.hpp"
 #include "daemon/link/clock_offset.hpp"
+#include "daemon/link/deadband.hpp"
 #include "daemon/link/impaired_queue.hpp"
 #include "daemon/link/link_counters.hpp"
 #include "daemon/link/round_trip.hpp"
@@ -34,6 +35,7 @@ class ThimbleArmEnd {
     std::optional<LinkKey> key{};
     std::string scheme{"ghost-point"};
     bool is_force_at_both{false};  // of "spring-damper"
+    double deadband_m{0};          // of a stream; 0: every sample is sent
   };
   static constexpr Duration kHelloPeriod = std::chrono::milliseconds(250);
   // Ours: two round trips of the longest delay that can be injected; then all is asked anew.
@@ -65,6 +67,7 @@ class ThimbleArmEnd {
     std::uint32_t restart{0};
     MonotonicTime sampled_at{};
     MonotonicTime sent_at{};
+    Position3 hand{};
   };
   struct Asking {  // for a session
     Nonce arm_nonce{};
@@ -105,6 +108,7 @@ class ThimbleArmEnd {
   Seal to_world_;
   Seal from_world_;
   SendGate gate_;
+  Deadband deadband_;
   ImpairedQueue<ThimbleDatagram> outgoing_;
   ImpairedQueue<ThimbleDatagram> incoming_;
   std::optional<coupling::HandSample> pending_;

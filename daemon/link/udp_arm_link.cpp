@@ -34,7 +34,8 @@ ThimbleArmEnd make_thimble_end(const UdpArmLink::Settings& settings) {
            .impairment = settings.impairment,
            .key = settings.key,
            .scheme = settings.scheme,
-           .is_force_at_both = settings.is_force_at_both},
+           .is_force_at_both = settings.is_force_at_both,
+           .deadband_m = settings.deadband_m},
           system_random()};
 }
 

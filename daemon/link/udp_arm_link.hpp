@@ -42,6 +42,7 @@ class UdpArmLink {
     std::optional<LinkKey> key{};
     std::string scheme{"ghost-point"};
     bool is_force_at_both{false};
+    double deadband_m{0};
   };
 
   // `wake` is signalled by the servo; who waits for it calls on_wake(). None: the caller calls

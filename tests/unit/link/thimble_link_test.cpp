@@ -124,6 +124,24 @@ TEST(ThimbleLink, ASampleThatWasOvertakenMovesNothing) {
   EXPECT_EQ(counters.stale, counters.duplicated + counters.reordered);
 }
 
+TEST(ThimbleLink, ADeadbandKeepsBackWhatTheWorldKnows) {
+  Table table(keyed_world());
+  ThimbleArmEnd::Settings settings = keyed_arm();
+  settings.deadband_m = 0.0005;
+  settings.impairment = delay_of(0.02);
+  Arm& arm = table.add_arm(settings);
+  for (int i = 0; i < 2000; ++i) {
+    arm.sample.velocity.x = i < 1000 ? 0.1 : 0;
+    arm.sample.hand.x += 1e-3 * arm.sample.velocity.x;
+    table.step();
+  }
+  const LinkCounters counters = arm.end.status().counters;
+  EXPECT_LT(counters.sent, 500U);  // every fifth or sixth
+  EXPECT_NEAR(static_cast<double>(counters.sent + counters.withheld), 2000, 50);
+  EXPECT_TRUE(arm.end.quality().is_up);
+  EXPECT_NEAR(table.worlds[0]->samples.back().hand.x, arm.sample.hand.x, 0.0005);
+}
+
 TEST(ThimbleLink, LockStepHasOneSampleUnderWay) {
   Table table(keyed_world());
   ThimbleArmEnd::Settings settings = keyed_arm();
