@@ -55,12 +55,10 @@ void ThimbleArmEnd::begin_asking(MonotonicTime now, Duration pause) {
 
 void ThimbleArmEnd::send_hello(MonotonicTime now) {
   asking_->next_hello = now + kHelloPeriod;
-  const ThimbleHello hello{
-      .timing = {.sent_at = now},
-      .arm_nonce = asking_->arm_nonce,
-      .world_nonce = asking_->world_nonce.value_or(Nonce()),
-      .scheme = ShortName::of(settings_.scheme),
-      .force_at = settings_.is_force_at_both ? std::uint8_t{1} : std::uint8_t{0}};
+  const ThimbleHello hello{.timing = {.sent_at = now},
+                           .arm_nonce = asking_->arm_nonce,
+                           .world_nonce = asking_->world_nonce.value_or(Nonce()),
+                           .half = settings_.half};
   send(ThimbleKind::Hello, ++hellos_, hello, to_world_handshake_, now);
 }
 
@@ -219,9 +217,10 @@ void ThimbleArmEnd::take_refusal(const ThimbleHeader& header, const ThimbleDatag
     return;
   }
   counters_.reject(RejectReason::SessionRefused);
-  last_error_ = refusal.reason == ThimbleRefusalReason::Busy
-                    ? "the world holds as many hands as it can"
-                    : "the world does not go with the scheme " + settings_.scheme;
+  last_error_ =
+      refusal.reason == ThimbleRefusalReason::Busy
+          ? "the world holds as many hands as it can"
+          : "the world does not go with the scheme " + std::string(settings_.half.scheme.view());
   begin_asking(now, kRefusedPause);
 }
 

@@ -33,9 +33,8 @@ class ThimbleArmEnd {
     SendMode mode{SendMode::Streamed};
     ImpairmentSettings impairment{};  // validated by the caller
     std::optional<LinkKey> key{};
-    std::string scheme{"ghost-point"};
-    bool is_force_at_both{false};  // of "spring-damper"
-    double deadband_m{0};          // of a stream; 0: every sample is sent
+    ThimbleHalf half{.scheme = ShortName::of("ghost-point")};
+    double deadband_m{0};  // of a stream; 0: every sample is sent
   };
   static constexpr Duration kHelloPeriod = std::chrono::milliseconds(250);
   // Ours: two round trips of the longest delay that can be injected; then all is asked anew.

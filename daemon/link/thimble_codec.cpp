@@ -20,7 +20,8 @@ constexpr std::uint32_t kPresses = 1U << 4U;
 constexpr std::uint32_t kSampleEnergy = 1U << 5U;
 constexpr std::uint32_t kSampleEpoch = 1U << 6U;
 constexpr std::uint32_t kPatchesHeld = 1U << 7U;
-constexpr std::uint32_t kSampleFields = (1U << 8U) - 1;
+constexpr std::uint32_t kArmsGhost = 1U << 8U;
+constexpr std::uint32_t kSampleFields = (1U << 9U) - 1;
 
 constexpr std::uint32_t kPlanes = 1U << 0U;
 constexpr std::uint32_t kGhost = 1U << 1U;
@@ -30,7 +31,9 @@ constexpr std::uint32_t kFar = 1U << 4U;
 constexpr std::uint32_t kEpoch = 1U << 5U;
 constexpr std::uint32_t kPressure = 1U << 6U;
 constexpr std::uint32_t kEnergy = 1U << 7U;
-constexpr std::uint32_t kConstraintFields = (1U << 8U) - 1;
+constexpr std::uint32_t kNear = 1U << 8U;
+constexpr std::uint32_t kAstray = 1U << 9U;
+constexpr std::uint32_t kConstraintFields = (1U << 10U) - 1;
 
 // Of a surface.
 constexpr std::uint8_t kStiffness = 1U << 0U;
@@ -51,14 +54,15 @@ std::uint32_t mask_of(const ThimbleSample& m) noexcept {
          flag(s.waves != coupling::WaveSums(), kWaves) |
          flag(s.impulse != coupling::Impulse3(), kImpulse) | flag(m.presses.has_value(), kPresses) |
          flag(m.energy_joule.has_value(), kSampleEnergy) | flag(m.epoch.has_value(), kSampleEpoch) |
-         flag(m.patches_held.has_value(), kPatchesHeld);
+         flag(m.patches_held.has_value(), kPatchesHeld) | flag(m.sample.has_ghost, kArmsGhost);
 }
 
 std::uint32_t mask_of(const ThimbleConstraints& m) noexcept {
   return flag(!m.set.planes.empty(), kPlanes) | flag(m.set.has_ghost, kGhost) |
          flag(m.ghost_cell.has_value(), kGhostCell) | flag(m.set.is_embedded, kEmbedded) |
          flag(m.set.has_far, kFar) | flag(m.epoch.has_value(), kEpoch) |
-         flag(m.pressure.has_value(), kPressure) | flag(m.energy_joule.has_value(), kEnergy);
+         flag(m.pressure.has_value(), kPressure) | flag(m.energy_joule.has_value(), kEnergy) |
+         flag(m.set.has_near, kNear) | flag(m.set.is_astray, kAstray);
 }
 
 template <class Bytes, class Message>
@@ -87,6 +91,8 @@ bool carry_sample(Bytes& b, Message& m) noexcept {
   carry_optional<Bytes>((mask & kSampleEnergy) != 0, m.energy_joule, real);
   carry_optional<Bytes>((mask & kSampleEpoch) != 0, m.epoch, word);
   carry_optional<Bytes>((mask & kPatchesHeld) != 0, m.patches_held, word);
+  if constexpr (Bytes::kIsReader) s.has_ghost = (mask & kArmsGhost) != 0;
+  if (s.has_ghost) b.vector(s.ghost);
   return mask > kSampleFields;
 }
 
@@ -152,6 +158,38 @@ void carry_far(Bytes& b, Far& far) noexcept {
   }
 }
 
+template <class Bytes, class Box>
+void carry_cells(Bytes& b, Box& box) noexcept {
+  for (auto* const corner : {&box.first, &box.last}) {
+    for (auto& index : *corner) {
+      auto bits = std::bit_cast<std::uint8_t>(index);
+      b.word(bits);
+      if constexpr (Bytes::kIsReader) index = std::bit_cast<std::int8_t>(bits);
+    }
+  }
+}
+
+// Whether a grid can be so is for who moves a ghost through it: world::is_sound().
+template <class Bytes, class Near>
+void carry_near(Bytes& b, Near& near) noexcept {
+  carry_words(b, near.lattice.cells);
+  b.real(near.lattice.half_cell_m);
+  b.integer(near.middle.x);
+  b.integer(near.middle.y);
+  b.integer(near.middle.z);
+  carry_cells(b, near.known);
+  std::uint8_t plane = near.is_plane ? 1 : 0;
+  b.word(plane);
+  auto count = static_cast<std::uint8_t>(near.boxes.size());
+  b.word(count);
+  if constexpr (Bytes::kIsReader) {
+    if (plane > 1 || count > world::kMaxNearBoxes) return b.refuse();
+    near.is_plane = plane == 1;
+    for (std::size_t i = 0; i < count; ++i) static_cast<void>(near.boxes.push_back({}));
+  }
+  for (std::size_t i = 0; i < count; ++i) carry_cells(b, near.boxes[i]);
+}
+
 template <class Bytes, class Message>
 bool carry_constraints(Bytes& b, Message& m) noexcept {
   carry_timing(b, m.timing);
@@ -167,6 +205,8 @@ bool carry_constraints(Bytes& b, Message& m) noexcept {
     set.has_ghost = (mask & kGhost) != 0;
     set.is_embedded = (mask & kEmbedded) != 0;
     set.has_far = (mask & kFar) != 0;
+    set.has_near = (mask & kNear) != 0;
+    set.is_astray = (mask & kAstray) != 0;
   }
   if ((mask & kPlanes) != 0) carry_planes(b, m);
   if (set.has_ghost) b.vector(set.ghost);
@@ -176,6 +216,7 @@ bool carry_constraints(Bytes& b, Message& m) noexcept {
   carry_optional<Bytes>((mask & kEpoch) != 0, m.epoch, [&](auto& value) { b.word(value); });
   carry_optional<Bytes>((mask & kPressure) != 0, m.pressure, [&](auto& value) { b.vector(value); });
   carry_optional<Bytes>((mask & kEnergy) != 0, m.energy_joule, [&](auto& value) { b.real(value); });
+  if (set.has_near) carry_near(b, set.near);
   return mask > kConstraintFields;
 }
 
@@ -203,6 +244,18 @@ Reason check_plane(const coupling::ConstraintPlane& plane, double kelvin) noexce
                 check_finite(kelvin), unless(kelvin >= 0, RejectReason::OutOfRange)});
   if (reason) return reason;
   return unless(std::abs(norm(plane.normal) - 1) <= kUnitTolerance, RejectReason::BadDirection);
+}
+
+Reason check_near(const world::NearCells& near) noexcept {
+  const auto is_index = [](std::int64_t index) {
+    return index >= -kMaxCellIndex && index <= kMaxCellIndex;
+  };
+  const world::Cell& middle = near.middle;
+  const auto& cells = near.lattice.cells;
+  const bool is_good = is_index(middle.x) && is_index(middle.y) && is_index(middle.z) &&
+                       std::all_of(cells.begin(), cells.end(), is_index);
+  return first_of({check_reach(near.lattice.half_cell_m),
+                   unless(is_good && near.lattice.half_cell_m >= 0, RejectReason::OutOfRange)});
 }
 
 }  // namespace
@@ -237,7 +290,8 @@ static Reason check(const ThimbleSample& m) noexcept {
   return first_of({check_timing(m.timing), check_time(s.sampled_at), check_place(s.hand),
                    check_finite(s.velocity), check_finite(s.tool.stiffness.newton_per_m),
                    check_finite(s.tool.damping.newton_s_per_m), check_waves(s.waves),
-                   check_finite(s.impulse), check_finite(m.energy_joule.value_or(0))});
+                   check_finite(s.impulse), check_finite(m.energy_joule.value_or(0)),
+                   s.has_ghost ? check_place(s.ghost) : Reason()});
 }
 
 static Reason check(const ThimbleConstraints& m) noexcept {
@@ -248,7 +302,8 @@ static Reason check(const ThimbleConstraints& m) noexcept {
   const Reason reason = first_of({check_timing(m.timing), check_time(set.sampled_at),
                                   set.has_ghost ? check_place(set.ghost) : Reason(),
                                   check_finite(m.pressure.value_or(Force3())),
-                                  check_finite(m.energy_joule.value_or(0))});
+                                  check_finite(m.energy_joule.value_or(0)),
+                                  set.has_near ? check_near(set.near) : Reason()});
   if (reason || !set.has_far) return reason;
   const coupling::FarEnd& far = set.far;
   return first_of({check_finite(far.force), check_place(far.slave), check_finite(far.velocity),
@@ -276,9 +331,11 @@ static Reason check(const ThimbleIdle& m) noexcept { return check_timing(m.timin
 Decoded<std::size_t> encode(const ThimbleSample& message,
                             std::span<std::byte, kMaxThimbleContent> out) noexcept {
   ThimbleSample bounded = message;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    double& along_m = bounded.sample.hand[axis];
-    along_m = std::clamp(along_m, -kMaxThesisCoordinate_m, kMaxThesisCoordinate_m);
+  for (Position3* const place : {&bounded.sample.hand, &bounded.sample.ghost}) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      double& along_m = (*place)[axis];
+      along_m = std::clamp(along_m, -kMaxThesisCoordinate_m, kMaxThesisCoordinate_m);
+    }
   }
   return encode_as(bounded, out);
 }

@@ -38,8 +38,11 @@ bool carry_hello(Bytes& b, Message& m) noexcept {
   carry_timing(b, m.timing);
   b.block(m.arm_nonce);
   b.block(m.world_nonce);
-  carry_name(b, m.scheme);
-  b.word(m.force_at);
+  auto& half = m.half;
+  carry_name(b, half.scheme);
+  b.word(half.force_at);
+  b.word(half.zone_names);
+  b.real(half.buffer_m);
   b.word(m.capabilities);
   return true;
 }
@@ -103,8 +106,11 @@ static bool carry(ByteReader& b, ThimbleWelcome& m) noexcept { return carry_welc
 static bool carry(ByteWriter& b, const ThimbleRefusal& m) noexcept { return carry_refusal(b, m); }
 static bool carry(ByteReader& b, ThimbleRefusal& m) noexcept { return carry_refusal(b, m); }
 static Reason check(const ThimbleHello& m) noexcept {
-  return first_of({check_timing(m.timing), check_name(m.scheme),
-                   unless(m.force_at <= 1, RejectReason::Malformed)});
+  const ThimbleHalf& half = m.half;
+  return first_of({check_timing(m.timing), check_name(half.scheme),
+                   unless(half.force_at <= 1 && half.zone_names <= 1, RejectReason::Malformed),
+                   check_reach(half.buffer_m),
+                   unless(half.buffer_m >= 0, RejectReason::OutOfRange)});
 }
 
 static Reason check(const ThimbleChallenge& m) noexcept { return check_timing(m.timing); }

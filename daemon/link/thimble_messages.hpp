@@ -61,12 +61,20 @@ using Nonce = std::array<std::byte, 32>;
 // not know mean nothing to it.
 using Capabilities = std::uint64_t;
 
+// What an arm says of its half, so that the world can make the other.
+struct ThimbleHalf {
+  ShortName scheme{};
+  std::uint8_t force_at{0};    // of "spring-damper": 0 the world, 1 both ends
+  std::uint8_t zone_names{0};  // of "buffer-zone": 0 occupied cells, 1 faces
+  double buffer_m{0};          // likewise
+  bool operator==(const ThimbleHalf&) const = default;
+};
+
 struct ThimbleHello {
   ThimbleTiming timing{};
-  Nonce arm_nonce{};         // of this attempt
-  Nonce world_nonce{};       // of the challenge it answers; zeros: not challenged yet
-  ShortName scheme{};        // the arm's half: the world makes the other
-  std::uint8_t force_at{0};  // of "spring-damper": 0 the world, 1 both ends
+  Nonce arm_nonce{};    // of this attempt
+  Nonce world_nonce{};  // of the challenge it answers; zeros: not challenged yet
+  ThimbleHalf half{};
   Capabilities capabilities{0};
   bool operator==(const ThimbleHello&) const = default;
 };

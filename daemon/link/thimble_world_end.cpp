@@ -112,7 +112,7 @@ void ThimbleWorldEnd::join(const Endpoint& from, const ThimbleHello& hello, Mono
   if (sessions_.size() >= settings_.max_sessions) {
     return refuse(from, hello, ThimbleRefusalReason::Busy, now);
   }
-  auto half = make_half_(hello.scheme.view(), hello.force_at == 1);
+  auto half = make_half_(hello.half);
   if (!half) return refuse(from, hello, ThimbleRefusalReason::Scheme, now);
   if (!challenges_.use(hello.world_nonce, now)) {
     return refuse(from, hello, ThimbleRefusalReason::Busy, now);

@@ -7,7 +7,6 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "daemon/coupling/world_coupling.hpp"
@@ -30,9 +29,9 @@ namespace thimble::link {
 // Ownership: the worlds behind the halves must outlive it. Errors: none end it; all are counted.
 class ThimbleWorldEnd {
  public:
-  // The world's half for an arm whose half is called `scheme`. Errors: there is none.
-  using MakeHalf = std::function<Result<std::unique_ptr<coupling::WorldCoupling>>(
-      std::string_view scheme, bool is_force_at_both)>;
+  // The world's half for an arm that says so much of its own. Errors: there is none.
+  using MakeHalf =
+      std::function<Result<std::unique_ptr<coupling::WorldCoupling>>(const ThimbleHalf& arm)>;
   struct Settings {
     ImpairmentSettings impairment{};        // validated by the caller
     std::optional<Endpoint> pinned_peer{};  // only this address, whatever its port

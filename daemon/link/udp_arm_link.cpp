@@ -33,8 +33,7 @@ ThimbleArmEnd make_thimble_end(const UdpArmLink::Settings& settings) {
   return {{.mode = settings.mode,
            .impairment = settings.impairment,
            .key = settings.key,
-           .scheme = settings.scheme,
-           .is_force_at_both = settings.is_force_at_both,
+           .half = settings.half,
            .deadband_m = settings.deadband_m},
           system_random()};
 }

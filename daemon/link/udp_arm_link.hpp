@@ -11,6 +11,7 @@
 #include "daemon/link/link_counters.hpp"
 #include "daemon/link/link_key.hpp"
 #include "daemon/link/send_gate.hpp"
+#include "daemon/link/thimble_messages.hpp"
 #include "hal/base/result.hpp"
 #include "hal/base/time.hpp"
 #include "hal/rt/wake_signal.hpp"
@@ -40,8 +41,7 @@ class UdpArmLink {
     Protocol protocol{Protocol::Thesis};
     // Of Thimble alone, as in ThimbleArmEnd::Settings.
     std::optional<LinkKey> key{};
-    std::string scheme{"ghost-point"};
-    bool is_force_at_both{false};
+    ThimbleHalf half{.scheme = ShortName::of("ghost-point")};
     double deadband_m{0};
   };
 

@@ -101,6 +101,8 @@ ThimbleSample full_sample() {
   m.energy_joule = 0.0001;
   m.epoch = 9;
   m.patches_held = 1000;
+  m.sample.has_ghost = true;
+  m.sample.ghost = {0.0151, -0.25, 0};
   return m;
 }
 
@@ -129,6 +131,15 @@ ThimbleConstraints full_constraints() {
   m.epoch = 9;
   m.pressure = Force3{0, 0.75, 0};
   m.energy_joule = 0.002;
+  m.set.has_near = true;
+  m.set.is_astray = true;
+  world::NearCells& near = m.set.near;
+  near.lattice = {.cells = {64, 32, 1}, .half_cell_m = 0.000703125};
+  near.middle = {33, 31, 0};
+  near.known = {{-31, -31, 0}, {31, 31, 0}};
+  near.is_plane = true;
+  near.boxes.push_back({{-31, 0, 2}, {-1, 0, 31}});
+  near.boxes.push_back({{0, 1, 0}, {0, 1, 0}});
   return m;
 }
 
@@ -155,8 +166,7 @@ ThimbleHello join() {
   return {.timing = {at(1), {}, {}},
           .arm_nonce = counted_from(0),
           .world_nonce = counted_from(64),
-          .scheme = ShortName::of("spring-damper"),
-          .force_at = 1};
+          .half = {ShortName::of("buffer-zone"), 1, 1, 0.03}};
 }
 
 ThimbleWelcome welcome() {
@@ -173,8 +183,7 @@ TEST(ThimbleCodec, MatchesTheBytesWrittenWithoutIt) {
   ThimbleHello hello = join();
   expect_golden("join", {ThimbleKind::Hello, false, 0, 2}, hello);
   hello.world_nonce = {};
-  hello.scheme = ShortName::of("ghost-point");
-  hello.force_at = 0;
+  hello.half = {.scheme = ShortName::of("ghost-point")};
   expect_golden("hello", {ThimbleKind::Hello, false, 0, 1}, hello);
   expect_golden("challenge", {ThimbleKind::Challenge, false, 0, 1},
                 ThimbleChallenge{{at(2), at(1), at(2)}, counted_from(0), counted_from(64)});
@@ -212,6 +221,8 @@ TEST(ThimbleCodec, GivesBackEveryFieldOfASample) {
   EXPECT_EQ(out.energy_joule, in.energy_joule);
   EXPECT_EQ(out.epoch, 9U);
   EXPECT_EQ(out.patches_held, 1000U);
+  EXPECT_TRUE(out.sample.has_ghost);
+  EXPECT_EQ(out.sample.ghost, in.sample.ghost);
 }
 
 TEST(ThimbleCodec, GivesBackEveryFieldOfConstraints) {
@@ -239,6 +250,13 @@ TEST(ThimbleCodec, GivesBackEveryFieldOfConstraints) {
   EXPECT_EQ(out.epoch, 9U);
   EXPECT_EQ(out.pressure, in.pressure);
   EXPECT_EQ(out.energy_joule, in.energy_joule);
+  EXPECT_TRUE(out.set.is_astray);
+  ASSERT_TRUE(out.set.has_near);
+  EXPECT_EQ(out.set.near.lattice, in.set.near.lattice);
+  EXPECT_EQ(out.set.near.middle, in.set.near.middle);
+  EXPECT_EQ(out.set.near.boxes, in.set.near.boxes);
+  EXPECT_EQ(out.set.near.known, in.set.near.known);
+  EXPECT_TRUE(out.set.near.is_plane);
 }
 
 TEST(ThimbleCodec, RefusesEveryContentThatEndsEarlyOrGoesOn) {
@@ -334,6 +352,7 @@ TEST(ThimbleCodec, SaysNothingOfAHandThatCannotBe) {
   EXPECT_EQ(reason([](S& m) { m.sample.impulse.z = kNoNumber; }), RejectReason::NonFinite);
   EXPECT_EQ(reason([](S& m) { m.sample.tool.stiffness = {kNoNumber}; }), RejectReason::NonFinite);
   EXPECT_EQ(reason([](S& m) { m.energy_joule = kNoNumber; }), RejectReason::NonFinite);
+  EXPECT_EQ(reason([](S& m) { m.sample.ghost.x = kNoNumber; }), RejectReason::NonFinite);
   EXPECT_EQ(reason([](S& m) { m.timing.sent_at = at(-1); }), RejectReason::OutOfRange);
   EXPECT_EQ(reason([](S& m) { m.sample.sampled_at = at(kMaxThimbleTime.count() + 1); }),
             RejectReason::OutOfRange);
@@ -365,6 +384,11 @@ TEST(ThimbleCodec, RefusesConstraintsThatCannotBe) {
   EXPECT_EQ(reason([](C& m) { m.set.far.slave.z = -11; }), RejectReason::OutOfRange);
   EXPECT_EQ(reason([](C& m) { m.pressure->x = kNoNumber; }), RejectReason::NonFinite);
   EXPECT_EQ(reason([](C& m) { m.energy_joule = kNoNumber; }), RejectReason::NonFinite);
+  EXPECT_EQ(reason([](C& m) { m.set.near.lattice.half_cell_m = kNoNumber; }),
+            RejectReason::NonFinite);
+  EXPECT_EQ(reason([](C& m) { m.set.near.lattice.cells[1] = 1U << 31U; }),
+            RejectReason::OutOfRange);
+  EXPECT_EQ(reason([](C& m) { m.set.near.middle.z = -(1 << 20) - 1; }), RejectReason::OutOfRange);
   // What is not said is not looked at.
   EXPECT_EQ(reason([](C& m) { m.set.has_ghost = false, m.set.ghost.z = kNoNumber; }), std::nullopt);
   EXPECT_EQ(reason([](C& m) { m.set.has_far = false, m.set.far.force.z = kNoNumber; }),
@@ -387,6 +411,8 @@ TEST(ThimbleCodec, FitsTheLargestMessagesIntoOneDatagram) {
   ThimbleConstraints set = full_constraints();
   while (set.set.planes.push_back({{0, 1, 0}, 0.1, {{1}, {1}, 1}})) {
   }
+  while (set.set.near.boxes.push_back({})) {
+  }
   set.temperature_kelvin.fill(300);
   EXPECT_LE(content_of(set).size(), kMaxThimbleContent);
   ThimbleOccupancy box = small_box();
@@ -400,8 +426,8 @@ TEST(ThimbleCodec, FitsTheLargestMessagesIntoOneDatagram) {
 TEST(ThimbleCodec, NamesAreLettersAndThenZeros) {
   const auto reason = [](std::string_view name) {
     ThimbleHello hello = join();
-    hello.scheme = {};
-    std::copy(name.begin(), name.end(), hello.scheme.letters.begin());
+    hello.half.scheme = {};
+    std::copy(name.begin(), name.end(), hello.half.scheme.letters.begin());
     return spoiled(hello, [](ThimbleHello&) {});
   };
   EXPECT_EQ(reason("wave"), std::nullopt);

@@ -27,6 +27,10 @@ def name(text):
     return text.encode("ascii").ljust(32, b"\0")
 
 
+def half(scheme, force_at, zone_names, buffer_m):
+    return name(scheme) + bytes([force_at, zone_names]) + struct.pack(">d", buffer_m)
+
+
 def reals(*values):
     return struct.pack(f">{len(values)}d", *values)
 
@@ -55,7 +59,14 @@ def every_field_of_a_sample():
     waves = reals(1, 2, -3) + reals(0.5, 0.25, 0.125)
     impulse = reals(-0.001, 0.002, 0)
     presses = bytes([1, 0, 255, 0, 0, 0, 0, 7])
-    return velocity + tool + waves + impulse + presses + reals(0.0001) + struct.pack(">QQ", 9, 1000)
+    return velocity + tool + waves + impulse + presses + reals(0.0001) + struct.pack(">QQ", 9, 1000) + reals(0.0151, -0.25, 0)
+
+
+def near_cells():
+    boxes = [(-31, 0, 2, -1, 0, 31), (0, 1, 0, 0, 1, 0)]
+    return (struct.pack(">III", 64, 32, 1) + reals(0.000703125) + struct.pack(">iii", 33, 31, 0)
+            + struct.pack(">6b", -31, -31, 0, 31, 31, 0) + bytes([1, len(boxes)])
+            + b"".join(struct.pack(">6b", *box) for box in boxes))
 
 
 def every_field_of_constraints():
@@ -65,7 +76,7 @@ def every_field_of_constraints():
     far = reals(-1.5, 0, 0.25) + reals(0.015, 0, 0.01) + reals(0, 0.001, 0)
     waves = reals(4, 5, 6) + reals(1, 1.5, 2)
     return (planes + ghost + cell + far + waves + bytes([1]) + struct.pack(">Q", 9) + reals(0, 0.75, 0)
-            + reals(0.002))
+            + reals(0.002) + near_cells())
 
 
 def occupancy():
@@ -82,17 +93,17 @@ def datagrams():
     welcome = (timing(4, 3, 3) + ARM_NONCE + struct.pack(">Q", 0) + name("box") + struct.pack(">III", 64, 32, 16)
                + reals(0.00140625) + struct.pack(">Q", 9))
     return {
-        "hello": header(HELLO, 0, 1) + hello + bytes(32) + name("ghost-point") + bytes([0]) + struct.pack(">Q", 0),
-        "join": header(HELLO, 0, 2) + hello + WORLD_NONCE + name("spring-damper") + bytes([1])
+        "hello": header(HELLO, 0, 1) + hello + bytes(32) + half("ghost-point", 0, 0, 0.0) + struct.pack(">Q", 0),
+        "join": header(HELLO, 0, 2) + hello + WORLD_NONCE + half("buffer-zone", 1, 1, 0.03)
                 + struct.pack(">Q", 0),
         "challenge": header(CHALLENGE, 0, 1) + timing(2, 1, 2) + ARM_NONCE + WORLD_NONCE,
         "welcome": header(WELCOME, 0x0123456789ABCDEF, 1) + welcome,
         "refusal": header(REFUSAL, 0, 3) + timing(4, 3, 3) + ARM_NONCE + bytes([2]),
         "sample_least": header(SAMPLE, 0x0123456789ABCDEF, 12) + sample(0, b""),
-        "sample_full": header(SAMPLE, 0x0123456789ABCDEF, 13) + sample(0xFF, every_field_of_a_sample()),
+        "sample_full": header(SAMPLE, 0x0123456789ABCDEF, 13) + sample(0x1FF, every_field_of_a_sample()),
         "constraints_least": header(CONSTRAINTS, 0x0123456789ABCDEF, 2) + constraints(0, b""),
         "constraints_full": header(CONSTRAINTS, 0x0123456789ABCDEF, 3)
-                            + constraints(0xFF, every_field_of_constraints()),
+                            + constraints(0x3FF, every_field_of_constraints()),
         "occupancy": header(OCCUPANCY, 0x0123456789ABCDEF, 4) + occupancy(),
         "idle": header(IDLE, 0x0123456789ABCDEF, 5) + timing(7, 6, 6) + struct.pack(">Q", 14),
     }

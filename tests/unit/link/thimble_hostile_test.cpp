@@ -85,7 +85,7 @@ TEST(ThimbleLinkHostile, NobodyIsAnsweredWithMoreThanHeSent) {
     Table table(has_key ? keyed_world() : ThimbleWorldEnd::Settings());
     table.add_arm(has_key ? keyed_arm() : ThimbleArmEnd::Settings());
     ThimbleArmEnd::Settings odd = has_key ? keyed_arm() : ThimbleArmEnd::Settings();
-    odd.scheme = "unheard-of";
+    odd.half.scheme = ShortName::of("unheard-of");
     table.add_arm(odd);
     table.run(20);
     std::set<ThimbleKind> kinds;

@@ -245,7 +245,7 @@ TEST(ThimbleLink, AnArmHalfThatWasResetBeginsAnewInTheWorld) {
 TEST(ThimbleLink, SaysWhyAWorldDoesNotGoWithItsScheme) {
   Table table(keyed_world());
   ThimbleArmEnd::Settings settings = keyed_arm();
-  settings.scheme = "unheard-of";
+  settings.half.scheme = ShortName::of("unheard-of");
   Arm& arm = table.add_arm(settings);
   table.run(3000);
   EXPECT_EQ(arm.end.status().last_error, "the world does not go with the scheme unheard-of");

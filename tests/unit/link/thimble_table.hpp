@@ -94,8 +94,9 @@ class Table {
     world.reset();
     world = std::make_unique<ThimbleWorldEnd>(
         settings_,
-        [this](std::string_view scheme, bool) -> Result<std::unique_ptr<coupling::WorldCoupling>> {
-          if (scheme == "unheard-of") return fail(Errc::InvalidArgument, "no such scheme");
+        [this](const ThimbleHalf& arm) -> Result<std::unique_ptr<coupling::WorldCoupling>> {
+          if (arm.scheme.view() == "unheard-of")
+            return fail(Errc::InvalidArgument, "no such scheme");
           worlds.push_back(std::make_unique<WorldDouble>());
           worlds.back()->is_silent = are_silent;
           worlds.back()->refusals = refusals;

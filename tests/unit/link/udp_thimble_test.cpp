@@ -41,7 +41,7 @@ class UdpThimbleTest : public ::testing::Test {
     server = *std::move(opened);
   }
   ThimbleWorldEnd::MakeHalf make_half() {
-    return [this](std::string_view, bool) -> Result<std::unique_ptr<coupling::WorldCoupling>> {
+    return [this](const ThimbleHalf&) -> Result<std::unique_ptr<coupling::WorldCoupling>> {
       worlds.push_back(std::make_unique<WorldDouble>());
       return std::make_unique<on_table::Half>(*worlds.back());
     };
