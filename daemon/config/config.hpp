@@ -138,7 +138,8 @@ struct CouplingConfig {
   bool operator==(const CouplingConfig&) const = default;
 };
 
-enum class LinkProtocol : std::uint8_t { Thesis };
+// Datagrams of 1999, or our own.
+enum class LinkProtocol : std::uint8_t { Thesis, Thimble };
 
 // What is done when an arm's device is not there at the start.
 enum class Fallback : std::uint8_t { None, Simulated };
@@ -164,7 +165,8 @@ struct ArmConfig {
   std::optional<ImpairmentConfig> impairment;
   // Instead of world and link: the name of the other ArmConfig of the same file.
   std::optional<std::string> peer{};
-  std::array<double, 3> place_m{};  // of its base frame's origin in the world
+  std::array<double, 3> place_m{};        // of its base frame's origin in the world
+  std::optional<std::string> key_file{};  // path; only with link and our own datagrams
   bool operator==(const ArmConfig&) const = default;
 };
 
@@ -287,6 +289,7 @@ struct WorldConfig {
   std::optional<BlockConfig> block{};              // likewise of "block"
   std::optional<PiecesConfig> pieces{};            // likewise of "pieces"
   std::optional<AutomatonConfig> automaton{};      // of "life" and "crystal"
+  std::optional<std::string> key_file{};           // path; only with listen
   bool operator==(const WorldConfig&) const = default;
 };
 

@@ -203,20 +203,22 @@ void check_place(TableReader& reader, const ArmConfig& arm) {
 
 void check_carriage(TableReader& reader, const ArmConfig& arm) {
   check_place(reader, arm);
-  if (!arm.link || !has_own_world_half(arm.coupling.scheme)) return;
+  const bool is_ours = arm.protocol == LinkProtocol::Thimble;
+  if (!arm.link || is_ours || !has_own_world_half(arm.coupling.scheme)) return;
   // The arm's own table knows "coupling", not what is below it.
   const std::string scheme = in_quotes(to_string(arm.coupling.scheme));
   if (arm.coupling.scheme == Scheme::BufferZone || arm.coupling.scheme == Scheme::Composite) {
-    reader.reject("coupling", scheme +
-                                  " needs to know what is near the ghost, which the datagrams of "
-                                  "1999 do not carry; use \"ghost-point\", or name a world of this "
-                                  "configuration instead of a link");
+    reader.reject("coupling",
+                  scheme +
+                      " needs to know what is near the ghost, which the datagrams of "
+                      "1999 do not carry; use protocol = \"thimble\", or name a world of "
+                      "this configuration instead of a link");
     return;
   }
   reader.reject("coupling", scheme +
                                 " needs forces and motion of the far end, which the datagrams of "
-                                "1999 do not carry; use \"ghost-point\", or name a world of this "
-                                "configuration instead of a link");
+                                "1999 do not carry; use protocol = \"thimble\", or name a world of "
+                                "this configuration instead of a link");
 }
 
 }  // namespace thimble::config

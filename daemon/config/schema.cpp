@@ -38,7 +38,10 @@ constexpr std::array<Choice<Fallback>, 2> kFallbacks{{
     {"none", Fallback::None},
     {"simulated", Fallback::Simulated},
 }};
-constexpr std::array<Choice<LinkProtocol>, 1> kProtocols{{{"thesis", LinkProtocol::Thesis}}};
+constexpr std::array<Choice<LinkProtocol>, 2> kProtocols{{
+    {"thesis", LinkProtocol::Thesis},
+    {"thimble", LinkProtocol::Thimble},
+}};
 
 template <class Enum, std::size_t Count>
 void read_choice(TableReader& reader, std::string_view key,
@@ -173,12 +176,13 @@ void read_place(TableReader& reader, ArmConfig& arm) {
   if (reader.read("place_m", {-1, 1}, place)) arm.place_m = *place;
 }
 
-void read_other_side(TableReader& reader, ArmConfig& arm) {
+void read_other_side(TableReader& reader, const std::filesystem::path& folder, ArmConfig& arm) {
   reader.read("world", arm.world);
   read_endpoint(reader, "link", 1, arm.link);
   read_choice(reader, "protocol", kProtocols, arm.protocol);
   reader.read("allow_unauthenticated", arm.allow_unauthenticated);
   reader.read("peer", arm.peer);
+  read_path(reader, "key_file", folder, arm.key_file);
   const bool has_world = reader.has("world");
   const bool has_link = reader.has("link");
   const bool has_peer = reader.has("peer");
@@ -192,15 +196,20 @@ void read_other_side(TableReader& reader, ArmConfig& arm) {
   if (!has_world && !has_link && !has_peer) {
     reader.reject("", "expected either world or link, found neither");
   }
-  for (const char* key : {"protocol", "allow_unauthenticated"}) {
+  for (const char* key : {"protocol", "allow_unauthenticated", "key_file"}) {
     if (reader.has(key) && !has_link) {
       reader.reject(key, "expected only beside link, found without it");
     }
   }
-  if (!arm.link || is_loopback(arm.link->address) || arm.allow_unauthenticated) return;
+  if (has_link && arm.key_file && arm.protocol == LinkProtocol::Thesis) {
+    reader.reject("key_file",
+                  "expected only with protocol = \"thimble\": the datagrams of 1999 know no key");
+  }
+  if (!arm.link || is_loopback(arm.link->address)) return;
+  if (arm.allow_unauthenticated || arm.key_file) return;
   reader.reject("link",
-                "expected a loopback address, or allow_unauthenticated = true, since these "
-                "datagrams know no key; found " +
+                "expected a loopback address, or protocol = \"thimble\" and a key_file, or "
+                "allow_unauthenticated = true for datagrams without a key; found " +
                     in_quotes(to_string(*arm.link)));
 }
 
@@ -237,9 +246,10 @@ void read_source(TableReader& reader, const std::filesystem::path& folder, World
   world.source = source;
 }
 
-void read_listener(TableReader& reader, WorldConfig& world) {
+void read_listener(TableReader& reader, const std::filesystem::path& folder, WorldConfig& world) {
   read_endpoint(reader, "listen", 0, world.listen);
   reader.read("allow_unauthenticated", world.allow_unauthenticated);
+  read_path(reader, "key_file", folder, world.key_file);
   if (reader.read("peer", world.peer) && !is_address(*world.peer)) {
     reader.reject(
         "peer", "expected a numeric address such as \"10.0.0.2\", found " + in_quotes(*world.peer));
@@ -248,16 +258,16 @@ void read_listener(TableReader& reader, WorldConfig& world) {
                               in_quotes(to_string(*world.listen)) + ", which is of the other " +
                               "kind (IPv4, IPv6), found " + in_quotes(*world.peer));
   }
-  for (const char* key : {"allow_unauthenticated", "peer"}) {
+  for (const char* key : {"allow_unauthenticated", "peer", "key_file"}) {
     if (reader.has(key) && !reader.has("listen")) {
       reader.reject(key, "expected only beside listen, found without it");
     }
   }
   if (!world.listen || is_loopback(world.listen->address)) return;
-  if (world.allow_unauthenticated && world.peer) return;
+  if (world.key_file || (world.allow_unauthenticated && world.peer)) return;
   reader.reject("listen",
-                "expected a loopback address, or allow_unauthenticated = true and a "
-                "peer, since these datagrams know no key; found " +
+                "expected a loopback address, or a key_file, or allow_unauthenticated = true and a "
+                "peer for datagrams without a key; found " +
                     in_quotes(to_string(*world.listen)));
 }
 
@@ -319,7 +329,7 @@ Entry<ArmConfig> read_arm(TableReader reader, const std::filesystem::path& folde
   read_sha256(reader, out.firmware_sha256);
   reader.read("newton_per_count", kAboveZero, out.newton_per_count);
   read_fallback(reader, out);
-  read_other_side(reader, out);
+  read_other_side(reader, folder, out);
   read_place(reader, out);
   reader.read("activate", out.activate);
   read_person(reader, out);
@@ -343,7 +353,7 @@ Entry<WorldConfig> read_world(TableReader reader, const std::filesystem::path& f
   read_pieces(reader, folder, out);
   read_automaton(reader, out);
   read_choice(reader, "constraint_model", kConstraintModels, out.constraint_model);
-  read_listener(reader, out);
+  read_listener(reader, folder, out);
   out.impairment = read_impairment(reader.table("impairment"));
   if (out.constraint_model == ConstraintModel::Simple && !out.materials.empty()) {
     reader.object("material",

@@ -132,6 +132,51 @@ coupling::Scheme scheme_of(const config::CouplingConfig& said) {
   return coupling::Scheme::GhostPoint;
 }
 
+namespace {
+
+config::CouplingScheme word_of(coupling::Scheme scheme) {
+  switch (scheme) {
+    case coupling::Scheme::ThesisLiteral:
+      return config::CouplingScheme::ThesisLiteral;
+    case coupling::Scheme::RemoteForce:
+      return config::CouplingScheme::RemoteForce;
+    case coupling::Scheme::SpringDamper:
+      return config::CouplingScheme::SpringDamper;
+    case coupling::Scheme::Wave:
+      return config::CouplingScheme::Wave;
+    case coupling::Scheme::ConstraintPlane:
+      return config::CouplingScheme::ConstraintPlane;
+    case coupling::Scheme::BufferZone:
+      return config::CouplingScheme::BufferZone;
+    case coupling::Scheme::GhostPoint:
+      break;
+  }
+  return config::CouplingScheme::GhostPoint;
+}
+
+}  // namespace
+
+link::ThimbleHalf half_of(const config::CouplingConfig& said) {
+  const coupling::WorldHalfSettings settings = world_half_settings(said);
+  const bool is_at_both = settings.force_at == coupling::ForceAt::Both;
+  const bool names_faces = settings.buffer_zone.names == coupling::ZoneNames::Faces;
+  return {.scheme = link::ShortName::of(to_string(scheme_of(said))),
+          .force_at = is_at_both ? std::uint8_t{1} : std::uint8_t{0},
+          .zone_names = names_faces ? std::uint8_t{1} : std::uint8_t{0},
+          .buffer_m = settings.buffer_zone.buffer_m};
+}
+
+Result<config::CouplingConfig> coupling_of(const link::ThimbleHalf& half) {
+  const Result<coupling::Scheme> scheme = coupling::parse_scheme(half.scheme.view());
+  if (!scheme) return tl::unexpected(scheme.error());
+  config::CouplingConfig said;
+  said.scheme = word_of(*scheme);
+  if (half.force_at == 1) said.force_at = config::CouplingForceAt::Both;
+  if (half.zone_names == 1) said.zone = config::CouplingZone::Faces;
+  if (said.scheme == config::CouplingScheme::BufferZone) said.buffer_m = half.buffer_m;
+  return said;
+}
+
 coupling::WorldHalfSettings world_half_settings(const config::CouplingConfig& said) {
   coupling::WorldHalfSettings settings;
   settings.force_at = force_at(said);

@@ -8,6 +8,7 @@
 #include "daemon/link/endpoint.hpp"
 #include "daemon/link/impairment.hpp"
 #include "daemon/link/send_gate.hpp"
+#include "daemon/link/thimble_messages.hpp"
 #include "daemon/servo/servo_loop.hpp"
 #include "hal/base/result.hpp"
 #include "hal/plugin/driver.hpp"
@@ -28,6 +29,10 @@ namespace thimble::session {
     const config::ArmConfig& arm, double cell_m, const HapticCapabilities& capabilities);
 [[nodiscard]] coupling::Scheme scheme_of(const config::CouplingConfig& said);
 [[nodiscard]] coupling::WorldHalfSettings world_half_settings(const config::CouplingConfig& said);
+// What is said of it to a world on another host, and what that one makes of it. Errors: there is no
+// such scheme.
+[[nodiscard]] link::ThimbleHalf half_of(const config::CouplingConfig& said);
+[[nodiscard]] Result<config::CouplingConfig> coupling_of(const link::ThimbleHalf& half);
 [[nodiscard]] Result<link::Endpoint> endpoint(const config::UdpEndpoint& said);
 [[nodiscard]] link::SendMode send_mode(const config::ArmConfig& arm);
 [[nodiscard]] link::ImpairmentSettings impairment_settings(

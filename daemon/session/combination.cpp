@@ -57,17 +57,6 @@ std::optional<Refusal> find_refusal(const world::World& world, const config::Wor
     return Refusal{"constraint_model", "\"simple\" works on cells in three dimensions, which " +
                                            world.info().source + " has not; use \"ghost-point\""};
   }
-  if (said.listen && world.may_fall_silent()) {
-    return Refusal{"listen",
-                   "a world on a board falls silent when the board fails, which the "
-                   "datagrams of 1999 cannot say; name it as the world of an arm of "
-                   "this configuration"};
-  }
-  if (said.listen && !world.has_faces_across_the_axes_only()) {
-    return Refusal{"listen", "the datagrams of 1999 carry faces across the axes only, " +
-                                 world.info().source + " has others; name it as the world of " +
-                                 "an arm of this configuration"};
-  }
   return std::nullopt;
 }
 
@@ -89,6 +78,10 @@ config::CouplingScheme choose_scheme(const world::World& world, const config::Wo
   return goes_with_a_map ? config::CouplingScheme::Composite : config::CouplingScheme::GhostPoint;
 }
 
+bool can_serve_1999(const world::World& world) noexcept {
+  return world.has_faces_across_the_axes_only() && !world.may_fall_silent();
+}
+
 Result<void> check_combination(const world::World& world, const config::WorldConfig& said) {
   return as_result(find_refusal(world, said));
 }
@@ -100,7 +93,7 @@ Result<void> check_combination(const world::World& world, const config::Coupling
 std::optional<std::string> find_loss(const config::WorldConfig& said) {
   if (!said.listen || said.materials.empty()) return std::nullopt;
   return "world '" + said.name +
-         "': arms of other hosts feel none of its materials: the datagrams of 1999 carry no "
+         "': arms that speak the datagrams of 1999 feel none of its materials: those carry no "
          "surface";
 }
 

@@ -28,6 +28,10 @@ struct Refusal {
                                                    const config::WorldConfig& said,
                                                    const config::CouplingConfig& arm);
 
+// Whether the datagrams of 1999 can say what is felt in it: they carry faces across the axes only,
+// and cannot say that a board has fallen silent. Where not, a listener speaks our own alone.
+[[nodiscard]] bool can_serve_1999(const world::World& world) noexcept;
+
 // The same as a Result. Errors: Unsupported, "KEY: reason".
 // What is said of the world itself: its constraint model, and whether it listens.
 [[nodiscard]] Result<void> check_combination(const world::World& world,

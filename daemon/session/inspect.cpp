@@ -9,6 +9,7 @@
 
 #include "daemon/config/report.hpp"
 #include "daemon/devices/open_arm.hpp"
+#include "daemon/link/link_key.hpp"
 #include "daemon/session/arm_settings.hpp"
 #include "daemon/session/combination.hpp"
 #include "daemon/session/stand_in.hpp"
@@ -262,10 +263,26 @@ std::vector<Objection> inspect(const config::Config& config, const RigParts& par
   return out;
 }
 
+namespace {
+
+template <class Said>
+void inspect_keys(const std::vector<Said>& said, Objection::Table table,
+                  std::vector<Objection>& out) {
+  for (std::size_t i = 0; i < said.size(); ++i) {
+    if (!said[i].key_file) continue;
+    const Result<link::LinkKey> key = link::load_key(*said[i].key_file);
+    if (!key) out.push_back({table, i, "key_file", key.error().message});
+  }
+}
+
+}  // namespace
+
 std::vector<Objection> inspect_files(const config::Config& config,
                                      const plugin::DriverRegistry& drivers) {
-  if (!known_models(drivers)) return {};  // the device may be that of a plugin, and so the file
   std::vector<Objection> out;
+  inspect_keys(config.arms, Objection::Table::Arm, out);
+  inspect_keys(config.worlds, Objection::Table::World, out);
+  if (!known_models(drivers)) return out;  // the device may be that of a plugin, and so the file
   for (std::size_t i = 0; i < config.arms.size(); ++i) {
     const config::ArmConfig& arm = config.arms[i];
     if (arm.device.empty() || bus::is_simulated(arm.device)) continue;

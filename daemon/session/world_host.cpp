@@ -14,31 +14,51 @@
 
 namespace thimble::session {
 
-// The world half for the one peer that the 1999 datagrams know, and its socket.
+// The socket, the world half of the one peer that the datagrams of 1999 know, and how one is made
+// for each of our own.
 class WorldHost::Listener {
  public:
-  explicit Listener(std::unique_ptr<coupling::WorldCoupling> world_half)
-      : world_half_(std::move(world_half)) {}
-
-  [[nodiscard]] Result<void> open(const config::WorldConfig& said, const RigParts& parts) {
-    Result<link::UdpWorldServer::Settings> settings = server_settings(said);
+  [[nodiscard]] Result<void> open(WorldHost& host, const config::WorldConfig& said,
+                                  const RigParts& parts) {
+    Result<link::UdpWorldServer::Settings> settings = server_settings(*host.world_, said);
     if (!settings) return tl::unexpected(settings.error());
-    Result<std::unique_ptr<link::UdpWorldServer>> server = link::UdpWorldServer::open(
-        *parts.io, *parts.real_clock, *settings, {.of_1999 = world_half_.get()});
+    link::UdpWorldServer::Worlds worlds;
+    if (can_serve_1999(*host.world_)) {
+      auto half = host.make_world_half({}, parts.first_session);
+      if (!half) return tl::unexpected(half.error());
+      half_of_1999_ = *std::move(half);
+      worlds.of_1999 = half_of_1999_.get();
+    }
+    worlds.make_half = [&host, has_materials = !said.materials.empty(),
+                        first_session = parts.first_session](const link::ThimbleHalf& arm) {
+      return host.make_half_for(arm, has_materials, first_session);
+    };
+    Result<std::unique_ptr<link::UdpWorldServer>> server =
+        link::UdpWorldServer::open(*parts.io, *parts.real_clock, *settings, worlds);
     if (!server) return tl::unexpected(server.error());
     server_ = *std::move(server);
     return {};
   }
-  [[nodiscard]] link::LinkStatus status() const { return server_->status(); }
+  [[nodiscard]] const link::UdpWorldServer& server() const { return *server_; }
 
  private:
-  static Result<link::UdpWorldServer::Settings> server_settings(const config::WorldConfig& said) {
+  static Result<link::UdpWorldServer::Settings> server_settings(const world::World& world,
+                                                                const config::WorldConfig& said) {
     link::UdpWorldServer::Settings settings;
     const Result<link::Endpoint> bind = endpoint(*said.listen);
     if (!bind) return tl::unexpected(bind.error());
     settings.bind = *bind;
     settings.allow_unauthenticated = said.allow_unauthenticated;
     settings.impairment = impairment_settings(said.impairment);
+    settings.max_sessions = world::kMaxProbes;
+    settings.welcome.world = link::ShortName::of(said.name);
+    settings.welcome.cells = world.info().cells;
+    settings.welcome.cell_m = world.info().cell_m;
+    if (said.key_file) {
+      const Result<link::LinkKey> key = link::load_key(*said.key_file);
+      if (!key) return tl::unexpected(key.error());
+      settings.key = *key;
+    }
     if (!said.peer) return settings;
     const Result<link::Endpoint> peer = endpoint({*said.peer, 0});
     if (!peer) return tl::unexpected(peer.error());
@@ -46,7 +66,7 @@ class WorldHost::Listener {
     return settings;
   }
 
-  std::unique_ptr<coupling::WorldCoupling> world_half_;
+  std::unique_ptr<coupling::WorldCoupling> half_of_1999_;
   std::unique_ptr<link::UdpWorldServer> server_;
 };
 
@@ -74,10 +94,8 @@ Result<std::unique_ptr<WorldHost>> WorldHost::create(const config::WorldConfig& 
   if (parts.io == nullptr || parts.real_clock == nullptr) {
     return fail(Errc::Unsupported, name + ": a world listens only in real time");
   }
-  auto world_half = host->make_world_half({}, parts.first_session);
-  if (!world_half) return tl::unexpected(world_half.error().in(name));
-  auto listener = std::make_unique<Listener>(*std::move(world_half));
-  const Result<void> opened = listener->open(said, parts);
+  auto listener = std::make_unique<Listener>();
+  const Result<void> opened = listener->open(*host, said, parts);
   if (!opened) return tl::unexpected(opened.error().in(name));
   host->listener_ = std::move(listener);
   return host;
@@ -100,6 +118,25 @@ Result<std::unique_ptr<coupling::WorldCoupling>> WorldHost::make_world_half(
                          ? coupling::ConstraintModel::Simple
                          : coupling::ConstraintModel::GhostPoint;
   return coupling::make_world_coupling(model, *world_, first_session);
+}
+
+Result<std::unique_ptr<coupling::WorldCoupling>> WorldHost::make_half_for(
+    const link::ThimbleHalf& half, bool has_materials, std::uint32_t first_session) {
+  const Result<config::CouplingConfig> arm = coupling_of(half);
+  if (!arm) return tl::unexpected(arm.error());
+  if (const auto good = check_combination(*world_, *arm); !good) {
+    return tl::unexpected(good.error());
+  }
+  // What a configuration of one host refuses when it is read: config/relations.cpp.
+  const coupling::Scheme scheme = scheme_of(*arm);
+  const bool feels_materials =
+      scheme != coupling::Scheme::ThesisLiteral && scheme != coupling::Scheme::BufferZone;
+  const bool is_simple = model_ == config::ConstraintModel::Simple;
+  if ((has_materials && !feels_materials) || (is_simple && coupling::has_own_world_half(scheme))) {
+    return fail(Errc::Unsupported,
+                "the world cannot be felt by " + std::string(half.scheme.view()));
+  }
+  return make_world_half(*arm, first_session);
 }
 
 Result<std::uint64_t> WorldHost::submit_edits(std::vector<world::CellEdit> edits) {
@@ -181,7 +218,11 @@ std::optional<MonotonicTime> WorldHost::pump_edits(MonotonicTime now) {
 
 std::optional<link::LinkStatus> WorldHost::listener_status() const {
   if (!listener_) return std::nullopt;
-  return listener_->status();
+  return listener_->server().status();
+}
+
+std::vector<link::LinkStatus> WorldHost::session_statuses() const {
+  return listener_ ? listener_->server().sessions() : std::vector<link::LinkStatus>();
 }
 
 }  // namespace thimble::session

@@ -10,6 +10,7 @@
 #include "daemon/coupling/world_coupling.hpp"
 #include "daemon/devices/device_executor.hpp"
 #include "daemon/link/link_counters.hpp"
+#include "daemon/link/thimble_messages.hpp"
 #include "daemon/session/arm_rig.hpp"
 #include "daemon/session/board_search.hpp"
 #include "daemon/session/made_world.hpp"
@@ -74,6 +75,8 @@ class WorldHost {
   [[nodiscard]] const std::optional<std::string>& loss() const noexcept { return loss_; }
   // Nothing where the world does not listen.
   [[nodiscard]] std::optional<link::LinkStatus> listener_status() const;
+  // Of each session of our own datagrams; they count in the listener's, too.
+  [[nodiscard]] std::vector<link::LinkStatus> session_statuses() const;
 
  private:
   class Listener;
@@ -81,6 +84,10 @@ class WorldHost {
   [[nodiscard]] BoardPlugs plugs_for(const config::WorldConfig& said, const RigParts& parts);
   std::optional<MonotonicTime> pump_edits(MonotonicTime now);
   [[nodiscard]] tl::unexpected<Error> does_not_run() const;
+  // For an arm of another host that names its scheme. Errors: none such, or none that goes with
+  // this world.
+  [[nodiscard]] Result<std::unique_ptr<coupling::WorldCoupling>> make_half_for(
+      const link::ThimbleHalf& half, bool has_materials, std::uint32_t first_session);
 
   std::string name_;
   config::ConstraintModel model_{config::ConstraintModel::GhostPoint};

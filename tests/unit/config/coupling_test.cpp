@@ -185,6 +185,7 @@ TEST(ConfigCoupling, AFarEndOrAZoneIsRefusedOverTheDatagramsOf1999) {
     EXPECT_THAT(mistakes(arm),
                 ElementsAre(AllOf(HasSubstr(std::string("arm.0.coupling: \"") + scheme),
                                   HasSubstr("datagrams of 1999 do not carry"))));
+    EXPECT_THAT(mistakes(arm + "protocol = \"thimble\"\n"), IsEmpty()) << scheme;
   }
 }
 

@@ -32,6 +32,30 @@ TEST(ConfigNetwork, AnArmLinksBeyondThisMachineOnlyWhenItIsSaid) {
   EXPECT_TRUE(parse_text(with_link("link = \"udp://127.0.0.2:5001\"\n")));
 }
 
+// With a key our own datagrams go anywhere; those of 1999 know none.
+TEST(ConfigNetwork, AKeyOpensTheWayBeyondThisMachineToOurOwnDatagrams) {
+  const std::string arm =
+      "[[arm]]\nname = \"right\"\ndevice = \"sim:phantom-vintage\"\n"
+      "link = \"udp://10.0.0.7:5001\"\n";
+  const auto sut = parse_text(arm + "protocol = \"thimble\"\nkey_file = \"link.key\"\n");
+  ASSERT_TRUE(sut);
+  EXPECT_EQ(sut->arms[0].protocol, LinkProtocol::Thimble);
+  EXPECT_EQ(sut->arms[0].key_file, "/etc/thimble/link.key");
+  EXPECT_THAT(mistakes(arm + "protocol = \"thimble\"\n"),
+              ElementsAre(AllOf(HasSubstr("arm.0.link"), HasSubstr("key_file"))));
+  EXPECT_THAT(mistakes(arm + "key_file = \"link.key\"\n"),
+              ElementsAre(AllOf(HasSubstr("arm.0.key_file"), HasSubstr("of 1999 know no key"))));
+  const std::string world = "[[world]]\nname = \"box\"\nsource = \"box:3\"\n";
+  const std::string listen = "listen = \"udp://0.0.0.0:5001\"\n";
+  const auto open = parse_text(world + listen + "key_file = \"/etc/link.key\"\n");
+  ASSERT_TRUE(open);
+  EXPECT_EQ(open->worlds[0].key_file, "/etc/link.key");
+  EXPECT_THAT(mistakes(world + listen),
+              ElementsAre(AllOf(HasSubstr("world.0.listen"), HasSubstr("a key_file"))));
+  EXPECT_THAT(mistakes(world + "key_file = \"link.key\"\n"),
+              ElementsAre(AllOf(HasSubstr("world.0.key_file"), HasSubstr("only beside listen"))));
+}
+
 // A socket of one family never hears a peer of the other, but [::] hears both.
 TEST(ConfigNetwork, ThePeerIsOneThatTheListenerCanHear) {
   const auto with = [](const std::string& listen, const std::string& peer) {

@@ -192,6 +192,17 @@ TEST(PieceWorldOfAConfiguration, NeedsAClockAndRoomForItsPieces) {
   EXPECT_EQ(make_piece_world(said, &clock).error().code, Errc::InvalidArgument);
 }
 
+TEST(Combination, ProgramsOf1999AreServedWhereTheirDatagramsSayWhatIsFelt) {
+  const world::VoxelWorld with_cells(world::make_box(3).value(), "box:3");
+  EXPECT_TRUE(can_serve_1999(with_cells));
+  EXPECT_FALSE(can_serve_1999(*world::SphereWorld::create({{}, 0.02, -0.02})));
+  const sim::VirtualClock clock;
+  config::WorldConfig of_pieces;
+  of_pieces.source = "pieces";
+  of_pieces.pieces = config::PiecesConfig{.cells = 32, .count = 3};
+  EXPECT_FALSE(can_serve_1999(*make_piece_world(of_pieces, &clock)->world));
+}
+
 TEST(Combination, TellsWhatAListenerDoesNotFeel) {
   config::WorldConfig said;
   said.name = "scan";
@@ -200,7 +211,7 @@ TEST(Combination, TellsWhatAListenerDoesNotFeel) {
   EXPECT_FALSE(find_loss(said)) << "an arm of this configuration feels them";
   said.listen = config::UdpEndpoint{"127.0.0.1", 5001};
   ASSERT_TRUE(find_loss(said));
-  EXPECT_NE(find_loss(said)->find("world 'scan': arms of other hosts feel none of its materials"),
+  EXPECT_NE(find_loss(said)->find("world 'scan': arms that speak the datagrams of 1999 feel none"),
             std::string::npos);
   said.materials.clear();
   EXPECT_FALSE(find_loss(said));
