@@ -167,6 +167,7 @@ struct ArmConfig {
   std::optional<std::string> peer{};
   std::array<double, 3> place_m{};        // of its base frame's origin in the world
   std::optional<std::string> key_file{};  // path; only with link and our own datagrams
+  double deadband_m{0};                   // likewise; 0: every sample is sent
   bool operator==(const ArmConfig&) const = default;
 };
 

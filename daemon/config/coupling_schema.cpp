@@ -203,8 +203,16 @@ void check_place(TableReader& reader, const ArmConfig& arm) {
 
 void check_carriage(TableReader& reader, const ArmConfig& arm) {
   check_place(reader, arm);
+  const bool is_far = has_own_world_half(arm.coupling.scheme);
   const bool is_ours = arm.protocol == LinkProtocol::Thimble;
-  if (!arm.link || is_ours || !has_own_world_half(arm.coupling.scheme)) return;
+  const bool is_streamed = arm.coupling.mode == CouplingMode::Streamed;
+  if (arm.link && arm.deadband_m > 0 && (is_far || !is_ours || !is_streamed)) {
+    reader.reject(
+        "deadband_m",
+        "expected only with protocol = \"thimble\", streamed, and a scheme whose force the "
+        "arm computes");
+  }
+  if (!arm.link || is_ours || !is_far) return;
   // The arm's own table knows "coupling", not what is below it.
   const std::string scheme = in_quotes(to_string(arm.coupling.scheme));
   if (arm.coupling.scheme == Scheme::BufferZone || arm.coupling.scheme == Scheme::Composite) {

@@ -16,6 +16,7 @@ constexpr Range kAboveZero{0, kNoMax, true};   // the driver knows how much is t
 constexpr Range kSeed{0, 9007199254740992.0};  // 2^53: every one is exact as a double too
 constexpr Range kRatio{0, 1};
 constexpr Range kInjectedTime{0, 2};  // what the links take
+constexpr Range kDeadband{0, 0.005};
 constexpr std::size_t kMaxPlugins = 16;
 
 constexpr std::array<Choice<Realtime>, 2> kRealtime{{
@@ -183,6 +184,7 @@ void read_other_side(TableReader& reader, const std::filesystem::path& folder, A
   reader.read("allow_unauthenticated", arm.allow_unauthenticated);
   reader.read("peer", arm.peer);
   read_path(reader, "key_file", folder, arm.key_file);
+  reader.read("deadband_m", kDeadband, arm.deadband_m);
   const bool has_world = reader.has("world");
   const bool has_link = reader.has("link");
   const bool has_peer = reader.has("peer");
@@ -196,7 +198,7 @@ void read_other_side(TableReader& reader, const std::filesystem::path& folder, A
   if (!has_world && !has_link && !has_peer) {
     reader.reject("", "expected either world or link, found neither");
   }
-  for (const char* key : {"protocol", "allow_unauthenticated", "key_file"}) {
+  for (const char* key : {"protocol", "allow_unauthenticated", "key_file", "deadband_m"}) {
     if (reader.has(key) && !has_link) {
       reader.reject(key, "expected only beside link, found without it");
     }

@@ -37,6 +37,7 @@ Result<std::unique_ptr<RigLink>> make_udp_link(const config::ArmConfig& arm,
   if (arm.protocol == config::LinkProtocol::Thimble) {
     settings.protocol = link::UdpArmLink::Protocol::Thimble;
     settings.half = half_of(arm.coupling);
+    settings.deadband_m = arm.deadband_m;
   }
   if (arm.key_file) {
     const Result<link::LinkKey> key = link::load_key(*arm.key_file);

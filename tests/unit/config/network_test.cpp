@@ -56,6 +56,20 @@ TEST(ConfigNetwork, AKeyOpensTheWayBeyondThisMachineToOurOwnDatagrams) {
               ElementsAre(AllOf(HasSubstr("world.0.key_file"), HasSubstr("only beside listen"))));
 }
 
+TEST(ConfigNetwork, ADeadbandIsForStreamsOfOurOwnAndAForceOfTheArm) {
+  const std::string arm =
+      "[[arm]]\nname = \"right\"\ndevice = \"sim:phantom-vintage\"\n"
+      "link = \"udp://127.0.0.1:5001\"\ndeadband_m = 0.0005\n";
+  const std::string ours = arm + "protocol = \"thimble\"\n";
+  const auto sut = parse_text(ours);
+  ASSERT_TRUE(sut);
+  EXPECT_EQ(sut->arms[0].deadband_m, 0.0005);
+  for (const std::string& bad :
+       {arm, ours + "coupling.mode = \"lock-step\"\n", ours + "coupling.scheme = \"wave\"\n"}) {
+    EXPECT_THAT(mistakes(bad), ElementsAre(HasSubstr("arm.0.deadband_m"))) << bad;
+  }
+}
+
 // A socket of one family never hears a peer of the other, but [::] hears both.
 TEST(ConfigNetwork, ThePeerIsOneThatTheListenerCanHear) {
   const auto with = [](const std::string& listen, const std::string& peer) {
