@@ -116,6 +116,14 @@ void add_link(Lines& lines, const api::LinkStatus& link, Glyphs glyphs) {
       "sent " + std::to_string(link.sent) + "  received " + std::to_string(link.received) +
           "  lost " + std::to_string(link.lost) + "  rejected " + std::to_string(link.rejected) +
           "  stale " + std::to_string(link.stale));
+  if (link.is_up && link.clocks) {
+    add(lines, "",
+        "way there " + time_text(link.clocks->way_there_s, glyphs) + "  back " +
+            time_text(link.clocks->way_back_s, glyphs) + "  clock off by " +
+            fixed(1e3 * link.clocks->offset_s, 3) + " ms within " +
+            time_text(link.clocks->offset_error_s, glyphs) +
+            (link.peer_world.empty() ? "" : "  world " + plain(link.peer_world)));
+  }
   if (!link.is_up && !link.last_error.empty()) {
     add_plain(lines, "", "last trouble: " + link.last_error);
   }

@@ -149,12 +149,22 @@ api::ServoStatus servo(const json::value& value) {
           flag(value, "is_realtime")};
 }
 
+std::optional<api::ClockStatus> clocks(const json::value& value) {
+  const json::value* found = member(value, "clocks");
+  if (found == nullptr || !found->is_object()) return {};
+  return api::ClockStatus{number(*found, "offset_s"), number(*found, "offset_error_s"),
+                          number(*found, "way_there_s"), number(*found, "way_back_s")};
+}
+
 api::LinkStatus link(const json::value& value) {
-  return {text(value, "arm"),       text(value, "world"),     text(value, "peer"),
-          text(value, "kind"),      flag(value, "is_up"),     number(value, "round_trip_s"),
-          count(value, "sent"),     count(value, "received"), count(value, "lost"),
-          count(value, "rejected"), count(value, "stale"),    number(value, "jitter_s"),
-          text(value, "last_error")};
+  return {text(value, "arm"),        text(value, "world"),
+          text(value, "peer"),       text(value, "kind"),
+          flag(value, "is_up"),      number(value, "round_trip_s"),
+          count(value, "sent"),      count(value, "received"),
+          count(value, "lost"),      count(value, "rejected"),
+          count(value, "stale"),     number(value, "jitter_s"),
+          text(value, "last_error"), {},
+          text(value, "peer_world"), clocks(value)};
 }
 
 // Nothing where the daemon does not tell of one, or of one that cannot be.

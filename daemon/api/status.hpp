@@ -90,11 +90,21 @@ struct ServoStatus {
   bool operator==(const ServoStatus&) const = default;
 };
 
+// Of the peer's clock and either way, where the datagrams tell.
+struct ClockStatus {
+  double offset_s{0};        // peer's clock minus ours
+  double offset_error_s{0};  // within so much of that
+  double way_there_s{0};     // to the peer
+  double way_back_s{0};
+  bool operator==(const ClockStatus&) const = default;
+};
+
 struct LinkStatus {
   std::string arm;    // at the arm's end; else empty
   std::string world;  // at the world's end; else empty
   std::string peer;
-  std::string kind;  // "in-process", "udp" …
+  // "in-process", "udp" (datagrams of 1999; of a listener, both), "thimble".
+  std::string kind;
   bool is_up{false};
   double round_trip_s{0};
   std::uint64_t sent{0};
@@ -106,6 +116,8 @@ struct LinkStatus {
   std::string last_error{};  // of the carriage; empty: none so far
   // Every kind of trouble by name, with its count: docs/api.md lists them.
   std::vector<std::pair<std::string, std::uint64_t>> events{};
+  std::string peer_world{};  // what the peer calls its world; empty: it did not say
+  std::optional<ClockStatus> clocks{};
   bool operator==(const LinkStatus&) const = default;
 };
 

@@ -103,6 +103,13 @@ json::object to_value(const LinkStatus& link) {
   json::object events;
   for (const auto& [name, count] : link.events) events[name] = count;
   out["events"] = std::move(events);
+  if (!link.peer_world.empty()) out["peer_world"] = link.peer_world;
+  if (link.clocks) {
+    out["clocks"] = json::object{{"offset_s", link.clocks->offset_s},
+                                 {"offset_error_s", link.clocks->offset_error_s},
+                                 {"way_there_s", link.clocks->way_there_s},
+                                 {"way_back_s", link.clocks->way_back_s}};
+  }
   return out;
 }
 

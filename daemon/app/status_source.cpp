@@ -140,6 +140,7 @@ std::vector<std::pair<std::string, std::uint64_t>> events_of(const link::LinkCou
   return {{"accepted", c.accepted},
           {"duplicated", c.duplicated},
           {"reordered", c.reordered},
+          {"withheld", c.withheld},
           {"timed_out", c.timed_out},
           {"wrong_size", c.rejected(Reason::WrongSize)},
           {"wrong_peer", c.rejected(Reason::WrongPeer)},
@@ -147,6 +148,9 @@ std::vector<std::pair<std::string, std::uint64_t>> events_of(const link::LinkCou
           {"out_of_range", c.rejected(Reason::OutOfRange)},
           {"bad_direction", c.rejected(Reason::BadDirection)},
           {"session_refused", c.rejected(Reason::SessionRefused)},
+          {"wrong_version", c.rejected(Reason::WrongVersion)},
+          {"malformed", c.rejected(Reason::Malformed)},
+          {"bad_seal", c.rejected(Reason::BadSeal)},
           {"unencodable_planes", c.unencodable_planes},
           {"send_errors", c.send_errors},
           {"receive_errors", c.receive_errors},
@@ -170,6 +174,11 @@ api::LinkStatus link_status(const link::LinkStatus& from) {
   out.jitter_s = seconds(from.jitter);
   out.last_error = from.last_error;
   out.events = events_of(from.counters);
+  out.peer_world = from.world;
+  if (from.clocks) {
+    out.clocks = {seconds(from.clocks->offset), seconds(from.clocks->offset_error),
+                  seconds(from.clocks->way_there), seconds(from.clocks->way_back)};
+  }
   return out;
 }
 
@@ -252,7 +261,9 @@ api::Status collect_status(session::Runtime& runtime, const StatusContext& conte
     api::LinkStatus link = link_status(rig.link_status());
     link.arm = rig.session().config().name;
     link.world = rig.session().config().world.value_or("");
-    link.kind = rig.session().config().link ? "udp" : "in-process";
+    const config::ArmConfig& said = rig.session().config();
+    const bool is_ours = said.protocol == config::LinkProtocol::Thimble;
+    link.kind = !said.link ? "in-process" : is_ours ? "thimble" : "udp";
     status.links.push_back(link);
   }
   for (const auto& host : runtime.worlds()) {
@@ -267,7 +278,14 @@ api::Status collect_status(session::Runtime& runtime, const StatusContext& conte
     link.world = host->name();
     link.kind = "udp";
     status.links.push_back(link);
-    if (link.is_up) ++status.worlds.back().probes;
+    if (!link.peer.empty()) ++status.worlds.back().probes;  // a program of 1999
+    for (const link::LinkStatus& session : host->session_statuses()) {
+      api::LinkStatus one = link_status(session);
+      one.world = host->name();
+      one.kind = "thimble";
+      if (one.is_up) ++status.worlds.back().probes;
+      status.links.push_back(std::move(one));
+    }
   }
   return status;
 }

@@ -1,106 +1,105 @@
-"""Two daemons in two network namespaces, and one block that both arms push (thesis 5.3.4)."""
+"""Arms of other hosts touch a world by our own datagrams: as many daemons as hosts, on loopback."""
 
-import math
 import os
 import signal
-import subprocess
-import unittest
 
-import rig
+from rig import ProcessTest, free_udp_port
 
+KEY = "0f" * 32
 
-def reason_to_skip():
-    """Why no network namespace can be made here; empty when one can."""
-    if os.getuid() != 0:
-        return "network namespaces need root"
-    name = f"thimble-test-{os.getpid()}"
-    try:
-        made = subprocess.run(["ip", "netns", "add", name], capture_output=True, text=True, check=False)
-    except FileNotFoundError:
-        return "ip is not installed (package iproute2)"
-    if made.returncode != 0:
-        return "ip netns is not permitted here: " + made.stderr.strip()
-    subprocess.run(["ip", "netns", "del", name], check=False)
-    return ""
+WORLD = """
+[[world]]
+name = "box"
+source = "box:3"
+listen = "udp://127.0.0.1:{port}"
+key_file = "{key}"
+"""
 
-
-class Seen:
-    """What one of the daemons says, once it answers."""
-
-    def __init__(self, test, socket):
-        self._test = test
-        self._socket = socket
-
-    def status(self):
-        if not os.path.exists(self._socket):
-            return None
-        try:
-            code, _, body = rig.http_over(self._socket, "GET", "/v1/status")
-        except (ConnectionError, FileNotFoundError):
-            return None
-        return rig.json.loads(body) if code == 200 else None
-
-    def when(self, condition):
-        found = []
-
-        def holds():
-            status = self.status()
-            if status is None or not condition(status):
-                return False
-            found.append(status)
-            return True
-
-        self._test.assert_soon(holds)
-        return found[0]
+ARM = """
+[[arm]]
+name = "right"
+device = "sim:phantom-vintage"
+amplifier_max_a = 3.0
+link = "udp://127.0.0.1:{port}"
+protocol = "thimble"
+key_file = "{key}"
+coupling.scheme = "{scheme}"
+[arm.hand]
+motion = "poke"
+seed = {seed}
+"""
 
 
-class TwoHosts(rig.ProcessTest):
+def link(status):
+    return status["links"][0]
+
+
+class TwoHosts(ProcessTest):
     def setUp(self):
         super().setUp()
-        reason = reason_to_skip()
-        if reason:
-            self.skipTest(reason)
-        with open(self.folder / "log", "wb") as log:
-            self.program = subprocess.Popen(
-                [str(rig.EXAMPLES / "two_hosts.sh")], stdin=subprocess.DEVNULL, stdout=log,
-                stderr=log, preexec_fn=rig.die_with_parent,
-                env={**rig.clean_environment(), "THIMBLED": str(rig.BIN / "thimbled"),
-                     "ROOM": str(self.folder)})
-        self.addCleanup(self.stop)
-        self.host = Seen(self, str(self.folder / "host.sock"))
-        self.guest = Seen(self, str(self.folder / "guest.sock"))
+        self.port = free_udp_port()
+        self.key = self.key_file("link.key", KEY + "\n")
+        self.world = self.start(name="world", config=WORLD.format(port=self.port, key=self.key))
 
-    def stop(self):
-        if self.program.poll() is None:
-            self.program.send_signal(signal.SIGTERM)
-        self.program.wait(rig.TIMEOUT_S)
+    def key_file(self, name, text, mode=0o600):
+        path = self.write(name, text)
+        os.chmod(path, mode)
+        return path
 
-    def test_what_one_pushes_the_other_feels(self):
-        self.host.when(lambda s: s["arms"][0]["state"] == "active")
-        self.guest.when(lambda s: s["arms"][0]["state"] == "active" and s["links"][0]["is_up"])
-        namespaces = subprocess.run(["ip", "netns"], capture_output=True, text=True, check=True)
-        with self.subTest("the way between them is as long as it was said"):
-            link = self.guest.when(lambda s: s["links"][0]["round_trip_s"] > 0)["links"][0]
-            self.assertGreaterEqual(link["round_trip_s"], 0.05)
-            self.assertEqual(link["peer"], "udp://10.68.0.1:5001")
-        with self.subTest("the host's arm pushes the block"):
-            self.host.when(lambda s: s["worlds"][0]["block"]["center_m"][0] > 0.002)
-        with self.subTest("the guest's arm, which only waits, is met by it"):
-            pushed = self.guest.when(lambda s: s["arms"][0]["is_in_contact"]
-                                     and s["arms"][0]["force_newton"][0] > 0.05)
-            felt = pushed["arms"][0]["felt"]
-            self.assertEqual(felt["planes"][0]["normal"], [-1, 0, 0])
-            self.assertTrue(math.isfinite(felt["position_m"][0]))
-        with self.subTest("nothing came to grief"):
-            for side in (self.host, self.guest):
-                self.assertEqual(side.status()["arms"][0]["faults"], [])
-        with self.subTest("it leaves no namespace behind"):
-            self.stop()
-            left = subprocess.run(["ip", "netns"], capture_output=True, text=True, check=True)
-            ours = f"-{self.program.pid}"
-            self.assertIn(ours, namespaces.stdout)
-            self.assertNotIn(ours, left.stdout)
+    def arm(self, name, scheme="ghost-point", key=None, seed=1):
+        return self.start(name=name, config=ARM.format(port=self.port, key=key or self.key, scheme=scheme, seed=seed))
 
+    def sessions(self):
+        return [one for one in self.world.status()["links"] if one["kind"] == "thimble"]
 
-if __name__ == "__main__":
-    unittest.main()
+    def test_every_scheme_is_felt(self):
+        for scheme in ("ghost-point", "remote-force", "spring-damper", "wave"):
+            with self.subTest(scheme):
+                arm = self.arm(scheme, scheme)
+                status = arm.status_when(lambda s: link(s)["is_up"] and s["arms"][0]["contacts"] > 0
+                                         and "clocks" in link(s))
+                self.assertEqual(link(status)["kind"], "thimble")
+                self.assertEqual(link(status)["peer_world"], "box")
+                # One clock on one machine: whatever the ways, it is off by no more than is told.
+                clocks = link(status)["clocks"]
+                self.assertLessEqual(abs(clocks["offset_s"]), clocks["offset_error_s"])
+                self.assertGreater(status["arms"][0]["peak_force_newton"], 0.1)
+                arm.stop()
+
+    def test_a_wrong_key_hears_nothing_and_is_counted(self):
+        good = self.arm("good")
+        wrong = self.arm("wrong", key=self.key_file("wrong.key", "0e" * 32))
+        self.world.status_when(lambda s: s["links"][0]["events"]["bad_seal"] >= 3)
+        self.assertFalse(link(wrong.status())["is_up"])
+        self.assertEqual(link(wrong.status())["received"], 0)
+        good.status_when(lambda s: link(s)["is_up"])
+        self.assertEqual(len(self.sessions()), 1)
+
+    def test_a_key_that_others_may_read_ends_the_start(self):
+        open_key = self.key_file("open.key", KEY, 0o644)
+        with self.assertRaisesRegex(AssertionError, "chmod 600"):
+            self.arm("careless", key=open_key)
+
+    def test_an_arm_that_is_stopped_stalls_no_other(self):
+        stopped, other = self.arm("stopped"), self.arm("other", seed=2)
+        for arm in (stopped, other):
+            arm.status_when(lambda s: link(s)["is_up"])
+        stopped.process.send_signal(signal.SIGSTOP)
+        try:
+            self.world.status_when(lambda s: s["links"][0]["events"]["sessions_released"] >= 1)
+            before = link(other.status())
+            other.status_when(lambda s: link(s)["events"]["accepted"] >= before["events"]["accepted"] + 500)
+            self.assertEqual(link(other.status())["events"]["sessions_opened"], 1)
+            self.assertEqual(len(self.sessions()), 1)
+        finally:
+            stopped.process.send_signal(signal.SIGCONT)
+        stopped.status_when(lambda s: link(s)["is_up"] and link(s)["events"]["sessions_opened"] >= 2)
+        self.assertEqual(len(self.sessions()), 2)
+
+    def test_a_world_that_restarts_is_found_again(self):
+        arm = self.arm("arm")
+        arm.status_when(lambda s: link(s)["is_up"])
+        self.world.stop(signal.SIGKILL)
+        arm.status_when(lambda s: not link(s)["is_up"])
+        self.start(name="again", config=WORLD.format(port=self.port, key=self.key))
+        arm.status_when(lambda s: link(s)["is_up"])

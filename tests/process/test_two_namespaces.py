@@ -1,0 +1,106 @@
+"""Two daemons in two network namespaces, and one block that both arms push (thesis 5.3.4)."""
+
+import math
+import os
+import signal
+import subprocess
+import unittest
+
+import rig
+
+
+def reason_to_skip():
+    """Why no network namespace can be made here; empty when one can."""
+    if os.getuid() != 0:
+        return "network namespaces need root"
+    name = f"thimble-test-{os.getpid()}"
+    try:
+        made = subprocess.run(["ip", "netns", "add", name], capture_output=True, text=True, check=False)
+    except FileNotFoundError:
+        return "ip is not installed (package iproute2)"
+    if made.returncode != 0:
+        return "ip netns is not permitted here: " + made.stderr.strip()
+    subprocess.run(["ip", "netns", "del", name], check=False)
+    return ""
+
+
+class Seen:
+    """What one of the daemons says, once it answers."""
+
+    def __init__(self, test, socket):
+        self._test = test
+        self._socket = socket
+
+    def status(self):
+        if not os.path.exists(self._socket):
+            return None
+        try:
+            code, _, body = rig.http_over(self._socket, "GET", "/v1/status")
+        except (ConnectionError, FileNotFoundError):
+            return None
+        return rig.json.loads(body) if code == 200 else None
+
+    def when(self, condition):
+        found = []
+
+        def holds():
+            status = self.status()
+            if status is None or not condition(status):
+                return False
+            found.append(status)
+            return True
+
+        self._test.assert_soon(holds)
+        return found[0]
+
+
+class TwoNamespaces(rig.ProcessTest):
+    def setUp(self):
+        super().setUp()
+        reason = reason_to_skip()
+        if reason:
+            self.skipTest(reason)
+        with open(self.folder / "log", "wb") as log:
+            self.program = subprocess.Popen(
+                [str(rig.EXAMPLES / "two_hosts.sh")], stdin=subprocess.DEVNULL, stdout=log,
+                stderr=log, preexec_fn=rig.die_with_parent,
+                env={**rig.clean_environment(), "THIMBLED": str(rig.BIN / "thimbled"),
+                     "ROOM": str(self.folder)})
+        self.addCleanup(self.stop)
+        self.host = Seen(self, str(self.folder / "host.sock"))
+        self.guest = Seen(self, str(self.folder / "guest.sock"))
+
+    def stop(self):
+        if self.program.poll() is None:
+            self.program.send_signal(signal.SIGTERM)
+        self.program.wait(rig.TIMEOUT_S)
+
+    def test_what_one_pushes_the_other_feels(self):
+        self.host.when(lambda s: s["arms"][0]["state"] == "active")
+        self.guest.when(lambda s: s["arms"][0]["state"] == "active" and s["links"][0]["is_up"])
+        namespaces = subprocess.run(["ip", "netns"], capture_output=True, text=True, check=True)
+        with self.subTest("the way between them is as long as it was said"):
+            link = self.guest.when(lambda s: s["links"][0]["round_trip_s"] > 0)["links"][0]
+            self.assertGreaterEqual(link["round_trip_s"], 0.05)
+            self.assertEqual(link["peer"], "udp://10.68.0.1:5001")
+        with self.subTest("the host's arm pushes the block"):
+            self.host.when(lambda s: s["worlds"][0]["block"]["center_m"][0] > 0.002)
+        with self.subTest("the guest's arm, which only waits, is met by it"):
+            pushed = self.guest.when(lambda s: s["arms"][0]["is_in_contact"]
+                                     and s["arms"][0]["force_newton"][0] > 0.05)
+            felt = pushed["arms"][0]["felt"]
+            self.assertEqual(felt["planes"][0]["normal"], [-1, 0, 0])
+            self.assertTrue(math.isfinite(felt["position_m"][0]))
+        with self.subTest("nothing came to grief"):
+            for side in (self.host, self.guest):
+                self.assertEqual(side.status()["arms"][0]["faults"], [])
+        with self.subTest("it leaves no namespace behind"):
+            self.stop()
+            left = subprocess.run(["ip", "netns"], capture_output=True, text=True, check=True)
+            ours = f"-{self.program.pid}"
+            self.assertIn(ours, namespaces.stdout)
+            self.assertNotIn(ours, left.stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()
