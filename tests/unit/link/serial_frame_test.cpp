@@ -1,0 +1,129 @@
+#include "daemon/link/serial_frame.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <string_view>
+#include <vector>
+
+namespace thimble::link {
+namespace {
+
+using LineBytes = std::vector<std::byte>;
+
+std::vector<LineBytes> datagrams_in(Deframer& sut, std::span<const std::byte> line) {
+  std::vector<LineBytes> out;
+  for (const std::byte byte : line) {
+    if (const auto datagram = sut.push(byte)) out.emplace_back(datagram->begin(), datagram->end());
+  }
+  return out;
+}
+
+LineBytes noise(std::mt19937& random, std::size_t size, unsigned most = 255) {
+  LineBytes out(size);
+  for (std::byte& byte : out) byte = std::byte(random() % (most + 1));
+  return out;
+}
+
+TEST(SerialFrame, HasTheChecksumOfTheBook) {
+  constexpr std::string_view kCheck = "123456789";
+  EXPECT_EQ(crc32(std::as_bytes(std::span(kCheck))), 0xCBF43926U);
+  EXPECT_EQ(crc32({}), 0U);
+}
+
+// Written by hand: 00 ff, its CRC-32 (zlib.crc32(b"\x00\xff") is 0x6cdbfd72), no zero left.
+TEST(SerialFrame, MatchesTheBytesWrittenByHand) {
+  const LineBytes datagram{std::byte{0x00}, std::byte{0xFF}};
+  const LineBytes framed{std::byte{0x00}, std::byte{0x01}, std::byte{0x06},
+                         std::byte{0xFF}, std::byte{0x6C}, std::byte{0xDB},
+                         std::byte{0xFD}, std::byte{0x72}, std::byte{0x00}};
+  const SerialFrame sut = frame(datagram);
+  EXPECT_EQ(LineBytes(sut.view().begin(), sut.view().end()), framed);
+}
+
+TEST(SerialFrame, EveryDatagramComesBackHoweverItIsMadeOfZeros) {
+  std::mt19937 random(1);
+  for (std::size_t size = 1; size <= kMaxThimbleDatagram; size += size < 300 ? 1 : 37) {
+    for (const unsigned most : {0U, 1U, 255U}) {
+      const LineBytes datagram = noise(random, size, most);
+      const SerialFrame framed = frame(datagram);
+      EXPECT_LE(framed.size, kMaxSerialFrame);
+      EXPECT_EQ(std::count(framed.view().begin(), framed.view().end(), std::byte{0}), 2);
+      Deframer sut;
+      const std::vector<LineBytes> out = datagrams_in(sut, framed.view());
+      ASSERT_EQ(out.size(), 1U) << size;
+      EXPECT_EQ(out[0], datagram);
+    }
+  }
+  LineBytes full(kMaxThimbleDatagram, std::byte{1});  // no zero: a code byte each 254
+  Deframer sut;
+  EXPECT_EQ(datagrams_in(sut, frame(full).view()).at(0), full);
+}
+
+TEST(SerialFrame, NothingIsFramedThatCannotBe) {
+  EXPECT_EQ(frame({}).size, 0U);
+  EXPECT_EQ(frame(LineBytes(kMaxThimbleDatagram + 1)).size, 0U);
+}
+
+TEST(SerialFrame, NoSingleTurnedOrLostByteGivesAnotherDatagram) {
+  std::mt19937 random(2);
+  const LineBytes datagram = noise(random, 60);
+  const SerialFrame good = frame(datagram);
+  for (std::size_t at = 0; at < good.size; ++at) {
+    for (unsigned bit = 0; bit <= 8; ++bit) {
+      LineBytes line(good.view().begin(), good.view().end());
+      if (bit == 8) {
+        line.erase(line.begin() + static_cast<long>(at));
+      } else {
+        line[at] ^= std::byte(1U << bit);
+      }
+      line.insert(line.begin(), std::byte{0});
+      line.push_back(std::byte{0});
+      Deframer sut;
+      for (const LineBytes& out : datagrams_in(sut, line))
+        EXPECT_EQ(out, datagram) << at << " " << bit;
+    }
+  }
+}
+
+TEST(SerialFrame, IsInStepAgainAfterWhateverWasOnTheLine) {
+  std::mt19937 random(3);
+  for (int run = 0; run < 300; ++run) {
+    Deframer sut;
+    datagrams_in(sut, noise(random, random() % 5000, run % 2 == 0 ? 255 : 3));
+    const LineBytes datagram = noise(random, 1 + random() % 100);
+    const std::vector<LineBytes> out = datagrams_in(sut, frame(datagram).view());
+    ASSERT_EQ(out.size(), 1U);
+    EXPECT_EQ(out[0], datagram);
+  }
+}
+
+TEST(SerialFrame, NoiseIsCountedAndNeverADatagram) {
+  std::mt19937 random(4);
+  Deframer sut;
+  EXPECT_TRUE(datagrams_in(sut, noise(random, 1'000'000)).empty());
+  EXPECT_GT(sut.counters().damaged, 3000U);
+  EXPECT_EQ(sut.counters().frames, 0U);
+}
+
+TEST(LinePaceTest, KeepsTheRateOfTheLine) {
+  for (const std::uint32_t rate : {38'400U, 115'200U, 3'000'000U}) {
+    LinePace sut(rate);
+    MonotonicTime now{};
+    std::size_t bytes = 0;
+    while (now.since_epoch < std::chrono::seconds(1)) {
+      sut.on_sent(48, now);
+      bytes += 48;
+      now = sut.free_at();
+    }
+    EXPECT_NEAR(static_cast<double>(bytes), rate / 10.0, 48);
+  }
+  LinePace sut(38'400);
+  sut.on_sent(12, {});
+  EXPECT_EQ(sut.free_at(),
+            MonotonicTime{Duration(3'125'000)});  // 12 bytes: thesis 3.1.1 has 2.5 ms of 8 bits
+}
+
+}  // namespace
+}  // namespace thimble::link
