@@ -23,6 +23,7 @@ Result<std::unique_ptr<TrialLoop>> make_trial(const CouplingCase& of, world::Wor
   auto world_half = make_world_half(of, world);
   if (!world_half) return tl::unexpected(world_half.error().in(of.name));
   settings.mode = of.mode;
+  settings.deadband_m = of.deadband_m;
   auto arm_half = coupling::make_arm_coupling(of.scheme, of.settings);
   if (of.is_guarded) {
     arm_half = std::make_unique<coupling::PassivityGuard>(std::move(arm_half),

@@ -19,6 +19,7 @@ struct CouplingCase {
   coupling::WorldHalfSettings world_half{};  // of a scheme that has its own
   link::SendMode mode{link::SendMode::Streamed};
   bool is_guarded{false};  // by a PassivityGuard, as it ships
+  double deadband_m{0};    // of the link; 0: every sample is sent
 };
 
 // Both halves of `of` at a link as `settings` says, but for its mode, which is that of the case.

@@ -96,6 +96,33 @@ TEST(Compare, ARunIsTheSameAgainAndOfAnotherSeedItIsNot) {
   EXPECT_NE(measures_of(ghost, other).hold_newton, once);
 }
 
+// All scenarios of the lab: a probe, an approach, a push, an edge, taps, outages, a shake.
+TEST(Compare, ADeadbandSendsAQuarterAndFailsNoGate) {
+  constexpr double kBand_m = 0.0005;
+  const Measures reference = measures_of(reference_scheme(), {});
+  for (const auto scheme : {coupling::Scheme::GhostPoint, coupling::Scheme::ConstraintPlane}) {
+    for (const double delay_s : {0.001, 0.02, 0.1}) {
+      for (StageSettings stage :
+           {StageSettings{}, {.jitter_s = delay_s / 2}, {.loss = 0.05}, {.has_outages = true}}) {
+        stage.delay_s = delay_s;
+        stage.seed = 3;
+        SCOPED_TRACE(std::string(to_string(scheme)) + ", " + std::to_string(delay_s) + " s, " +
+                     std::to_string(stage.jitter_s) + " s, " + std::to_string(stage.loss));
+        const Measures whole = measures_of({.name = "whole", .scheme = scheme}, stage);
+        const Measures banded =
+            measures_of({.name = "banded", .scheme = scheme, .deadband_m = kBand_m}, stage);
+        EXPECT_LT(4 * banded.packets_per_s, whole.packets_per_s);
+        for (const bool fails : marks_of(banded, reference, false).fails) EXPECT_FALSE(fails);
+        EXPECT_LE(banded.generated_joule, banded.declared_joule);
+        // A loss costs what the hand moves until something is sent again.
+        const double lost_m = stage.loss > 0 ? 0.2 * seconds(link::Deadband::kMaxGap) : 0;
+        EXPECT_LE(banded.displacement_m, whole.displacement_m + kBand_m + lost_m);
+        EXPECT_NEAR(banded.hold_newton, whole.hold_newton, 800 * (kBand_m + lost_m));
+      }
+    }
+  }
+}
+
 TEST(Compare, EachSchemeIsComparedUnderANameOfItsOwn) {
   std::set<std::string> names;
   std::set<coupling::Scheme> schemes;
