@@ -56,7 +56,6 @@ class SerialTransfers {
   SerialTransfers(Descriptor node, bus::SerialMailboxes& mail, const Clock& clock,
                   DeviceCalls& calls)
       : node_(std::move(node)), mail_(&mail), clock_(&clock), calls_(&calls) {}
-  [[nodiscard]] Result<void> set_up(const std::string& node, const bus::SerialLine& line);
   [[nodiscard]] bool is_kernel_done() const noexcept;
   void fail_unless_later() noexcept;
 
