@@ -5,8 +5,6 @@
 #include <utility>
 
 #include "daemon/link/arm_mailbox.hpp"
-#include "daemon/link/thesis_arm_end.hpp"
-#include "daemon/link/thimble_arm_end.hpp"
 #include "daemon/link/udp_port.hpp"
 
 namespace thimble::link {
@@ -25,18 +23,6 @@ Endpoint local_for(const Endpoint& peer) {
 
 std::span<const std::byte> bytes_of(const ThesisRequest& request) { return request; }
 std::span<const std::byte> bytes_of(const ThimbleDatagram& datagram) { return datagram.view(); }
-
-ThesisArmEnd make_thesis_end(const UdpArmLink::Settings& settings) {
-  return ThesisArmEnd({.mode = settings.mode, .impairment = settings.impairment});
-}
-ThimbleArmEnd make_thimble_end(const UdpArmLink::Settings& settings) {
-  return {{.mode = settings.mode,
-           .impairment = settings.impairment,
-           .key = settings.key,
-           .half = settings.half,
-           .deadband_m = settings.deadband_m},
-          system_random()};
-}
 
 }  // namespace
 
@@ -140,17 +126,17 @@ class UdpArmLink::ImplOf final : public UdpArmLink::Impl {
 Result<std::unique_ptr<UdpArmLink>> UdpArmLink::open(boost::asio::io_context& io,
                                                      const Clock& clock, const Settings& settings,
                                                      rt::WakeSignal* wake) {
-  if (!settings.key) {
+  if (!settings.end.key) {
     const Result<void> allowed = may_link(settings.peer, settings.allow_unauthenticated);
     if (!allowed) return tl::unexpected(allowed.error());
   }
   std::unique_ptr<Impl> impl;
-  if (settings.protocol == Protocol::Thimble) {
+  if (settings.end.protocol == ArmEndSettings::Protocol::Thimble) {
     impl = std::make_unique<ImplOf<ThimbleArmEnd, ThimbleDatagram>>(
-        io, clock, settings.peer, make_thimble_end(settings), wake);
+        io, clock, settings.peer, make_thimble_end(settings.end), wake);
   } else {
-    impl = std::make_unique<ImplOf<ThesisArmEnd, ThesisRequest>>(io, clock, settings.peer,
-                                                                 make_thesis_end(settings), wake);
+    impl = std::make_unique<ImplOf<ThesisArmEnd, ThesisRequest>>(
+        io, clock, settings.peer, make_thesis_end(settings.end), wake);
   }
   if (Result<void> started = impl->start(); !started) return tl::unexpected(started.error());
   return std::unique_ptr<UdpArmLink>(new UdpArmLink(std::move(impl)));

@@ -1,17 +1,11 @@
 #pragma once
 
-#include <cstdint>
 #include <memory>
-#include <optional>
-#include <string>
 
 #include "daemon/coupling/arm_link.hpp"
+#include "daemon/link/arm_end_settings.hpp"
 #include "daemon/link/endpoint.hpp"
-#include "daemon/link/impairment.hpp"
 #include "daemon/link/link_counters.hpp"
-#include "daemon/link/link_key.hpp"
-#include "daemon/link/send_gate.hpp"
-#include "daemon/link/thimble_messages.hpp"
 #include "hal/base/result.hpp"
 #include "hal/base/time.hpp"
 #include "hal/rt/wake_signal.hpp"
@@ -32,17 +26,10 @@ namespace thimble::link {
 // Errors: open() when it may not link there (may_link(), without a key) or no socket can be had.
 class UdpArmLink {
  public:
-  enum class Protocol : std::uint8_t { Thesis, Thimble };
   struct Settings {
     Endpoint peer{};
-    SendMode mode{SendMode::Streamed};
     bool allow_unauthenticated{false};
-    ImpairmentSettings impairment{};  // validated by the caller
-    Protocol protocol{Protocol::Thesis};
-    // Of Thimble alone, as in ThimbleArmEnd::Settings.
-    std::optional<LinkKey> key{};
-    ThimbleHalf half{.scheme = ShortName::of("ghost-point")};
-    double deadband_m{0};
+    ArmEndSettings end{};
   };
 
   // `wake` is signalled by the servo; who waits for it calls on_wake(). None: the caller calls

@@ -226,6 +226,22 @@ link::SendMode send_mode(const config::ArmConfig& arm) {
                                                              : link::SendMode::Streamed;
 }
 
+Result<link::ArmEndSettings> arm_end_settings(const config::ArmConfig& arm) {
+  link::ArmEndSettings settings;
+  settings.mode = send_mode(arm);
+  settings.impairment = impairment_settings(arm.impairment);
+  if (arm.protocol == config::LinkProtocol::Thimble) {
+    settings.protocol = link::ArmEndSettings::Protocol::Thimble;
+    settings.half = half_of(arm.coupling);
+    settings.deadband_m = arm.deadband_m;
+  }
+  if (!arm.key_file) return settings;
+  const Result<link::LinkKey> key = link::load_key(*arm.key_file);
+  if (!key) return tl::unexpected(key.error());
+  settings.key = *key;
+  return settings;
+}
+
 link::ImpairmentSettings impairment_settings(
     const std::optional<config::ImpairmentConfig>& impairment) {
   if (!impairment) return {};

@@ -5,10 +5,8 @@
 #include "daemon/config/config.hpp"
 #include "daemon/coupling/arm_coupling.hpp"
 #include "daemon/coupling/scheme.hpp"
+#include "daemon/link/arm_end_settings.hpp"
 #include "daemon/link/endpoint.hpp"
-#include "daemon/link/impairment.hpp"
-#include "daemon/link/send_gate.hpp"
-#include "daemon/link/thimble_messages.hpp"
 #include "daemon/servo/servo_loop.hpp"
 #include "hal/base/result.hpp"
 #include "hal/plugin/driver.hpp"
@@ -35,6 +33,8 @@ namespace thimble::session {
 [[nodiscard]] Result<config::CouplingConfig> coupling_of(const link::ThimbleHalf& half);
 [[nodiscard]] Result<link::Endpoint> endpoint(const config::UdpEndpoint& said);
 [[nodiscard]] link::SendMode send_mode(const config::ArmConfig& arm);
+// Of a link to another host. Errors: those of its key file.
+[[nodiscard]] Result<link::ArmEndSettings> arm_end_settings(const config::ArmConfig& arm);
 [[nodiscard]] link::ImpairmentSettings impairment_settings(
     const std::optional<config::ImpairmentConfig>& impairment);
 

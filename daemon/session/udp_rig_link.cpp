@@ -31,19 +31,10 @@ Result<std::unique_ptr<RigLink>> make_udp_link(const config::ArmConfig& arm,
   if (!peer) return tl::unexpected(peer.error());
   link::UdpArmLink::Settings settings;
   settings.peer = *peer;
-  settings.mode = send_mode(arm);
   settings.allow_unauthenticated = arm.allow_unauthenticated;
-  settings.impairment = impairment_settings(arm.impairment);
-  if (arm.protocol == config::LinkProtocol::Thimble) {
-    settings.protocol = link::UdpArmLink::Protocol::Thimble;
-    settings.half = half_of(arm.coupling);
-    settings.deadband_m = arm.deadband_m;
-  }
-  if (arm.key_file) {
-    const Result<link::LinkKey> key = link::load_key(*arm.key_file);
-    if (!key) return tl::unexpected(key.error());
-    settings.key = *key;
-  }
+  const Result<link::ArmEndSettings> end = arm_end_settings(arm);
+  if (!end) return tl::unexpected(end.error());
+  settings.end = *end;
   Result<std::unique_ptr<link::UdpArmLink>> link =
       link::UdpArmLink::open(io, clock, settings, wake);
   if (!link) return tl::unexpected(link.error());

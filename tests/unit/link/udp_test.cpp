@@ -78,7 +78,8 @@ class UdpTest : public ::testing::Test {
     return opened ? std::move(*opened) : nullptr;
   }
   std::unique_ptr<UdpArmLink> open_arm(std::uint16_t port, SendMode mode = SendMode::Streamed) {
-    auto opened = UdpArmLink::open(io, clock, {.peer = loopback(port), .mode = mode}, nullptr);
+    auto opened =
+        UdpArmLink::open(io, clock, {.peer = loopback(port), .end = {.mode = mode}}, nullptr);
     EXPECT_TRUE(opened.has_value()) << (opened ? "" : opened.error().message);
     return opened ? std::move(*opened) : nullptr;
   }

@@ -46,9 +46,10 @@ class UdpThimbleTest : public ::testing::Test {
       return std::make_unique<on_table::Half>(*worlds.back());
     };
   }
-  UdpArmLink& add_arm(UdpArmLink::Protocol protocol, std::optional<LinkKey> key = {}) {
+  UdpArmLink& add_arm(ArmEndSettings::Protocol protocol, std::optional<LinkKey> key = {}) {
     auto opened = UdpArmLink::open(
-        io, clock, {.peer = server->local(), .protocol = protocol, .key = std::move(key)}, nullptr);
+        io, clock, {.peer = server->local(), .end = {.protocol = protocol, .key = std::move(key)}},
+        nullptr);
     EXPECT_TRUE(opened.has_value());
     arms.push_back(*std::move(opened));
     return *arms.back();
@@ -66,9 +67,9 @@ class UdpThimbleTest : public ::testing::Test {
 
 TEST_F(UdpThimbleTest, BothProtocolsAreSpokenAtOnePort) {
   open_server({});
-  UdpArmLink& ours = add_arm(UdpArmLink::Protocol::Thimble);
-  UdpArmLink& second = add_arm(UdpArmLink::Protocol::Thimble);
-  UdpArmLink& of_1999 = add_arm(UdpArmLink::Protocol::Thesis);
+  UdpArmLink& ours = add_arm(ArmEndSettings::Protocol::Thimble);
+  UdpArmLink& second = add_arm(ArmEndSettings::Protocol::Thimble);
+  UdpArmLink& of_1999 = add_arm(ArmEndSettings::Protocol::Thesis);
   ASSERT_TRUE(run_until([&] { return is_up(ours) && is_up(second) && is_up(of_1999); }));
   EXPECT_EQ(worlds.size(), 2U);
   EXPECT_EQ(world_of_1999.opened, 1U);
@@ -82,10 +83,10 @@ TEST_F(UdpThimbleTest, BothProtocolsAreSpokenAtOnePort) {
 
 TEST_F(UdpThimbleTest, WithAKeyNothingIsTakenWithout) {
   open_server({.key = key_of(1)});
-  UdpArmLink& good = add_arm(UdpArmLink::Protocol::Thimble, key_of(1));
-  UdpArmLink& wrong = add_arm(UdpArmLink::Protocol::Thimble, key_of(2));
-  UdpArmLink& none = add_arm(UdpArmLink::Protocol::Thimble);
-  UdpArmLink& of_1999 = add_arm(UdpArmLink::Protocol::Thesis);
+  UdpArmLink& good = add_arm(ArmEndSettings::Protocol::Thimble, key_of(1));
+  UdpArmLink& wrong = add_arm(ArmEndSettings::Protocol::Thimble, key_of(2));
+  UdpArmLink& none = add_arm(ArmEndSettings::Protocol::Thimble);
+  UdpArmLink& of_1999 = add_arm(ArmEndSettings::Protocol::Thesis);
   ASSERT_TRUE(run_until([&] {
     const LinkCounters counters = server->status().counters;
     return is_up(good) && counters.rejected(RejectReason::BadSeal) >= 2 &&
@@ -109,9 +110,9 @@ TEST_F(UdpThimbleTest, AKeyOpensTheWayBeyondLoopback) {
   Endpoint far;
   far.address = {192, 0, 2, 1};  // RFC 5737: nobody's
   far.port = 5001;
-  UdpArmLink::Settings arm{.peer = far, .protocol = UdpArmLink::Protocol::Thimble};
+  UdpArmLink::Settings arm{.peer = far, .end = {.protocol = ArmEndSettings::Protocol::Thimble}};
   EXPECT_EQ(UdpArmLink::open(io, clock, arm, nullptr).error().code, Errc::Permission);
-  arm.key = key_of(1);
+  arm.end.key = key_of(1);
   EXPECT_TRUE(UdpArmLink::open(io, clock, arm, nullptr).has_value());
 }
 
