@@ -1,0 +1,206 @@
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <boost/asio/io_context.hpp>
+#include <chrono>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/link/serial_arm_link.hpp"
+#include "daemon/link/serial_world_server.hpp"
+#include "hal/linux/descriptor.hpp"
+#include "hal/linux/monotonic_clock.hpp"
+#include "hal/linux/serial_line.hpp"
+#include "tests/unit/link/thimble_table.hpp"
+
+// Both ends at terminals of the real kernel, joined by a cable that a test holds. Nothing here
+// judges a time: waits are bounded generously, and end when what they wait for has happened.
+namespace thimble::link {
+namespace {
+
+using linux::Descriptor;
+
+// The master's end of a pseudo-terminal.
+class Plug {
+ public:
+  Plug() : file_(::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)) {
+    EXPECT_EQ(::grantpt(file_.get()), 0);
+    EXPECT_EQ(::unlockpt(file_.get()), 0);
+    std::array<char, 64> name{};
+    EXPECT_EQ(::ptsname_r(file_.get(), name.data(), name.size()), 0);
+    node_ = name.data();
+  }
+  [[nodiscard]] const std::string& node() const { return node_; }
+  std::vector<std::byte> take() {
+    std::array<std::byte, 4096> buffer{};
+    const ssize_t size = ::read(file_.get(), buffer.data(), buffer.size());
+    return {buffer.data(), buffer.data() + std::max<ssize_t>(size, 0)};
+  }
+  // What finds no room is lost, as on a line.
+  void put(std::span<const std::byte> bytes) {
+    if (!bytes.empty()) (void)!::write(file_.get(), bytes.data(), bytes.size());
+  }
+
+ private:
+  Descriptor file_;
+  std::string node_;
+};
+
+class SerialPorts : public ::testing::Test {
+ protected:
+  SerialPorts() { replug(); }
+
+  void replug() {
+    plugs.emplace_back();
+    of_arm = &plugs.emplace_back();
+    of_world = &plugs[plugs.size() - 2];
+  }
+  void open_both() {
+    ends.protocol = ArmEndSettings::Protocol::Thimble;
+    arm = std::make_unique<SerialArmLink>(
+        io, clock, SerialArmLink::Settings{line([this] { return of_arm; }), ends}, nullptr);
+    world = std::make_unique<SerialWorldServer>(
+        io, clock, SerialWorldServer::Settings{line([this] { return of_world; }), {}},
+        UdpWorldServer::Worlds{.of_1999 = &world_of_1999,
+                               .make_half = [this](const ThimbleHalf&)
+                                   -> Result<std::unique_ptr<coupling::WorldCoupling>> {
+                                 halves.push_back(std::make_unique<WorldDouble>());
+                                 return std::make_unique<on_table::Half>(*halves.back());
+                               }});
+  }
+  // At whatever terminal is there when it is asked for.
+  SerialLine line(std::function<Plug*()> plug) {
+    return {.name = "serial:test",
+            .bit_per_s = 115'200,
+            .open = [plug = std::move(plug)]() -> Result<LineNode> {
+              if (plug() == nullptr) return fail(Errc::NotFound, "there is no such port");
+              return linux::share_serial_line(plug()->node(), 115'200);
+            }};
+  }
+  bool run_until(const std::function<bool()>& is_done) {
+    for (int i = 0; i < 20000; ++i) {
+      if (is_done()) return true;
+      if (io.stopped()) io.restart();
+      arm->arm_end().send({.sequence = ++sequence, .sampled_at = clock.now()});
+      arm->on_wake();
+      if (of_arm != nullptr && of_world != nullptr) carry();
+      io.run_one_for(std::chrono::milliseconds(1));
+    }
+    return false;
+  }
+  void carry() {
+    for (const auto& [from, to] : {std::pair(of_arm, of_world), std::pair(of_world, of_arm)}) {
+      std::vector<std::byte> bytes = from->take();
+      for (std::byte& byte : bytes) byte ^= turned;
+      to->put(bytes);
+    }
+  }
+  [[nodiscard]] bool is_up() const { return arm->status().is_up; }
+
+  linux::MonotonicClock clock;
+  boost::asio::io_context io{1};
+  std::deque<Plug> plugs;
+  Plug* of_arm{nullptr};
+  Plug* of_world{nullptr};
+  std::byte turned{0};  // what the cable does to every byte
+  WorldDouble world_of_1999;
+  std::vector<std::unique_ptr<WorldDouble>> halves;
+  ArmEndSettings ends;
+  std::unique_ptr<SerialWorldServer> world;
+  std::unique_ptr<SerialArmLink> arm;
+  std::uint64_t sequence{0};
+};
+
+TEST_F(SerialPorts, AnArmIsServedAlongALine) {
+  open_both();
+  ASSERT_TRUE(run_until([&] { return is_up() && !world->sessions().empty(); }));
+  EXPECT_EQ(arm->status().peer, "serial:test");
+  EXPECT_EQ(world->sessions()[0].peer, "serial:test");
+  EXPECT_TRUE(world->status().is_up);
+  coupling::ConstraintSet reply;
+  ASSERT_TRUE(run_until([&] { return arm->arm_end().receive(reply); }));
+  EXPECT_EQ(reply.planes.size(), 6U);
+}
+
+TEST_F(SerialPorts, APortThatIsNotThereIsWaitedFor) {
+  Plug* const later = std::exchange(of_arm, nullptr);
+  open_both();
+  ASSERT_TRUE(run_until([&] { return !arm->status().last_error.empty(); }));
+  EXPECT_EQ(arm->status().last_error, "there is no such port");
+  of_arm = later;
+  ASSERT_TRUE(run_until([&] { return is_up(); }));
+  EXPECT_EQ(arm->status().last_error, "");
+}
+
+TEST_F(SerialPorts, APortThatGoesIsToldOfAndTakenUpAgain) {
+  open_both();
+  ASSERT_TRUE(run_until([&] { return is_up(); }));
+  of_arm = of_world = nullptr;
+  plugs.clear();
+  ASSERT_TRUE(run_until([&] { return !is_up(); }));
+  EXPECT_NE(arm->status().last_error, "");
+  EXPECT_NE(world->status().last_error, "");
+  replug();
+  ASSERT_TRUE(run_until([&] { return is_up(); }));
+}
+
+TEST_F(SerialPorts, APortThatSomebodyElseHoldsIsSaidToBe) {
+  const auto held = linux::share_serial_line(of_arm->node(), 115'200);
+  ASSERT_TRUE(held);
+  const auto again = linux::share_serial_line(of_arm->node(), 115'200);
+  ASSERT_FALSE(again);
+  EXPECT_EQ(again.error().code, Errc::Busy);
+  open_both();
+  ASSERT_TRUE(run_until([&] { return !arm->status().last_error.empty(); }));
+  EXPECT_NE(arm->status().last_error.find("held by another"), std::string::npos);
+}
+
+TEST_F(SerialPorts, WhatIsNoTerminalIsSaidToBeNone) {
+  const auto none = linux::share_serial_line("/dev/null", 115'200);
+  ASSERT_FALSE(none);
+  EXPECT_NE(none.error().message.find("is no terminal"), std::string::npos);
+}
+
+TEST_F(SerialPorts, AnotherBitRateIsGuessedFromGibberish) {
+  turned = std::byte{0x55};
+  open_both();
+  const auto guess = [](const LinkStatus& status) {
+    return status.last_error.find("does the other end run at 115200 bit/s?") != std::string::npos;
+  };
+  ASSERT_TRUE(run_until([&] {
+    arm->on_wake();
+    of_world->put(std::array{std::byte{0}, std::byte{9}, std::byte{0}});
+    return guess(world->status());
+  }));
+  EXPECT_FALSE(is_up());
+  EXPECT_TRUE(halves.empty());
+}
+
+TEST_F(SerialPorts, AFarEndThatTakesNothingStallsNothing) {
+  open_both();
+  ASSERT_TRUE(run_until([&] { return is_up(); }));
+  Plug* const arms = std::exchange(of_arm, nullptr);  // nobody reads what either end writes
+  ASSERT_TRUE(run_until([&] { return !is_up() && world->sessions().empty(); }));
+  of_arm = arms;
+  ASSERT_TRUE(run_until([&] { return is_up(); }));
+}
+
+TEST_F(SerialPorts, MayBeDestroyedWhileTheLoopStillHoldsItsHandlers) {
+  open_both();
+  ASSERT_TRUE(run_until([&] { return is_up(); }));
+  arm.reset();
+  world.reset();
+  io.poll();
+  SUCCEED();
+}
+
+}  // namespace
+}  // namespace thimble::link
