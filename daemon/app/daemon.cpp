@@ -13,6 +13,7 @@
 #include "daemon/world/cam/automaton_file.hpp"
 #include "hal/linux/background_worker.hpp"
 #include "hal/linux/board_window.hpp"
+#include "hal/linux/serial_line.hpp"
 
 namespace thimble::app {
 namespace {
@@ -67,8 +68,7 @@ Daemon::~Daemon() {
 Result<void> Daemon::start(const linux::RealtimeProcess& process) {
   Result<std::unique_ptr<linux::EventFd>> wake = linux::EventFd::create();
   if (!wake) return tl::unexpected(wake.error());
-  wake_ = *std::move(wake);
-  wake_descriptor_.assign(wake_->fd());
+  wake_descriptor_.assign((wake_ = *std::move(wake))->fd());
   recorder_ = std::make_unique<RecordingWriter>(config_.daemon.flight_directory.value_or(
       config::default_flight_directory(config::process_environment())));
 
@@ -87,8 +87,8 @@ Result<void> Daemon::start(const linux::RealtimeProcess& process) {
   parts.open_board_window = [] {
     return linux::open_board_window("/run/thimble-board.sock", kBoardHelperPatience);
   };
-  parts.real_clock = &clock_;
-  parts.stopwatch = &clock_;
+  parts.open_line = linux::share_serial_line;
+  parts.stopwatch = parts.real_clock = &clock_;
   parts.wake = wake_.get();
   parts.io = &io_;
   parts.on_wait = [this](const Error& why) {

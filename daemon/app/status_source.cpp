@@ -263,7 +263,10 @@ api::Status collect_status(session::Runtime& runtime, const StatusContext& conte
     link.world = rig.session().config().world.value_or("");
     const config::ArmConfig& said = rig.session().config();
     const bool is_ours = said.protocol == config::LinkProtocol::Thimble;
-    link.kind = !said.link ? "in-process" : is_ours ? "thimble" : "udp";
+    link.kind = !said.is_remote() ? "in-process"
+                : is_ours         ? "thimble"
+                : said.line       ? "serial"
+                                  : "udp";
     status.links.push_back(link);
   }
   for (const auto& host : runtime.worlds()) {
@@ -276,7 +279,7 @@ api::Status collect_status(session::Runtime& runtime, const StatusContext& conte
     if (!host->listener_status()) continue;
     api::LinkStatus link = link_status(*host->listener_status());
     link.world = host->name();
-    link.kind = "udp";
+    link.kind = host->has_line() ? "serial" : "udp";
     status.links.push_back(link);
     if (!link.peer.empty()) ++status.worlds.back().probes;  // a program of 1999
     for (const link::LinkStatus& session : host->session_statuses()) {

@@ -56,6 +56,13 @@ struct UdpEndpoint {
   bool operator==(const UdpEndpoint&) const = default;
 };
 
+// A serial port of this machine and its rate.
+struct SerialEndpoint {
+  std::string node;  // "/dev/ttyS0"
+  std::uint32_t bit_per_s{0};
+  bool operator==(const SerialEndpoint&) const = default;
+};
+
 // Injected on a link. Delay and jitter are of the round trip; ratios, from 0 to 1, of one
 // message in one direction.
 struct ImpairmentConfig {
@@ -168,6 +175,8 @@ struct ArmConfig {
   std::array<double, 3> place_m{};        // of its base frame's origin in the world
   std::optional<std::string> key_file{};  // path; only with link and our own datagrams
   double deadband_m{0};                   // likewise; 0: every sample is sent
+  std::optional<SerialEndpoint> line{};   // of the key link, where it is a serial line
+  [[nodiscard]] bool is_remote() const noexcept { return link || line; }
   bool operator==(const ArmConfig&) const = default;
 };
 
@@ -291,6 +300,8 @@ struct WorldConfig {
   std::optional<PiecesConfig> pieces{};            // likewise of "pieces"
   std::optional<AutomatonConfig> automaton{};      // of "life" and "crystal"
   std::optional<std::string> key_file{};           // path; only with listen
+  std::optional<SerialEndpoint> line{};            // of the key listen, where it is a serial line
+  [[nodiscard]] bool is_listening() const noexcept { return listen || line; }
   bool operator==(const WorldConfig&) const = default;
 };
 

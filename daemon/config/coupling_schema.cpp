@@ -206,13 +206,13 @@ void check_carriage(TableReader& reader, const ArmConfig& arm) {
   const bool is_far = has_own_world_half(arm.coupling.scheme);
   const bool is_ours = arm.protocol == LinkProtocol::Thimble;
   const bool is_streamed = arm.coupling.mode == CouplingMode::Streamed;
-  if (arm.link && arm.deadband_m > 0 && (is_far || !is_ours || !is_streamed)) {
+  if (arm.is_remote() && arm.deadband_m > 0 && (is_far || !is_ours || !is_streamed)) {
     reader.reject(
         "deadband_m",
         "expected only with protocol = \"thimble\", streamed, and a scheme whose force the "
         "arm computes");
   }
-  if (!arm.link || is_ours || !is_far) return;
+  if (!arm.is_remote() || is_ours || !is_far) return;
   // The arm's own table knows "coupling", not what is below it.
   const std::string scheme = in_quotes(to_string(arm.coupling.scheme));
   if (arm.coupling.scheme == Scheme::BufferZone || arm.coupling.scheme == Scheme::Composite) {

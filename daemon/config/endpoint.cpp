@@ -2,12 +2,19 @@
 
 #include <arpa/inet.h>
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 
 namespace thimble::config {
 namespace {
 
 constexpr std::string_view kScheme = "udp://";
+constexpr std::string_view kLine = "serial:";
+// termios(3) has no others in this range.
+constexpr std::array<std::uint32_t, 14> kRates_bit_per_s{
+    38'400,  57'600,    115'200,   230'400,   460'800,   500'000,   576'000,
+    921'600, 1'000'000, 1'152'000, 1'500'000, 2'000'000, 2'500'000, 3'000'000};
 
 std::optional<in_addr> as_v4(const std::string& text) {
   in_addr address{};
@@ -26,6 +33,15 @@ std::optional<std::uint16_t> parse_port(std::string_view text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
   if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
   return port;
+}
+
+std::optional<std::uint32_t> parse_rate(std::string_view text) {
+  std::uint32_t rate = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), rate);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  const bool is_known =
+      std::find(kRates_bit_per_s.begin(), kRates_bit_per_s.end(), rate) != kRates_bit_per_s.end();
+  return is_known ? std::optional(rate) : std::nullopt;
 }
 
 bool is_v4_in_any_form(const std::string& address) {
@@ -50,6 +66,21 @@ std::optional<UdpEndpoint> parse_endpoint(std::string_view text) {
   const bool is_good = is_bracketed ? as_v6(address).has_value() : as_v4(address).has_value();
   if (!is_good || address.find('\0') != std::string::npos) return std::nullopt;
   return UdpEndpoint{std::move(address), *port};
+}
+
+std::optional<SerialEndpoint> parse_line(std::string_view text) {
+  if (!text.starts_with(kLine)) return std::nullopt;
+  text.remove_prefix(kLine.size());
+  const std::size_t at = text.rfind('@');
+  if (at == std::string_view::npos || !text.starts_with('/')) return std::nullopt;
+  const auto rate = parse_rate(text.substr(at + 1));
+  std::string node(text.substr(0, at));
+  if (!rate || node.find('\0') != std::string::npos) return std::nullopt;
+  return SerialEndpoint{std::move(node), *rate};
+}
+
+std::string to_string(const SerialEndpoint& line) {
+  return std::string(kLine) + line.node + "@" + std::to_string(line.bit_per_s);
 }
 
 std::string to_string(const UdpEndpoint& endpoint) {

@@ -12,6 +12,11 @@ namespace thimble::config {
 [[nodiscard]] std::optional<UdpEndpoint> parse_endpoint(std::string_view text);
 [[nodiscard]] std::string to_string(const UdpEndpoint& endpoint);
 
+// "serial:/dev/ttyS0@115200": an absolute path, and a rate of those that lines of 38,400 to
+// 3,000,000 bit/s have. Nothing for anything else. Total.
+[[nodiscard]] std::optional<SerialEndpoint> parse_line(std::string_view text);
+[[nodiscard]] std::string to_string(const SerialEndpoint& line);
+
 // A numeric IPv4 or IPv6 address.
 [[nodiscard]] bool is_address(const std::string& text);
 // An address that only this machine can reach.

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <set>
 #include <string>
 
 #include "daemon/config/endpoint.hpp"
@@ -132,6 +133,20 @@ void check_listeners(std::vector<Entry<WorldConfig>>& worlds) {
   }
 }
 
+// A port has two ends, and one of them is the cable.
+void check_lines(std::vector<Entry<ArmConfig>>& arms, std::vector<Entry<WorldConfig>>& worlds) {
+  std::set<std::string> nodes;
+  const auto check = [&](auto& entries, const char* key) {
+    for (auto& [reader, value] : entries) {
+      if (!value.line || nodes.insert(value.line->node).second) continue;
+      reader.reject(key, "expected a serial port of its own, found " + in_quotes(value.line->node) +
+                             " again");
+    }
+  };
+  check(arms, "link");
+  check(worlds, "listen");
+}
+
 // What root names is one slot: two worlds would ring the same doorbell.
 void check_board_in_slot(std::vector<Entry<WorldConfig>>& worlds) {
   const WorldConfig* first = nullptr;
@@ -157,6 +172,7 @@ void check_relations(std::vector<Entry<ArmConfig>>& arms, std::vector<Entry<Worl
   check_peers(arms);
   check_devices(arms);
   check_listeners(worlds);
+  check_lines(arms, worlds);
   check_board_in_slot(worlds);
 }
 

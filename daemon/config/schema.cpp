@@ -84,14 +84,18 @@ void read_socket_mode(TableReader& reader, std::uint32_t& out) {
 }
 
 void read_endpoint(TableReader& reader, std::string_view key, std::uint16_t min_port,
-                   std::optional<UdpEndpoint>& out) {
+                   std::optional<UdpEndpoint>& out, std::optional<SerialEndpoint>& line) {
   std::string text;
   if (!reader.read(key, text)) return;
+  line = parse_line(text);
+  if (line) return;
   auto endpoint = parse_endpoint(text);
   if (!endpoint || endpoint->port < min_port) {
-    return reader.reject(
-        key,
-        "expected a numeric address such as \"udp://127.0.0.1:5001\", found " + in_quotes(text));
+    return reader.reject(key,
+                         "expected a numeric address such as \"udp://127.0.0.1:5001\", or a "
+                         "line of 38400 to 3000000 bit/s such as \"serial:/dev/ttyS0@115200\", "
+                         "found " +
+                             in_quotes(text));
   }
   out = std::move(endpoint);
 }
@@ -179,7 +183,7 @@ void read_place(TableReader& reader, ArmConfig& arm) {
 
 void read_other_side(TableReader& reader, const std::filesystem::path& folder, ArmConfig& arm) {
   reader.read("world", arm.world);
-  read_endpoint(reader, "link", 1, arm.link);
+  read_endpoint(reader, "link", 1, arm.link, arm.line);
   read_choice(reader, "protocol", kProtocols, arm.protocol);
   reader.read("allow_unauthenticated", arm.allow_unauthenticated);
   reader.read("peer", arm.peer);
@@ -206,6 +210,9 @@ void read_other_side(TableReader& reader, const std::filesystem::path& folder, A
   if (has_link && arm.key_file && arm.protocol == LinkProtocol::Thesis) {
     reader.reject("key_file",
                   "expected only with protocol = \"thimble\": the datagrams of 1999 know no key");
+  }
+  if (arm.line && reader.has("allow_unauthenticated")) {
+    reader.reject("allow_unauthenticated", "expected only beside an address, found beside a line");
   }
   if (!arm.link || is_loopback(arm.link->address)) return;
   if (arm.allow_unauthenticated || arm.key_file) return;
@@ -249,7 +256,7 @@ void read_source(TableReader& reader, const std::filesystem::path& folder, World
 }
 
 void read_listener(TableReader& reader, const std::filesystem::path& folder, WorldConfig& world) {
-  read_endpoint(reader, "listen", 0, world.listen);
+  read_endpoint(reader, "listen", 0, world.listen, world.line);
   reader.read("allow_unauthenticated", world.allow_unauthenticated);
   read_path(reader, "key_file", folder, world.key_file);
   if (reader.read("peer", world.peer) && !is_address(*world.peer)) {
@@ -263,6 +270,11 @@ void read_listener(TableReader& reader, const std::filesystem::path& folder, Wor
   for (const char* key : {"allow_unauthenticated", "peer", "key_file"}) {
     if (reader.has(key) && !reader.has("listen")) {
       reader.reject(key, "expected only beside listen, found without it");
+    }
+  }
+  for (const char* key : {"allow_unauthenticated", "peer"}) {
+    if (world.line && reader.has(key)) {
+      reader.reject(key, "expected only beside an address, found beside a line");
     }
   }
   if (!world.listen || is_loopback(world.listen->address)) return;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "daemon/devices/open_arm.hpp"
+#include "daemon/session/arm_settings.hpp"
 #include "daemon/session/combination.hpp"
 #include "daemon/session/world_host.hpp"
 
@@ -85,7 +86,9 @@ Result<void> ArmRig::link_to(WorldHost* world, const config::ArmConfig& arm,
                 "link: another host cannot be reached in virtual time; name a world");
   }
   Result<std::unique_ptr<RigLink>> link =
-      make_udp_link(arm, *parts.io, *parts.real_clock, parts.wake);
+      arm.line ? make_serial_link(arm, serial_line(*arm.line, parts), *parts.io, *parts.real_clock,
+                                  parts.wake)
+               : make_udp_link(arm, *parts.io, *parts.real_clock, parts.wake);
   if (!link) return tl::unexpected(link.error());
   link_ = *std::move(link);
   return {};

@@ -33,7 +33,11 @@ struct RigParts {
   const Clock* stopwatch{nullptr};       // nullptr: the arm's own clock
   rt::WakeSignal* wake{nullptr};         // of the net plane
   boost::asio::io_context* io{nullptr};  // for links to other hosts
-  std::uint32_t first_session{1};        // of the world halves: see GhostPointWorld
+  // Opens a serial port of this machine for a link: link::OpenLine; nothing: there is none.
+  std::function<Result<std::shared_ptr<const int>>(const std::string& node,
+                                                   std::uint32_t bit_per_s)>
+      open_line{};
+  std::uint32_t first_session{1};  // of the world halves: see GhostPointWorld
   // Puts something between a simulated arm's bus and its session, such as a bad cable.
   std::function<std::unique_ptr<bus::BusEnumerator>(bus::BusEnumerator&, const Clock&)>
       wrap_sim_bus{};

@@ -5,6 +5,7 @@
 
 #include "daemon/config/endpoint.hpp"
 #include "daemon/coupling/passivity_guard.hpp"
+#include "daemon/session/arm_rig.hpp"
 
 namespace thimble::session {
 
@@ -224,6 +225,15 @@ Result<link::Endpoint> endpoint(const config::UdpEndpoint& said) {
 link::SendMode send_mode(const config::ArmConfig& arm) {
   return arm.coupling.mode == config::CouplingMode::LockStep ? link::SendMode::LockStep
                                                              : link::SendMode::Streamed;
+}
+
+link::SerialLine serial_line(const config::SerialEndpoint& said, const RigParts& parts) {
+  return {.name = to_string(said),
+          .bit_per_s = said.bit_per_s,
+          .open = [said, open = parts.open_line]() -> Result<link::LineNode> {
+            if (!open) return fail(Errc::Unsupported, "this program has no serial ports");
+            return open(said.node, said.bit_per_s);
+          }};
 }
 
 Result<link::ArmEndSettings> arm_end_settings(const config::ArmConfig& arm) {

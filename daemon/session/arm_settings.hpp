@@ -7,11 +7,14 @@
 #include "daemon/coupling/scheme.hpp"
 #include "daemon/link/arm_end_settings.hpp"
 #include "daemon/link/endpoint.hpp"
+#include "daemon/link/serial_line.hpp"
 #include "daemon/servo/servo_loop.hpp"
 #include "hal/base/result.hpp"
 #include "hal/plugin/driver.hpp"
 
 namespace thimble::session {
+
+struct RigParts;
 
 // What the configuration's words mean to the parts of a session.
 //
@@ -32,6 +35,9 @@ namespace thimble::session {
 [[nodiscard]] link::ThimbleHalf half_of(const config::CouplingConfig& said);
 [[nodiscard]] Result<config::CouplingConfig> coupling_of(const link::ThimbleHalf& half);
 [[nodiscard]] Result<link::Endpoint> endpoint(const config::UdpEndpoint& said);
+// Opened as `parts` say, whenever it is asked for.
+[[nodiscard]] link::SerialLine serial_line(const config::SerialEndpoint& said,
+                                           const RigParts& parts);
 [[nodiscard]] link::SendMode send_mode(const config::ArmConfig& arm);
 // Of a link to another host. Errors: those of its key file.
 [[nodiscard]] Result<link::ArmEndSettings> arm_end_settings(const config::ArmConfig& arm);

@@ -91,7 +91,7 @@ Result<void> check_combination(const world::World& world, const config::Coupling
 }
 
 std::optional<std::string> find_loss(const config::WorldConfig& said) {
-  if (!said.listen || said.materials.empty()) return std::nullopt;
+  if (!said.is_listening() || said.materials.empty()) return std::nullopt;
   return "world '" + said.name +
          "': arms that speak the datagrams of 1999 feel none of its materials: those carry no "
          "surface";

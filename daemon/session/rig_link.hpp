@@ -8,6 +8,7 @@
 #include "daemon/coupling/arm_link.hpp"
 #include "daemon/coupling/world_coupling.hpp"
 #include "daemon/link/link_counters.hpp"
+#include "daemon/link/serial_line.hpp"
 #include "hal/base/result.hpp"
 #include "hal/base/time.hpp"
 #include "hal/rt/wake_signal.hpp"
@@ -42,5 +43,12 @@ class RigLink {
                                                              boost::asio::io_context& io,
                                                              const Clock& clock,
                                                              rt::WakeSignal* wake);
+
+// The world is behind the serial line of `arm.line`, which `line` opens. Errors: its key file's.
+[[nodiscard]] Result<std::unique_ptr<RigLink>> make_serial_link(const config::ArmConfig& arm,
+                                                                const link::SerialLine& line,
+                                                                boost::asio::io_context& io,
+                                                                const Clock& clock,
+                                                                rt::WakeSignal* wake);
 
 }  // namespace thimble::session

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "daemon/coupling/constraint_model.hpp"
+#include "daemon/link/serial_world_server.hpp"
 #include "daemon/link/udp_world_server.hpp"
 #include "daemon/session/arm_settings.hpp"
 #include "daemon/session/combination.hpp"
@@ -20,8 +21,6 @@ class WorldHost::Listener {
  public:
   [[nodiscard]] Result<void> open(WorldHost& host, const config::WorldConfig& said,
                                   const RigParts& parts) {
-    Result<link::UdpWorldServer::Settings> settings = server_settings(*host.world_, said);
-    if (!settings) return tl::unexpected(settings.error());
     link::UdpWorldServer::Worlds worlds;
     if (can_serve_1999(*host.world_)) {
       auto half = host.make_world_half({}, parts.first_session);
@@ -33,41 +32,68 @@ class WorldHost::Listener {
                         first_session = parts.first_session](const link::ThimbleHalf& arm) {
       return host.make_half_for(arm, has_materials, first_session);
     };
-    Result<std::unique_ptr<link::UdpWorldServer>> server =
-        link::UdpWorldServer::open(*parts.io, *parts.real_clock, *settings, worlds);
-    if (!server) return tl::unexpected(server.error());
-    server_ = *std::move(server);
-    return {};
+    const Result<link::ThimbleWorldEnd::Settings> end = end_settings(*host.world_, said);
+    if (!end) return tl::unexpected(end.error());
+    if (said.line) {
+      line_ = std::make_unique<link::SerialWorldServer>(
+          *parts.io, *parts.real_clock,
+          link::SerialWorldServer::Settings{serial_line(*said.line, parts), *end}, worlds);
+      return {};
+    }
+    return open_socket(said, parts, *end, worlds);
   }
-  [[nodiscard]] const link::UdpWorldServer& server() const { return *server_; }
+  [[nodiscard]] bool has_line() const noexcept { return line_ != nullptr; }
+  [[nodiscard]] link::LinkStatus status() const {
+    return line_ ? line_->status() : server_->status();
+  }
+  [[nodiscard]] std::vector<link::LinkStatus> sessions() const {
+    return line_ ? line_->sessions() : server_->sessions();
+  }
 
  private:
-  static Result<link::UdpWorldServer::Settings> server_settings(const world::World& world,
-                                                                const config::WorldConfig& said) {
+  [[nodiscard]] Result<void> open_socket(const config::WorldConfig& said, const RigParts& parts,
+                                         const link::ThimbleWorldEnd::Settings& end,
+                                         const link::UdpWorldServer::Worlds& worlds) {
     link::UdpWorldServer::Settings settings;
     const Result<link::Endpoint> bind = endpoint(*said.listen);
     if (!bind) return tl::unexpected(bind.error());
     settings.bind = *bind;
     settings.allow_unauthenticated = said.allow_unauthenticated;
+    settings.impairment = end.impairment;
+    settings.max_sessions = end.max_sessions;
+    settings.welcome = end.welcome;
+    settings.key = end.key;
+    if (said.peer) {
+      const Result<link::Endpoint> peer = endpoint({*said.peer, 0});
+      if (!peer) return tl::unexpected(peer.error());
+      settings.pinned_peer = *peer;
+    }
+    auto server = link::UdpWorldServer::open(*parts.io, *parts.real_clock, settings, worlds);
+    if (!server) return tl::unexpected(server.error());
+    server_ = *std::move(server);
+    return {};
+  }
+
+  // What is the same whatever carries it.
+  static Result<link::ThimbleWorldEnd::Settings> end_settings(const world::World& world,
+                                                              const config::WorldConfig& said) {
+    link::ThimbleWorldEnd::Settings settings;
     settings.impairment = impairment_settings(said.impairment);
     settings.max_sessions = world::kMaxProbes;
     settings.welcome.world = link::ShortName::of(said.name);
     settings.welcome.cells = world.info().cells;
     settings.welcome.cell_m = world.info().cell_m;
-    if (said.key_file) {
-      const Result<link::LinkKey> key = link::load_key(*said.key_file);
-      if (!key) return tl::unexpected(key.error());
-      settings.key = *key;
-    }
-    if (!said.peer) return settings;
-    const Result<link::Endpoint> peer = endpoint({*said.peer, 0});
-    if (!peer) return tl::unexpected(peer.error());
-    settings.pinned_peer = *peer;
+    if (!said.key_file) return settings;
+    const Result<link::LinkKey> key = link::load_key(*said.key_file);
+    if (!key) return tl::unexpected(key.error());
+    settings.key = *key;
     return settings;
   }
 
   std::unique_ptr<coupling::WorldCoupling> half_of_1999_;
+  // Of the two one.
   std::unique_ptr<link::UdpWorldServer> server_;
+  std::unique_ptr<link::SerialWorldServer> line_;
 };
 
 WorldHost::WorldHost() = default;
@@ -90,7 +116,7 @@ Result<std::unique_ptr<WorldHost>> WorldHost::create(const config::WorldConfig& 
   if (const auto good = check_combination(*host->world_, said); !good) {
     return tl::unexpected(good.error().in(name));
   }
-  if (!said.listen) return host;
+  if (!said.is_listening()) return host;
   if (parts.io == nullptr || parts.real_clock == nullptr) {
     return fail(Errc::Unsupported, name + ": a world listens only in real time");
   }
@@ -218,11 +244,13 @@ std::optional<MonotonicTime> WorldHost::pump_edits(MonotonicTime now) {
 
 std::optional<link::LinkStatus> WorldHost::listener_status() const {
   if (!listener_) return std::nullopt;
-  return listener_->server().status();
+  return listener_->status();
 }
 
+bool WorldHost::has_line() const noexcept { return listener_ && listener_->has_line(); }
+
 std::vector<link::LinkStatus> WorldHost::session_statuses() const {
-  return listener_ ? listener_->server().sessions() : std::vector<link::LinkStatus>();
+  return listener_ ? listener_->sessions() : std::vector<link::LinkStatus>();
 }
 
 }  // namespace thimble::session

@@ -75,6 +75,8 @@ class WorldHost {
   [[nodiscard]] const std::optional<std::string>& loss() const noexcept { return loss_; }
   // Nothing where the world does not listen.
   [[nodiscard]] std::optional<link::LinkStatus> listener_status() const;
+  // Whether it listens at a serial line.
+  [[nodiscard]] bool has_line() const noexcept;
   // Of each session of our own datagrams; they count in the listener's, too.
   [[nodiscard]] std::vector<link::LinkStatus> session_statuses() const;
 

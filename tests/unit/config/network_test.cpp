@@ -70,6 +70,40 @@ TEST(ConfigNetwork, ADeadbandIsForStreamsOfOurOwnAndAForceOfTheArm) {
   }
 }
 
+TEST(ConfigNetwork, ALinkAndAListenerMayBeASerialLine) {
+  const std::string arm = "[[arm]]\nname = \"right\"\ndevice = \"sim:phantom-vintage\"\n";
+  const auto sut = parse_text(arm +
+                              "link = \"serial:/dev/serial/by-id/usb-a@b@3000000\"\n"
+                              "[[world]]\nname = \"box\"\nsource = \"box:3\"\n"
+                              "listen = \"serial:/dev/ttyS0@38400\"\n");
+  ASSERT_TRUE(sut);
+  EXPECT_EQ(sut->arms[0].line, (SerialEndpoint{"/dev/serial/by-id/usb-a@b", 3'000'000}));
+  EXPECT_EQ(sut->worlds[0].line, (SerialEndpoint{"/dev/ttyS0", 38'400}));
+  EXPECT_TRUE(sut->arms[0].is_remote() && sut->worlds[0].is_listening());
+  for (const char* bad : {"serial:ttyS0@38400", "serial:/dev/ttyS0", "serial:/dev/ttyS0@19200",
+                          "serial:/dev/ttyS0@115201", "serial:/dev/ttyS0@", "serial:@38400"}) {
+    EXPECT_THAT(mistakes(arm + "link = \"" + bad + "\"\n"),
+                testing::Contains(AllOf(HasSubstr("arm.0.link"), HasSubstr("38400 to 3000000"))))
+        << bad;
+  }
+}
+
+TEST(ConfigNetwork, ALineHasTwoEndsAndNoAddresses) {
+  const std::string arm =
+      "[[arm]]\nname = \"right\"\ndevice = \"sim:phantom-vintage\"\n"
+      "link = \"serial:/dev/ttyS0@38400\"\n";
+  const std::string world =
+      "[[world]]\nname = \"box\"\nsource = \"box:3\"\nlisten = \"serial:/dev/ttyS0@38400\"\n";
+  EXPECT_THAT(mistakes(arm + world), ElementsAre(AllOf(HasSubstr("world.0.listen"),
+                                                       HasSubstr("a serial port of its own"))));
+  for (const char* line : {"allow_unauthenticated = true\n", "peer = \"10.0.0.2\"\n"}) {
+    EXPECT_THAT(mistakes(world + line),
+                ElementsAre(HasSubstr("expected only beside an address, found beside a line")));
+  }
+  EXPECT_THAT(mistakes(arm + "allow_unauthenticated = true\n"), SizeIs(1));
+  EXPECT_THAT(mistakes(arm + "coupling.scheme = \"wave\"\n"), SizeIs(1));
+}
+
 // A socket of one family never hears a peer of the other, but [::] hears both.
 TEST(ConfigNetwork, ThePeerIsOneThatTheListenerCanHear) {
   const auto with = [](const std::string& listen, const std::string& peer) {
