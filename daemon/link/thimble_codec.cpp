@@ -8,8 +8,6 @@ namespace {
 
 // Rounding of a normal that somebody made of length 1 in binary32.
 constexpr double kUnitTolerance = 1e-6;
-// Ours: a thousand times the longest edge of a world.
-constexpr std::int32_t kMaxCellIndex = 1 << 20;
 
 // Bits of the masks, in the order in which the fields stand.
 constexpr std::uint32_t kVelocity = 1U << 0U;
@@ -21,7 +19,8 @@ constexpr std::uint32_t kSampleEnergy = 1U << 5U;
 constexpr std::uint32_t kSampleEpoch = 1U << 6U;
 constexpr std::uint32_t kPatchesHeld = 1U << 7U;
 constexpr std::uint32_t kArmsGhost = 1U << 8U;
-constexpr std::uint32_t kSampleFields = (1U << 9U) - 1;
+constexpr std::uint32_t kAppliedBefore = 1U << 9U;
+constexpr std::uint32_t kSampleFields = (1U << 10U) - 1;
 
 constexpr std::uint32_t kPlanes = 1U << 0U;
 constexpr std::uint32_t kGhost = 1U << 1U;
@@ -33,7 +32,8 @@ constexpr std::uint32_t kPressure = 1U << 6U;
 constexpr std::uint32_t kEnergy = 1U << 7U;
 constexpr std::uint32_t kNear = 1U << 8U;
 constexpr std::uint32_t kAstray = 1U << 9U;
-constexpr std::uint32_t kConstraintFields = (1U << 10U) - 1;
+constexpr std::uint32_t kMap = 1U << 10U;
+constexpr std::uint32_t kConstraintFields = (1U << 11U) - 1;
 
 // Of a surface.
 constexpr std::uint8_t kStiffness = 1U << 0U;
@@ -54,7 +54,8 @@ std::uint32_t mask_of(const ThimbleSample& m) noexcept {
          flag(s.waves != coupling::WaveSums(), kWaves) |
          flag(s.impulse != coupling::Impulse3(), kImpulse) | flag(m.presses.has_value(), kPresses) |
          flag(m.energy_joule.has_value(), kSampleEnergy) | flag(m.epoch.has_value(), kSampleEpoch) |
-         flag(m.patches_held.has_value(), kPatchesHeld) | flag(m.sample.has_ghost, kArmsGhost);
+         flag(m.patches_held.has_value(), kPatchesHeld) | flag(m.sample.has_ghost, kArmsGhost) |
+         flag(m.sample.applied_before != 0, kAppliedBefore);
 }
 
 std::uint32_t mask_of(const ThimbleConstraints& m) noexcept {
@@ -62,7 +63,7 @@ std::uint32_t mask_of(const ThimbleConstraints& m) noexcept {
          flag(m.ghost_cell.has_value(), kGhostCell) | flag(m.set.is_embedded, kEmbedded) |
          flag(m.set.has_far, kFar) | flag(m.epoch.has_value(), kEpoch) |
          flag(m.pressure.has_value(), kPressure) | flag(m.energy_joule.has_value(), kEnergy) |
-         flag(m.set.has_near, kNear) | flag(m.set.is_astray, kAstray);
+         flag(m.set.has_near, kNear) | flag(m.set.is_astray, kAstray) | flag(m.set.has_map, kMap);
 }
 
 template <class Bytes, class Message>
@@ -93,6 +94,7 @@ bool carry_sample(Bytes& b, Message& m) noexcept {
   carry_optional<Bytes>((mask & kPatchesHeld) != 0, m.patches_held, word);
   if constexpr (Bytes::kIsReader) s.has_ghost = (mask & kArmsGhost) != 0;
   if (s.has_ghost) b.vector(s.ghost);
+  if ((mask & kAppliedBefore) != 0) b.word(s.applied_before);
   return mask > kSampleFields;
 }
 
@@ -150,44 +152,7 @@ void carry_far(Bytes& b, Far& far) noexcept {
   b.vector(far.slave);
   b.vector(far.velocity);
   carry_waves(b, far.waves);
-  std::uint8_t pressing = far.is_pressing ? 1 : 0;
-  b.word(pressing);
-  if constexpr (Bytes::kIsReader) {
-    if (pressing > 1) b.refuse();
-    far.is_pressing = pressing == 1;
-  }
-}
-
-template <class Bytes, class Box>
-void carry_cells(Bytes& b, Box& box) noexcept {
-  for (auto* const corner : {&box.first, &box.last}) {
-    for (auto& index : *corner) {
-      auto bits = std::bit_cast<std::uint8_t>(index);
-      b.word(bits);
-      if constexpr (Bytes::kIsReader) index = std::bit_cast<std::int8_t>(bits);
-    }
-  }
-}
-
-// Whether a grid can be so is for who moves a ghost through it: world::is_sound().
-template <class Bytes, class Near>
-void carry_near(Bytes& b, Near& near) noexcept {
-  carry_words(b, near.lattice.cells);
-  b.real(near.lattice.half_cell_m);
-  b.integer(near.middle.x);
-  b.integer(near.middle.y);
-  b.integer(near.middle.z);
-  carry_cells(b, near.known);
-  std::uint8_t plane = near.is_plane ? 1 : 0;
-  b.word(plane);
-  auto count = static_cast<std::uint8_t>(near.boxes.size());
-  b.word(count);
-  if constexpr (Bytes::kIsReader) {
-    if (plane > 1 || count > world::kMaxNearBoxes) return b.refuse();
-    near.is_plane = plane == 1;
-    for (std::size_t i = 0; i < count; ++i) static_cast<void>(near.boxes.push_back({}));
-  }
-  for (std::size_t i = 0; i < count; ++i) carry_cells(b, near.boxes[i]);
+  carry_flag(b, far.is_pressing);
 }
 
 template <class Bytes, class Message>
@@ -207,6 +172,7 @@ bool carry_constraints(Bytes& b, Message& m) noexcept {
     set.has_far = (mask & kFar) != 0;
     set.has_near = (mask & kNear) != 0;
     set.is_astray = (mask & kAstray) != 0;
+    set.has_map = (mask & kMap) != 0;
   }
   if ((mask & kPlanes) != 0) carry_planes(b, m);
   if (set.has_ghost) b.vector(set.ghost);
@@ -217,6 +183,7 @@ bool carry_constraints(Bytes& b, Message& m) noexcept {
   carry_optional<Bytes>((mask & kPressure) != 0, m.pressure, [&](auto& value) { b.vector(value); });
   carry_optional<Bytes>((mask & kEnergy) != 0, m.energy_joule, [&](auto& value) { b.real(value); });
   if (set.has_near) carry_near(b, set.near);
+  if (set.has_map) carry_map(b, set.map);
   return mask > kConstraintFields;
 }
 
@@ -244,18 +211,6 @@ Reason check_plane(const coupling::ConstraintPlane& plane, double kelvin) noexce
                 check_finite(kelvin), unless(kelvin >= 0, RejectReason::OutOfRange)});
   if (reason) return reason;
   return unless(std::abs(norm(plane.normal) - 1) <= kUnitTolerance, RejectReason::BadDirection);
-}
-
-Reason check_near(const world::NearCells& near) noexcept {
-  const auto is_index = [](std::int64_t index) {
-    return index >= -kMaxCellIndex && index <= kMaxCellIndex;
-  };
-  const world::Cell& middle = near.middle;
-  const auto& cells = near.lattice.cells;
-  const bool is_good = is_index(middle.x) && is_index(middle.y) && is_index(middle.z) &&
-                       std::all_of(cells.begin(), cells.end(), is_index);
-  return first_of({check_reach(near.lattice.half_cell_m),
-                   unless(is_good && near.lattice.half_cell_m >= 0, RejectReason::OutOfRange)});
 }
 
 }  // namespace
@@ -299,11 +254,12 @@ static Reason check(const ThimbleConstraints& m) noexcept {
   for (std::size_t i = 0; i < set.planes.size(); ++i) {
     if (const Reason reason = check_plane(set.planes[i], m.temperature_kelvin[i])) return reason;
   }
-  const Reason reason = first_of({check_timing(m.timing), check_time(set.sampled_at),
-                                  set.has_ghost ? check_place(set.ghost) : Reason(),
-                                  check_finite(m.pressure.value_or(Force3())),
-                                  check_finite(m.energy_joule.value_or(0)),
-                                  set.has_near ? check_near(set.near) : Reason()});
+  const Reason reason = first_of(
+      {check_timing(m.timing), check_time(set.sampled_at),
+       set.has_ghost ? check_place(set.ghost) : Reason(),
+       check_finite(m.pressure.value_or(Force3())), check_finite(m.energy_joule.value_or(0)),
+       set.has_near ? check_lattice(set.near.lattice, set.near.middle) : Reason(),
+       set.has_map ? check_lattice(set.map.lattice, set.map.ghost_cell) : Reason()});
   if (reason || !set.has_far) return reason;
   const coupling::FarEnd& far = set.far;
   return first_of({check_finite(far.force), check_place(far.slave), check_finite(far.velocity),

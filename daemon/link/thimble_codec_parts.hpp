@@ -1,7 +1,9 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 
 #include "daemon/link/network_bytes.hpp"
@@ -51,6 +53,21 @@ template <class Quantity>
                    check_finite(waves.joule[1]), check_finite(waves.joule[2])});
 }
 
+// Ours: a thousand times the longest edge of a world.
+inline constexpr std::int32_t kMaxCellIndex = 1 << 20;
+
+[[nodiscard]] inline Reason check_lattice(const world::CellLattice& lattice,
+                                          const world::Cell& middle) noexcept {
+  const auto is_index = [](std::int64_t index) {
+    return index >= -kMaxCellIndex && index <= kMaxCellIndex;
+  };
+  const auto& cells = lattice.cells;
+  const bool is_good = is_index(middle.x) && is_index(middle.y) && is_index(middle.z) &&
+                       std::all_of(cells.begin(), cells.end(), is_index);
+  return first_of({check_reach(lattice.half_cell_m),
+                   unless(is_good && lattice.half_cell_m >= 0, RejectReason::OutOfRange)});
+}
+
 template <class Bytes, class Timing>
 void carry_timing(Bytes& bytes, Timing& timing) noexcept {
   bytes.time(timing.sent_at);
@@ -69,6 +86,75 @@ void carry_words(Bytes& bytes, Words& words) noexcept {
 template <class Bytes, class Cell>
 void carry_cell(Bytes& bytes, Cell& cell) noexcept {
   for (auto& index : cell) bytes.integer(index);
+}
+
+template <class Bytes, class Box>
+void carry_cells(Bytes& b, Box& box) noexcept {
+  for (auto* const corner : {&box.first, &box.last}) {
+    for (auto& index : *corner) {
+      auto bits = std::bit_cast<std::uint8_t>(index);
+      b.word(bits);
+      if constexpr (Bytes::kIsReader) index = std::bit_cast<std::int8_t>(bits);
+    }
+  }
+}
+
+// Whether a grid can be so is for who moves a ghost through it: world::is_sound() and its like.
+template <class Bytes, class Lattice, class Place>
+void carry_lattice(Bytes& b, Lattice& lattice, Place& cell) noexcept {
+  carry_words(b, lattice.cells);
+  b.real(lattice.half_cell_m);
+  b.integer(cell.x);
+  b.integer(cell.y);
+  b.integer(cell.z);
+}
+template <class Bytes, class Flag>
+void carry_flag(Bytes& b, Flag& is_set) noexcept {
+  std::uint8_t bit = is_set ? 1 : 0;
+  b.word(bit);
+  if constexpr (Bytes::kIsReader) {
+    is_set = bit == 1;
+    if (bit > 1) b.refuse();
+  }
+}
+// How many there are; a reader makes room for them.
+template <class Bytes, class List>
+void carry_count(Bytes& b, List& list) noexcept {
+  auto count = static_cast<std::uint8_t>(list.size());
+  b.word(count);
+  if constexpr (Bytes::kIsReader) {
+    for (std::size_t i = 0; i < count && b.is_good(); ++i) {
+      if (!list.push_back({})) return b.refuse();
+    }
+  }
+}
+
+template <class Bytes, class Near>
+void carry_near(Bytes& b, Near& near) noexcept {
+  carry_lattice(b, near.lattice, near.middle);
+  carry_cells(b, near.known);
+  carry_flag(b, near.is_plane);
+  carry_count(b, near.boxes);
+  for (std::size_t i = 0; i < near.boxes.size(); ++i) carry_cells(b, near.boxes[i]);
+}
+
+template <class Bytes, class Block>
+void carry_block(Bytes& b, Block& block) noexcept {
+  for (auto& along : block.at) {
+    auto bits = std::bit_cast<std::uint16_t>(along);
+    b.word(bits);
+    if constexpr (Bytes::kIsReader) along = std::bit_cast<std::int16_t>(bits);
+  }
+  b.word(block.version);
+  carry_words(b, block.slices);
+}
+
+template <class Bytes, class Map>
+void carry_map(Bytes& b, Map& map) noexcept {
+  carry_lattice(b, map.lattice, map.ghost_cell);
+  carry_flag(b, map.is_plane);
+  carry_count(b, map.blocks);
+  for (std::size_t i = 0; i < map.blocks.size(); ++i) carry_block(b, map.blocks[i]);
 }
 
 // Calls carry_value(*field) where the field is said; a reader makes it first.

@@ -149,6 +149,8 @@ config::CouplingScheme word_of(coupling::Scheme scheme) {
       return config::CouplingScheme::ConstraintPlane;
     case coupling::Scheme::BufferZone:
       return config::CouplingScheme::BufferZone;
+    case coupling::Scheme::Composite:
+      return config::CouplingScheme::Composite;
     case coupling::Scheme::GhostPoint:
       break;
   }

@@ -155,8 +155,9 @@ Result<std::unique_ptr<coupling::WorldCoupling>> WorldHost::make_half_for(
   }
   // What a configuration of one host refuses when it is read: config/relations.cpp.
   const coupling::Scheme scheme = scheme_of(*arm);
-  const bool feels_materials =
-      scheme != coupling::Scheme::ThesisLiteral && scheme != coupling::Scheme::BufferZone;
+  const bool feels_materials = scheme != coupling::Scheme::ThesisLiteral &&
+                               scheme != coupling::Scheme::BufferZone &&
+                               scheme != coupling::Scheme::Composite;
   const bool is_simple = model_ == config::ConstraintModel::Simple;
   if ((has_materials && !feels_materials) || (is_simple && coupling::has_own_world_half(scheme))) {
     return fail(Errc::Unsupported,

@@ -103,6 +103,7 @@ ThimbleSample full_sample() {
   m.patches_held = 1000;
   m.sample.has_ghost = true;
   m.sample.ghost = {0.0151, -0.25, 0};
+  m.sample.applied_before = 0b101;
   return m;
 }
 
@@ -140,6 +141,13 @@ ThimbleConstraints full_constraints() {
   near.is_plane = true;
   near.boxes.push_back({{-31, 0, 2}, {-1, 0, 31}});
   near.boxes.push_back({{0, 1, 0}, {0, 1, 0}});
+  m.set.has_map = true;
+  m.set.map.lattice = near.lattice;
+  m.set.map.ghost_cell = near.middle;
+  m.set.map.is_plane = true;
+  world::OccupancyBlock block{.at = {4, 3, -1}, .version = 70'000};
+  for (unsigned z = 0; z < block.slices.size(); ++z) block.slices[z] = std::uint64_t{1} << (3 * z);
+  m.set.map.blocks.push_back(block);
   return m;
 }
 
@@ -223,6 +231,7 @@ TEST(ThimbleCodec, GivesBackEveryFieldOfASample) {
   EXPECT_EQ(out.patches_held, 1000U);
   EXPECT_TRUE(out.sample.has_ghost);
   EXPECT_EQ(out.sample.ghost, in.sample.ghost);
+  EXPECT_EQ(out.sample.applied_before, 0b101U);
 }
 
 TEST(ThimbleCodec, GivesBackEveryFieldOfConstraints) {
@@ -257,6 +266,11 @@ TEST(ThimbleCodec, GivesBackEveryFieldOfConstraints) {
   EXPECT_EQ(out.set.near.boxes, in.set.near.boxes);
   EXPECT_EQ(out.set.near.known, in.set.near.known);
   EXPECT_TRUE(out.set.near.is_plane);
+  ASSERT_TRUE(out.set.has_map);
+  EXPECT_EQ(out.set.map.lattice, in.set.map.lattice);
+  EXPECT_EQ(out.set.map.ghost_cell, in.set.map.ghost_cell);
+  EXPECT_TRUE(out.set.map.is_plane);
+  EXPECT_EQ(out.set.map.blocks, in.set.map.blocks);
 }
 
 TEST(ThimbleCodec, RefusesEveryContentThatEndsEarlyOrGoesOn) {
@@ -388,6 +402,7 @@ TEST(ThimbleCodec, RefusesConstraintsThatCannotBe) {
             RejectReason::NonFinite);
   EXPECT_EQ(reason([](C& m) { m.set.near.lattice.cells[1] = 1U << 31U; }),
             RejectReason::OutOfRange);
+  EXPECT_EQ(reason([](C& m) { m.set.map.ghost_cell.x = (1 << 20) + 1; }), RejectReason::OutOfRange);
   EXPECT_EQ(reason([](C& m) { m.set.near.middle.z = -(1 << 20) - 1; }), RejectReason::OutOfRange);
   // What is not said is not looked at.
   EXPECT_EQ(reason([](C& m) { m.set.has_ghost = false, m.set.ghost.z = kNoNumber; }), std::nullopt);
@@ -413,8 +428,14 @@ TEST(ThimbleCodec, FitsTheLargestMessagesIntoOneDatagram) {
   }
   while (set.set.near.boxes.push_back({})) {
   }
+  while (set.set.map.blocks.push_back({})) {
+  }
   set.temperature_kelvin.fill(300);
-  EXPECT_LE(content_of(set).size(), kMaxThimbleContent);
+  for (const bool is_of_a_map : {false, true}) {  // no scheme has both
+    set.set.has_map = is_of_a_map;
+    set.set.has_near = !is_of_a_map;
+    EXPECT_LE(content_of(set).size(), kMaxThimbleContent);
+  }
   ThimbleOccupancy box = small_box();
   box.size = {32, 16, 16};
   box.bitmap.clear();

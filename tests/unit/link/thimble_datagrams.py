@@ -59,7 +59,7 @@ def every_field_of_a_sample():
     waves = reals(1, 2, -3) + reals(0.5, 0.25, 0.125)
     impulse = reals(-0.001, 0.002, 0)
     presses = bytes([1, 0, 255, 0, 0, 0, 0, 7])
-    return velocity + tool + waves + impulse + presses + reals(0.0001) + struct.pack(">QQ", 9, 1000) + reals(0.0151, -0.25, 0)
+    return velocity + tool + waves + impulse + presses + reals(0.0001) + struct.pack(">QQ", 9, 1000) + reals(0.0151, -0.25, 0) + struct.pack(">Q", 0b101)
 
 
 def near_cells():
@@ -69,6 +69,12 @@ def near_cells():
             + b"".join(struct.pack(">6b", *box) for box in boxes))
 
 
+def map_news():
+    slices = [1 << (3 * z) for z in range(8)]
+    return (struct.pack(">III", 64, 32, 1) + reals(0.000703125) + struct.pack(">iii", 33, 31, 0) + bytes([1, 1])
+            + struct.pack(">hhhI", 4, 3, -1, 70_000) + struct.pack(">8Q", *slices))
+
+
 def every_field_of_constraints():
     planes = bytes([2]) + plane((1, 0, 0), 0.015, 800, None, 0.5, 310.15) + plane((0, 0.6, -0.8), -0.02)
     ghost = reals(0.0149, 0, 0.01)
@@ -76,7 +82,7 @@ def every_field_of_constraints():
     far = reals(-1.5, 0, 0.25) + reals(0.015, 0, 0.01) + reals(0, 0.001, 0)
     waves = reals(4, 5, 6) + reals(1, 1.5, 2)
     return (planes + ghost + cell + far + waves + bytes([1]) + struct.pack(">Q", 9) + reals(0, 0.75, 0)
-            + reals(0.002) + near_cells())
+            + reals(0.002) + near_cells() + map_news())
 
 
 def occupancy():
@@ -100,10 +106,10 @@ def datagrams():
         "welcome": header(WELCOME, 0x0123456789ABCDEF, 1) + welcome,
         "refusal": header(REFUSAL, 0, 3) + timing(4, 3, 3) + ARM_NONCE + bytes([2]),
         "sample_least": header(SAMPLE, 0x0123456789ABCDEF, 12) + sample(0, b""),
-        "sample_full": header(SAMPLE, 0x0123456789ABCDEF, 13) + sample(0x1FF, every_field_of_a_sample()),
+        "sample_full": header(SAMPLE, 0x0123456789ABCDEF, 13) + sample(0x3FF, every_field_of_a_sample()),
         "constraints_least": header(CONSTRAINTS, 0x0123456789ABCDEF, 2) + constraints(0, b""),
         "constraints_full": header(CONSTRAINTS, 0x0123456789ABCDEF, 3)
-                            + constraints(0x3FF, every_field_of_constraints()),
+                            + constraints(0x7FF, every_field_of_constraints()),
         "occupancy": header(OCCUPANCY, 0x0123456789ABCDEF, 4) + occupancy(),
         "idle": header(IDLE, 0x0123456789ABCDEF, 5) + timing(7, 6, 6) + struct.pack(">Q", 14),
     }
