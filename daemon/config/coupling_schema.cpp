@@ -207,10 +207,9 @@ void check_carriage(TableReader& reader, const ArmConfig& arm) {
   const bool is_ours = arm.protocol == LinkProtocol::Thimble;
   const bool is_streamed = arm.coupling.mode == CouplingMode::Streamed;
   if (arm.is_remote() && arm.deadband_m > 0 && (is_far || !is_ours || !is_streamed)) {
-    reader.reject(
-        "deadband_m",
-        "expected only with protocol = \"thimble\", streamed, and a scheme whose force the "
-        "arm computes");
+    reader.reject("deadband_m",
+                  "expected only with protocol = \"thimble\", streamed, and scheme "
+                  "\"ghost-point\", \"constraint-plane\" or \"thesis-literal\"");
   }
   if (!arm.is_remote() || is_ours || !is_far) return;
   // The arm's own table knows "coupling", not what is below it.
