@@ -1,9 +1,13 @@
 """Arms of other hosts touch a world by our own datagrams: as many daemons as hosts, on loopback."""
 
 import os
+import random
+import select
 import signal
+import socket
+import threading
 
-from rig import ProcessTest, free_udp_port
+from rig import ProcessTest, free_udp_port, udp_socket
 
 KEY = "0f" * 32
 
@@ -53,7 +57,8 @@ class TwoHosts(ProcessTest):
         return [one for one in self.world.status()["links"] if one["kind"] == "thimble"]
 
     def test_every_scheme_is_felt(self):
-        for scheme in ("ghost-point", "remote-force", "spring-damper", "wave"):
+        for scheme in ("ghost-point", "constraint-plane", "remote-force", "spring-damper", "wave", "buffer-zone",
+                       "composite"):
             with self.subTest(scheme):
                 arm = self.arm(scheme, scheme)
                 status = arm.status_when(lambda s: link(s)["is_up"] and s["arms"][0]["contacts"] > 0
@@ -103,3 +108,99 @@ class TwoHosts(ProcessTest):
         arm.status_when(lambda s: not link(s)["is_up"])
         self.start(name="again", config=WORLD.format(port=self.port, key=self.key))
         arm.status_when(lambda s: link(s)["is_up"])
+
+    def test_a_world_that_is_stopped_stalls_no_servo(self):
+        arm = self.arm("arm")
+        arm.status_when(lambda s: link(s)["is_up"])
+        self.world.process.send_signal(signal.SIGSTOP)
+        try:
+            arm.status_when(lambda s: not link(s)["is_up"])
+            before = arm.status()["servos"][0]["ticks"]
+            status = arm.status_when(lambda s: s["servos"][0]["ticks"] >= before + 500)
+            self.assertEqual(status["arms"][0]["state"], "active")
+        finally:
+            self.world.process.send_signal(signal.SIGCONT)
+        arm.status_when(lambda s: link(s)["is_up"])
+
+    def test_a_flood_is_counted_and_takes_no_session_away(self):
+        arm = self.arm("arm")
+        arm.status_when(lambda s: link(s)["is_up"])
+        before = link(arm.status())["events"]["accepted"]
+        source = random.Random(4)
+        sealed_hello = b"THMB\x01\x01\x00\x01" + bytes(8)
+        with udp_socket() as flood:
+            def pour(status):
+                for _ in range(500):
+                    noise = source.randbytes(source.randrange(0, 1400))
+                    kind = source.randrange(3)
+                    if kind == 1:
+                        noise = sealed_hello + noise[:1100]
+                    elif kind == 2:
+                        noise = b"THMB" + noise[:1190]
+                    flood.sendto(noise, ("127.0.0.1", self.port))
+                return link(status)["events"]["accepted"] >= before + 500
+            status = arm.status_when(pour)
+        self.assertTrue(link(status)["is_up"])
+        self.assertEqual(link(status)["events"]["sessions_opened"], 1)
+        world = self.world.status()
+        self.assertGreater(world["links"][0]["rejected"], 500)
+        self.assertGreater(world["links"][0]["events"]["bad_seal"], 10)
+        self.assertEqual(len(self.sessions()), 1)
+
+    def test_a_capture_that_is_played_again_moves_nothing(self):
+        with Wiretap(self.port) as tap:
+            arm = self.start(name="arm", config=ARM.format(port=tap.port, key=self.key, scheme="ghost-point", seed=1))
+            arm.status_when(lambda s: link(s)["events"]["accepted"] >= 300)
+            captured = list(tap.captured)
+            with udp_socket() as other:  # from elsewhere: no session of its own, and none taken
+                for datagram in captured:
+                    other.sendto(datagram, ("127.0.0.1", self.port))
+            self.world.status_when(lambda s: s["links"][0]["events"]["wrong_peer"] >= 100)
+            for datagram in captured:  # from the arm's own address
+                tap.out.sendto(datagram, ("127.0.0.1", self.port))
+            self.world.status_when(lambda s: s["links"][0]["stale"] >= 100)
+            before = link(arm.status())["events"]["accepted"]
+            status = arm.status_when(lambda s: link(s)["events"]["accepted"] >= before + 300)
+            self.assertEqual(link(status)["events"]["sessions_opened"], 1)
+            self.assertEqual(len(self.sessions()), 1)
+
+
+class Wiretap:
+    """Stands between an arm and the world's port, and keeps what the arm says."""
+
+    def __init__(self, port):
+        self.world = ("127.0.0.1", port)
+        self.inside = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.inside.bind(("127.0.0.1", 0))
+        self.port = self.inside.getsockname()[1]
+        self.out = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.out.bind(("127.0.0.1", 0))
+        self.captured = []
+        self.is_over = threading.Event()
+        self.thread = threading.Thread(target=self.carry, daemon=True)
+
+    def __enter__(self):
+        self.thread.start()
+        return self
+
+    def __exit__(self, *_):
+        self.is_over.set()
+        self.thread.join()
+        self.inside.close()
+        self.out.close()
+
+    def carry(self):
+        arm = None
+        while not self.is_over.is_set():
+            readable, _, _ = select.select([self.inside, self.out], [], [], 0.05)
+            try:
+                if self.inside in readable:
+                    datagram, arm = self.inside.recvfrom(2048)
+                    self.captured.append(datagram)
+                    self.out.sendto(datagram, self.world)
+                if self.out in readable:
+                    datagram = self.out.recv(2048)
+                    if arm:
+                        self.inside.sendto(datagram, arm)
+            except ConnectionError:  # nobody listens there any more
+                pass
