@@ -10,7 +10,7 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(os.path.realpath(__file__)).parents[1]
-ALL = ("servo_tick", "coupling_step", "ghost_step", "wakeup", "link_round_trip", "link_codec", "daemon", "voxel_memory",
+ALL = ("servo_tick", "coupling_step", "ghost_step", "wakeup", "link_round_trip", "link_codec", "link_sessions", "daemon", "voxel_memory",
        "volume_load", "cam_engine", "cam_pieces")
 FORMAT = 1  # of the file that --json writes
 DEFAULT_FILE = "build/bench.json"

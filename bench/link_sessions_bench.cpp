@@ -1,0 +1,143 @@
+// How many hands of other hosts one world host serves at 1 kHz each on one core: the processor time
+// of its thread for a sample, from the socket to the answer sent, with 64 sealed sessions at one
+// listener. Worlds take eight hands, so there are eight of them.
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
+#include <cstdio>
+#include <ctime>
+#include <future>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "bench/comparison.hpp"
+#include "daemon/coupling/constraint_model.hpp"
+#include "daemon/link/udp_arm_link.hpp"
+#include "daemon/link/udp_world_server.hpp"
+#include "daemon/world/voxel_world.hpp"
+#include "hal/linux/monotonic_clock.hpp"
+
+namespace {
+
+using namespace thimble;
+
+constexpr std::size_t kSessions = 64;
+constexpr std::size_t kSessionsOfAWorld = 8;
+constexpr std::size_t kRounds = 500;
+constexpr std::size_t kMostTurns = 200'000;  // until it is said not to work
+
+// Of the processor, by the thread that asks.
+double spent_s() {
+  timespec spent{};
+  if (clock_gettime(CLOCK_THREAD_CPUTIME_ID, &spent) != 0) return 0;
+  return static_cast<double>(spent.tv_sec) + 1e-9 * static_cast<double>(spent.tv_nsec);
+}
+
+link::LinkKey key() { return link::LinkKey(std::array<std::byte, link::LinkKey::kSize>{}); }
+
+class Host {
+ public:
+  explicit Host(Clock& clock) {
+    link::UdpWorldServer::Settings settings;
+    settings.bind.address = {127, 0, 0, 1};
+    settings.key = key();
+    settings.max_sessions = kSessions;
+    auto opened = link::UdpWorldServer::open(
+        io_, clock, settings, {.make_half = [this](const link::ThimbleHalf&) { return half(); }});
+    if (opened) server_ = *std::move(opened);
+    if (server_) thread_ = std::thread([this] { io_.run(); });
+  }
+  ~Host() {
+    io_.stop();
+    if (thread_.joinable()) thread_.join();
+  }
+  Host(const Host&) = delete;
+  Host& operator=(const Host&) = delete;
+  [[nodiscard]] bool is_open() const { return server_ != nullptr; }
+  [[nodiscard]] link::Endpoint place() const { return server_->local(); }
+  // Of the processor, by its thread so far.
+  [[nodiscard]] double seconds() {
+    std::promise<double> told;
+    boost::asio::post(io_, [&told] { told.set_value(spent_s()); });
+    return told.get_future().get();
+  }
+
+ private:
+  Result<std::unique_ptr<coupling::WorldCoupling>> half() {
+    if (made_++ % kSessionsOfAWorld == 0) {
+      worlds_.push_back(std::make_unique<world::VoxelWorld>(world::make_box(64).value(), "box:64"));
+    }
+    return coupling::make_world_coupling(coupling::ConstraintModel::GhostPoint, *worlds_.back(), 1);
+  }
+
+  std::vector<std::unique_ptr<world::VoxelWorld>> worlds_;
+  std::size_t made_{0};
+  boost::asio::io_context io_{1};
+  std::unique_ptr<link::UdpWorldServer> server_;
+  std::thread thread_;
+};
+
+class Arms {
+ public:
+  Arms(Clock& clock, const link::Endpoint& host) : clock_(clock) {
+    link::UdpArmLink::Settings settings{.peer = host};
+    settings.end.protocol = link::ArmEndSettings::Protocol::Thimble;
+    settings.end.key = key();
+    for (std::size_t i = 0; i < kSessions; ++i) {
+      auto opened = link::UdpArmLink::open(io_, clock, settings, nullptr);
+      if (opened) arms_.push_back(*std::move(opened));
+    }
+  }
+  // Each arm sends a hand that presses on a wall, until each is answered. False: one never is.
+  bool round() {
+    ++number_;
+    for (auto& arm : arms_) {
+      arm->arm_end().send({.sequence = number_, .sampled_at = clock_.now(), .hand = {0.046, 0, 0}});
+      arm->on_wake();
+    }
+    std::vector<bool> is_answered(arms_.size());
+    std::size_t left = arms_.size();
+    for (std::size_t turn = 0; left > 0 && turn < kMostTurns; ++turn) {
+      io_.run_one_for(std::chrono::milliseconds(10));
+      for (std::size_t i = 0; i < arms_.size(); ++i) {
+        coupling::ConstraintSet reply;
+        if (is_answered[i] || !arms_[i]->arm_end().receive(reply)) continue;
+        is_answered[i] = true;
+        --left;
+      }
+    }
+    return left == 0 && arms_.size() == kSessions;
+  }
+
+ private:
+  Clock& clock_;
+  boost::asio::io_context io_{1};
+  std::vector<std::unique_ptr<link::UdpArmLink>> arms_;
+  std::uint64_t number_{0};
+};
+
+}  // namespace
+
+int main() {
+  linux::MonotonicClock clock;
+  Host host(clock);
+  bool is_good = host.is_open();
+  bench::Slices each_us;
+  if (is_good) {
+    Arms arms(clock, host.place());
+    is_good = arms.round();  // the sessions begin
+    for (std::size_t slice = 0; is_good && slice < bench::kSlices; ++slice) {
+      const double begin_s = host.seconds();
+      for (std::size_t i = 0; is_good && i < kRounds; ++i) is_good = arms.round();
+      each_us.push_back(1e6 * (host.seconds() - begin_s) / (kRounds * kSessions));
+    }
+  }
+  if (!is_good) {
+    std::fputs("bench_link_sessions: not every hand is answered\n", stderr);
+    return 1;
+  }
+  // 64 sessions of 1 kHz leave 15.6 us of a core for each sample.
+  bench::print(bench::compare("a sample served, of 64 sessions, sealed", "us",
+                              {bench::Goal::Of::Value, 1e6 / (1000 * kSessions)}, each_us, {}));
+  return 0;
+}
