@@ -74,10 +74,26 @@ std::string quoted(const std::string& text) {
   return out + '\'';
 }
 
-const char* style_of(lab::Mark mark) {
-  if (mark == lab::Mark::Line) return "lines lw 1.5";
-  if (mark == lab::Mark::Points) return "points pt 6 ps 1.6 lw 2";
-  return "linespoints pt 7 ps 0.6 lw 1.5";
+// Colors that people with any eyes tell apart (Okabe and Ito, "Color universal design"), and black
+// and gray; shapes of gnuplot's, so that a copy in gray tells them apart, too.
+struct Look {
+  const char* color;
+  int shape;
+};
+constexpr std::array kLooks{Look{"#0072b2", 7},  Look{"#d55e00", 5},  Look{"#009e73", 9},
+                            Look{"#cc79a7", 13}, Look{"#e69f00", 11}, Look{"#56b4e9", 6},
+                            Look{"#000000", 4},  Look{"#808080", 8},  Look{"#7a5230", 12},
+                            Look{"#6a3d9a", 10}};
+
+std::string style_of(const lab::Series& series, std::size_t place) {
+  const std::size_t wanted = series.style > 0 ? static_cast<std::size_t>(series.style) - 1 : place;
+  const Look& look = kLooks[wanted % kLooks.size()];
+  const std::string color = std::string(" lc rgb '") + look.color + '\'';
+  const std::string shape = " pt " + std::to_string(look.shape);
+  if (series.mark == lab::Mark::Line) return "lines lw 1.8" + color;
+  if (series.mark == lab::Mark::Dashed) return "lines lw 1.5 dt 2" + color;
+  if (series.mark == lab::Mark::Points) return "points" + shape + " ps 1.2 lw 1.5" + color;
+  return "linespoints" + shape + " ps 0.8 lw 1.5" + color;
 }
 
 std::string axis_text(const lab::Axis& axis, const char* letter) {
@@ -154,7 +170,9 @@ std::string to_json(const lab::Findings& findings) {
 std::string to_gnuplot(const lab::Plot& plot, const std::string& stem) {
   std::string text = "set encoding utf8\nset title " + quoted(plot.title) + " noenhanced\n" +
                      axis_text(plot.x, "x") + axis_text(plot.y, "y") +
-                     "set key outside right top noenhanced\nset grid\nset datafile missing '?'\n";
+                     "set key below Left reverse noenhanced samplen 3 maxrows 4 height 1\nset "
+                     "grid\nset autoscale xfix\nset "
+                     "datafile missing '?'\n";
   std::string drawn;
   for (std::size_t i = 0; i < plot.series.size(); ++i) {
     const lab::Series& series = plot.series[i];
@@ -165,11 +183,12 @@ std::string to_gnuplot(const lab::Plot& plot, const std::string& stem) {
       text += is_there ? digits(x) + ' ' + digits(y) + '\n' : "\n";
     }
     text += "EOD\n";
-    drawn += (i == 0 ? "plot " : ", ") + name + " using 1:2 with " + style_of(series.mark) +
-             " title " + quoted(series.label);
+    drawn += (i == 0 ? "plot " : ", ") + name + " using 1:2 with " + style_of(series, i) +
+             (series.label.empty() ? " notitle" : " title " + quoted(series.label));
   }
-  text += "set terminal svg size 900,540 font 'sans,13'\nset output " + quoted(stem + ".svg") +
-          '\n' + drawn + "\nset terminal pngcairo size 1350,810 font 'sans,15'\nset output " +
+  text += "set terminal svg size 900,600 dynamic font 'sans,13'\nset output " +
+          quoted(stem + ".svg") + '\n' + drawn +
+          "\nset terminal pngcairo size 1350,900 font 'sans,15'\nset output " +
           quoted(stem + ".png") + '\n' + drawn + '\n';
   return text;
 }

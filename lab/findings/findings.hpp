@@ -33,12 +33,15 @@ struct Table {
   bool is_for_files{false};             // too long to be told to people
 };
 
-enum class Mark { Line, Points, LinePoints };
+// Dashed: of theory.
+enum class Mark { Line, Points, LinePoints, Dashed };
 
 struct Series {
-  std::string label;
+  std::string label;  // empty: none, where it goes with the one before
   Mark mark{Mark::LinePoints};
   std::vector<std::pair<double, double>> points;  // not finite: a gap
+  // Shape and color of its marks, from 1; what belongs together has the same. 0: by its place.
+  int style{0};
 };
 
 struct Axis {

@@ -58,6 +58,20 @@ TEST(FindingsFiles, AScriptNamesItsAxesAndQuotesWhatPeopleWrote) {
   EXPECT_NE(script.find("'probe-curve.png'"), std::string::npos);
 }
 
+TEST(FindingsFiles, SeriesOfOneStyleLookAlikeAndOneWithoutALabelIsNotInTheKey) {
+  lab::Plot plot = sample().plots[0];
+  plot.series = {{"measured", lab::Mark::Points, {{1, 2}}, 3},
+                 {"", lab::Mark::Dashed, {{1, 2}}, 3},
+                 {"other", lab::Mark::Line, {{1, 2}}}};
+  const std::string script = to_gnuplot(plot, "probe-curve");
+  EXPECT_NE(script.find("$series0 using 1:2 with points pt 9 ps 1.2 lw 1.5 lc rgb '#009e73' title "
+                        "'measured', $series1 using 1:2 with lines lw 1.5 dt 2 lc rgb '#009e73' "
+                        "notitle, $series2 using 1:2 with lines lw 1.8 lc rgb '#009e73' title "
+                        "'other'"),
+            std::string::npos)
+      << script;
+}
+
 TEST(FindingsFiles, WritesIntoAFolderThatItMakes) {
   const std::string folder = testing::TempDir() + "findings/deep";
   std::filesystem::remove_all(folder);
