@@ -1,0 +1,159 @@
+#include <cstdio>
+#include <string>
+
+#include "lab/run/run.hpp"
+
+// What a session that was played has to tell.
+namespace thimble::lab {
+namespace {
+
+std::string hexadecimal(std::uint64_t number) {
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(number));
+  return text;
+}
+
+Table arms_table() {
+  return {.name = "arms",
+          .title = "Arms",
+          .columns = {{"arm", ""},
+                      {"device", ""},
+                      {"state", ""},
+                      {"driven", "s", 1},
+                      {"contacts", "", 0},
+                      {"most_force", "N", 2},
+                      {"most_offset", "mm", 2},
+                      {"given", "mJ", 3},
+                      {"samples", "", 0},
+                      {"replies", "", 0},
+                      {"lost", "", 0},
+                      {"round_trip", "ms", 1},
+                      {"missed_reports", "", 0},
+                      {"faults", "", 0},
+                      {"trace_hash", ""}},
+          .rows = {}};
+}
+
+std::vector<Cell> arm_row(session::ArmRig& rig, const ArmTrace& trace) {
+  const servo::ServoSnapshot& last = rig.session().snapshot();
+  const link::LinkStatus link = rig.link_status();
+  const config::ArmConfig& said = rig.session().config();
+  return {said.name,
+          said.device,
+          std::string(to_string(last.frame.state)),
+          trace.driven_s,
+          static_cast<double>(last.total_contacts),
+          last.peak_force_newton,
+          1e3 * last.peak_offset_m,
+          1e3 * last.frame.generated_energy_j,
+          static_cast<double>(link.counters.sent),
+          static_cast<double>(link.counters.accepted),
+          static_cast<double>(link.counters.lost),
+          1e3 * seconds(link.round_trip),
+          static_cast<double>(last.missed_exchanges),
+          static_cast<double>(last.faults),
+          hexadecimal(trace.hash.value())};
+}
+
+std::vector<Column> trace_columns() {
+  std::vector<Column> columns{{"time", "s"}};
+  const std::pair<const char*, const char*> vectors[] = {
+      {"tip", "m"}, {"velocity", "m/s"}, {"offset", "m"}, {"wish", "N"}, {"force", "N"}};
+  for (const auto& [name, unit] : vectors) {
+    for (const char* axis : {"_x", "_y", "_z"}) {
+      columns.push_back({std::string(name) + axis, unit});
+    }
+  }
+  columns.push_back({"gain", ""});
+  columns.push_back({"in_contact", ""});
+  columns.push_back({"state", ""});
+  return columns;
+}
+
+Table trace_table(const std::string& name, const std::string& arm, const ArmTrace& trace,
+                  MonotonicTime began) {
+  Table table{.name = name,
+              .title = "Arm '" + arm + "'",
+              .columns = trace_columns(),
+              .rows = {},
+              .is_for_files = true};
+  for (const servo::ServoFrame& frame : trace.frames) {
+    std::vector<Cell> row{seconds(frame.now - began)};
+    const auto add = [&](const auto& v) {
+      for (std::size_t axis = 0; axis < 3; ++axis) row.emplace_back(v[axis]);
+    };
+    add(frame.tip);
+    add(frame.velocity);
+    add(frame.offset);
+    add(frame.wish);
+    add(frame.force);
+    row.emplace_back(frame.gain);
+    row.emplace_back(frame.is_in_contact ? 1.0 : 0.0);
+    row.emplace_back(std::string(to_string(frame.state)));
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+// Three axes of something over time.
+Plot plot_of(const std::string& name, const std::string& title, const std::string& y_label,
+             const ArmTrace& trace, MonotonicTime began, const auto& value) {
+  Plot plot{
+      .name = name, .title = title, .x = {"time [s]", false}, .y = {y_label, false}, .series = {}};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    Series series{std::string(1, static_cast<char>('x' + axis)), Mark::Line, {}};
+    for (const servo::ServoFrame& frame : trace.frames) {
+      series.points.emplace_back(seconds(frame.now - began), value(frame)[axis]);
+    }
+    plot.series.push_back(std::move(series));
+  }
+  return plot;
+}
+
+}  // namespace
+
+Findings SessionRun::findings() const {
+  Findings findings{.experiment = "run",
+                    .title = settings_.file + " in virtual time",
+                    .parameters = {{"file", "", settings_.file},
+                                   {"virtual_time", "s", settings_.for_s},
+                                   {"servo_rate", "Hz", config_.servo.rate_hz},
+                                   {"ticks_per_row", "", static_cast<double>(shown_every_)}},
+                    .tables = {arms_table()},
+                    .plots = {},
+                    .criteria = {{"no arm stopped for a fault", true}},
+                    .remarks = session_->troubles()};
+  for (const std::string& override : settings_.overrides) {
+    findings.parameters.push_back({"set " + override.substr(0, override.find('=')), "", override});
+  }
+  const MonotonicTime began = session_->began();
+  for (std::size_t i = 0; i < traces_.size(); ++i) {
+    session::ArmRig& rig = session_->arm(i);
+    const config::ArmConfig& said = rig.session().config();
+    const std::string number = std::to_string(i + 1);
+    const ArmTrace& trace = traces_[i];
+    findings.tables[0].rows.push_back(arm_row(rig, trace));
+    findings.tables.push_back(trace_table("trace-" + number, said.name, trace, began));
+    if (said.hand) {
+      findings.parameters.push_back(
+          {"hand_seed_" + number, "", static_cast<double>(said.hand->seed)});
+    }
+    if (said.impairment) {
+      findings.parameters.push_back(
+          {"network_seed_" + number, "", static_cast<double>(said.impairment->seed)});
+    }
+    if (rig.session().snapshot().faults > 0) findings.criteria[0].is_met = false;
+    const std::string who = "Arm '" + said.name + "': ";
+    findings.plots.push_back(plot_of("tip-" + number, who + "where the tip is", "tip [m]", trace,
+                                     began, [](const auto& frame) { return frame.tip; }));
+    findings.plots.push_back(plot_of("force-" + number, who + "force, after the limiter",
+                                     "force [N]", trace, began,
+                                     [](const auto& frame) { return frame.force; }));
+    if (!(rig.session().snapshot().peak_offset_m > 0)) continue;
+    findings.plots.push_back(plot_of("offset-" + number, who + "offset of the frame", "offset [m]",
+                                     trace, began, [](const auto& frame) { return frame.offset; }));
+  }
+  return findings;
+}
+
+}  // namespace thimble::lab
