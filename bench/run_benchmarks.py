@@ -11,7 +11,7 @@ import sys
 
 ROOT = pathlib.Path(os.path.realpath(__file__)).parents[1]
 ALL = ("servo_tick", "coupling_step", "ghost_step", "wakeup", "link_round_trip", "link_codec", "link_sessions", "daemon", "voxel_memory",
-       "volume_load", "cam_engine", "cam_pieces")
+       "volume_load", "cam_engine", "cam_pieces", "virtual_time")
 FORMAT = 1  # of the file that --json writes
 DEFAULT_FILE = "build/bench.json"
 MAX_FILE_BYTES = 1 << 20
