@@ -14,7 +14,8 @@ namespace {
 
 constexpr std::size_t kBarColumns = 40;
 
-// On the terminal of standard error; nowhere else, as a file has no use for it.
+}  // namespace
+
 lab::Progress shown_progress() {
   if (::isatty(STDERR_FILENO) != 1) return {};
   return [](std::size_t done, std::size_t all) {
@@ -25,8 +26,6 @@ lab::Progress shown_progress() {
     std::cerr << std::flush;
   };
 }
-
-}  // namespace
 
 int finish_experiment(const Result<lab::Findings>& findings, const std::string& folder) {
   if (!findings) {

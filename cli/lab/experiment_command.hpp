@@ -31,6 +31,9 @@ struct ExperimentCommand {
 // far it is. The exit code is 0 only where all criteria are met.
 void add_experiment(CLI::App& lab, const ExperimentCommand& of, int& code);
 
+// On the terminal of standard error; nothing elsewhere, as a file has no use for it.
+[[nodiscard]] lab::Progress shown_progress();
+
 // Prints and writes; the exit code. `folder`: empty, or where files go.
 [[nodiscard]] int finish_experiment(const Result<lab::Findings>& findings,
                                     const std::string& folder);

@@ -1,5 +1,6 @@
 #include "cli/lab/lab_commands.hpp"
 
+#include <cmath>
 #include <cstdint>
 #include <iostream>
 #include <memory>
@@ -11,9 +12,14 @@
 #include "cli/lab/experiment_command.hpp"
 #include "cli/text.hpp"
 #include "drivers/cambus/cambus_registers.hpp"
+#include "hal/linux/monotonic_clock.hpp"
 #include "lab/compare/compare.hpp"
 #include "lab/constraint_models/constraint_models.hpp"
+#include "lab/drift/drift.hpp"
+#include "lab/hello_sphere/hello_sphere.hpp"
 #include "lab/piece_separator.hpp"
+#include "lab/run/run.hpp"
+#include "lab/stability/stability.hpp"
 #include "lab/table_4_1/table_4_1.hpp"
 #include "lab/teleoperation/teleoperation.hpp"
 
@@ -98,6 +104,17 @@ int run_separate(std::uint64_t seed, const std::string& write) {
   return kExitOk;
 }
 
+// Of an experiment that is asked for nothing but its seed.
+template <class Settings, class Run>
+Experiment with_seed(const Run& run) {
+  return [run](const Asked& asked) {
+    Settings settings;
+    settings.seed = asked.seed;
+    settings.progress = asked.progress;
+    return run(settings);
+  };
+}
+
 void add_experiments(CLI::App& lab, int& code) {
   add_experiment(
       lab,
@@ -150,12 +167,68 @@ void add_experiments(CLI::App& lab, int& code) {
       code);
 }
 
+void add_seeded_experiments(CLI::App& lab, int& code) {
+  add_experiment(lab,
+                 {.name = "stability",
+                  .help = "The largest stable stiffness of each scheme over delay, beside theory",
+                  .run = with_seed<lab::StabilitySettings>(lab::run_stability)},
+                 code);
+  add_experiment(lab,
+                 {.name = "hello-sphere",
+                  .help = "The ball of thesis 3.2 through each scheme, at 1 to 200 ms",
+                  .run = with_seed<lab::HelloSphereSettings>(lab::run_hello_sphere)},
+                 code);
+  add_experiment(lab,
+                 {.name = "drift",
+                  .help = "Repeated taps at a wall that is learned of late (thesis 3.7)",
+                  .run = with_seed<lab::DriftSettings>(lab::run_drift)},
+                 code);
+}
+
+// Plays it; the exit code. How fast it went is printed only: files are the same each time.
+int play_session(const lab::RunSettings& settings, const std::string& folder) {
+  const auto run = lab::SessionRun::load(settings);
+  if (!run) return finish_experiment(tl::unexpected(run.error()), folder);
+  const linux::MonotonicClock clock;
+  const MonotonicTime began = clock.now();
+  (*run)->play(shown_progress());
+  const double took_s = seconds(clock.now() - began);
+  const int code = finish_experiment((*run)->findings(), folder);
+  std::cout << "virtual time went " << std::lround(settings.for_s / took_s)
+            << " times as fast as real time\n";
+  return code;
+}
+
+void add_run(CLI::App& lab, int& code) {
+  struct Said {
+    lab::RunSettings settings;
+    std::string folder;
+  };
+  const auto said = std::make_shared<Said>();
+  CLI::App* run = lab.add_subcommand("run", "Play any configuration of the daemon in virtual time");
+  run->add_option("CONFIG", said->settings.file, "As thimbled takes it")->required();
+  run->add_option("--set", said->settings.overrides, "KEY=VALUE, as thimbled takes it")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  run->add_option("--seed", said->settings.seed,
+                  "Of all simulated persons and networks, instead of those of the file");
+  run->add_option("--for", said->settings.for_s, "How long, in virtual seconds")
+      ->check(CLI::Range(0.001, 1e5))
+      ->capture_default_str();
+  run->add_option("--out", said->folder,
+                  "Write CSV, JSON and plots (SVG and PNG, by gnuplot) there, too")
+      ->type_name("FOLDER");
+  run->callback([&code, said] { code = play_session(said->settings, said->folder); });
+}
+
 void add_lab_commands(CLI::App& app, int& code) {
   CLI::App* lab = app.add_subcommand("lab", "Measure the thesis's figures in virtual time");
   lab->require_subcommand(1);
   add_cam_latency(*lab, code);
   add_separate(*lab, code);
   add_experiments(*lab, code);
+  add_seeded_experiments(*lab, code);
+  add_run(*lab, code);
 }
 
 }  // namespace thimble::lab_commands

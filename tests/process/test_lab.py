@@ -59,6 +59,80 @@ class Lab(ProcessTest):
         end = trace[-1]
         self.assertLess(float(end["simple_proxy_y [mm]"]), float(end["hand_y [mm]"]) - 1, "figure 3-8e")
         self.assertEqual(end["cells_proxy_y [mm]"], end["hand_y [mm]"], "figure 3-9")
+    def test_the_largest_stable_stiffnesses_are_those_of_theory(self):
+        folder = self.folder / "stability"
+        shown = self.run_experiment("stability", "--out", folder)
+        self.assertEqual(shown.returncode, 0, shown.stdout[-800:] + shown.stderr)
+        with (folder / "stability-limits.csv").open() as file:
+            rows = list(csv.DictReader(file))
+        # teleop.md 2(a), its own simulation: N/m at 10 ms.
+        found = {row["hand_damping [N.s/m]"]: float(row["measured [N/m]"]) for row in rows
+                 if row["scheme"] == "remote-force" and row["delay [ms]"] == "10"}
+        for damping, expected in (("2", 195), ("4", 399), ("8", 827)):
+            self.assertAlmostEqual(found[damping], expected, delta=0.02 * expected)
+        plot = (folder / "stability-schemes.gp").read_text()
+        self.assertIn("set ylabel 'largest stable stiffness [N/m]'", plot)
+        self.assertIn("thesis, wall of 800 N/m", plot)
+
+    def test_the_ball_of_the_thesis_swings_only_where_forces_come_back_late(self):
+        shown = self.run_experiment("hello-sphere")
+        self.assertEqual(shown.returncode, 0, shown.stdout[-800:] + shown.stderr)
+        self.assertEqual(shown.stdout.count("as it must be: "), 3)
+
+    def test_the_frame_gets_away_when_theory_says(self):
+        folder = self.folder / "drift"
+        shown = self.run_experiment("drift", "--out", folder)
+        self.assertEqual(shown.returncode, 0, shown.stdout[-800:] + shown.stderr)
+        with (folder / "drift-critical.csv").open() as file:
+            found = {(row["scheme"], row["delay [ms]"]): float(row["measured [1/s]"])
+                     for row in csv.DictReader(file)}
+        # teleop.md 2(e), "Drift".
+        for delay, expected in (("50", 2.5), ("100", 1.2), ("200", 0.6)):
+            self.assertAlmostEqual(found["ghost-point", delay], expected, delta=0.15 * expected)
+
+    def test_a_configuration_is_played_unchanged(self):
+        folder = self.folder / "run"
+        config = self.folder / "hello.toml"
+        config.write_text("""
+[[arm]]
+name = "right"
+device = "sim:phantom-vintage"
+amplifier_max_a = 3.0
+world = "box"
+[arm.hand]
+motion = "explore"
+[[world]]
+name = "box"
+source = "box:3"
+""")
+        shown = self.run_experiment("run", config, "--for", "6", "--out", folder)
+        self.assertEqual(shown.returncode, 0, shown.stdout + shown.stderr)
+        self.assertRegex(shown.stdout, r"virtual time went \d+ times as fast as real time")
+        document = json.loads((folder / "run.json").read_text())
+        again = self.run_experiment("run", config, "--for", "6", "--out", self.folder / "again")
+        self.assertEqual(again.returncode, 0)
+        self.assertEqual((self.folder / "again/run.json").read_bytes(), (folder / "run.json").read_bytes())
+        arms = document["tables"]["arms"]
+        state = [column["name"] for column in arms["columns"]].index("state")
+        self.assertEqual(arms["rows"][0][state].lower(), "active")
+        with (folder / "run-trace-1.csv").open() as file:
+            self.assertGreater(len(list(csv.DictReader(file))), 1000)
+
+    def test_what_keeps_real_time_is_not_played(self):
+        config = self.folder / "real.toml"
+        config.write_text("""
+[[arm]]
+name = "far"
+device = "sim:phantom-vintage"
+amplifier_max_a = 3.0
+link = "udp://127.0.0.1:5001"
+allow_unauthenticated = true
+[arm.hand]
+motion = "still"
+""")
+        shown = self.run_experiment("run", config)
+        self.assertNotEqual(shown.returncode, 0)
+        self.assertIn("link: another host keeps real time", shown.stderr)
 
     def test_what_cannot_be_done_is_said(self):
         shown = self.run_experiment("table-4.1", "--contacts", "1", "--out", "/proc/none")

@@ -77,7 +77,7 @@ class Manual(ProcessTest):
         listed = self.help("thimble", "lab").split("Subcommands:\n")[1]
         experiments = re.findall(r"^  ([a-z0-9.-]+)", listed, re.MULTILINE)
         page = {title: text for title, text in
-                re.findall(r"^\.SS lab (\S+)\n(.*?)(?=^\.SS )", troff("thimble.1"), re.MULTILINE | re.DOTALL)}
+                re.findall(r"^\.SS lab (\S+).*?\n(.*?)(?=^\.SS )", troff("thimble.1"), re.MULTILINE | re.DOTALL)}
         self.assertEqual(set(page), set(experiments))
         self.assertEqual(self.completed("thimble", "lab"), set(experiments))
         for experiment in experiments:
