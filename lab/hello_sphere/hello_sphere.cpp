@@ -230,7 +230,8 @@ Result<Findings> run_hello_sphere(const HelloSphereSettings& settings) {
       .plots = {swings_plot(all), forces_plot(all, undelayed->press),
                 paths_plot(all, undelayed->stroke)},
       .criteria = criteria_of(all),
-      .remarks = {"buffer-zone is not there: it is made of cells, and the ball has none."}};
+      .remarks = {"buffer-zone and composite are not there: they are made of cells, and the ball "
+                  "has none."}};
 }
 
 }  // namespace thimble::lab

@@ -138,7 +138,7 @@ struct Shown {
 };
 constexpr std::array kShown{
     Shown{"ghost-point, as it ships", "ghost-point, as it ships", false},
-    Shown{"ghost-point", "ghost-point, constraint-plane, buffer-zone", true},
+    Shown{"ghost-point", "ghost-point, constraint-plane, buffer-zone, composite", true},
     Shown{"wave, b = 10", "wave, b = 2, 10, 40: no wall is harder", false},
     Shown{"spring-damper, both ends", "spring-damper, both ends", true},
     Shown{"spring-damper", "spring-damper, world's end", true},

@@ -159,6 +159,7 @@ std::vector<StabilityCase> stability_cases() {
           here("ghost-point, lock-step", Scheme::GhostPoint, SendMode::LockStep),
           here("constraint-plane", Scheme::ConstraintPlane, SendMode::Streamed),
           here("buffer-zone", Scheme::BufferZone, SendMode::Streamed),
+          here("composite", Scheme::Composite, SendMode::Streamed),
           ghost_point_as_it_ships()};
 }
 

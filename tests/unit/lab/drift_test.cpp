@@ -55,6 +55,13 @@ TEST(TapRuns, WallsThatRecoverDisplaceNothingAndGiveTheHandEnergy) {
   EXPECT_GT(taps.generated_joule, taps_of({.name = "ghost-point"}, 0.1, 1).generated_joule);
 }
 
+TEST(TapRuns, AWallThatIsKnownBeforehandDisplacesNothingHoweverQuickTheTaps) {
+  const Taps taps = taps_of({.name = "composite", .scheme = coupling::Scheme::Composite}, 0.2, 4);
+  ASSERT_EQ(taps.offsets_m.size(), 30U);
+  for (const double offset_m : taps.offsets_m) EXPECT_EQ(offset_m, 0);
+  EXPECT_NEAR(taps.taps_per_s, 4, 0.01);
+}
+
 TEST(TapRuns, DriftOfALineIsItsSlope) {
   Taps line;
   line.taps_per_s = 2;

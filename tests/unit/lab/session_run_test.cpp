@@ -64,7 +64,7 @@ TEST(SessionRun, TheSameSeedGivesTheSameTraceAndAnotherDoesNot) {
 
 TEST(SessionRun, EverySchemePlays) {
   for (const char* scheme : {"ghost-point", "thesis-literal", "remote-force", "spring-damper",
-                             "wave", "constraint-plane", "buffer-zone"}) {
+                             "wave", "constraint-plane", "buffer-zone", "composite"}) {
     const auto run = played({std::string("arm.coupling.scheme='") + scheme + "'"}, 2);
     ASSERT_NE(run, nullptr) << scheme;
     EXPECT_GT(run->trace(0).driven_s, 0.5) << scheme;

@@ -104,6 +104,8 @@ TEST(StabilityTrial, EachSchemeSwingsBeyondItsOwnLimitOnly) {
   for (const double delay_s : {0.01, 0.1}) {
     EXPECT_TRUE(is_stable("ghost-point", 3800, delay_s));
     EXPECT_FALSE(is_stable("ghost-point", 4300, delay_s));
+    EXPECT_TRUE(is_stable("composite", 3800, delay_s));
+    EXPECT_FALSE(is_stable("composite", 4300, delay_s));
     EXPECT_TRUE(is_stable("constraint-plane", 3800, delay_s));
     EXPECT_FALSE(is_stable("constraint-plane", 4300, delay_s));
     EXPECT_TRUE(is_stable("wave, b = 10", 3000, delay_s));
