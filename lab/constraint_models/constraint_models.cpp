@@ -162,7 +162,7 @@ class FigurePlayer {
     Verdict verdict;
     std::size_t stage = 0;
     for (std::size_t i = 0; i < way.hands.size(); ++i) {
-      const Held held = hold(model, way.hands[i]);
+      const HeldHand held = hold(model, way.hands[i]);
       judge(model, matter, held, verdict);
       const auto planes = static_cast<double>(held.planes.size());
       trace.rows[i].insert(trace.rows[i].end(), {mm(held.proxy.x), mm(held.proxy.y), planes});
@@ -175,7 +175,7 @@ class FigurePlayer {
   }
 
   void add_stage(const Scene& scene, const FigureStage& stage, const Model& model,
-                 const Held& held) {
+                 const HeldHand& held) {
     const int drawn = model.has_ghost ? stage.planes : stage.simple_planes;
     const auto planes = static_cast<int>(held.planes.size());
     // Where cells meet at a point, shapes may hold by one plane across it, and so does a field.

@@ -11,7 +11,7 @@ constexpr double kTouch_m = 3e4 * world::kPlaneTolerance_m;
 
 }  // namespace
 
-void judge(const Model& model, const std::vector<world::PlacedShape>& matter, const Held& held,
+void judge(const Model& model, const std::vector<world::PlacedShape>& matter, const HeldHand& held,
            Verdict& verdict) {
   ++verdict.steps;
   bool is_outside = false;

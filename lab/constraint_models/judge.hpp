@@ -25,7 +25,7 @@ struct Verdict {
 };
 
 // Judges one step more.
-void judge(const Model& model, const std::vector<world::PlacedShape>& matter, const Held& held,
+void judge(const Model& model, const std::vector<world::PlacedShape>& matter, const HeldHand& held,
            Verdict& verdict);
 
 }  // namespace thimble::lab

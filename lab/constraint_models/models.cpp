@@ -95,9 +95,9 @@ Result<std::vector<Model>> make_models(const Scene& scene) {
   return models;
 }
 
-Held hold(const Model& model, Position3 hand) {
+HeldHand hold(const Model& model, Position3 hand) {
   const world::ProbeMotion motion = model.move(hand);
-  Held held{hand, model.has_ghost ? motion.ghost : hand, hand, {}, {}};
+  HeldHand held{hand, model.has_ghost ? motion.ghost : hand, hand, {}, {}};
   for (const world::ContactPlane& plane : motion.planes) {
     held.planes.push_back({plane.normal, dot(plane.normal, hand) - plane.offset_m});
   }

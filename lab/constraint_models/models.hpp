@@ -13,7 +13,7 @@
 namespace thimble::lab {
 
 // What a model makes of one place of the hand.
-struct Held {
+struct HeldHand {
   Position3 hand{};
   Position3 ghost{};  // the hand, of the simple model
   Position3 proxy{};  // the god-object: nearest to the hand of what its planes leave free
@@ -34,6 +34,6 @@ struct Model {
 // Errors: a world's, which a scene of ours has not.
 [[nodiscard]] Result<std::vector<Model>> make_models(const Scene& scene);
 
-[[nodiscard]] Held hold(const Model& model, Position3 hand);
+[[nodiscard]] HeldHand hold(const Model& model, Position3 hand);
 
 }  // namespace thimble::lab

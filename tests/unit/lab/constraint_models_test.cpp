@@ -90,7 +90,7 @@ TEST(LabConstraintModelsJudge, FindsEachBreach) {
   const Model model{"made up", true, 1e-9, {}};
   const Displacement3 past{0, -0.001, 0};
   const auto judged = [&](Displacement3 taken, double share_m, Position3 ghost) {
-    Held held{{0, -0.001, 0}, ghost, {}, {}, {}};
+    HeldHand held{{0, -0.001, 0}, ghost, {}, {}, {}};
     held.planes.push_back({{0, -1, 0}, 0.001});
     held.projection.past = taken;
     held.projection.share[0] = share_m;
