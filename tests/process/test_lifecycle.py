@@ -297,7 +297,7 @@ class Materials(ProcessTest):
         zeros(self.folder / "scan.npy", 8)
         daemon = self.start("--set", "world.listen=udp://127.0.0.1:0", name="scan",
                             config=session_in(self.folder / "scan.npy", materials=1))
-        sentence = "arms of other hosts feel none of its materials"
+        sentence = "arms that speak the datagrams of 1999 feel none of its materials"
         self.assertTrue(any(sentence in line for line in daemon.status()["degraded"]))
         self.assertEqual(daemon.stop(), 0)
         self.assertIn(sentence, daemon.log())
