@@ -198,8 +198,15 @@ TEST_P(FeltAtEveryDelay, TheHandIsShownOneRoundTripEarlierInTheOpen) {
   }
 }
 
-TEST_P(FeltAtEveryDelay, TheHandIsNeverSeenToJump) {
-  if (GetParam() == Way::LockStep) GTEST_SKIP() << "a place is told once a round trip";
+// In lock-step a place is told once a round trip.
+class FeltWhileStreamed : public ::testing::TestWithParam<Way> {};
+INSTANTIATE_TEST_SUITE_P(, FeltWhileStreamed,
+                         ::testing::Values(Way::GhostPoint, Way::ConstraintPlane,
+                                           Way::BufferZoneCells, Way::BufferZoneFaces, Way::Remote,
+                                           Way::Composite),
+                         [](const auto& of) { return std::string(name_of(of.param)); });
+
+TEST_P(FeltWhileStreamed, TheHandIsNeverSeenToJump) {
   for (const int ms : {1, 20, 100, 500}) {
     Eye eye(GetParam(), std::chrono::milliseconds(ms));
     eye.poke(1);

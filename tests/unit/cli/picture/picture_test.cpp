@@ -190,7 +190,7 @@ TEST(Snapshot, FingersAreWhereTheirHandsAreFelt) {
   // In a plane the third axis is free.
   ColorVolume plane{{8, 8, 1}, std::vector<std::uint8_t>(64)};
   status.worlds[0].cells = {8, 8, 1};
-  status.arms[0].position_m = {0.015, 0.005, 0.4};
+  status.arms[0].felt.position_m = {0.025, 0.005, 0.4};
   add_fingers(plane, 1, status.worlds[0], status);
   EXPECT_EQ(plane.colors[6 + 8 * 4], 7);
 }
@@ -217,15 +217,15 @@ TEST(Snapshot, FingersAreWhereTheyAreAmongCellsDrawnLargeAndAmongThinnedOnes) {
   status.worlds.push_back({.name = "w", .source = "box", .cells = {4, 4, 4}, .cell_m = 0.01});
   status.arms.resize(1);
   status.arms[0].world = "w";
-  status.arms[0].position_m = {0.015, -0.015, 0.0};
+  status.arms[0].felt.position_m = {0.015, -0.015, 0.0};
   ColorVolume large{{64, 64, 64}, std::vector<std::uint8_t>(64 * 64 * 64)};
   add_fingers(large, 1, status.worlds[0], status);
   EXPECT_EQ(large.colors[56 + 64 * (8 + 64 * 32)], 7);
   EXPECT_EQ(large.colors[56 + 64 * (8 + 64 * 36)], 0);
   // Every third of 190 cells: 64, of which the last stands for one cell beyond.
   status.worlds[0].cells = {190, 190, 190};
-  status.arms[0].position_m = {0.01 * (3 * 50 + 1.5 - 95), 0.01 * (3 * 20 + 1.5 - 95),
-                               0.01 * (3 * 10 + 1.5 - 95)};
+  status.arms[0].felt.position_m = {0.01 * (3 * 50 + 1.5 - 95), 0.01 * (3 * 20 + 1.5 - 95),
+                                    0.01 * (3 * 10 + 1.5 - 95)};
   ColorVolume thin{{64, 64, 64}, std::vector<std::uint8_t>(64 * 64 * 64)};
   add_fingers(thin, 3, status.worlds[0], status);
   EXPECT_EQ(std::count(thin.colors.begin(), thin.colors.end(), 7), 7);
