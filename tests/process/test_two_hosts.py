@@ -62,13 +62,12 @@ class TwoHosts(ProcessTest):
             with self.subTest(scheme):
                 arm = self.arm(scheme, scheme)
                 status = arm.status_when(lambda s: link(s)["is_up"] and s["arms"][0]["contacts"] > 0
-                                         and "clocks" in link(s))
+                                         and s["arms"][0]["peak_force_newton"] > 0.1 and "clocks" in link(s))
                 self.assertEqual(link(status)["kind"], "thimble")
                 self.assertEqual(link(status)["peer_world"], "box")
                 # One clock on one machine: whatever the ways, it is off by no more than is told.
                 clocks = link(status)["clocks"]
                 self.assertLessEqual(abs(clocks["offset_s"]), clocks["offset_error_s"])
-                self.assertGreater(status["arms"][0]["peak_force_newton"], 0.1)
                 arm.stop()
 
     def test_a_wrong_key_hears_nothing_and_is_counted(self):
