@@ -2,6 +2,7 @@
 takes its ten bits a byte."""
 
 import os
+import select
 import threading
 import time
 import tty
@@ -42,6 +43,7 @@ class Cable:
             self.ends.append(end)
             self.nodes.append(os.ttyname(node))
             os.close(node)
+            os.set_blocking(end, False)
         self.carried = [0, 0]
         self.is_cut = threading.Event()
         self.is_noisy = threading.Event()
@@ -53,6 +55,9 @@ class Cable:
         free_at = time.monotonic()
         source, sink = self.ends[way], self.ends[1 - way]
         while not self.is_cut.is_set():
+            # Not in read(): who cuts the cable waits for this thread, lest a number that is closed be another's by then.
+            if not select.select([source], [], [], 0.05)[0]:
+                continue
             try:
                 data = os.read(source, 64)
             except OSError:  # nobody has the terminal open
@@ -70,6 +75,8 @@ class Cable:
 
     def close(self):
         self.is_cut.set()
+        for thread in self.threads:
+            thread.join()
         for end in self.ends:
             os.close(end)
         self.ends = []
