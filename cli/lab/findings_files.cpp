@@ -83,7 +83,7 @@ struct Look {
 constexpr std::array kLooks{Look{"#0072b2", 7},  Look{"#d55e00", 5},  Look{"#009e73", 9},
                             Look{"#cc79a7", 13}, Look{"#e69f00", 11}, Look{"#56b4e9", 6},
                             Look{"#000000", 4},  Look{"#808080", 8},  Look{"#7a5230", 12},
-                            Look{"#6a3d9a", 10}};
+                            Look{"#6a3d9a", 10}, Look{"#a50026", 1},  Look{"#4d7c0f", 2}};
 
 std::string style_of(const lab::Series& series, std::size_t place) {
   const std::size_t wanted = series.style > 0 ? static_cast<std::size_t>(series.style) - 1 : place;

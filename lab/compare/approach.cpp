@@ -101,6 +101,7 @@ Result<void> play_approach(const CouplingCase& of, const StageSettings& settings
   into.generated_joule = finger.energy().generated_joule();
   into.declared_joule = declared_joule(history, of.settings.ghost_point);
   into.packets_per_s = (*stage)->packets_per_s();
+  into.bytes_per_s = (*stage)->bytes_per_s();
   return {};
 }
 

@@ -146,38 +146,37 @@ Table ranking_table(const Compared& compared) {
 }
 
 std::vector<Column> measure_columns() {
-  return {{"delay", "ms", 0},
-          {"network", ""},
-          {"scheme", ""},
-          {"onset", "ms", 0},
-          {"stiffness", "N/m", 0},
-          {"displacement", "mm", 1},
-          {"drag", "N", 2},
-          {"mass", "kg", 2},
-          {"push_error", "N", 2},
-          {"hold", "N", 2},
-          {"swing", "mm", 2},
-          {"residue", "N", 2},
-          {"past_edge", "mm", 1},
-          {"missed_taps", "%", 0},
-          {"astray", "N", 2},
-          {"astray_for", "ms", 0},
-          {"packets", "1/s", 0},
-          {"generated", "mJ", 2},
-          {"declared", "mJ", 2},
-          {"most_force", "N", 2},
-          {"most_rise", "N", 2},
-          {"most_pull", "N", 2},
-          {"score", ""}};
+  return {{"delay", "ms", 0},      {"network", ""},         {"scheme", ""},
+          {"onset", "ms", 0},      {"stiffness", "N/m", 0}, {"displacement", "mm", 1},
+          {"drag", "N", 2},        {"mass", "kg", 2},       {"push_error", "N", 2},
+          {"hold", "N", 2},        {"swing", "mm", 2},      {"residue", "N", 2},
+          {"past_edge", "mm", 1},  {"missed_taps", "%", 0}, {"astray", "N", 2},
+          {"astray_for", "ms", 0}, {"packets", "1/s", 0},   {"bytes", "kB/s", 0},
+          {"generated", "mJ", 2},  {"declared", "mJ", 2},   {"most_force", "N", 2},
+          {"most_rise", "N", 2},   {"most_pull", "N", 2},   {"score", ""}};
 }
 
 std::vector<Cell> measure_cells(const Measures& m) {
-  return {
-      1e3 * m.onset_s,  m.stiffness_newton_per_m, 1e3 * m.displacement_m,  m.drag_newton,
-      m.mass_kg,        m.push_error_newton,      m.hold_newton,           1e3 * m.swing_m,
-      m.residue_newton, 1e3 * m.edge_m,           100 * m.missed_share,    m.astray_newton,
-      1e3 * m.astray_s, m.packets_per_s,          1e3 * m.generated_joule, 1e3 * m.declared_joule,
-      m.most_newton,    m.most_rise_newton,       m.most_pull_newton};
+  return {1e3 * m.onset_s,
+          m.stiffness_newton_per_m,
+          1e3 * m.displacement_m,
+          m.drag_newton,
+          m.mass_kg,
+          m.push_error_newton,
+          m.hold_newton,
+          1e3 * m.swing_m,
+          m.residue_newton,
+          1e3 * m.edge_m,
+          100 * m.missed_share,
+          m.astray_newton,
+          1e3 * m.astray_s,
+          m.packets_per_s,
+          1e-3 * m.bytes_per_s,
+          1e3 * m.generated_joule,
+          1e3 * m.declared_joule,
+          m.most_newton,
+          m.most_rise_newton,
+          m.most_pull_newton};
 }
 
 Table measures_table(const Compared& compared) {

@@ -23,6 +23,7 @@ struct Measures {
   double astray_newton{0};           // most, by an outage
   double astray_s{0};                // after its end
   double packets_per_s{0};           // both directions
+  double bytes_per_s{0};             // of them, as datagrams of ours in the clear
   double generated_joule{0};         // most that the hand was given, held hand and pushing one
   double declared_joule{0};          // what the scheme may
   double most_newton{0};

@@ -46,6 +46,7 @@ void Stage::rest(Position3 start) {
   for (int i = 0; i < ticks; ++i) (void)loop_->tick(start, {});
   began_ = loop_->now();
   packets_before_ = packets();
+  bytes_before_ = loop_->bytes();
 }
 
 std::uint64_t Stage::packets() const {
@@ -55,6 +56,10 @@ std::uint64_t Stage::packets() const {
 
 double Stage::packets_per_s() const {
   return static_cast<double>(packets() - packets_before_) / now_s_;
+}
+
+double Stage::bytes_per_s() const {
+  return static_cast<double>(loop_->bytes() - bytes_before_) / now_s_;
 }
 
 const Felt& Stage::tick(Position3 tip, Velocity3 velocity) {

@@ -61,6 +61,7 @@ class Stage {
   [[nodiscard]] Duration dt() const noexcept { return loop_->dt(); }
   // Of both directions, since time 0.
   [[nodiscard]] double packets_per_s() const;
+  [[nodiscard]] double bytes_per_s() const;
 
  private:
   Stage(const StageSettings& settings, std::unique_ptr<world::VoxelWorld> world) noexcept;
@@ -74,6 +75,7 @@ class Stage {
   std::vector<Felt> history_;
   MonotonicTime began_{};
   std::uint64_t packets_before_{0};
+  std::uint64_t bytes_before_{0};
   double now_s_{0};
   double silent_until_s_{0};
   bool is_forward_{false};

@@ -1,11 +1,23 @@
 #include "lab/trial/trial_loop.hpp"
 
+#include <array>
+#include <cstddef>
 #include <utility>
+
+#include "daemon/link/thimble_codec.hpp"
 
 namespace thimble::lab {
 namespace {
 
 constexpr std::size_t kOpenSamples = 4096;  // longer than any round trip of the lab
+
+// Of our own datagram, in the clear; what cannot be said in it has none.
+template <class Message>
+std::uint64_t size_of(const Message& message) {
+  std::array<std::byte, link::kMaxThimbleContent> content{};
+  const auto size = link::encode(message, content);
+  return size ? link::kThimbleHeaderSize + *size : 0;
+}
 
 }  // namespace
 
@@ -34,8 +46,12 @@ coupling::ArmOutput TrialLoop::tick(Position3 tip, Velocity3 velocity) {
                                                       .buttons = 0,
                                                       .fresh = is_fresh ? &reply : nullptr,
                                                       .link = link_.arm_end().quality()});
+  const std::uint64_t sent_before = link_.status().counters.sent;
   send(output.sample);
   link_.pump(now_);
+  // In lock-step only what was asked for leaves.
+  const std::uint64_t sent = link_.status().counters.sent - sent_before;
+  if (sent > 0) bytes_ += sent * size_of(link::ThimbleSample{.sample = output.sample});
   return output;
 }
 
@@ -54,6 +70,7 @@ void TrialLoop::send(const coupling::HandSample& sample) {
 }
 
 void TrialLoop::note_answer(const coupling::ConstraintSet& reply) noexcept {
+  bytes_ += size_of(link::ThimbleConstraints{.request = reply.answers, .set = reply});
   const Told& told = told_[reply.answers % told_.size()];
   if (told.sequence == reply.answers) deadband_.on_answered(told.hand, told.sent_at);
 }

@@ -39,6 +39,8 @@ class TrialLoop {
   [[nodiscard]] MonotonicTime now() const noexcept { return now_; }
   [[nodiscard]] Duration dt() const noexcept { return settings_.dt; }
   [[nodiscard]] std::uint64_t samples_sent() const noexcept { return samples_sent_; }
+  // Of the samples sent and the answers taken, as datagrams of ours in the clear.
+  [[nodiscard]] std::uint64_t bytes() const noexcept { return bytes_; }
   [[nodiscard]] std::uint64_t samples_withheld() const noexcept { return samples_withheld_; }
   [[nodiscard]] link::LinkStatus status() const { return link_.status(); }
 
@@ -59,6 +61,7 @@ class TrialLoop {
   link::Deadband deadband_;
   std::vector<Told> told_;  // by sequence, modulo its size
   std::uint64_t samples_sent_{0};
+  std::uint64_t bytes_{0};
   std::uint64_t samples_withheld_{0};
   bool is_first_{true};
   bool is_up_{true};

@@ -152,6 +152,27 @@ TEST(Stage, TheWallMovesAndTheNetworkFallsSilentWhenTheyAreSaidTo) {
   EXPECT_NEAR((*silent)->packets_per_s(), 2000 * (1 - kOutage_s / kOutageEvery_s), 5);
 }
 
+// A map costs bytes until it is known, and then no more than faces do.
+TEST(Stage, BytesAreThoseOfTheDatagramsThatGoToAndFro) {
+  const Position3 before{kWall_m - 0.010, -0.02, 0};
+  const auto bytes_per_s = [&](const CouplingCase& of) {
+    auto stage = Stage::create(of, {.delay_s = 0.01}, before);
+    EXPECT_TRUE(stage);
+    for (int i = 0; i < 500; ++i) (void)(*stage)->tick(before, {});
+    const bool waits = of.mode == link::SendMode::LockStep;
+    EXPECT_NEAR((*stage)->packets_per_s(), waits ? 2 / 0.010 : 2000, 20);
+    return (*stage)->bytes_per_s();
+  };
+  const double faces = bytes_per_s({.name = "ghost-point"});
+  EXPECT_GT(faces, 2000 * 64.0);
+  EXPECT_LT(faces, 2000 * 256.0);
+  const double map = bytes_per_s({.name = "composite", .scheme = coupling::Scheme::Composite});
+  EXPECT_GT(map, faces);
+  EXPECT_LT(map, 1.5 * faces);
+  const double zone = bytes_per_s({.name = "buffer-zone", .scheme = coupling::Scheme::BufferZone});
+  EXPECT_GT(zone, map) << "it names what is near again and again";
+}
+
 TEST(PlaneFit, FindsTheSlopesItWasGiven) {
   Random random(5);
   PlaneFit fit;
