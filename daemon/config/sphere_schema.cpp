@@ -6,15 +6,15 @@ namespace thimble::config {
 namespace {
 
 // Smaller than 1 mm a ball is lost in the hysteresis; farther than 1 m no arm reaches.
-constexpr Range kRadius{0.001, 1};
-constexpr Range kPlace{-1, 1};
+constexpr Range kSphereRadius{0.001, 1};
+constexpr Range kSpherePlace{-1, 1};
 constexpr Range kFloor{-10, 1};
 
 SphereConfig read_sphere_table(TableReader reader) {
   SphereConfig out;
-  reader.read("radius_m", kRadius, out.radius_m);
+  reader.read("radius_m", kSphereRadius, out.radius_m);
   std::optional<std::array<double, 3>> center;
-  if (reader.read("center_m", kPlace, center)) out.center_m = *center;
+  if (reader.read("center_m", kSpherePlace, center)) out.center_m = *center;
   reader.read("floor_m", kFloor, out.floor_m);
   reader.read("stiffness_newton_per_m", {0, 20000, true}, out.stiffness_newton_per_m);
   reader.read("damping_newton_s_per_m", {0, 1000}, out.damping_newton_s_per_m);

@@ -15,7 +15,6 @@ constexpr double kArrived_s = (kGoal_m - kStart_m) / kSpeed_m_per_s;
 constexpr double kLeave_s = kArrived_s + 3;
 constexpr double kLeft_s = kLeave_s + (kGoal_m - kStart_m) / kSpeed_m_per_s;
 constexpr double kEnd_s = kLeft_s + 1.25;
-constexpr double kBeside_m = -0.02;          // ours: well away from the edge
 constexpr double kFree_m = kWall_m - 0.003;  // ours
 
 double size_of(Force3 force) { return norm(force.x, force.y, force.z); }

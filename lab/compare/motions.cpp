@@ -1,15 +1,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "lab/compare/scenarios.hpp"
 
 // The scenarios of a hand that nothing stops: taps, and a shake in free space.
 namespace thimble::lab {
 namespace {
-
-constexpr double kBeside_m = -0.02;  // ours: well away from the edge
-constexpr double kPi = 3.14159265358979323846;
 
 // SOURCE: teleop.md section 5, M8. Ours: from where, how fast, how often.
 constexpr std::array kTaps_s{0.030, 0.060, 0.120, 0.250};
@@ -80,7 +78,7 @@ Result<void> play_taps(const CouplingCase& of, const StageSettings& settings, Me
 Result<void> play_shake(const CouplingCase& of, const StageSettings& settings, Measures& into) {
   auto stage = Stage::create(of, settings, {kShakeMiddle_m, kBeside_m, 0});
   if (!stage) return tl::unexpected(stage.error());
-  const double omega_per_s = 2 * kPi * kShake_hz;
+  const double omega_per_s = 2 * std::numbers::pi * kShake_hz;
   double force_by_acceleration = 0;
   double acceleration_squared = 0;
   while ((*stage)->now_s() < kShakeFor_s) {

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "lab/compare/scenarios.hpp"
 
@@ -7,11 +8,8 @@
 namespace thimble::lab {
 namespace {
 
-constexpr double kBeside_m = -0.02;  // ours: well away from the edge
-constexpr double kPi = 3.14159265358979323846;
-
 // SOURCE: teleop.md section 5, M5. Ours: from where, how long.
-constexpr double kPush_newton = 2;
+constexpr double kPushBy_newton = 2;
 constexpr double kPushFrom_m = kWall_m - 0.001;
 constexpr double kPushFor_s = 3;
 
@@ -29,7 +27,7 @@ constexpr double kStrokeMiddle_m = kWall_m + 0.020;
 constexpr double kStroke_hz = 2;
 constexpr double kOutageAt_s = 2;
 constexpr double kOutageEnd_s = 4.5;
-constexpr double kAstray_newton = 0.2;
+constexpr double kAstrayFrom_newton = 0.2;
 
 }  // namespace
 
@@ -38,14 +36,14 @@ Result<void> play_push(const CouplingCase& of, const StageSettings& settings, Me
   auto stage = Stage::create(of, settings, start);
   if (!stage) return tl::unexpected(stage.error());
   Finger finger(start, (*stage)->dt());
-  const FingerGoal goal{.at = {0, kBeside_m, 0}, .push_newton = kPush_newton, .is_pushing = true};
+  const FingerGoal goal{.at = {0, kBeside_m, 0}, .push_newton = kPushBy_newton, .is_pushing = true};
   double squares = 0;
   double ticks = 0;
   while ((*stage)->now_s() < kPushFor_s) {
     const Felt& felt = (*stage)->tick(finger.tip(), finger.seen_velocity());
     finger.move(goal, felt.force);
     if (felt.now_s <= kPushFor_s - 1) continue;
-    squares += (-felt.force.x - kPush_newton) * (-felt.force.x - kPush_newton);
+    squares += (-felt.force.x - kPushBy_newton) * (-felt.force.x - kPushBy_newton);
     ticks += 1;
   }
   into.push_error_newton = std::sqrt(squares / ticks);
@@ -85,8 +83,9 @@ Result<void> play_outage(const CouplingCase& of, const StageSettings& settings, 
         has_cut = true;
       }
       const Felt& felt = (*stage)->tick(finger.tip(), finger.seen_velocity());
-      const double angle_rad = 2 * kPi * kStroke_hz * felt.now_s;
-      const double speed_m_per_s = 2 * kPi * kStroke_hz * kStroke_m * std::cos(angle_rad);
+      const double angle_rad = 2 * std::numbers::pi * kStroke_hz * felt.now_s;
+      const double speed_m_per_s =
+          2 * std::numbers::pi * kStroke_hz * kStroke_m * std::cos(angle_rad);
       finger.move({.at = {kStrokeMiddle_m + kStroke_m * std::sin(angle_rad), kBeside_m, 0},
                    .moving = {speed_m_per_s, 0, 0}},
                   felt.force);
@@ -96,7 +95,7 @@ Result<void> play_outage(const CouplingCase& of, const StageSettings& settings, 
       }
       const double astray_newton = std::abs(felt.force.x - undisturbed[tick].x);
       into.astray_newton = std::max(into.astray_newton, astray_newton);
-      if (astray_newton <= kAstray_newton) continue;
+      if (astray_newton <= kAstrayFrom_newton) continue;
       into.astray_s = std::max(into.astray_s, felt.now_s - kOutageAt_s - kOutage_s);
     }
   }

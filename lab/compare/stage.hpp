@@ -16,6 +16,8 @@ namespace thimble::lab {
 // cells of 3 mm, 32 a side.
 inline constexpr double kWall_m = 0.015;
 inline constexpr double kStageCell_m = 0.003;
+// Where a hand is that has nothing to do with the edge, along y.
+inline constexpr double kBeside_m = -0.02;
 
 struct StageSettings {
   double delay_s{0};

@@ -10,7 +10,7 @@ namespace {
 
 using coupling::Scheme;
 
-constexpr double kPeriod_s = 1e-3;
+constexpr double kServoPeriod_s = 1e-3;
 constexpr double kHardestWall_newton_per_m = coupling::kHardestTool.stiffness.newton_per_m;
 constexpr double kHardestSpring_newton_per_m = coupling::kHardestController.stiffness.newton_per_m;
 // Walls that are rendered here have no ceiling of the far end's.
@@ -114,18 +114,18 @@ Release released(const StabilityCase& of, double newton_per_m, double delay_s) {
 double StabilityCase::theory_newton_per_m(double delay_s) const {
   switch (theory) {
     case Theory::RemoteForce:
-      return short_delay_limit_newton_per_m(damping_newton_s_per_m, delay_s, kPeriod_s);
+      return short_delay_limit_newton_per_m(damping_newton_s_per_m, delay_s, kServoPeriod_s);
     case Theory::WorldEnd:
-      return world_end_limit_newton_per_m(kSpringDamper_newton_s_per_m, delay_s, kPeriod_s);
+      return world_end_limit_newton_per_m(kSpringDamper_newton_s_per_m, delay_s, kServoPeriod_s);
     case Theory::BothEnds:
-      return both_ends_limit_newton_per_m(kSpringDamper_newton_s_per_m, delay_s, kPeriod_s);
+      return both_ends_limit_newton_per_m(kSpringDamper_newton_s_per_m, delay_s, kServoPeriod_s);
     case Theory::Passive:
       return ceiling_newton_per_m;
     case Theory::DeviceLimited:
     case Theory::NoDelay:
       break;
   }
-  return short_delay_limit_newton_per_m(damping_newton_s_per_m, 0, kPeriod_s);
+  return short_delay_limit_newton_per_m(damping_newton_s_per_m, 0, kServoPeriod_s);
 }
 
 Result<bool> StabilityCase::is_stable(double newton_per_m, double delay_s) const {

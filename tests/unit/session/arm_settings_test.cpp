@@ -76,7 +76,8 @@ TEST(MakeCoupling, PutsAGuardAroundAnySchemeThatIsToHaveOne) {
     const auto* guard = dynamic_cast<coupling::PassivityGuard*>(guarded->get());
     ASSERT_NE(guard, nullptr);
     const coupling::ArmCoupling& inside = guard->inside();
-    EXPECT_EQ(typeid(inside), typeid(**bare));
+    const coupling::ArmCoupling& alone = **bare;
+    EXPECT_EQ(typeid(inside), typeid(alone));
   }
 }
 
