@@ -59,6 +59,15 @@ class Lab(ProcessTest):
         end = trace[-1]
         self.assertLess(float(end["simple_proxy_y [mm]"]), float(end["hand_y [mm]"]) - 1, "figure 3-8e")
         self.assertEqual(end["cells_proxy_y [mm]"], end["hand_y [mm]"], "figure 3-9")
+
+    @unittest.skipIf(is_sanitized(), "takes ten minutes there; Compare.* play the same scenarios")
+    def test_they_are_compared_before_a_wall_that_moves_and_with_a_guard(self):
+        for name, criteria in (("compare-moving", 1), ("compare-guarded", 3)):
+            with self.subTest(name):
+                shown = self.run_experiment(name, timeout=280)
+                self.assertEqual(shown.returncode, 0, shown.stdout[-400:] + shown.stderr)
+                self.assertEqual(shown.stdout.count("as it must be: "), criteria)
+
     def test_the_largest_stable_stiffnesses_are_those_of_theory(self):
         folder = self.folder / "stability"
         shown = self.run_experiment("stability", "--out", folder)
