@@ -54,6 +54,7 @@ void BufferZoneArm::learn(const ConstraintSet& said) noexcept {
     planes_ = said.planes;
     return;
   }
+  if (said.near.lattice != near_.lattice) has_ghost_ = false;  // its cell is of other cells
   near_ = said.near;
   // What the world says of a sample from before the ghost was put right is no news.
   const bool is_astray = said.is_astray && said.answers > seated_at_;

@@ -80,6 +80,7 @@ void CompositeArm::note_applied(const ConstraintSet& said) noexcept {
   const bool is_new_session = !has_session_ || said.session != session_;
   if (is_new_session || said.sequence < applied_reply_) {
     applied_before_ = 0;
+    has_ghost_ = false;
     (void)mirror_.begin(said.map.lattice);
   } else if (said.sequence > applied_reply_) {
     const std::uint64_t later = said.sequence - applied_reply_;
@@ -94,7 +95,10 @@ void CompositeArm::note_applied(const ConstraintSet& said) noexcept {
 // Whether the answer's ghost is in a free cell that is known.
 bool CompositeArm::take_map(const ConstraintSet& said) noexcept {
   if (!said.has_map || !said.has_ghost) return false;
-  if (said.map.lattice != mirror_.lattice() && !mirror_.begin(said.map.lattice)) return false;
+  if (said.map.lattice != mirror_.lattice()) {
+    has_ghost_ = false;  // its cell is of other cells
+    if (!mirror_.begin(said.map.lattice)) return false;
+  }
   is_plane_ = said.map.is_plane;
   if (is_plane_ && said.map.lattice.cells[2] != 1) return false;
   for (const world::OccupancyBlock& block : said.map.blocks) (void)mirror_.learn(block);

@@ -168,6 +168,38 @@ TEST(Composite, ArmThatStartsAnewKeepsTheMapOfItsSessionAndForgetsThatOfAnother)
   EXPECT_FALSE(out.sample.has_ghost);
 }
 
+// The same place has another number in finer cells, and that number another place.
+TEST(Composite, AWorldThatComesBackOfOtherCellsMovesNothing) {
+  for (const std::uint32_t session : {1U, 2U}) {
+    world::VoxelWorld coarse(VoxelGrid::create({64, 64, 64}, 0.001).value(), "coarse");
+    CompositeWorld world(coarse, 1);
+    const Position3 tip{-0.0303, 0, 0};  // in cell 1, and in cell 3 of half the edge
+    ASSERT_TRUE(world.open(testing::sample(1, tip)));
+    CompositeArm sut(in_cells_of(0.001));
+    sut.reset({}, tip);
+    ConstraintSet set = world.answer(testing::sample(1, tip), kTick);
+    ASSERT_TRUE(
+        sut.step({.now = {kTick}, .dt = kTick, .tip = tip, .fresh = &set}).sample.has_ghost);
+    // Of half the edge, with a slab between the place of the hand and that of its old cell.
+    const VoxelGrid fine = VoxelGrid::create({128, 128, 128}, 0.0005).value();
+    ++set.sequence;
+    set.session = session;
+    set.map.lattice = fine.lattice();
+    set.map.ghost_cell = {3, 64, 64};
+    set.map.blocks.clear();
+    for (const std::int16_t at : {std::int16_t{4}, std::int16_t{8}}) {
+      world::OccupancyBlock slab{.at = {0, at, at}, .version = 1};
+      slab.slices.fill(0x0404040404040404);  // x = 2
+      set.map.blocks.push_back(slab);
+    }
+    const Position3 moved{tip.x + 1e-5, 0, 0};
+    const ArmOutput out = sut.step({.now = {2 * kTick}, .dt = kTick, .tip = moved, .fresh = &set});
+    EXPECT_EQ(out.offset, Displacement3{}) << session;
+    EXPECT_EQ(out.force, Force3{});
+    EXPECT_EQ(out.sample.ghost, moved);
+  }
+}
+
 // A hand of 0.15 kg on a spring before matter that comes and goes.
 TEST(Composite, AWorldThatChangesGivesTheHandNoMoreThanItsShiftsStore) {
   for (const double delay_s : {0.005, 0.05, 0.2}) {
