@@ -98,9 +98,10 @@ bool ThimbleSession::is_in_world(const coupling::HandSample& sample, MonotonicTi
   if (session_.is_open()) return true;
   if (retry_at_ && now < *retry_at_) return false;
   retry_at_.reset();
-  if (session_.open(sample, now, counters_)) return true;
+  const bool is_open = session_.open(sample, now, counters_);
+  // To look for a place may take a world some milliseconds: who starts again and again waits, too.
   retry_at_ = now + WorldSession::kRetry;
-  return false;
+  return is_open;
 }
 
 LinkStatus ThimbleSession::status() const {

@@ -67,7 +67,7 @@ class ThimbleSession {
   std::uint32_t restart_{0};
   bool has_begun_{false};
   std::optional<Told> told_;
-  std::optional<MonotonicTime> retry_at_;  // the world refused; not asked before
+  std::optional<MonotonicTime> retry_at_;  // the world refused, or was asked; not asked before
   MonotonicTime heard_at_{};
   RoundTrip round_trip_;
   ClockOffset clocks_;
