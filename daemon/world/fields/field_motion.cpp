@@ -17,6 +17,8 @@ constexpr double kTouchShare = 1e-3;
 constexpr double kSlideShare = 0.125;
 // Flatter is no face; turned by less than 25 degrees is the same face, curved.
 constexpr double kLeastSlope = 0.5;
+// Where the field hardly falls, its plane would be farther than a step from where it is told.
+constexpr double kAnySlope = kTouchShare;
 constexpr double kSameFaceCosine = 0.9;
 constexpr int kHalvings = 7;
 constexpr int kLifts = 4;
@@ -52,7 +54,7 @@ class Run {
   void tell(const Material& surface, ProbeMotion& motion) const noexcept {
     if (here_.distance_m > touch_m_) return;
     const Displacement3 wanted = target_ - ghost_;
-    if (here_.slope > 0 && dot(here_.outward, wanted) < 0) {
+    if (here_.slope > kAnySlope && dot(here_.outward, wanted) < 0) {
       motion.planes.push_back(plane_at(ghost_, here_, surface));
     }
     for (std::size_t axis = 0; axis < 3; ++axis) {
