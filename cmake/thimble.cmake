@@ -59,15 +59,16 @@ function(thimble_library folder)
   endif()
 endfunction()
 
-# thimble_test(<name> LABEL <tier> [THREADED] SOURCES … [ALONE …] LINKS …): one GoogleTest program, one
-# ctest entry per test case. THREADED: more than one thread takes part, so ThreadSanitizer has
+# thimble_test(<name> LABEL <tier> [THREADED] SOURCES … [ALONE …] LINKS … [RECKONING …]): one GoogleTest
+# program, one ctest entry per test case. THREADED: more than one thread takes part, so ThreadSanitizer has
 # something to see; with THIMBLE_ONLY_THREADED the others are left out. ENVIRONMENT: NAME=VALUE for
-# its runs. THIMBLE_TEST_OPTIONS are for the code of tests alone; a
-# folder whose tests reckon much appends -O1.
+# its runs. RECKONING: GoogleTest's patterns of tests that reckon for long what shorter ones walk
+# through, too; they are left out where a sanitizer makes them ten to sixty times as slow.
+# THIMBLE_TEST_OPTIONS are for the code of tests alone; a folder whose tests reckon much appends -O1.
 set(THIMBLE_TEST_TIMEOUT 300 CACHE STRING "Seconds after which a test case is ended")
 set(THIMBLE_TEST_OPTIONS "" CACHE STRING "Compiler options for the code of tests")
 function(thimble_test name)
-  cmake_parse_arguments(ARG "THREADED" "LABEL;ENVIRONMENT" "SOURCES;ALONE;LINKS" ${ARGN})
+  cmake_parse_arguments(ARG "THREADED" "LABEL;ENVIRONMENT" "SOURCES;ALONE;LINKS;RECKONING" ${ARGN})
   add_executable(${name} ${ARG_SOURCES} ${ARG_ALONE})
   thimble_unity(${name} ${THIMBLE_UNITY_TESTS} "${ARG_ALONE}")
   target_compile_options(${name} PRIVATE ${THIMBLE_TEST_OPTIONS})
@@ -76,7 +77,12 @@ function(thimble_test name)
     set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)
     return()
   endif()
-  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST
+  set(filter)
+  if(THIMBLE_SANITIZE AND ARG_RECKONING)
+    list(JOIN ARG_RECKONING ":" patterns)
+    set(filter TEST_FILTER "-${patterns}")
+  endif()
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST ${filter}
     PROPERTIES LABELS "${ARG_LABEL}" TIMEOUT ${THIMBLE_TEST_TIMEOUT}
     ENVIRONMENT "${ARG_ENVIRONMENT}")
 endfunction()

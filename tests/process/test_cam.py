@@ -3,8 +3,9 @@
 import json
 import re
 import struct
+import unittest
 
-from rig import ROOT, ProcessTest
+from rig import ROOT, ProcessTest, is_sanitized
 
 DELAY, STOP = 3 << 29, 1 << 14
 
@@ -88,6 +89,7 @@ class Latencies(ProcessTest):
     ROW = re.compile(r"^(\d boards.*?) +\d+ +\d+ +\d+ +\d+ +[\d.]+ / (\d+) +([\d.]+) +([\d.]+) +(\d+) ms +(\d+) mm +([+-][\d.]+) %$",
                      re.MULTILINE)
 
+    @unittest.skipIf(is_sanitized(), "reckons for minutes there; the release build plays it")
     def test_those_of_the_thesis_come_out_of_the_simulated_board(self):
         shown = self.run_program("thimble", "lab", "cam-latency")
         self.assertEqual((shown.returncode, shown.stderr), (0, ""))

@@ -7,10 +7,14 @@ import unittest
 from rig import ProcessTest, is_sanitized
 
 
+_reckons = unittest.skipIf(is_sanitized(), "reckons for minutes there; the release build plays it")
+
+
 class Lab(ProcessTest):
     def run_experiment(self, *arguments, **how):
         return self.run_program("thimble", "lab", *arguments, **how)
 
+    @_reckons
     def test_table_4_1_is_as_the_facts_have_it_and_is_written(self):
         folder = self.folder / "out"
         shown = self.run_experiment("table-4.1", "--contacts", "600", "--out", folder)
@@ -28,13 +32,14 @@ class Lab(ProcessTest):
         self.assertAlmostEqual(float(streamed["100"]), 19.6, delta=0.1)
         self.assertIn("set ylabel 'offset [mm]'", (folder / "table-4.1-offsets.gp").read_text())
 
+    @_reckons
     def test_the_same_seed_prints_the_same(self):
         once, again, other = (self.run_experiment("table-4.1", "--contacts", "3", "--seed", seed)
                               for seed in ("4", "4", "5"))
         self.assertEqual(once.stdout, again.stdout)
         self.assertNotEqual(once.stdout, other.stdout)
 
-    @unittest.skipIf(is_sanitized(), "takes ten minutes there; Compare.* play the same scenarios")
+    @_reckons
     def test_schemes_are_compared_and_ranked(self):
         folder = self.folder / "compared"
         shown = self.run_experiment("compare", "--out", folder, timeout=280)
@@ -49,6 +54,7 @@ class Lab(ProcessTest):
             self.assertEqual(places[0], "1")
             self.assertGreater(len(places), 5)
 
+    @_reckons
     def test_constraint_models_hold_as_the_figures_draw_them(self):
         folder = self.folder / "figures"
         shown = self.run_experiment("constraint-models", "--out", folder)
@@ -60,7 +66,7 @@ class Lab(ProcessTest):
         self.assertLess(float(end["simple_proxy_y [mm]"]), float(end["hand_y [mm]"]) - 1, "figure 3-8e")
         self.assertEqual(end["cells_proxy_y [mm]"], end["hand_y [mm]"], "figure 3-9")
 
-    @unittest.skipIf(is_sanitized(), "takes ten minutes there; Compare.* play the same scenarios")
+    @_reckons
     def test_they_are_compared_before_a_wall_that_moves_and_with_a_guard(self):
         for name, criteria in (("compare-moving", 1), ("compare-guarded", 3)):
             with self.subTest(name):
@@ -68,6 +74,7 @@ class Lab(ProcessTest):
                 self.assertEqual(shown.returncode, 0, shown.stdout[-400:] + shown.stderr)
                 self.assertEqual(shown.stdout.count("as it must be: "), criteria)
 
+    @_reckons
     def test_the_largest_stable_stiffnesses_are_those_of_theory(self):
         folder = self.folder / "stability"
         shown = self.run_experiment("stability", "--out", folder)
@@ -83,11 +90,13 @@ class Lab(ProcessTest):
         self.assertIn("set ylabel 'largest stable stiffness [N/m]'", plot)
         self.assertIn("thesis, wall of 800 N/m", plot)
 
+    @_reckons
     def test_the_ball_of_the_thesis_swings_only_where_forces_come_back_late(self):
         shown = self.run_experiment("hello-sphere")
         self.assertEqual(shown.returncode, 0, shown.stdout[-800:] + shown.stderr)
         self.assertEqual(shown.stdout.count("as it must be: "), 3)
 
+    @_reckons
     def test_the_frame_gets_away_when_theory_says(self):
         folder = self.folder / "drift"
         shown = self.run_experiment("drift", "--out", folder)

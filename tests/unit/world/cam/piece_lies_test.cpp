@@ -11,6 +11,11 @@ namespace thimble::world::cam {
 namespace {
 
 constexpr CamGeometry kPlane{{5, 5, 0}, CamDivision::StripY};
+#ifdef THIMBLE_UNDER_SANITIZER
+constexpr unsigned kLieStep = 3;  // each kind of search once, where a board is twenty times as slow
+#else
+constexpr unsigned kLieStep = 1;
+#endif
 constexpr std::uint64_t kMostCounted = (1U << 25) - 1;  // of a module's counters
 
 struct LyingBoard : testing::Test {
@@ -95,7 +100,7 @@ void tell_anything(std::mt19937& random, CamAnswer& answer) {
 }
 
 TEST(LyingBoards, SayWhatTheyWantAndNoPieceIsHeldThatThereIsNoneOf) {
-  for (unsigned seed = 1; seed <= 6 && !testing::Test::HasFailure(); ++seed) {
+  for (unsigned seed = 1; seed <= 6 && !testing::Test::HasFailure(); seed += kLieStep) {
     std::mt19937 random(seed);
     const auto below = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
     const auto search = seed % 2 == 0 ? SearchKind::Sweep : SearchKind::Leap;
