@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "daemon/coupling/energy_observer.hpp"
 #include "daemon/coupling/messages.hpp"
 #include "hal/rt/annotations.hpp"
 
@@ -36,18 +37,34 @@ struct ArmOutput {
 };
 
 // The arm half of a coupling scheme: turns the state of the arm and what the world side said
-// into a force, at the servo's rate.
+// into a force, at the servo's rate. The port of the hand is here, once for all schemes: no arm
+// half goes without an observer of what it gives.
 //
-// Thread: one servo thread. RT: both calls THIMBLE_RT, no allocation.
+// Thread: one servo thread; energy() too. RT: both calls THIMBLE_RT, no allocation.
 // Errors: none; a non-finite force is caught behind it and latches a fault.
 class ArmCoupling {
  public:
   virtual ~ArmCoupling() = default;
   // Forgets constraints, offset and contacts; the ghost restarts at the hand.
-  THIMBLE_RT virtual void reset(MonotonicTime now, Position3 tip) noexcept = 0;
-  THIMBLE_RT virtual ArmOutput step(const ArmInput& input) noexcept = 0;
+  THIMBLE_RT void reset(MonotonicTime now, Position3 tip) noexcept {
+    energy_.reset(tip);
+    restart(now, tip);
+  }
+  THIMBLE_RT ArmOutput step(const ArmInput& input) noexcept {
+    ArmOutput output = advance(input);
+    energy_.observe(input.tip, output.force);
+    return output;
+  }
+  // Work of what was wished on the hand, since reset(): before the limiter.
+  [[nodiscard]] const PortObserver& energy() const noexcept { return energy_; }
   // Tunes the wave impedance b while it runs, from one control thread. False: it has none.
   virtual bool set_impedance(Damping /*b*/) noexcept { return false; }
+
+ private:
+  THIMBLE_RT virtual void restart(MonotonicTime now, Position3 tip) noexcept = 0;
+  THIMBLE_RT virtual ArmOutput advance(const ArmInput& input) noexcept = 0;
+
+  PortObserver energy_{};
 };
 
 }  // namespace thimble::coupling

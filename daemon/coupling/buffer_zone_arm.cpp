@@ -22,7 +22,7 @@ bool is_behind_any(const PlaneList& planes, Position3 tip) noexcept {
 BufferZoneArm::BufferZoneArm(const BufferZoneSettings& settings) noexcept
     : tool_(settings.tool), port_(settings.age) {}
 
-void BufferZoneArm::reset(MonotonicTime now, Position3 tip) noexcept {
+void BufferZoneArm::restart(MonotonicTime now, Position3 tip) noexcept {
   port_.reset(now, tip);
   forget();
 }
@@ -32,7 +32,7 @@ void BufferZoneArm::forget() noexcept {
   has_ghost_ = false;
 }
 
-ArmOutput BufferZoneArm::step(const ArmInput& input) noexcept {
+ArmOutput BufferZoneArm::advance(const ArmInput& input) noexcept {
   if (!is_finite(input.tip) || !is_finite(input.tip_velocity)) return port_.refuse(input);
   const ConstraintSet* const said =
       port_.hear(input, input.fresh != nullptr && is_usable(*input.fresh));

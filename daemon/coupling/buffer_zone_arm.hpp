@@ -47,7 +47,7 @@ struct BufferZoneSettings {
 //
 // What the hand feels of a silent world, an outage, a restart: FarEndPort; until then the last
 // zone holds.
-// Thread: one servo thread; energy() too. RT: reset(), step() THIMBLE_RT; a step is bounded by the
+// Thread: one servo thread. RT: reset(), step() THIMBLE_RT; a step is bounded by the
 // cells between ghost and tip.
 // Frames: base frame of the arm, which is the world's, axes parallel; no offset.
 // Errors: FarEndPort's; a zone that cannot be is as good as no reply, a plane as none.
@@ -55,14 +55,14 @@ class BufferZoneArm final : public ArmCoupling {
  public:
   explicit BufferZoneArm(const BufferZoneSettings& settings = {}) noexcept;
 
-  THIMBLE_RT void reset(MonotonicTime now, Position3 tip) noexcept override;
-  THIMBLE_RT ArmOutput step(const ArmInput& input) noexcept override;
-
   [[nodiscard]] const FarEndPort& port() const noexcept { return port_; }
   // Since construction: how often the ghost went back to the world's.
   [[nodiscard]] std::uint64_t corrections() const noexcept { return corrections_; }
 
  private:
+  THIMBLE_RT void restart(MonotonicTime now, Position3 tip) noexcept override;
+  THIMBLE_RT ArmOutput advance(const ArmInput& input) noexcept override;
+
   void forget() noexcept;
   void learn(const ConstraintSet& said) noexcept;
   // The ghost after the tip; the planes are those that hold it.

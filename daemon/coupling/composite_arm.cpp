@@ -24,14 +24,16 @@ bool is_in_cell(const world::CellLattice& lattice, const world::GhostPoint& ghos
 
 CompositeArm::CompositeArm(const GhostPointSettings& settings) noexcept : ghost_point_(settings) {}
 
-void CompositeArm::reset(MonotonicTime now, Position3 tip) noexcept {
+void CompositeArm::restart(MonotonicTime now, Position3 tip) noexcept {
   ghost_point_.reset(now, tip);
   // The map stays: the world knows what was told in this session, and does not tell it again.
   has_ghost_ = has_told_ = false;
 }
 
-ArmOutput CompositeArm::step(const ArmInput& input) noexcept {
-  if (!is_finite(input.tip) || !is_finite(input.tip_velocity)) return ghost_point_.step(input);
+ArmOutput CompositeArm::advance(const ArmInput& input) noexcept {
+  if (!is_finite(input.tip) || !is_finite(input.tip_velocity)) {
+    return ghost_point_.step_as_told(input, nullptr);
+  }
   if (input.fresh != nullptr) learn(*input.fresh);
   const Position3 hand = input.tip + ghost_point_.offset();
   if (has_ghost_ && !follow(hand)) {
@@ -44,7 +46,7 @@ ArmOutput CompositeArm::step(const ArmInput& input) noexcept {
     if (has_told_) felt_.planes = told_;
     has_told_ = false;
   }
-  ArmOutput output = ghost_point_.step(input, said);
+  ArmOutput output = ghost_point_.step_as_told(input, said);
   sequence_ = output.sample.sequence;
   output.sample.ghost = ghost_.position;
   output.sample.has_ghost = has_ghost_;

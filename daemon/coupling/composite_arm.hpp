@@ -44,15 +44,15 @@ class CompositeArm final : public ArmCoupling {
  public:
   explicit CompositeArm(const GhostPointSettings& settings) noexcept;
 
-  THIMBLE_RT void reset(MonotonicTime now, Position3 tip) noexcept override;
-  THIMBLE_RT ArmOutput step(const ArmInput& input) noexcept override;
-
   [[nodiscard]] const GhostPointCounters& ghost_point() const noexcept {
     return ghost_point_.counters();
   }
   [[nodiscard]] const CompositeCounters& counters() const noexcept { return counters_; }
 
  private:
+  THIMBLE_RT void restart(MonotonicTime now, Position3 tip) noexcept override;
+  THIMBLE_RT ArmOutput advance(const ArmInput& input) noexcept override;
+
   void learn(const ConstraintSet& said) noexcept;
   [[nodiscard]] bool take_map(const ConstraintSet& said) noexcept;
   [[nodiscard]] bool is_explained(const ConstraintSet& said) const noexcept;

@@ -31,7 +31,7 @@ ConstraintPlaneArm::ConstraintPlaneArm(const ConstraintPlaneSettings& settings) 
       frame_(settings.max_offset_m),
       recovery_(settings.max_offset_m) {}
 
-void ConstraintPlaneArm::reset(MonotonicTime now, Position3 tip) noexcept {
+void ConstraintPlaneArm::restart(MonotonicTime now, Position3 tip) noexcept {
   ++restarts_;
   age_.restart(now);
   frame_.reset();
@@ -40,20 +40,14 @@ void ConstraintPlaneArm::reset(MonotonicTime now, Position3 tip) noexcept {
   faces_.clear();
   held_ = 0;
   is_touching_ = false;
-  energy_ = {};
-  shown_ = {};
   last_tip_ = is_finite(tip) ? tip : Position3{};
   applied_reply_ = 0;
   has_set_ = false;
 }
 
-ArmOutput ConstraintPlaneArm::step(const ArmInput& input) noexcept {
+ArmOutput ConstraintPlaneArm::advance(const ArmInput& input) noexcept {
   ++sequence_;
   if (!is_finite(input.tip) || !is_finite(input.tip_velocity)) return refuse(input);
-  // The force of the step before was held until now.
-  const double per_s = 1 / seconds(input.dt);
-  const Displacement3 way = input.tip - last_tip_;
-  energy_.add(shown_, {per_s * way.x, per_s * way.y, per_s * way.z}, input.dt);
   last_tip_ = input.tip;
 
   age_.update(input);
@@ -68,7 +62,6 @@ ArmOutput ConstraintPlaneArm::step(const ArmInput& input) noexcept {
   }
   ArmOutput output;
   press(input, output);
-  shown_ = output.force;
   describe(input, output);
   output.sample.velocity = input.tip_velocity;
   return output;

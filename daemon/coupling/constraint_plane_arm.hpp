@@ -8,7 +8,6 @@
 #include "daemon/coupling/arm_coupling.hpp"
 #include "daemon/coupling/constraint_age.hpp"
 #include "daemon/coupling/coordinate_frame.hpp"
-#include "daemon/coupling/energy_observer.hpp"
 #include "daemon/coupling/messages.hpp"
 #include "daemon/coupling/wall_spring.hpp"
 #include "daemon/world/plane_projection.hpp"
@@ -86,22 +85,20 @@ struct ConstraintPlaneCounters {
 // Silence of the world, a new session: as the ghost point. Planes that contradict each other push
 // each for itself.
 //
-// Thread: one servo thread; counters(), energy() too. RT: reset(), step() THIMBLE_RT.
+// Thread: one servo thread; counters() too. RT: reset(), step() THIMBLE_RT.
 // Errors: as GhostPointArm.
 class ConstraintPlaneArm final : public ArmCoupling {
  public:
   explicit ConstraintPlaneArm(const ConstraintPlaneSettings& settings = {}) noexcept;
 
-  THIMBLE_RT void reset(MonotonicTime now, Position3 tip) noexcept override;
-  THIMBLE_RT ArmOutput step(const ArmInput& input) noexcept override;
-
   [[nodiscard]] const ConstraintPlaneCounters& counters() const noexcept { return counters_; }
-  // At the port of the hand, since reset(): before the limiter.
-  [[nodiscard]] const EnergyObserver& energy() const noexcept { return energy_; }
   // e, and what the walls yield besides.
   [[nodiscard]] Displacement3 recovery() const noexcept { return recovery_.offset() + yield_; }
 
  private:
+  THIMBLE_RT void restart(MonotonicTime now, Position3 tip) noexcept override;
+  THIMBLE_RT ArmOutput advance(const ArmInput& input) noexcept override;
+
   // Held ones, of the newest set, stand first; the others are only remembered, as barriers that
   // relaxation must not cross.
   struct Face {
@@ -153,8 +150,6 @@ class ConstraintPlaneArm final : public ArmCoupling {
   bool is_touching_{false};
   Position3
       stuck_at_{};  // friction: arm's frame, so that no shift of the frame is felt along a wall
-  EnergyObserver energy_{};
-  Force3 shown_{};
   Position3 last_tip_{};
   std::uint64_t sequence_{0};
   std::uint64_t applied_reply_{0};

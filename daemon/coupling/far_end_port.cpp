@@ -31,8 +31,6 @@ void FarEndPort::reset(MonotonicTime now, Position3 tip) noexcept {
   ++restarts_;
   age_.restart(now);
   begin_epoch();
-  energy_ = {};
-  shown_ = {};
   applied_reply_ = 0;
   has_session_ = false;
   has_expired_ = false;
@@ -79,14 +77,12 @@ const ConstraintSet* FarEndPort::hear(const ArmInput& input, bool is_usable) noe
 
 ArmOutput FarEndPort::show(const ArmInput& input, Force3 wish, bool is_pressing,
                            const ToolProperties& tool) noexcept {
-  energy_.add(shown_, input.tip_velocity, input.dt);
   const double fade_s = seconds(fade_);
   if (has_session_)
     onset_gain_ = fade_s > 0 ? std::min(1.0, onset_gain_ + seconds(input.dt) / fade_s) : 1;
-  shown_ = gain() * wish;
 
   ArmOutput output;
-  output.force = shown_;
+  output.force = gain() * wish;
   output.is_in_contact = is_pressing && gain() > 0;
   output.new_contacts = output.is_in_contact && !was_pressing_ ? 1 : 0;
   was_pressing_ = output.is_in_contact;

@@ -4,7 +4,6 @@
 
 #include "daemon/coupling/arm_coupling.hpp"
 #include "daemon/coupling/constraint_age.hpp"
-#include "daemon/coupling/energy_observer.hpp"
 #include "daemon/coupling/messages.hpp"
 #include "hal/rt/annotations.hpp"
 
@@ -14,8 +13,7 @@ namespace thimble::coupling {
 [[nodiscard]] THIMBLE_RT bool is_sound(const FarEnd& far) noexcept;
 
 // What the arm halves have in common that leave the hand where it is, with no offset: which replies
-// count, how old they are, the share of the force that is shown, the sample, and the energy at the
-// port.
+// count, how old they are, the share of the force that is shown, and the sample.
 //
 // A silent world: what was heard last holds for the fade floor of the constraint age, then the
 // force falls to 0 within its fade time, and the far end is forgotten: `restart` of the samples
@@ -49,8 +47,6 @@ class FarEndPort {
   [[nodiscard]] std::uint64_t sequence() const noexcept { return sequence_; }
   // Share of the wish that is shown, 0…1.
   [[nodiscard]] double gain() const noexcept { return age_.gain() * onset_gain_; }
-  // Since reset(): work of what was shown, before the limiter.
-  [[nodiscard]] const EnergyObserver& energy() const noexcept { return energy_; }
   // Since construction.
   [[nodiscard]] std::uint64_t rejected_replies() const noexcept { return rejected_replies_; }
 
@@ -60,8 +56,6 @@ class FarEndPort {
 
   ConstraintAge age_;
   Duration fade_;
-  EnergyObserver energy_{};
-  Force3 shown_{};
   Position3 last_tip_{};
   double onset_gain_{0};
   std::uint64_t sequence_{0};

@@ -15,7 +15,7 @@ GhostPointArm::GhostPointArm(const GhostPointSettings& settings) noexcept
       age_(settings.age),
       frame_(settings.max_offset_m) {}
 
-void GhostPointArm::reset(MonotonicTime now, Position3 tip) noexcept {
+void GhostPointArm::restart(MonotonicTime now, Position3 tip) noexcept {
   ++restarts_;
   age_.restart(now);
   contacts_.clear();
@@ -25,9 +25,11 @@ void GhostPointArm::reset(MonotonicTime now, Position3 tip) noexcept {
   has_set_ = false;
 }
 
-ArmOutput GhostPointArm::step(const ArmInput& input) noexcept { return step(input, input.fresh); }
+ArmOutput GhostPointArm::advance(const ArmInput& input) noexcept {
+  return step_as_told(input, input.fresh);
+}
 
-ArmOutput GhostPointArm::step(const ArmInput& input, const ConstraintSet* said) noexcept {
+ArmOutput GhostPointArm::step_as_told(const ArmInput& input, const ConstraintSet* said) noexcept {
   ++sequence_;
   if (!is_finite(input.tip) || !is_finite(input.tip_velocity)) return refuse(input);
 

@@ -55,16 +55,17 @@ class GhostPointArm final : public ArmCoupling {
  public:
   explicit GhostPointArm(const GhostPointSettings& settings) noexcept;
 
-  THIMBLE_RT void reset(MonotonicTime now, Position3 tip) noexcept override;
-  THIMBLE_RT ArmOutput step(const ArmInput& input) noexcept override;
-  // The same with planes that are known here: `said`, or none, instead of those of input.fresh,
+  // As step(), with planes that are known here: `said`, or none, instead of those of input.fresh,
   // which still tells that the world is alive.
-  THIMBLE_RT ArmOutput step(const ArmInput& input, const ConstraintSet* said) noexcept;
+  THIMBLE_RT ArmOutput step_as_told(const ArmInput& input, const ConstraintSet* said) noexcept;
   [[nodiscard]] Displacement3 offset() const noexcept { return frame_.offset(); }
 
   [[nodiscard]] const GhostPointCounters& counters() const noexcept { return counters_; }
 
  private:
+  THIMBLE_RT void restart(MonotonicTime now, Position3 tip) noexcept override;
+  THIMBLE_RT ArmOutput advance(const ArmInput& input) noexcept override;
+
   // A face that the world told of. Held: in the newest set, and rendered. Else only
   // remembered: as a barrier that relaxation must not cross, and to know it again.
   struct Contact {

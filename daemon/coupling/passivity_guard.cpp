@@ -15,31 +15,23 @@ double symmetric_dot(A a, B b) noexcept {
 
 }  // namespace
 
-void PassivityGuard::reset(MonotonicTime now, Position3 tip) noexcept {
+void PassivityGuard::restart(MonotonicTime now, Position3 tip) noexcept {
   inside_->reset(now, tip);
   given_joule_ = 0;
-  shown_ = {};
 }
 
-ArmOutput PassivityGuard::step(const ArmInput& input) noexcept {
+ArmOutput PassivityGuard::advance(const ArmInput& input) noexcept {
   ArmOutput output = inside_->step(input);
   if (!is_finite(input.tip) || !is_finite(input.tip_velocity) || !is_finite(output.force)) {
-    shown_ = {};
     return output;
   }
-  const Displacement3 moved = input.tip - last_tip_;
-  if (shown_ != Force3{}) {
-    given_joule_ = std::max(given_joule_ + symmetric_dot(shown_, moved), -settings_.credit_joule);
-  }
-  last_tip_ = input.tip;
-
+  given_joule_ = std::max(given_joule_ + energy().work_joule(input.tip), -settings_.credit_joule);
   const double damping = damping_newton_s_per_m(output.force, input);
   if (damping > 0) {
     ++steps_damped_;
     if (damping >= settings_.most.newton_s_per_m) ++steps_at_most_;
     output.force -= Damping{damping} * input.tip_velocity;
   }
-  shown_ = output.force;
   return output;
 }
 

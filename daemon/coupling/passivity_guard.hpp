@@ -56,12 +56,9 @@ class PassivityGuard final : public ArmCoupling {
   PassivityGuard(std::unique_ptr<ArmCoupling> inside, const PassivitySettings& settings) noexcept
       : inside_(std::move(inside)), settings_(settings) {}
 
-  THIMBLE_RT void reset(MonotonicTime now, Position3 tip) noexcept override;
-  THIMBLE_RT ArmOutput step(const ArmInput& input) noexcept override;
-
   bool set_impedance(Damping b) noexcept override { return inside_->set_impedance(b); }
 
-  // E: above 0, the hand has been given more than it gave.
+  // E: above 0, the hand has been given more than it gave. energy() has it without the credit.
   [[nodiscard]] double given_joule() const noexcept { return given_joule_; }
   // Since construction: steps in which damping was added, and those in which it was all there is.
   [[nodiscard]] std::uint64_t steps_damped() const noexcept { return steps_damped_; }
@@ -69,13 +66,14 @@ class PassivityGuard final : public ArmCoupling {
   [[nodiscard]] const ArmCoupling& inside() const noexcept { return *inside_; }
 
  private:
+  THIMBLE_RT void restart(MonotonicTime now, Position3 tip) noexcept override;
+  THIMBLE_RT ArmOutput advance(const ArmInput& input) noexcept override;
+
   [[nodiscard]] double damping_newton_s_per_m(Force3 force, const ArmInput& input) const noexcept;
 
   std::unique_ptr<ArmCoupling> inside_;
   PassivitySettings settings_;
   double given_joule_{0};
-  Force3 shown_{};  // in the step before
-  Position3 last_tip_{};
   std::uint64_t steps_damped_{0};
   std::uint64_t steps_at_most_{0};
 };

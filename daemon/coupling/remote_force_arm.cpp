@@ -5,13 +5,13 @@ namespace thimble::coupling {
 RemoteForceArm::RemoteForceArm(const RemoteForceSettings& settings) noexcept
     : tool_(settings.tool), port_(settings.age) {}
 
-void RemoteForceArm::reset(MonotonicTime now, Position3 tip) noexcept {
+void RemoteForceArm::restart(MonotonicTime now, Position3 tip) noexcept {
   port_.reset(now, tip);
   force_ = {};
   is_pressing_ = false;
 }
 
-ArmOutput RemoteForceArm::step(const ArmInput& input) noexcept {
+ArmOutput RemoteForceArm::advance(const ArmInput& input) noexcept {
   if (!is_finite(input.tip) || !is_finite(input.tip_velocity)) return port_.refuse(input);
   const FarEnd* const far = port_.listen(input);
   if (port_.is_new_epoch()) {

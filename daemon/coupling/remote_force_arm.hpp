@@ -25,18 +25,19 @@ struct RemoteForceSettings {
 // shown and compared with.
 //
 // What the hand feels of a silent world, an outage, a restart: FarEndPort.
-// Thread: one servo thread; energy() too. RT: reset(), step() THIMBLE_RT.
+// Thread: one servo thread. RT: reset(), step() THIMBLE_RT.
 // Frames: base frame of the arm, which is the world's, axes parallel; no offset.
 // Errors: FarEndPort's.
 class RemoteForceArm final : public ArmCoupling {
  public:
   explicit RemoteForceArm(const RemoteForceSettings& settings = {}) noexcept;
 
-  THIMBLE_RT void reset(MonotonicTime now, Position3 tip) noexcept override;
-  THIMBLE_RT ArmOutput step(const ArmInput& input) noexcept override;
   [[nodiscard]] const FarEndPort& port() const noexcept { return port_; }
 
  private:
+  THIMBLE_RT void restart(MonotonicTime now, Position3 tip) noexcept override;
+  THIMBLE_RT ArmOutput advance(const ArmInput& input) noexcept override;
+
   ToolProperties tool_;
   FarEndPort port_;
   Force3 force_{};

@@ -20,14 +20,14 @@ SpringDamperArm::SpringDamperArm(const SpringDamperSettings& settings) noexcept
   }
 }
 
-void SpringDamperArm::reset(MonotonicTime now, Position3 tip) noexcept {
+void SpringDamperArm::restart(MonotonicTime now, Position3 tip) noexcept {
   port_.reset(now, tip);
   tool_ = settings_.tool;
   has_far_ = false;
   master_ = {is_finite(tip) ? tip : Position3{}, {}};
 }
 
-ArmOutput SpringDamperArm::step(const ArmInput& input) noexcept {
+ArmOutput SpringDamperArm::advance(const ArmInput& input) noexcept {
   if (!is_finite(input.tip) || !is_finite(input.tip_velocity)) return port_.refuse(input);
   const FarEnd* const far = port_.listen(input);
   if (port_.is_new_epoch()) {

@@ -49,13 +49,14 @@ class SpringDamperArm final : public ArmCoupling {
  public:
   explicit SpringDamperArm(const SpringDamperSettings& settings = {}) noexcept;
 
-  THIMBLE_RT void reset(MonotonicTime now, Position3 tip) noexcept override;
-  THIMBLE_RT ArmOutput step(const ArmInput& input) noexcept override;
   [[nodiscard]] const FarEndPort& port() const noexcept { return port_; }
   // K_c as it is now.
   [[nodiscard]] Stiffness stiffness() const noexcept { return tool_.stiffness; }
 
  private:
+  THIMBLE_RT void restart(MonotonicTime now, Position3 tip) noexcept override;
+  THIMBLE_RT ArmOutput advance(const ArmInput& input) noexcept override;
+
   struct Motion {
     Position3 at{};
     Velocity3 velocity{};

@@ -27,19 +27,20 @@ class SteadyForce final : public ArmCoupling {
   void release() noexcept { is_held_.store(false, std::memory_order_release); }
   [[nodiscard]] bool is_held() const noexcept { return is_held_.load(std::memory_order_relaxed); }
 
-  THIMBLE_RT void reset(MonotonicTime now, Position3 tip) noexcept override {
+  bool set_impedance(Damping b) noexcept override { return below_->set_impedance(b); }
+
+ private:
+  THIMBLE_RT void restart(MonotonicTime now, Position3 tip) noexcept override {
     below_->reset(now, tip);
   }
-  THIMBLE_RT ArmOutput step(const ArmInput& input) noexcept override {
+  THIMBLE_RT ArmOutput advance(const ArmInput& input) noexcept override {
     const bool is_held = is_held_.load(std::memory_order_acquire);
     if (std::exchange(was_held_, is_held) && !is_held) below_->reset(input.now, input.tip);
     ArmOutput out = below_->step(input);
     if (is_held) out.force = {0, up_newton_.load(std::memory_order_relaxed), 0};
     return out;
   }
-  bool set_impedance(Damping b) noexcept override { return below_->set_impedance(b); }
 
- private:
   std::unique_ptr<ArmCoupling> below_;
   std::atomic<bool> is_held_{false};
   std::atomic<double> up_newton_{0};

@@ -114,7 +114,7 @@ ThesisTick ThesisLiteralServo::step(const std::array<float, 3>& position_mm,
   return tick;
 }
 
-void ThesisLiteralArm::reset(MonotonicTime now, Position3 /*tip*/) noexcept {
+void ThesisLiteralArm::restart(MonotonicTime now, Position3 /*tip*/) noexcept {
   ++restarts_;
   age_.restart(now);
   servo_ = {};
@@ -123,7 +123,7 @@ void ThesisLiteralArm::reset(MonotonicTime now, Position3 /*tip*/) noexcept {
   pressing_ = 0;
 }
 
-ArmOutput ThesisLiteralArm::step(const ArmInput& input) noexcept {
+ArmOutput ThesisLiteralArm::advance(const ArmInput& input) noexcept {
   age_.update(input);
   if (input.fresh != nullptr) {
     constraint_ = to_thesis(input.fresh->planes);

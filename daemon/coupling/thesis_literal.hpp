@@ -52,10 +52,10 @@ class ThesisLiteralArm final : public ArmCoupling {
  public:
   explicit ThesisLiteralArm(const ConstraintAgeSettings& age = {}) noexcept : age_(age) {}
 
-  THIMBLE_RT void reset(MonotonicTime now, Position3 tip) noexcept override;
-  THIMBLE_RT ArmOutput step(const ArmInput& input) noexcept override;
-
  private:
+  THIMBLE_RT void restart(MonotonicTime now, Position3 tip) noexcept override;
+  THIMBLE_RT ArmOutput advance(const ArmInput& input) noexcept override;
+
   void count_contacts(const ThesisTick& tick, ArmOutput& output) noexcept;
 
   ConstraintAge age_;

@@ -23,7 +23,7 @@ WaveArm::WaveArm(const WaveSettings& settings) noexcept
       port_(settings.age),
       filter_s_(seconds(settings.filter)) {}
 
-void WaveArm::reset(MonotonicTime now, Position3 tip) noexcept {
+void WaveArm::restart(MonotonicTime now, Position3 tip) noexcept {
   port_.reset(now, tip);
   b_newton_s_per_m_ = wanted_b_newton_s_per_m_.load(std::memory_order_relaxed);
   to_world_.restart();
@@ -42,7 +42,7 @@ bool WaveArm::set_impedance(Damping b) noexcept {
   return true;
 }
 
-ArmOutput WaveArm::step(const ArmInput& input) noexcept {
+ArmOutput WaveArm::advance(const ArmInput& input) noexcept {
   if (!is_finite(input.tip) || !is_finite(input.tip_velocity)) return port_.refuse(input);
   const FarEnd* const far = port_.listen(input);
   if (port_.is_new_epoch()) {

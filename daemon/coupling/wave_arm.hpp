@@ -44,9 +44,6 @@ class WaveArm final : public ArmCoupling {
  public:
   explicit WaveArm(const WaveSettings& settings = {}) noexcept;
 
-  THIMBLE_RT void reset(MonotonicTime now, Position3 tip) noexcept override;
-  THIMBLE_RT ArmOutput step(const ArmInput& input) noexcept override;
-
   // kLeastImpedance to kMostImpedance; what is not finite is left alone.
   bool set_impedance(Damping b) noexcept override;
   // As it is now; servo thread.
@@ -56,6 +53,9 @@ class WaveArm final : public ArmCoupling {
   [[nodiscard]] const WaveOutlet& incoming() const noexcept { return from_world_; }
 
  private:
+  THIMBLE_RT void restart(MonotonicTime now, Position3 tip) noexcept override;
+  THIMBLE_RT ArmOutput advance(const ArmInput& input) noexcept override;
+
   void tune(double dt_s) noexcept;
   void lengthen_filter(Duration round_trip) noexcept;
   [[nodiscard]] Velocity3 velocity_of(const ArmInput& input) noexcept;

@@ -214,23 +214,5 @@ TEST(ConstraintPlaneLoop, RateOfTheServoChangesNothing) {
   }
 }
 
-// The observer at the arm's port adds up what the hand was given.
-TEST(ConstraintPlaneLoop, ThePortsEnergyIsTheWorkOfWhatWasShown) {
-  ConstraintPlaneArm arm;
-  world::SphereWorld ball = make_ball();
-  DelayedLoop loop(arm, ball, milliseconds(1), milliseconds(30));
-  double work_joule = 0;
-  Position3 last_tip{};
-  Force3 last_force{};
-  for (int i = 0; i < 5000; ++i) {
-    const Position3 tip = about(1e-3 * i);
-    work_joule += dot(last_force, tip - last_tip);
-    last_force = loop.tick(tip, about_speed(1e-3 * i)).force;
-    last_tip = tip;
-  }
-  EXPECT_LT(work_joule, -0.0003) << "the hand pressed";
-  EXPECT_NEAR(arm.energy().given_joule(), work_joule, 1e-9);
-}
-
 }  // namespace
 }  // namespace thimble::coupling

@@ -32,17 +32,18 @@ class Wisher final : public ArmCoupling {
  public:
   using Wish = std::function<Force3(const ArmInput&)>;
   explicit Wisher(Wish wish) : wish_(std::move(wish)) {}
-  void reset(MonotonicTime /*now*/, Position3 /*tip*/) noexcept override { ++resets; }
-  ArmOutput step(const ArmInput& input) noexcept override {
+  int resets{0};
+
+ private:
+  void restart(MonotonicTime /*now*/, Position3 /*tip*/) noexcept override { ++resets; }
+  ArmOutput advance(const ArmInput& input) noexcept override {
     ArmOutput out;
     out.force = wish_(input);
     out.offset = {1, 2, 3};
     out.sample.sequence = ++sequence_;
     return out;
   }
-  int resets{0};
 
- private:
   Wish wish_;
   std::uint64_t sequence_{0};
 };

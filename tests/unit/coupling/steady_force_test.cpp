@@ -7,8 +7,8 @@ namespace {
 
 struct Below final : ArmCoupling {
   explicit Below(int& resets) : resets_(resets) {}
-  void reset(MonotonicTime, Position3) noexcept override { ++resets_; }
-  ArmOutput step(const ArmInput&) noexcept override {
+  void restart(MonotonicTime, Position3) noexcept override { ++resets_; }
+  ArmOutput advance(const ArmInput&) noexcept override {
     ArmOutput out;
     out.force = {1, 2, 3};
     out.new_contacts = 4;

@@ -69,11 +69,19 @@ class ScriptedDevice final : public HapticDevice {
 
 class ScriptedCoupling final : public coupling::ArmCoupling {
  public:
-  void reset(MonotonicTime, Position3 tip) noexcept override {
+  Force3 wish{};
+  int resets{0};
+  int steps{0};
+  int replies{0};
+  Position3 reset_tip{};
+  coupling::ArmInput last{};
+
+ private:
+  void restart(MonotonicTime, Position3 tip) noexcept override {
     ++resets;
     reset_tip = tip;
   }
-  coupling::ArmOutput step(const coupling::ArmInput& input) noexcept override {
+  coupling::ArmOutput advance(const coupling::ArmInput& input) noexcept override {
     last = input;
     if (input.fresh != nullptr) ++replies;
     ++steps;
@@ -82,13 +90,6 @@ class ScriptedCoupling final : public coupling::ArmCoupling {
     out.sample.sequence = static_cast<std::uint64_t>(steps);
     return out;
   }
-
-  Force3 wish{};
-  int resets{0};
-  int steps{0};
-  int replies{0};
-  Position3 reset_tip{};
-  coupling::ArmInput last{};
 };
 
 class ScriptedLink final : public coupling::ArmLink {
