@@ -53,8 +53,9 @@ struct ArmStatus {
   double peak_force_newton{0};  // largest norm since the start
   std::array<double, 3> offset_m{};
   FeltStatus felt{};
-  double peak_offset_m{0};    // largest norm since the start
-  std::uint64_t contacts{0};  // begun since the start
+  double peak_offset_m{0};        // largest norm since the start
+  double wished_energy_joule{0};  // given to the hand by the scheme, before the limiter
+  std::uint64_t contacts{0};      // begun since the start
   std::vector<FaultStatus> faults;
   double newton_per_count{0};  // by which it is told its force; 0: it is told amperes
   double max_force_newton{0};  // the strongest that the limiter lets through; 0: it makes none

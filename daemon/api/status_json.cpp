@@ -61,6 +61,7 @@ json::object to_value(const ArmStatus& arm) {
           {"offset_m", vector_of(arm.offset_m)},
           {"felt", to_value(arm.felt)},
           {"peak_offset_m", arm.peak_offset_m},
+          {"wished_energy_joule", arm.wished_energy_joule},
           {"contacts", arm.contacts},
           {"is_in_contact", arm.is_in_contact},
           {"constraint_state", arm.constraint_state},

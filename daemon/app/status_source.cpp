@@ -104,6 +104,7 @@ api::ArmStatus arm_status(session::ArmRig& rig, const session::WorldHost* world,
   arm.offset_m = as_array(frame.offset);
   arm.felt = felt_status(snapshot.felt, place);
   arm.peak_offset_m = snapshot.peak_offset_m;
+  arm.wished_energy_joule = frame.wished_energy_j;
   arm.contacts = snapshot.total_contacts;
   arm.faults = faults_of(snapshot, arm.name, context);
   arm.is_in_contact = frame.is_in_contact;

@@ -30,6 +30,7 @@ struct ServoFrame {
   Force3 force{};  // after it: what was sent
   double gain{0};
   double generated_energy_j{0};  // work done on the hand since activation
+  double wished_energy_j{0};     // what the wishes would have done, since the coupling began anew
   std::uint32_t buttons{0};
   std::uint32_t contacts{0};  // since activation
   bool is_in_contact{false};

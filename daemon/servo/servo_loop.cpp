@@ -306,6 +306,7 @@ LimitedWrench ServoLoop::limit(ServoFrame& frame) noexcept {
 void ServoLoop::observe_energy(ServoFrame& frame) noexcept {
   energy_.add(frame.force, frame.velocity, frame.dt);
   frame.generated_energy_j = energy_.given_joule();
+  frame.wished_energy_j = parts_.coupling.energy().given_joule();
 }
 
 bool ServoLoop::is_silent(MonotonicTime now) const noexcept {

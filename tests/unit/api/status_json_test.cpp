@@ -106,6 +106,7 @@ TEST(StatusJson, HasTheNamesThatOthersRelyOn) {
                                                   "peak_force_newton",
                                                   "offset_m",
                                                   "peak_offset_m",
+                                                  "wished_energy_joule",
                                                   "contacts",
                                                   "faults",
                                                   "is_in_contact",

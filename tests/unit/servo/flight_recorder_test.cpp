@@ -133,14 +133,14 @@ TEST(FlightFile, ARowOfTheLongestNumbersIsWhole) {
   frame.velocity = {kLowest, kLowest, kLowest};
   frame.offset = {kLowest, kLowest, kLowest};
   frame.wish = frame.force = {kLowest, kLowest, kLowest};
-  frame.gain = frame.generated_energy_j = kLowest;
+  frame.gain = frame.generated_energy_j = frame.wished_energy_j = kLowest;
   frame.buttons = frame.contacts = std::numeric_limits<std::uint32_t>::max();
   frame.is_fading = true;
 
   const std::string text = format_flight({"right", "sim:phantom-vintage", {}, 0}, {frame});
 
   const std::string row = text.substr(text.rfind('\n', text.size() - 2) + 1);
-  EXPECT_EQ(std::count(row.begin(), row.end(), ','), 32);
+  EXPECT_EQ(std::count(row.begin(), row.end(), ','), 33);
   EXPECT_EQ(row.substr(row.size() - 11), ",0,0,0,0,1\n");
 }
 

@@ -317,18 +317,6 @@ TEST(ServoLoop, SendsOneHandSamplePerReportOfTheArm) {
   EXPECT_EQ(rig.link.sent.size(), 100U);
 }
 
-TEST(ServoLoop, CountsTheEnergyThatItPutsIntoTheHand) {
-  ServoRig rig;
-  rig.coupling.wish = {2, 0, 0};
-  rig.activate_fully();
-  const double before = rig.snapshot().frame.generated_energy_j;
-  for (int i = 0; i < 1000; ++i) {
-    rig.device.state.tip.x += 0.0001;  // 0.1 m/s for 1 s along the force
-    rig.tick();
-  }
-  EXPECT_NEAR(rig.snapshot().frame.generated_energy_j - before, 0.2, 0.002);
-}
-
 TEST(ServoLoop, AReplyFromBeforeThePauseIsNotAppliedOnActivation) {
   ServoRig rig;
   rig.activate_fully();
