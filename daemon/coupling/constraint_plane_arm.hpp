@@ -53,9 +53,11 @@ struct ConstraintPlaneCounters {
 // The arm half of constraint planes (thesis 3.7.2): a god-object that up to three planes of any
 // angle hold at once, and a spring between it and the hand.
 //
-//   g = argmin ½|g − q|²  with  n_i·g ≤ d_i          q = p + o + e (world/plane_projection.hpp) F =
-//   −Π( K·(q − g) + B·v )                        = K·(g − q) − B·v_n, where nothing attracts
+//   q = p + o + e
+//   g = argmin ½|g − q|²  with  n_i·g ≤ d_i          world/plane_projection.hpp
+//   F = −Π( K·(q − g) + B·v )                        K·(g − q) − B·v_n, where nothing attracts
 //
+// F     on the hand, N                  q  where the walls are felt from, m, world's frame
 // p, v  tip, m, m/s, arm's frame        o  coordinate offset, m; what is sent is p + o
 // g     proxy, m, world's frame         e  recovery: by how much the walls are still behind, m
 // n, d  of the planes of the newest set: 1, m; n points into the obstacle

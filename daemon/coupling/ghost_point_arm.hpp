@@ -45,7 +45,21 @@ struct GhostPointCounters {
 
 // The arm half of the time/space trade-off (thesis 3.7): a wall learned of late shifts the
 // coordinate frame so that the finger rests just inside it, and is then rendered locally.
-// README.md has the equations.
+//
+//   q = p + o                                        what is sent
+//   o ← o + n·(H − x)                                a reply names a new plane with x > H
+//   F = −g·Σ n·max(0, K·x + B·(n·v) + min(k_o·s, K·x/2))    over the planes with x > 0
+//
+// p, v  tip, m, m/s, arm's frame        n, d  of a plane: 1, m; n points into the obstacle
+// o     coordinate offset, m            x     = n·q − d, penetration, m
+// F     on the hand, N                  K, B  of the plane, else of the arm: N/m, N·s/m
+// H     hysteresis, m                   k_o   coordinate spring, N/m
+// g     share that is shown, 0…1        s     part of −n·o that it shows, m, at least 0
+//
+// SOURCE: thesis 3.7 and appendix A; teleop.md 2(e). In free space o returns straight at
+// relaxation_m_per_s. First contact of a hand at v: |o| = v·(D + δ) − H, δ at most a period of the
+// servo; in lock-step D counts once to twice. Energy: at most ½·K·H² a shift and ½·k_o·o² a touch.
+// README.md tells what differs from the printed client, and why.
 //
 // Thread: one servo thread; counters() too. RT: reset(), step() THIMBLE_RT.
 // Frames: p in the arm's base frame; planes and q = p + o in the world's, axes parallel.

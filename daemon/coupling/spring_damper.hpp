@@ -10,8 +10,8 @@ enum class ForceAt : std::uint8_t {
   Both,   // "both": at either end, which share position and velocity only
 };
 
-// What the damper between hand and slave has of B, the hand's own: less than all, or the delayed
-// damper could drive (spring_damper_world.hpp).
+// What the damper between hand and slave has of B, the hand's own: a share, 0…1; less than all, or
+// the delayed damper could drive (spring_damper_world.hpp). SOURCE: decision 0421.
 inline constexpr double kDampingShare = 0.5;
 
 }  // namespace thimble::coupling

@@ -8,7 +8,9 @@ namespace thimble::coupling {
 // The world half of a coupling scheme for one arm: answers each hand sample with constraints.
 //
 // Thread: the world's thread (net plane). Not RT, but answer() neither allocates nor blocks.
-// Ownership: the world it talks to must outlive it.
+// Ownership: the world it talks to must outlive it. Frame: the world's.
+// Errors: open() says why the world refuses the hand; answer() has none: of a sample that cannot be
+//         answered it gives the last set again, its number included.
 class WorldCoupling {
  public:
   virtual ~WorldCoupling() = default;
