@@ -104,4 +104,11 @@ Result<void> play_approach(const CouplingCase& of, const StageSettings& settings
   return {};
 }
 
+void list_approach(std::vector<Parameter>& into) {
+  into.insert(into.end(), {{"approach: before_wall", "m", kWall_m - kStart_m},
+                           {"approach: behind_wall", "m", kGoal_m - kWall_m},
+                           {"approach: speed", "m/s", kSpeed_m_per_s},
+                           {"approach: held_for", "s", kLeave_s - kArrived_s}});
+}
+
 }  // namespace thimble::lab

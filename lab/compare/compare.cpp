@@ -10,6 +10,8 @@
 #include "lab/compare/compared.hpp"
 #include "lab/compare/measures.hpp"
 #include "lab/compare/ranking.hpp"
+#include "lab/compare/scenarios.hpp"
+#include "lab/trial/parameters.hpp"
 
 namespace thimble::lab {
 namespace {
@@ -282,6 +284,30 @@ std::vector<Criterion> criteria_of(const Compared& compared, bool moves) {
   return {bounded_criterion(compared), first_criterion(compared), stiffness_criterion(compared)};
 }
 
+std::vector<Parameter> parameters_of(const CompareSettings& settings, const Compared& compared) {
+  std::vector<Parameter> all{{"seed", "", static_cast<double>(settings.seed)},
+                             {"servo_rate", "Hz", 1000.0},
+                             {"jitter_of_delay", "", kJitter},
+                             {"loss", "", kLoss},
+                             {"outage", "s", kOutage_s},
+                             {"outage_every", "s", kOutageEvery_s},
+                             {"cell", "m", kStageCell_m},
+                             {"wall", "m", kWall_m},
+                             {"hold_undelayed", "N", compared.reference.hold_newton}};
+  if (settings.moves) all.push_back({"wall_moves_every", "s", kMoveEvery_s});
+  for (std::size_t metric = 0; metric < kMetrics; ++metric) {
+    const std::string_view name = to_string(static_cast<Metric>(metric));
+    all.push_back({"weight: " + std::string(name), "", kWeights[metric]});
+  }
+  list_probe(all);
+  list_approach(all);
+  list_presses(all);
+  list_motions(all);
+  append(all, parameters_of(FingerSettings{}));
+  append(all, parameters_of(compared.grid.schemes()));
+  return all;
+}
+
 std::string name_of(const CompareSettings& settings) {
   return std::string("compare") + (settings.moves ? "-moving" : "") +
          (settings.are_guarded ? "-guarded" : "");
@@ -310,14 +336,7 @@ Result<Findings> run_compare(const CompareSettings& settings) {
   }
   return Findings{.experiment = name_of(settings),
                   .title = title_of(settings),
-                  .parameters = {{"seed", "", static_cast<double>(settings.seed)},
-                                 {"servo_rate", "Hz", 1000.0},
-                                 {"jitter_of_delay", "", kJitter},
-                                 {"loss", "", kLoss},
-                                 {"outage", "s", kOutage_s},
-                                 {"outage_every", "s", kOutageEvery_s},
-                                 {"cell", "m", kStageCell_m},
-                                 {"hold_undelayed", "N", compared.reference.hold_newton}},
+                  .parameters = parameters_of(settings, compared),
                   .tables = {measures_table(compared), ranking_table(compared)},
                   .plots = {scores_plot(compared)},
                   .criteria = criteria_of(compared, settings.moves),

@@ -96,4 +96,19 @@ Result<void> play_shake(const CouplingCase& of, const StageSettings& settings, M
   return {};
 }
 
+void list_motions(std::vector<Parameter>& into) {
+  for (std::size_t i = 0; i < kTaps_s.size(); ++i) {
+    into.push_back({"taps: behind_wall_for_" + std::to_string(i + 1), "s", kTaps_s[i]});
+  }
+  into.insert(into.end(), {{"taps: of_each", "", double{kTapsOfEach}},
+                           {"taps: before_wall", "m", kWall_m - kTapFrom_m},
+                           {"taps: speed", "m/s", kTapSpeed_m_per_s},
+                           {"taps: felt_from", "N", kTapFelt_newton},
+                           {"taps: felt_within", "s", kTapAfter_s},
+                           {"taps: pause", "s", kPause_s},
+                           {"shake: rate", "Hz", kShake_hz},
+                           {"shake: stroke", "m", kShake_m},
+                           {"shake: for", "s", kShakeFor_s}});
+}
+
 }  // namespace thimble::lab

@@ -102,4 +102,20 @@ Result<void> play_outage(const CouplingCase& of, const StageSettings& settings, 
   return {};
 }
 
+void list_presses(std::vector<Parameter>& into) {
+  into.insert(into.end(), {{"push: force", "N", kPushBy_newton},
+                           {"push: before_wall", "m", kWall_m - kPushFrom_m},
+                           {"push: for", "s", kPushFor_s},
+                           {"edge: behind_wall", "m", kEdgeDepth_m},
+                           {"edge: from", "m", kEdgeFrom_m},
+                           {"edge: to", "m", kEdgeTo_m},
+                           {"edge: speed", "m/s", kEdgeSpeed_m_per_s},
+                           {"edge: felt_from", "N", kEdgeFelt_newton},
+                           {"outage: stroke", "m", kStroke_m},
+                           {"outage: middle_behind_wall", "m", kStrokeMiddle_m - kWall_m},
+                           {"outage: stroke_rate", "Hz", kStroke_hz},
+                           {"outage: at", "s", kOutageAt_s},
+                           {"outage: astray_from", "N", kAstrayFrom_newton}});
+}
+
 }  // namespace thimble::lab

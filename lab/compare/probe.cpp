@@ -70,4 +70,15 @@ Result<void> play_probe(const CouplingCase& of, const StageSettings& settings, M
   return {};
 }
 
+void list_probe(std::vector<Parameter>& into) {
+  into.insert(into.end(), {{"probe: before_wall", "m", kWall_m - kStart.x},
+                           {"probe: speed", "m/s", kSpeed_m_per_s},
+                           {"probe: felt_from", "N", kFelt_newton},
+                           {"probe: stiffness_within", "m", kFirst_m},
+                           {"probe: stroke", "m", kStroke_m},
+                           {"probe: stroke_rate", "Hz", kStroke_hz},
+                           {"probe: strokes_for", "s", kStrokes_s},
+                           {"probe: gives_up_after", "s", kLongest_s}});
+}
+
 }  // namespace thimble::lab

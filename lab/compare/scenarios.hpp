@@ -1,7 +1,10 @@
 #pragma once
 
+#include <vector>
+
 #include "hal/base/result.hpp"
 #include "lab/compare/measures.hpp"
+#include "lab/findings/findings.hpp"
 
 // One thing that a hand does in front of the wall, each; what it found goes into its fields of
 // Measures. Errors: the scheme refuses the world.
@@ -32,5 +35,11 @@ namespace thimble::lab {
 // To and fro in free space by 5 mm at 2 Hz, by a hand that nothing stops.
 [[nodiscard]] Result<void> play_shake(const CouplingCase& of, const StageSettings& settings,
                                       Measures& into);
+
+// The numbers of all of them, behind what there is: by file.
+void list_probe(std::vector<Parameter>& into);
+void list_approach(std::vector<Parameter>& into);
+void list_presses(std::vector<Parameter>& into);  // push, edge, outage
+void list_motions(std::vector<Parameter>& into);  // taps, shake
 
 }  // namespace thimble::lab

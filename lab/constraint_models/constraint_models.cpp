@@ -66,7 +66,7 @@ class FigurePlayer {
                 scene.title,
                 {{"t", "s", 3}, {"hand_x", "mm", 3}, {"hand_y", "mm", 3}},
                 {}};
-    Plot plot{scene.name, scene.title, {"x (mm)", false}, {"y (mm)", false}, {}};
+    Plot plot{scene.name, scene.title, {"x [mm]", false}, {"y [mm]", false}, {}};
     for (const Outline& outline : scene.outlines) add_outline(outline, plot);
     add_hand(scene, trace, plot);
     for (const Model& model : *models) {

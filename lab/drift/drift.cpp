@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "lab/drift/taps.hpp"
+#include "lab/trial/parameters.hpp"
 
 namespace thimble::lab {
 namespace {
@@ -284,14 +285,14 @@ Result<Findings> run_drift(const DriftSettings& settings) {
       critical.push_back(*found);
     }
   }
-  const coupling::GhostPointSettings ghost;
+  std::vector<Parameter> parameters{{"seed", "", static_cast<double>(settings.seed)},
+                                    {"servo_rate", "Hz", 1000.0},
+                                    {"hand_speed", "m/s", kTapHand_m_per_s},
+                                    {"before_wall", "m", kTapFrom_m}};
+  append(parameters, parameters_of(schemes));
   return Findings{.experiment = "drift",
                   .title = "Repeated taps on a wall that is learned of late (thesis 3.7), 1 kHz",
-                  .parameters = {{"seed", "", static_cast<double>(settings.seed)},
-                                 {"servo_rate", "Hz", 1000.0},
-                                 {"hand_speed", "m/s", kTapHand_m_per_s},
-                                 {"relaxation", "m/s", ghost.relaxation_m_per_s},
-                                 {"hysteresis", "m", ghost.hysteresis_m}},
+                  .parameters = std::move(parameters),
                   .tables = {taps_table(all), critical_table(critical)},
                   .plots = {taps_plot(all), drift_plot(all), critical_plot(critical)},
                   .criteria = criteria_of(all, critical),

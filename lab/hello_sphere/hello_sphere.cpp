@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "lab/hello_sphere/touch.hpp"
+#include "lab/trial/finger.hpp"
+#include "lab/trial/parameters.hpp"
 
 namespace thimble::lab {
 namespace {
@@ -216,16 +218,18 @@ Result<Findings> run_hello_sphere(const HelloSphereSettings& settings) {
     all.push_back(*run);
     all.back().astray_m = distance_m(run->stroke, undelayed->stroke);
   }
+  std::vector<Parameter> parameters{{"seed", "", static_cast<double>(settings.seed)},
+                                    {"servo_rate", "Hz", 1000.0},
+                                    {"ball_radius", "m", kBall_m},
+                                    {"held_undelayed", "N", undelayed->rest.mean_newton}};
+  append(parameters, touch_parameters());
+  append(parameters, parameters_of(FingerSettings{}));
+  append(parameters, parameters_of(schemes));
   return Findings{
       .experiment = "hello-sphere",
       .title =
           "\"Hello, sphere\" (thesis 3.2) through each scheme: ball of 20 mm, finger of 0.15 kg",
-      .parameters = {{"seed", "", static_cast<double>(settings.seed)},
-                     {"servo_rate", "Hz", 1000.0},
-                     {"ball_radius", "m", kBall_m},
-                     {"wall_stiffness", "N/m",
-                      coupling::GhostPointSettings{}.stiffness.newton_per_m},
-                     {"held_undelayed", "N", undelayed->rest.mean_newton}},
+      .parameters = std::move(parameters),
       .tables = {table_of(all)},
       .plots = {swings_plot(all), forces_plot(all, undelayed->press),
                 paths_plot(all, undelayed->stroke)},

@@ -110,4 +110,10 @@ double distance_m(const Touch& a, const Touch& b) {
   return std::sqrt(squares / static_cast<double>(a.ticks.size()));
 }
 
+std::vector<Parameter> touch_parameters() {
+  return {{"press: above_top", "m", kAbove_m},     {"press: below_top", "m", kBelow_m},
+          {"press: speed", "m/s", kPress_m_per_s}, {"press: held_for", "s", kHeld_s},
+          {"stroke: beside", "m", kBeside_m},      {"stroke: speed", "m/s", kStroke_m_per_s}};
+}
+
 }  // namespace thimble::lab

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "hal/base/result.hpp"
+#include "lab/findings/findings.hpp"
 #include "lab/trial/coupling_case.hpp"
 
 // A finger at the ball of thesis 3.2, through a coupling scheme.
@@ -34,6 +35,9 @@ struct Touch {
 // Before time 0 the finger (lab/trial/finger.hpp) has rested where it starts until what the far end
 // says has come. Deterministic. Errors: the scheme refuses the world.
 [[nodiscard]] Result<Touch> touch_ball(const CouplingCase& of, Gesture gesture, double delay_s);
+
+// The numbers of both gestures.
+[[nodiscard]] std::vector<Parameter> touch_parameters();
 
 // What a second of holding was like, the last of a press.
 struct Held {

@@ -128,4 +128,13 @@ Result<Released> let_go(const Release& how) {
   return trial.swing();
 }
 
+std::vector<Parameter> release_parameters() {
+  return {{"cell", "m", kCell_m},
+          {"kick", "m/s", kKick_m_per_s},
+          {"brake", "N.s/m", kBrake_newton_s_per_m},
+          {"clear_of_wall", "m", kClear_m},
+          {"swings_away_beyond", "m", kAway_m},
+          {"shrinks_below", "", kShrinks}};
+}
+
 }  // namespace thimble::lab

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <vector>
+
 #include "hal/base/result.hpp"
+#include "lab/findings/findings.hpp"
 #include "lab/trial/coupling_case.hpp"
 
 // One trial of stability: a hand that leans on a wall, or floats before it, is let go.
@@ -30,5 +33,8 @@ struct Released {
 // stays in contact, and a wall that pushes to one side only is the linear one of the theory. The
 // velocity is the servo's, filtered. 1 kHz. Deterministic. Errors: the scheme refuses the world.
 [[nodiscard]] Result<Released> let_go(const Release& how);
+
+// The numbers of how it is let go and judged, that Release has not.
+[[nodiscard]] std::vector<Parameter> release_parameters();
 
 }  // namespace thimble::lab

@@ -5,10 +5,12 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "lab/stability/stability_cases.hpp"
 #include "lab/stability/theory.hpp"
+#include "lab/trial/parameters.hpp"
 
 namespace thimble::lab {
 namespace {
@@ -208,6 +210,26 @@ std::vector<Criterion> criteria_of(const std::vector<Limit>& all) {
            all_of(of_theory(all, Theory::NoDelay), is_no_less)}};
 }
 
+// The stiffness that is sought is null.
+std::vector<Parameter> parameters_of(const StabilitySettings& settings,
+                                     const std::vector<StabilityCase>& cases) {
+  std::vector<Parameter> all{{"seed", "", static_cast<double>(settings.seed)},
+                             {"servo_rate", "Hz", 1 / kPeriod_s},
+                             {"hand_mass", "kg", kHand_kg},
+                             {"push", "N", Release{}.push_newton},
+                             {"push_rendered_here", "N", kLean_newton}};
+  append(all, release_parameters());
+  std::vector<CouplingCase> schemes;
+  for (const StabilityCase& of : cases) {
+    const std::string hand = std::to_string(std::lround(of.damping_newton_s_per_m));
+    CouplingCase scheme = of.with(kNone).of;
+    scheme.name = of.name + ", hand of " + hand + " N.s/m";
+    schemes.push_back(std::move(scheme));
+  }
+  append(all, parameters_of(schemes));
+  return all;
+}
+
 }  // namespace
 
 Result<Findings> run_stability(const StabilitySettings& settings) {
@@ -226,13 +248,7 @@ Result<Findings> run_stability(const StabilitySettings& settings) {
   return Findings{
       .experiment = "stability",
       .title = "Largest stable stiffness over delay: a hand that leans on a wall is kicked, 1 kHz",
-      .parameters = {{"seed", "", static_cast<double>(settings.seed)},
-                     {"servo_rate", "Hz", 1 / kPeriod_s},
-                     {"hand_mass", "kg", kHand_kg},
-                     {"push", "N", Release{}.push_newton},
-                     {"push_rendered_here", "N", kLean_newton},
-                     {"spring_damper_damping", "N.s/m",
-                      coupling::SpringDamperSettings{}.tool.damping.newton_s_per_m}},
+      .parameters = parameters_of(settings, cases),
       .tables = {table_of(all)},
       .plots = {remote_plot(all), schemes_plot(all)},
       .criteria = criteria_of(all),

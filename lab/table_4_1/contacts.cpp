@@ -202,4 +202,14 @@ Result<ContactStatistics> run_contacts(const ContactRun& of) {
   return of.hand == HandKind::Kinematic ? run_kinematic(of, **loop) : run_dynamic(of, **loop);
 }
 
+std::vector<Parameter> contact_parameters() {
+  return {{"world", "", std::string(kWorld)},
+          {"wall", "m", kWall_m},
+          {"reach", "m", kReach_m},
+          {"felt_from", "N", kFelt_newton},
+          {"relaxed_below", "m", kRelaxed_m},
+          {"finger_sweep", "m", kSweep_m},
+          {"one_touch_within", "s", kOneTouch_s}};
+}
+
 }  // namespace thimble::lab

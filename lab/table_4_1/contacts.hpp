@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "hal/base/result.hpp"
+#include "lab/findings/findings.hpp"
 #include "lab/trial/coupling_case.hpp"
 #include "lab/trial/spread.hpp"
 
@@ -35,5 +37,8 @@ struct ContactStatistics {
 // Ends early, with fewer contacts or none, where the hand is back before it could feel them.
 // Deterministic. Errors: none but what says that the box cannot be made.
 [[nodiscard]] Result<ContactStatistics> run_contacts(const ContactRun& of);
+
+// The numbers of the box and of both hands, but for their speed.
+[[nodiscard]] std::vector<Parameter> contact_parameters();
 
 }  // namespace thimble::lab

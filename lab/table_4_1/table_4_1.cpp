@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "lab/table_4_1/contacts.hpp"
+#include "lab/trial/finger.hpp"
+#include "lab/trial/parameters.hpp"
 
 namespace thimble::lab {
 namespace {
@@ -280,6 +282,19 @@ Plot plot_of(const std::vector<Measured>& all) {
   return plot;
 }
 
+std::vector<Parameter> parameters_of(const Table41Settings& settings) {
+  std::vector<Parameter> all{{"seed", "", static_cast<double>(settings.seed)},
+                             {"contacts_per_row", "", static_cast<double>(settings.contacts)},
+                             {"phases_of_lock_step", "", double{kPhases}},
+                             {"servo_rate", "Hz", 1000.0},
+                             {"hand_speed", "m/s", kHand_m_per_s},
+                             {"slow_hand_speed", "m/s", kSlowHand_m_per_s}};
+  append(all, contact_parameters());
+  append(all, parameters_of(FingerSettings{}));
+  append(all, parameters_of(std::vector<CouplingCase>{{.name = "ghost-point"}}));
+  return all;
+}
+
 }  // namespace
 
 Result<Findings> run_table_4_1(const Table41Settings& settings) {
@@ -291,19 +306,10 @@ Result<Findings> run_table_4_1(const Table41Settings& settings) {
     if (!runs[i]) return tl::unexpected(runs[i].error());
     all.push_back({rows[i], *runs[i]});
   }
-  const coupling::GhostPointSettings defaults;
   Findings findings{
       .experiment = "table-4.1",
       .title = "Table 4.1 of the thesis: the box of 3 cells of 30 mm, scheme ghost-point, 1 kHz",
-      .parameters = {{"seed", "", static_cast<double>(settings.seed)},
-                     {"contacts_per_row", "", static_cast<double>(settings.contacts)},
-                     {"servo_rate", "Hz", 1000.0},
-                     {"wall_stiffness", "N/m", defaults.stiffness.newton_per_m},
-                     {"wall_damping", "N.s/m", defaults.damping.newton_s_per_m},
-                     {"coordinate_spring", "N/m", defaults.coordinate_spring.newton_per_m},
-                     {"hysteresis", "m", defaults.hysteresis_m},
-                     {"relaxation", "m/s", defaults.relaxation_m_per_s},
-                     {"reach", "m", 0.0635}},
+      .parameters = parameters_of(settings),
       .tables = {table_of(all, HandKind::Kinematic), table_of(all, HandKind::Dynamic)},
       .plots = {plot_of(all)},
       .criteria = criteria_of(all),

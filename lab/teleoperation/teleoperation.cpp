@@ -12,6 +12,7 @@
 #include "daemon/coupling/wave_arm.hpp"
 #include "lab/trial/finger.hpp"
 #include "lab/trial/pair_loop.hpp"
+#include "lab/trial/parameters.hpp"
 
 namespace thimble::lab {
 namespace {
@@ -230,6 +231,27 @@ std::vector<Criterion> criteria_of(const std::vector<Measured>& all) {
            })}};
 }
 
+std::vector<Parameter> parameters_of(const TeleoperationSettings& settings) {
+  std::vector<Parameter> all{{"seed", "", static_cast<double>(settings.seed)},
+                             {"servo_rate", "Hz", 1000.0},
+                             {"lead", "m", kLead_m},
+                             {"lead_speed", "m/s", kLead_m_per_s},
+                             {"push", "N", kPush_newton},
+                             {"vise", "N/m", kVise_newton_per_m},
+                             {"bad_jitter_of_delay", "", 0.5},
+                             {"bad_loss", "", 0.05}};
+  append(all, parameters_of(FingerSettings{}));
+  const coupling::SchemeSettings between{
+      .spring_damper = {.force_at = coupling::ForceAt::Both, .is_between_arms = true}};
+  append(
+      all,
+      parameters_of(std::vector<CouplingCase>{
+          {.name = "spring-damper", .scheme = coupling::Scheme::SpringDamper, .settings = between},
+          {.name = "wave", .scheme = coupling::Scheme::Wave},
+          {.name = "ghost-point", .scheme = coupling::Scheme::GhostPoint}}));
+  return all;
+}
+
 }  // namespace
 
 Result<Findings> run_teleoperation(const TeleoperationSettings& settings) {
@@ -245,14 +267,7 @@ Result<Findings> run_teleoperation(const TeleoperationSettings& settings) {
       runs.size(), [&](std::size_t i) { return measure(runs[i]); }, settings.progress);
   return Findings{.experiment = "teleoperation",
                   .title = "Two arms coupled to each other (thesis 5.3.5), 1 kHz",
-                  .parameters = {{"seed", "", static_cast<double>(settings.seed)},
-                                 {"servo_rate", "Hz", 1000.0},
-                                 {"lead", "m", kLead_m},
-                                 {"lead_speed", "m/s", kLead_m_per_s},
-                                 {"push", "N", kPush_newton},
-                                 {"vise", "N/m", kVise_newton_per_m},
-                                 {"bad_jitter_of_delay", "", 0.5},
-                                 {"bad_loss", "", 0.05}},
+                  .parameters = parameters_of(settings),
                   .tables = {table_of(all)},
                   .plots = {plot_of(all, "stiffness", "How stiff a vise at the other arm feels",
                                     "stiffness [N/m]", &Measured::stiffness_newton_per_m),

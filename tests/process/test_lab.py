@@ -44,6 +44,10 @@ class Lab(ProcessTest):
         folder = self.folder / "compared"
         shown = self.run_experiment("compare", "--out", folder, timeout=280)
         self.assertEqual(shown.returncode, 0, shown.stdout[-400:] + shown.stderr)
+        parameters = json.loads((folder / "compare.json").read_text())["parameters"]
+        for name, value in (("finger: mass", 0.15), ("weight: stiffness", 3), ("wave, b = 40: impedance", 40),
+                            ("composite: hysteresis", 0.0005), ("edge: speed", 0.1), ("buffer-zone: buffer", 0.03)):
+            self.assertEqual(parameters[name]["value"], value, name)
         with (folder / "compare-ranking.csv").open() as file:
             rows = list(csv.DictReader(file))
         for delay in ("1", "5", "10", "20", "50", "100", "200", "500"):
@@ -86,6 +90,8 @@ class Lab(ProcessTest):
                  if row["scheme"] == "remote-force" and row["delay [ms]"] == "10"}
         for damping, expected in (("2", 195), ("4", 399), ("8", 827)):
             self.assertAlmostEqual(found[damping], expected, delta=0.02 * expected)
+        parameters = json.loads((folder / "stability.json").read_text())["parameters"]
+        self.assertIsNone(parameters["remote-force, hand of 2 N.s/m: stiffness"]["value"], "it is what is sought")
         plot = (folder / "stability-schemes.gp").read_text()
         self.assertIn("set ylabel 'largest stable stiffness [N/m]'", plot)
         self.assertIn("thesis, wall of 800 N/m", plot)

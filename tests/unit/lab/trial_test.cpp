@@ -2,13 +2,17 @@
 
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <memory>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "daemon/world/io/world_source.hpp"
 #include "lab/trial/coupling_case.hpp"
 #include "lab/trial/finger.hpp"
 #include "lab/trial/parallel.hpp"
+#include "lab/trial/parameters.hpp"
 #include "lab/trial/random.hpp"
 #include "lab/trial/spread.hpp"
 
@@ -106,6 +110,45 @@ TEST(TrialLoop, ANetworkThatIsDownCarriesNothingEitherWay) {
   bool is_felt = false;
   for (int i = 0; i < 5; ++i) is_felt |= (*loop)->tick({0.02, 0, 0}, {}).is_in_contact;
   EXPECT_TRUE(is_felt);
+}
+
+std::map<std::string, Cell> listed(const std::vector<Parameter>& all) {
+  std::map<std::string, Cell> by_name;
+  for (const Parameter& one : all) {
+    EXPECT_TRUE(by_name.emplace(one.name, one.value).second) << one.name << " is there twice";
+  }
+  return by_name;
+}
+
+// Whoever reads a file of findings later has no other place to look.
+TEST(Parameters, AreThoseOfEachCaseAndSayWhatWasChanged) {
+  using coupling::Scheme;
+  CouplingCase zone{.name = "zone", .scheme = Scheme::BufferZone};
+  zone.world_half.buffer_zone = {.buffer_m = 0.012, .names = coupling::ZoneNames::Faces};
+  CouplingCase wave{.name = "wave", .scheme = Scheme::Wave, .is_guarded = true};
+  wave.settings.wave.impedance = {7};
+  const CouplingCase band{.name = "ghost", .mode = link::SendMode::LockStep, .deadband_m = 0.0005};
+  const auto all = listed(parameters_of(std::vector<CouplingCase>{zone, wave, band}));
+  EXPECT_EQ(all.at("zone: buffer"), Cell(0.012));
+  EXPECT_EQ(all.at("zone: zone"), Cell("faces"));
+  EXPECT_EQ(all.count("zone: hysteresis"), 0U) << "it has none";
+  EXPECT_EQ(all.at("wave: impedance"), Cell(7.0));
+  EXPECT_EQ(all.at("wave: slave_mass"), Cell(0.1));
+  EXPECT_EQ(all.at("wave: passivity_bound"), Cell(0.001));
+  EXPECT_EQ(all.count("zone: passivity_bound"), 0U);
+  EXPECT_EQ(all.at("ghost: mode"), Cell("lock-step"));
+  EXPECT_EQ(all.at("ghost: deadband"), Cell(0.0005));
+  EXPECT_EQ(all.at("ghost: fade_floor"), Cell(0.25));
+  EXPECT_EQ(listed(parameters_of(FingerSettings{.mass_kg = 0.2})).at("finger: mass"), Cell(0.2));
+}
+
+TEST(Parameters, EverySchemeHasSome) {
+  for (const coupling::Scheme scheme : coupling::kSchemes) {
+    const CouplingCase of{.name = "one", .scheme = scheme};
+    const auto all = listed(parameters_of(std::span(&of, 1)));
+    EXPECT_EQ(all.at("one: scheme"), Cell(std::string(to_string(scheme))));
+    EXPECT_EQ(all.at("one: fade_time"), Cell(0.1)) << to_string(scheme);
+  }
 }
 
 TEST(Spread, AgreesWithTwoPassesOverTheNumbers) {
