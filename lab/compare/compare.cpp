@@ -54,11 +54,14 @@ class Grid {
   }
   [[nodiscard]] Result<Measures> run(std::size_t i) const {
     const Network network = kNetworks[i % kNetworks.size()];
-    const CouplingCase& scheme = schemes_[i / kNetworks.size() % schemes_.size()];
+    const CouplingCase& scheme = scheme_of(i);
     const double delay_s = kDelays_s[i / kNetworks.size() / schemes_.size()];
     return measure(scheme, stage_of(settings_, delay_s, network));
   }
   [[nodiscard]] const std::vector<CouplingCase>& schemes() const { return schemes_; }
+  [[nodiscard]] const CouplingCase& scheme_of(std::size_t run) const {
+    return schemes_[run / kNetworks.size() % schemes_.size()];
+  }
 
  private:
   CompareSettings settings_;
@@ -225,20 +228,18 @@ std::size_t index_of(const Compared& compared, std::string_view name) {
   return static_cast<std::size_t>(found - schemes.begin());
 }
 
-// Nothing is unbounded but what theory says is: the remote closed loop (teleop.md 2(a)). A wall
-// that moves works on the hand of whoever shifts no frame: that is not asked there.
+// Nothing is unbounded but what theory says is: the remote closed loop (teleop.md 2(a)). What gives
+// the hand no energy cannot grow, though a wave takes its time to come to rest (G1). A wall that
+// moves works on the hand of whoever shifts no frame: that is not asked there.
 Criterion bounded_criterion(const Compared& compared) {
   Criterion criterion{
-      "on a steady network only remote-force gives the hand energy, or asks for more than 8.5 N",
+      "on every network only remote-force gives the hand energy, or asks for more than 8.5 N",
       true};
-  for (std::size_t delay = 0; delay < kDelays_s.size(); ++delay) {
-    for (std::size_t scheme = 0; scheme < compared.grid.schemes().size(); ++scheme) {
-      if (compared.grid.schemes()[scheme].scheme == coupling::Scheme::RemoteForce) continue;
-      const std::size_t i = compared.grid.at(delay, scheme, 0);
-      const bool is_hard = !(compared.measures[i].most_newton <= 8.5);
-      if (compared.marks[i].fails[static_cast<std::size_t>(Gate::Passive)] || is_hard) {
-        criterion.is_met = false;
-      }
+  for (std::size_t i = 0; i < compared.measures.size(); ++i) {
+    if (compared.grid.scheme_of(i).scheme == coupling::Scheme::RemoteForce) continue;
+    const bool is_hard = !(compared.measures[i].most_newton <= kMost_newton);
+    if (compared.marks[i].fails[static_cast<std::size_t>(Gate::Passive)] || is_hard) {
+      criterion.is_met = false;
     }
   }
   return criterion;

@@ -22,7 +22,6 @@ constexpr double kAstray_newton = 1;
 constexpr double kAstray_s = 1;
 constexpr double kPackets_per_s = 2000;
 constexpr double kSwing_m = 0.0005;
-constexpr double kMost_newton = 8.5;
 constexpr double kRise_newton = 2;
 constexpr double kPull_newton = 0.1;
 

@@ -31,6 +31,9 @@ struct Measures {
   double most_pull_newton{0};  // towards the wall, in contact
 };
 
+// SOURCE: teleop.md section 5, G3: what the arm gives.
+inline constexpr double kMost_newton = 8.5;
+
 // Plays all scenarios. Deterministic. Errors: the scheme refuses the world.
 [[nodiscard]] Result<Measures> measure(const CouplingCase& of, const StageSettings& settings);
 
