@@ -12,6 +12,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "daemon/link/serial_arm_link.hpp"
@@ -54,6 +55,12 @@ class Plug {
   std::string node_;
 };
 
+// One direction of a cable: when it is free again, and what has not arrived.
+struct Way {
+  MonotonicTime free_at{};
+  std::deque<std::pair<MonotonicTime, std::byte>> under_way{};
+};
+
 class SerialPorts : public ::testing::Test {
  protected:
   SerialPorts() { replug(); }
@@ -79,10 +86,10 @@ class SerialPorts : public ::testing::Test {
   // At whatever terminal is there when it is asked for.
   SerialLine line(std::function<Plug*()> plug) {
     return {.name = "serial:test",
-            .bit_per_s = 115'200,
-            .open = [plug = std::move(plug)]() -> Result<LineNode> {
+            .bit_per_s = bit_per_s,
+            .open = [plug = std::move(plug), rate = bit_per_s]() -> Result<LineNode> {
               if (plug() == nullptr) return fail(Errc::NotFound, "there is no such port");
-              return linux::share_serial_line(plug()->node(), 115'200);
+              return linux::share_serial_line(plug()->node(), rate);
             }};
   }
   bool run_until(const std::function<bool()>& is_done) {
@@ -97,11 +104,22 @@ class SerialPorts : public ::testing::Test {
     return false;
   }
   void carry() {
-    for (const auto& [from, to] : {std::pair(of_arm, of_world), std::pair(of_world, of_arm)}) {
-      std::vector<std::byte> bytes = from->take();
-      for (std::byte& byte : bytes) byte ^= turned;
-      to->put(bytes);
+    carry(*of_arm, *of_world, there);
+    carry(*of_world, *of_arm, back);
+  }
+  // Ten bits a byte, where it is paced.
+  void carry(Plug& from, Plug& to, Way& way) {
+    const MonotonicTime now = clock.now();
+    for (std::byte byte : from.take()) {
+      if (is_paced) way.free_at = std::max(way.free_at, now) + Duration(10'000'000'000 / bit_per_s);
+      way.under_way.emplace_back(is_paced ? way.free_at : now, byte ^ turned);
     }
+    std::vector<std::byte> out;
+    for (; !way.under_way.empty() && way.under_way.front().first <= now;
+         way.under_way.pop_front()) {
+      out.push_back(way.under_way.front().second);
+    }
+    to.put(out);
   }
   [[nodiscard]] bool is_up() const { return arm->status().is_up; }
 
@@ -111,6 +129,10 @@ class SerialPorts : public ::testing::Test {
   Plug* of_arm{nullptr};
   Plug* of_world{nullptr};
   std::byte turned{0};  // what the cable does to every byte
+  std::uint32_t bit_per_s{115'200};
+  bool is_paced{false};
+  Way there;
+  Way back;
   WorldDouble world_of_1999;
   std::vector<std::unique_ptr<WorldDouble>> halves;
   ArmEndSettings ends;
@@ -128,6 +150,23 @@ TEST_F(SerialPorts, AnArmIsServedAlongALine) {
   coupling::ConstraintSet reply;
   ASSERT_TRUE(run_until([&] { return arm->arm_end().receive(reply); }));
   EXPECT_EQ(reply.planes.size(), 6U);
+}
+
+// The slowest rate, the fastest, and what is usual in between, with a cable that is no faster.
+TEST_F(SerialPorts, AnArmIsServedAtEveryRateThatTheCableIsPacedAt) {
+  is_paced = true;
+  for (const std::uint32_t rate : {38'400U, 115'200U, 460'800U, 1'000'000U, 3'000'000U}) {
+    SCOPED_TRACE(rate);
+    bit_per_s = rate;
+    there = back = {};
+    replug();
+    open_both();
+    coupling::ConstraintSet reply;
+    ASSERT_TRUE(run_until([&] { return arm->arm_end().receive(reply); }));
+    EXPECT_EQ(reply.planes.size(), 6U);
+    EXPECT_EQ(arm->status().counters.receive_errors, 0U);
+    EXPECT_EQ(world->status().counters.receive_errors, 0U);
+  }
 }
 
 TEST_F(SerialPorts, APortThatIsNotThereIsWaitedFor) {
