@@ -123,6 +123,23 @@ TEST(Compare, ADeadbandSendsAQuarterAndFailsNoGate) {
   }
 }
 
+// The third that takes one. It is given what its defects give (teleop.md 7), and has no bounds to
+// keep; but what a hand feels of it stays.
+TEST(Compare, ADeadbandSendsAQuarterOfThePrintedCallbacksToo) {
+  constexpr double kBand_m = 0.0005;
+  constexpr auto kPrinted = coupling::Scheme::ThesisLiteral;
+  for (const double delay_s : {0.001, 0.02, 0.1}) {
+    const StageSettings stage{.delay_s = delay_s, .loss = 0.05, .seed = 3};
+    const Measures whole = measures_of({.name = "whole", .scheme = kPrinted}, stage);
+    const Measures banded =
+        measures_of({.name = "banded", .scheme = kPrinted, .deadband_m = kBand_m}, stage);
+    EXPECT_LT(4 * banded.packets_per_s, whole.packets_per_s) << delay_s;
+    EXPECT_NEAR(banded.hold_newton, whole.hold_newton, 1) << delay_s;
+    EXPECT_LE(banded.most_newton, kMost_newton);
+    EXPECT_LT(banded.swing_m, 0.0005) << delay_s;
+  }
+}
+
 TEST(Compare, EachSchemeIsComparedUnderANameOfItsOwn) {
   std::set<std::string> names;
   std::set<coupling::Scheme> schemes;
