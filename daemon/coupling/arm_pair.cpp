@@ -99,6 +99,7 @@ class ArmPair::Half final : public WorldCoupling {
 
   void tell_motion(const HandSample& sample) noexcept {
     last_.has_far = true;
+    last_.far.is_arm = true;
     last_.far.slave = theirs()->hand;
     last_.far.velocity = theirs()->velocity;
     last_.far.tool = theirs()->tool;

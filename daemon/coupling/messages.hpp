@@ -100,7 +100,8 @@ struct FarEnd {
   Velocity3 velocity{};     // of the slave
   WaveSums waves{};         // of the returning wave, since the session began
   bool is_pressing{false};  // the world pushes at the far end
-  ToolProperties tool{};    // only where the far end is an arm: what it computes with; 0: nothing
+  bool is_arm{false};       // another arm's hand, not a mass in a world
+  ToolProperties tool{};    // of that arm: what it computes with; 0: nothing
 };
 
 // What the arm half does not know yet of the cells of a world (CompositeWorld).

@@ -20,7 +20,8 @@ constexpr std::uint32_t kSampleEpoch = 1U << 6U;
 constexpr std::uint32_t kPatchesHeld = 1U << 7U;
 constexpr std::uint32_t kArmsGhost = 1U << 8U;
 constexpr std::uint32_t kAppliedBefore = 1U << 9U;
-constexpr std::uint32_t kSampleFields = (1U << 10U) - 1;
+constexpr std::uint32_t kPull = 1U << 10U;
+constexpr std::uint32_t kSampleFields = (1U << 11U) - 1;
 
 constexpr std::uint32_t kPlanes = 1U << 0U;
 constexpr std::uint32_t kGhost = 1U << 1U;
@@ -33,7 +34,8 @@ constexpr std::uint32_t kEnergy = 1U << 7U;
 constexpr std::uint32_t kNear = 1U << 8U;
 constexpr std::uint32_t kAstray = 1U << 9U;
 constexpr std::uint32_t kMap = 1U << 10U;
-constexpr std::uint32_t kConstraintFields = (1U << 11U) - 1;
+constexpr std::uint32_t kFarArm = 1U << 11U;
+constexpr std::uint32_t kConstraintFields = (1U << 12U) - 1;
 
 // Of a surface.
 constexpr std::uint8_t kStiffness = 1U << 0U;
@@ -55,7 +57,7 @@ std::uint32_t mask_of(const ThimbleSample& m) noexcept {
          flag(s.impulse != coupling::Impulse3(), kImpulse) | flag(m.presses.has_value(), kPresses) |
          flag(m.energy_joule.has_value(), kSampleEnergy) | flag(m.epoch.has_value(), kSampleEpoch) |
          flag(m.patches_held.has_value(), kPatchesHeld) | flag(m.sample.has_ghost, kArmsGhost) |
-         flag(m.sample.applied_before != 0, kAppliedBefore);
+         flag(m.sample.applied_before != 0, kAppliedBefore) | flag(s.pull != Force3(), kPull);
 }
 
 std::uint32_t mask_of(const ThimbleConstraints& m) noexcept {
@@ -63,7 +65,8 @@ std::uint32_t mask_of(const ThimbleConstraints& m) noexcept {
          flag(m.ghost_cell.has_value(), kGhostCell) | flag(m.set.is_embedded, kEmbedded) |
          flag(m.set.has_far, kFar) | flag(m.epoch.has_value(), kEpoch) |
          flag(m.pressure.has_value(), kPressure) | flag(m.energy_joule.has_value(), kEnergy) |
-         flag(m.set.has_near, kNear) | flag(m.set.is_astray, kAstray) | flag(m.set.has_map, kMap);
+         flag(m.set.has_near, kNear) | flag(m.set.is_astray, kAstray) | flag(m.set.has_map, kMap) |
+         flag(m.set.has_far && m.set.far.is_arm, kFarArm);
 }
 
 template <class Bytes, class Message>
@@ -79,10 +82,7 @@ bool carry_sample(Bytes& b, Message& m) noexcept {
   std::uint32_t mask = mask_of(m);
   b.word(mask);
   if ((mask & kVelocity) != 0) b.vector(s.velocity);
-  if ((mask & kTool) != 0) {
-    b.real(s.tool.stiffness.newton_per_m);
-    b.real(s.tool.damping.newton_s_per_m);
-  }
+  if ((mask & kTool) != 0) carry_tool(b, s.tool);
   if ((mask & kWaves) != 0) carry_waves(b, s.waves);
   if ((mask & kImpulse) != 0) b.vector(s.impulse);
   const auto word = [&](auto& value) { b.word(value); };
@@ -95,6 +95,7 @@ bool carry_sample(Bytes& b, Message& m) noexcept {
   if constexpr (Bytes::kIsReader) s.has_ghost = (mask & kArmsGhost) != 0;
   if (s.has_ghost) b.vector(s.ghost);
   if ((mask & kAppliedBefore) != 0) b.word(s.applied_before);
+  if ((mask & kPull) != 0) b.vector(s.pull);
   return mask > kSampleFields;
 }
 
@@ -155,6 +156,16 @@ void carry_far(Bytes& b, Far& far) noexcept {
   carry_flag(b, far.is_pressing);
 }
 
+// What a far end is beside a place and a motion, where it is an arm.
+template <class Bytes, class Set>
+void carry_far_arm(Bytes& b, Set& set) noexcept {
+  if constexpr (Bytes::kIsReader) {
+    if (!set.has_far) return b.refuse();
+    set.far.is_arm = true;
+  }
+  carry_tool(b, set.far.tool);
+}
+
 template <class Bytes, class Message>
 bool carry_constraints(Bytes& b, Message& m) noexcept {
   carry_timing(b, m.timing);
@@ -184,6 +195,7 @@ bool carry_constraints(Bytes& b, Message& m) noexcept {
   carry_optional<Bytes>((mask & kEnergy) != 0, m.energy_joule, [&](auto& value) { b.real(value); });
   if (set.has_near) carry_near(b, set.near);
   if (set.has_map) carry_map(b, set.map);
+  if ((mask & kFarArm) != 0) carry_far_arm(b, set);
   return mask > kConstraintFields;
 }
 
@@ -243,10 +255,9 @@ static bool carry(ByteReader& b, ThimbleIdle& m) noexcept { return carry_idle(b,
 static Reason check(const ThimbleSample& m) noexcept {
   const coupling::HandSample& s = m.sample;
   return first_of({check_timing(m.timing), check_time(s.sampled_at), check_place(s.hand),
-                   check_finite(s.velocity), check_finite(s.tool.stiffness.newton_per_m),
-                   check_finite(s.tool.damping.newton_s_per_m), check_waves(s.waves),
+                   check_finite(s.velocity), check_tool(s.tool), check_waves(s.waves),
                    check_finite(s.impulse), check_finite(m.energy_joule.value_or(0)),
-                   s.has_ghost ? check_place(s.ghost) : Reason()});
+                   s.has_ghost ? check_place(s.ghost) : Reason(), check_finite(s.pull)});
 }
 
 static Reason check(const ThimbleConstraints& m) noexcept {
@@ -263,7 +274,7 @@ static Reason check(const ThimbleConstraints& m) noexcept {
   if (reason || !set.has_far) return reason;
   const coupling::FarEnd& far = set.far;
   return first_of({check_finite(far.force), check_place(far.slave), check_finite(far.velocity),
-                   check_waves(far.waves)});
+                   check_waves(far.waves), check_tool(far.tool)});
 }
 
 static Reason check(const ThimbleOccupancy& m) noexcept {

@@ -52,6 +52,10 @@ template <class Quantity>
   return first_of({check_finite(waves.distance), check_finite(waves.joule[0]),
                    check_finite(waves.joule[1]), check_finite(waves.joule[2])});
 }
+[[nodiscard]] inline Reason check_tool(const coupling::ToolProperties& tool) noexcept {
+  return first_of(
+      {check_finite(tool.stiffness.newton_per_m), check_finite(tool.damping.newton_s_per_m)});
+}
 
 // Ours: a thousand times the longest edge of a world.
 inline constexpr std::int32_t kMaxCellIndex = 1 << 20;
@@ -78,6 +82,11 @@ template <class Bytes, class Waves>
 void carry_waves(Bytes& bytes, Waves& waves) noexcept {
   bytes.vector(waves.distance);
   for (auto& joule : waves.joule) bytes.real(joule);
+}
+template <class Bytes, class Tool>
+void carry_tool(Bytes& bytes, Tool& tool) noexcept {
+  bytes.real(tool.stiffness.newton_per_m);
+  bytes.real(tool.damping.newton_s_per_m);
 }
 template <class Bytes, class Words>
 void carry_words(Bytes& bytes, Words& words) noexcept {

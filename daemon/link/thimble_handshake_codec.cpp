@@ -74,6 +74,7 @@ bool carry_refusal(Bytes& b, Message& m) noexcept {
   auto reason = static_cast<std::uint8_t>(m.reason);
   b.word(reason);
   if constexpr (Bytes::kIsReader) m.reason = static_cast<ThimbleRefusalReason>(reason);
+  if (m.reason == ThimbleRefusalReason::Arm) carry_name(b, m.scheme);
   return false;
 }
 
@@ -124,8 +125,9 @@ static Reason check(const ThimbleWelcome& m) noexcept {
 
 static Reason check(const ThimbleRefusal& m) noexcept {
   const bool is_known =
-      m.reason == ThimbleRefusalReason::Busy || m.reason == ThimbleRefusalReason::Scheme;
-  return first_of({check_timing(m.timing), unless(is_known, RejectReason::Malformed)});
+      m.reason >= ThimbleRefusalReason::Busy && m.reason <= ThimbleRefusalReason::Arm;
+  return first_of(
+      {check_timing(m.timing), check_name(m.scheme), unless(is_known, RejectReason::Malformed)});
 }
 
 ShortName ShortName::of(std::string_view text) noexcept {

@@ -57,9 +57,14 @@ struct ShortName {
 
 using Nonce = std::array<std::byte, 32>;
 
-// What one side can do beyond what every version can, a bit each. None yet: bits that a peer does
-// not know mean nothing to it.
+// What one side can do beyond what every version can, a bit each: bits that a peer does not know
+// mean nothing to it.
 using Capabilities = std::uint64_t;
+// Of an arm: it may be coupled to another arm, and knows what arms say. Of a world's end: it is
+// one.
+inline constexpr Capabilities kBetweenArms = 1U << 0U;
+// Of an arm: each of its samples waits for the answer to the one before.
+inline constexpr Capabilities kLockStep = 1U << 1U;
 
 // What an arm says of its half, so that the world can make the other.
 struct ThimbleHalf {
@@ -100,12 +105,14 @@ struct ThimbleWelcome {
 enum class ThimbleRefusalReason : std::uint8_t {
   Busy = 1,    // as many hands as the world takes
   Scheme = 2,  // the world has no other half for it
+  Arm = 3,     // there is an arm, whose scheme does not go with it; only to who is kBetweenArms
 };
 
 struct ThimbleRefusal {
   ThimbleTiming timing{};
   Nonce arm_nonce{};
   ThimbleRefusalReason reason{};
+  ShortName scheme{};  // with Arm: that arm's
   bool operator==(const ThimbleRefusal&) const = default;
 };
 

@@ -104,6 +104,7 @@ ThimbleSample full_sample() {
   m.sample.has_ghost = true;
   m.sample.ghost = {0.0151, -0.25, 0};
   m.sample.applied_before = 0b101;
+  m.sample.pull = {-0.75, 0, 1.5};
   return m;
 }
 
@@ -128,6 +129,8 @@ ThimbleConstraints full_constraints() {
   m.ghost_cell = CellIndex{33, 31, -1};
   m.set.is_embedded = true;
   m.set.far = {{-1.5, 0, 0.25}, {0.015, 0, 0.01}, {0, 0.001, 0}, {{4, 5, 6}, {1, 1.5, 2}}, true};
+  m.set.far.is_arm = true;
+  m.set.far.tool = {{400}, {5}};
   m.set.has_far = true;
   m.epoch = 9;
   m.pressure = Force3{0, 0.75, 0};
@@ -187,7 +190,7 @@ ThimbleWelcome welcome() {
 }
 
 TEST(ThimbleCodec, MatchesTheBytesWrittenWithoutIt) {
-  ASSERT_EQ(golden().size(), 11U);
+  ASSERT_EQ(golden().size(), 12U);
   ThimbleHello hello = join();
   expect_golden("join", {ThimbleKind::Hello, false, 0, 2}, hello);
   hello.world_nonce = {};
@@ -199,6 +202,11 @@ TEST(ThimbleCodec, MatchesTheBytesWrittenWithoutIt) {
   expect_golden(
       "refusal", {ThimbleKind::Refusal, false, 0, 3},
       ThimbleRefusal{{at(4), at(3), at(3)}, counted_from(0), ThimbleRefusalReason::Scheme});
+  expect_golden("refusal_by_an_arm", {ThimbleKind::Refusal, false, 0, 4},
+                ThimbleRefusal{{at(4), at(3), at(3)},
+                               counted_from(0),
+                               ThimbleRefusalReason::Arm,
+                               ShortName::of("wave")});
   expect_golden("sample_least", {ThimbleKind::Sample, false, kSession, 12}, least_sample());
   expect_golden("sample_full", {ThimbleKind::Sample, false, kSession, 13}, full_sample());
   expect_golden("constraints_least", {ThimbleKind::Constraints, false, kSession, 2},
@@ -232,6 +240,7 @@ TEST(ThimbleCodec, GivesBackEveryFieldOfASample) {
   EXPECT_TRUE(out.sample.has_ghost);
   EXPECT_EQ(out.sample.ghost, in.sample.ghost);
   EXPECT_EQ(out.sample.applied_before, 0b101U);
+  EXPECT_EQ(out.sample.pull, in.sample.pull);
 }
 
 TEST(ThimbleCodec, GivesBackEveryFieldOfConstraints) {
@@ -256,6 +265,8 @@ TEST(ThimbleCodec, GivesBackEveryFieldOfConstraints) {
   EXPECT_EQ(out.set.far.velocity, in.set.far.velocity);
   EXPECT_EQ(out.set.far.waves, in.set.far.waves);
   EXPECT_TRUE(out.set.far.is_pressing);
+  EXPECT_TRUE(out.set.far.is_arm);
+  EXPECT_EQ(out.set.far.tool, in.set.far.tool);
   EXPECT_EQ(out.epoch, 9U);
   EXPECT_EQ(out.pressure, in.pressure);
   EXPECT_EQ(out.energy_joule, in.energy_joule);
@@ -318,6 +329,14 @@ TEST(ThimbleCodec, LeavesOutFieldsOfALaterVersion) {
   EXPECT_EQ(out.patches_held, 1000U);
 }
 
+TEST(ThimbleCodec, NoArmIsAtAFarEndThatIsNot) {
+  std::vector<std::byte> content = content_of(least_constraints());
+  const std::size_t mask_at = 24 + 8 + 8 + 8 + 8 + 4;
+  content[mask_at + 2] = std::byte{0x08};
+  content.resize(content.size() + 16);
+  EXPECT_EQ(refused<ThimbleConstraints>(content), RejectReason::Malformed);
+}
+
 TEST(ThimbleCodec, RefusesHeadersOfOthers) {
   const std::vector<std::byte>& good = golden().at("idle");
   const auto reason_with = [&](std::size_t index, unsigned value) {
@@ -367,6 +386,7 @@ TEST(ThimbleCodec, SaysNothingOfAHandThatCannotBe) {
   EXPECT_EQ(reason([](S& m) { m.sample.tool.stiffness = {kNoNumber}; }), RejectReason::NonFinite);
   EXPECT_EQ(reason([](S& m) { m.energy_joule = kNoNumber; }), RejectReason::NonFinite);
   EXPECT_EQ(reason([](S& m) { m.sample.ghost.x = kNoNumber; }), RejectReason::NonFinite);
+  EXPECT_EQ(reason([](S& m) { m.sample.pull.y = kNoNumber; }), RejectReason::NonFinite);
   EXPECT_EQ(reason([](S& m) { m.timing.sent_at = at(-1); }), RejectReason::OutOfRange);
   EXPECT_EQ(reason([](S& m) { m.sample.sampled_at = at(kMaxThimbleTime.count() + 1); }),
             RejectReason::OutOfRange);
@@ -396,6 +416,7 @@ TEST(ThimbleCodec, RefusesConstraintsThatCannotBe) {
   EXPECT_EQ(reason([](C& m) { m.set.ghost.z = 11; }), RejectReason::OutOfRange);
   EXPECT_EQ(reason([](C& m) { m.set.far.force.z = kNoNumber; }), RejectReason::NonFinite);
   EXPECT_EQ(reason([](C& m) { m.set.far.slave.z = -11; }), RejectReason::OutOfRange);
+  EXPECT_EQ(reason([](C& m) { m.set.far.tool.damping = {kNoNumber}; }), RejectReason::NonFinite);
   EXPECT_EQ(reason([](C& m) { m.pressure->x = kNoNumber; }), RejectReason::NonFinite);
   EXPECT_EQ(reason([](C& m) { m.energy_joule = kNoNumber; }), RejectReason::NonFinite);
   EXPECT_EQ(reason([](C& m) { m.set.near.lattice.half_cell_m = kNoNumber; }),

@@ -58,8 +58,9 @@ def every_field_of_a_sample():
     tool = reals(800, 5)
     waves = reals(1, 2, -3) + reals(0.5, 0.25, 0.125)
     impulse = reals(-0.001, 0.002, 0)
+    pull = reals(-0.75, 0, 1.5)
     presses = bytes([1, 0, 255, 0, 0, 0, 0, 7])
-    return velocity + tool + waves + impulse + presses + reals(0.0001) + struct.pack(">QQ", 9, 1000) + reals(0.0151, -0.25, 0) + struct.pack(">Q", 0b101)
+    return velocity + tool + waves + impulse + presses + reals(0.0001) + struct.pack(">QQ", 9, 1000) + reals(0.0151, -0.25, 0) + struct.pack(">Q", 0b101) + pull
 
 
 def near_cells():
@@ -82,7 +83,7 @@ def every_field_of_constraints():
     far = reals(-1.5, 0, 0.25) + reals(0.015, 0, 0.01) + reals(0, 0.001, 0)
     waves = reals(4, 5, 6) + reals(1, 1.5, 2)
     return (planes + ghost + cell + far + waves + bytes([1]) + struct.pack(">Q", 9) + reals(0, 0.75, 0)
-            + reals(0.002) + near_cells() + map_news())
+            + reals(0.002) + near_cells() + map_news() + reals(400, 5))
 
 
 def occupancy():
@@ -105,11 +106,12 @@ def datagrams():
         "challenge": header(CHALLENGE, 0, 1) + timing(2, 1, 2) + ARM_NONCE + WORLD_NONCE,
         "welcome": header(WELCOME, 0x0123456789ABCDEF, 1) + welcome,
         "refusal": header(REFUSAL, 0, 3) + timing(4, 3, 3) + ARM_NONCE + bytes([2]),
+        "refusal_by_an_arm": header(REFUSAL, 0, 4) + timing(4, 3, 3) + ARM_NONCE + bytes([3]) + name("wave"),
         "sample_least": header(SAMPLE, 0x0123456789ABCDEF, 12) + sample(0, b""),
-        "sample_full": header(SAMPLE, 0x0123456789ABCDEF, 13) + sample(0x3FF, every_field_of_a_sample()),
+        "sample_full": header(SAMPLE, 0x0123456789ABCDEF, 13) + sample(0x7FF, every_field_of_a_sample()),
         "constraints_least": header(CONSTRAINTS, 0x0123456789ABCDEF, 2) + constraints(0, b""),
         "constraints_full": header(CONSTRAINTS, 0x0123456789ABCDEF, 3)
-                            + constraints(0x7FF, every_field_of_constraints()),
+                            + constraints(0xFFF, every_field_of_constraints()),
         "occupancy": header(OCCUPANCY, 0x0123456789ABCDEF, 4) + occupancy(),
         "idle": header(IDLE, 0x0123456789ABCDEF, 5) + timing(7, 6, 6) + struct.pack(">Q", 14),
     }
