@@ -164,7 +164,8 @@ api::LinkStatus link(const json::value& value) {
           count(value, "lost"),      count(value, "rejected"),
           count(value, "stale"),     number(value, "jitter_s"),
           text(value, "last_error"), {},
-          text(value, "peer_world"), clocks(value)};
+          text(value, "peer_world"), clocks(value),
+          text(value, "scheme"),     text(value, "scheme_reason")};
 }
 
 // Nothing where the daemon does not tell of one, or of one that cannot be.

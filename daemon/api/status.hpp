@@ -119,6 +119,8 @@ struct LinkStatus {
   std::vector<std::pair<std::string, std::uint64_t>> events{};
   std::string peer_world{};  // what the peer calls its world; empty: it did not say
   std::optional<ClockStatus> clocks{};
+  std::string scheme{};         // that both halves run; empty: not known (yet), or of a listener
+  std::string scheme_reason{};  // why that one; empty: there was nothing to choose
   bool operator==(const LinkStatus&) const = default;
 };
 

@@ -105,6 +105,8 @@ json::object to_value(const LinkStatus& link) {
   for (const auto& [name, count] : link.events) events[name] = count;
   out["events"] = std::move(events);
   if (!link.peer_world.empty()) out["peer_world"] = link.peer_world;
+  if (!link.scheme.empty()) out["scheme"] = link.scheme;
+  if (!link.scheme_reason.empty()) out["scheme_reason"] = link.scheme_reason;
   if (link.clocks) {
     out["clocks"] = json::object{{"offset_s", link.clocks->offset_s},
                                  {"offset_error_s", link.clocks->offset_error_s},

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "daemon/session/arm_instruction.hpp"
+#include "daemon/session/arm_settings.hpp"
 #include "daemon/world/cam/piece_world.hpp"
 #include "drivers/falcon/find_model.hpp"
 
@@ -176,6 +177,8 @@ api::LinkStatus link_status(const link::LinkStatus& from) {
   out.last_error = from.last_error;
   out.events = events_of(from.counters);
   out.peer_world = from.world;
+  out.scheme = from.scheme;
+  out.scheme_reason = from.scheme_reason;
   if (from.clocks) {
     out.clocks = {seconds(from.clocks->offset), seconds(from.clocks->offset_error),
                   seconds(from.clocks->way_there), seconds(from.clocks->way_back)};
@@ -233,6 +236,19 @@ api::SafetyStatus safety_status(const session::SafetySession& safety) {
   return out;
 }
 
+api::LinkStatus link_of_arm(session::ArmRig& rig) {
+  const config::ArmConfig& said = rig.session().config();
+  api::LinkStatus link = link_status(rig.link_status());
+  link.arm = said.name;
+  link.world = said.world.value_or("");
+  const bool is_ours = said.protocol == config::LinkProtocol::Thimble;
+  link.kind = !said.is_remote() ? "in-process" : is_ours ? "thimble" : said.line ? "serial" : "udp";
+  if (!session::leaves_scheme_to_world(said)) {
+    link.scheme = to_string(session::scheme_of(said.coupling));
+  }
+  return link;
+}
+
 }  // namespace
 
 api::Status collect_status(session::Runtime& runtime, const StatusContext& context) {
@@ -259,16 +275,7 @@ api::Status collect_status(session::Runtime& runtime, const StatusContext& conte
                                 "': " + std::to_string(missed) +
                                 " servo periods missed in the last 10 s; this machine is busy");
     }
-    api::LinkStatus link = link_status(rig.link_status());
-    link.arm = rig.session().config().name;
-    link.world = rig.session().config().world.value_or("");
-    const config::ArmConfig& said = rig.session().config();
-    const bool is_ours = said.protocol == config::LinkProtocol::Thimble;
-    link.kind = !said.is_remote() ? "in-process"
-                : is_ours         ? "thimble"
-                : said.line       ? "serial"
-                                  : "udp";
-    status.links.push_back(link);
+    status.links.push_back(link_of_arm(rig));
   }
   for (const auto& host : runtime.worlds()) {
     status.worlds.push_back(world_status(*host));

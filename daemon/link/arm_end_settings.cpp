@@ -11,6 +11,7 @@ ThimbleArmEnd make_thimble_end(const ArmEndSettings& settings) {
            .impairment = settings.impairment,
            .key = settings.key,
            .half = settings.half,
+           .else_half = settings.else_half,
            .deadband_m = settings.deadband_m},
           system_random()};
 }

@@ -20,6 +20,7 @@ struct ArmEndSettings {
   // Of Thimble alone, as in ThimbleArmEnd::Settings.
   std::optional<LinkKey> key{};
   ThimbleHalf half{.scheme = ShortName::of("ghost-point")};
+  std::optional<ThimbleHalf> else_half{};
   double deadband_m{0};
 };
 

@@ -44,7 +44,10 @@ bool ThimbleArmEnd::poll(MonotonicTime now, ThimbleDatagram& out) {
 
 void ThimbleArmEnd::ask(MonotonicTime now) {
   if (!pending_) return;
-  if (!asking_ || now >= asking_->ends) begin_asking(now, {});
+  if (!asking_ || now >= asking_->ends) {
+    is_second_choice_ = false;
+    begin_asking(now, {});
+  }
   if (now >= asking_->next_hello) send_hello(now);
 }
 
@@ -58,7 +61,7 @@ void ThimbleArmEnd::send_hello(MonotonicTime now) {
   const ThimbleHello hello{.timing = {.sent_at = now},
                            .arm_nonce = asking_->arm_nonce,
                            .world_nonce = asking_->world_nonce.value_or(Nonce()),
-                           .half = settings_.half};
+                           .half = half()};
   send(ThimbleKind::Hello, ++hellos_, hello, to_world_handshake_, now);
 }
 
@@ -217,10 +220,15 @@ void ThimbleArmEnd::take_refusal(const ThimbleHeader& header, const ThimbleDatag
     return;
   }
   counters_.reject(RejectReason::SessionRefused);
-  last_error_ =
-      refusal.reason == ThimbleRefusalReason::Busy
-          ? "the world holds as many hands as it can"
-          : "the world does not go with the scheme " + std::string(settings_.half.scheme.view());
+  const bool is_busy = refusal.reason == ThimbleRefusalReason::Busy;
+  if (!is_busy && settings_.else_half && !is_second_choice_) {
+    is_second_choice_ = true;
+    return begin_asking(now, {});
+  }
+  last_error_ = is_busy
+                    ? "the world holds as many hands as it can"
+                    : "the world does not go with the scheme " + std::string(half().scheme.view());
+  is_second_choice_ = false;
   begin_asking(now, kRefusedPause);
 }
 
@@ -313,6 +321,7 @@ void ThimbleArmEnd::judge_silence(MonotonicTime now) noexcept {
   round_trip_.reset();
   clocks_.reset();
   session_ = 0;
+  is_second_choice_ = false;
   to_world_ = Seal();
   from_world_ = Seal();
   echo_ = {};
@@ -338,7 +347,15 @@ coupling::LinkQuality ThimbleArmEnd::quality() const noexcept {
 LinkStatus ThimbleArmEnd::status() const {
   LinkStatus status;
   status.is_up = accepted_at_.has_value();
-  status.world = is_open() ? std::string(world_.world.view()) : "";
+  if (is_open()) {
+    status.world = world_.world.view();
+    status.scheme = half().scheme.view();
+  }
+  if (is_open() && settings_.else_half) {
+    status.scheme_reason = is_second_choice_ ? "the world does not go with " +
+                                                   std::string(settings_.half.scheme.view())
+                                             : "the world goes with it";
+  }
   status.last_error = last_error_;
   status.round_trip = round_trip_.smoothed();
   status.jitter = round_trip_.deviation();

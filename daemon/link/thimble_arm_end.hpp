@@ -23,7 +23,9 @@ namespace thimble::link {
 // The arm's end of our own protocol, without a socket: hand samples and datagrams in, datagrams and
 // constraints out. While there is a sample to send and no session it asks for one, once a
 // kHelloPeriod; a silence of kSilence ends the session. A reply is matched with the sample that it
-// answers by the sample's number, so round trip and losses are exact. docs/link-protocol.md.
+// answers by the sample's number, so round trip and losses are exact. Where it has two halves of a
+// coupling to ask for, each session begins with the first: another world may be there by then.
+// docs/link-protocol.md.
 //
 // Thread: one, the net plane's. RT: not; allocates only while queues grow.
 // Errors: none end it; all are counted. What the world refuses is said in status().
@@ -34,6 +36,8 @@ class ThimbleArmEnd {
     ImpairmentSettings impairment{};  // validated by the caller
     std::optional<LinkKey> key{};
     ThimbleHalf half{.scheme = ShortName::of("ghost-point")};
+    // Asked for where the world has none for `half`; the arm half has to go with both.
+    std::optional<ThimbleHalf> else_half{};
     double deadband_m{0};  // of a stream; 0: every sample is sent
   };
   static constexpr Duration kHelloPeriod = std::chrono::milliseconds(250);
@@ -76,6 +80,10 @@ class ThimbleArmEnd {
   };
 
   [[nodiscard]] bool is_open() const noexcept { return session_ != 0; }
+  // What is asked for, or was, as long as the session lasts.
+  [[nodiscard]] const ThimbleHalf& half() const noexcept {
+    return is_second_choice_ ? *settings_.else_half : settings_.half;
+  }
   void ask(MonotonicTime now);
   void begin_asking(MonotonicTime now, Duration pause);
   void send_hello(MonotonicTime now);
@@ -113,6 +121,7 @@ class ThimbleArmEnd {
   std::optional<coupling::HandSample> pending_;
   std::uint32_t restart_{0};  // of the newest sample the servo gave
   std::optional<Asking> asking_;
+  bool is_second_choice_{false};
   std::uint64_t hellos_{0};
   std::uint64_t session_{0};  // 0: none
   ThimbleWelcome world_{};

@@ -108,6 +108,7 @@ LinkStatus ThimbleSession::status() const {
   LinkStatus status;
   status.peer = to_string(origin_.peer);
   status.last_error = session_.last_error();
+  status.scheme = origin_.scheme.view();
   status.is_up = session_.is_open();
   status.round_trip = round_trip_.smoothed();
   status.jitter = round_trip_.deviation();

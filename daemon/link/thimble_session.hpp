@@ -27,6 +27,7 @@ class ThimbleSession {
     std::uint64_t token{0};
     Nonce arm_nonce{};
     Nonce world_nonce{};
+    ShortName scheme{};  // that the arm asked for
   };
 
   // `key`: nothing is sealed without.

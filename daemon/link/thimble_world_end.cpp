@@ -117,9 +117,10 @@ void ThimbleWorldEnd::join(const Endpoint& from, const ThimbleHello& hello, Mono
   if (!challenges_.use(hello.world_nonce, now)) {
     return refuse(from, hello, ThimbleRefusalReason::Busy, now);
   }
-  sessions_.push_back(std::make_unique<ThimbleSession>(
-      ThimbleSession::Origin{from, new_token(), hello.arm_nonce, hello.world_nonce}, settings_.key,
-      *std::move(half), now));
+  sessions_.push_back(
+      std::make_unique<ThimbleSession>(ThimbleSession::Origin{from, new_token(), hello.arm_nonce,
+                                                              hello.world_nonce, hello.half.scheme},
+                                       settings_.key, *std::move(half), now));
   welcome(*sessions_.back(), hello, now);
 }
 

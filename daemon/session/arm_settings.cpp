@@ -126,7 +126,7 @@ coupling::Scheme scheme_of(const config::CouplingConfig& said) {
       return coupling::Scheme::BufferZone;
     case config::CouplingScheme::Composite:
       return coupling::Scheme::Composite;
-    case config::CouplingScheme::Auto:  // of another host's world nothing is known
+    case config::CouplingScheme::Auto:  // of a world that is not known yet
     case config::CouplingScheme::GhostPoint:
       break;
   }
@@ -158,6 +158,13 @@ config::CouplingScheme word_of(coupling::Scheme scheme) {
 }
 
 }  // namespace
+
+bool leaves_scheme_to_world(const config::ArmConfig& arm) {
+  return arm.is_remote() && arm.protocol == config::LinkProtocol::Thimble &&
+         arm.coupling.scheme == config::CouplingScheme::Auto &&
+         arm.coupling.mode == config::CouplingMode::Streamed && arm.deadband_m == 0 &&
+         arm.place_m == std::array<double, 3>{};
+}
 
 link::ThimbleHalf half_of(const config::CouplingConfig& said) {
   const coupling::WorldHalfSettings settings = world_half_settings(said);
@@ -213,8 +220,8 @@ Result<std::unique_ptr<coupling::ArmCoupling>> make_coupling(
   settings.spring_damper.age = age;
   settings.wave.age = age;
   settings.buffer_zone.age = age;
-  std::unique_ptr<coupling::ArmCoupling> scheme =
-      coupling::make_arm_coupling(scheme_of(said), settings);
+  std::unique_ptr<coupling::ArmCoupling> scheme = coupling::make_arm_coupling(
+      leaves_scheme_to_world(arm) ? coupling::Scheme::Composite : scheme_of(said), settings);
   if (!said.passivity) return scheme;
   return std::make_unique<coupling::PassivityGuard>(std::move(scheme),
                                                     passivity_settings(*said.passivity));
@@ -245,6 +252,10 @@ Result<link::ArmEndSettings> arm_end_settings(const config::ArmConfig& arm) {
   if (arm.protocol == config::LinkProtocol::Thimble) {
     settings.protocol = link::ArmEndSettings::Protocol::Thimble;
     settings.half = half_of(arm.coupling);
+    if (leaves_scheme_to_world(arm)) {
+      settings.else_half = settings.half;
+      settings.half.scheme = link::ShortName::of(to_string(coupling::Scheme::Composite));
+    }
     settings.deadband_m = arm.deadband_m;
   }
   if (!arm.key_file) return settings;

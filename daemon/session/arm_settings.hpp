@@ -29,6 +29,11 @@ struct RigParts;
 [[nodiscard]] Result<std::unique_ptr<coupling::ArmCoupling>> make_coupling(
     const config::ArmConfig& arm, double cell_m, const HapticCapabilities& capabilities);
 [[nodiscard]] coupling::Scheme scheme_of(const config::CouplingConfig& said);
+// Whether an arm of another host's world leaves the scheme to that world: a map where it has one
+// for it, else the ghost point. Its arm half is the map's, which without a map is the ghost point,
+// bit for bit. Not where a map does not go with the arm: it stands elsewhere, waits for replies, or
+// leaves samples out.
+[[nodiscard]] bool leaves_scheme_to_world(const config::ArmConfig& arm);
 [[nodiscard]] coupling::WorldHalfSettings world_half_settings(const config::CouplingConfig& said);
 // What is said of it to a world on another host, and what that one makes of it. Errors: there is no
 // such scheme.

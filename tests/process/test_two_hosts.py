@@ -101,12 +101,14 @@ class TwoHosts(ProcessTest):
         self.assertEqual(len(self.sessions()), 2)
 
     def test_a_world_that_restarts_is_found_again(self):
-        arm = self.arm("arm")
-        arm.status_when(lambda s: link(s)["is_up"])
+        arm = self.arm("arm", scheme="auto")
+        arm.status_when(lambda s: link(s)["is_up"] and link(s)["scheme"] == "composite")
         self.world.stop(signal.SIGKILL)
         arm.status_when(lambda s: not link(s)["is_up"])
-        self.start(name="again", config=WORLD.format(port=self.port, key=self.key))
-        arm.status_when(lambda s: link(s)["is_up"])
+        simple = WORLD.format(port=self.port, key=self.key) + 'constraint_model = "simple"\n'
+        self.start(name="again", config=simple)
+        status = arm.status_when(lambda s: link(s)["is_up"] and link(s)["scheme"] == "ghost-point")
+        self.assertEqual(link(status)["scheme_reason"], "the world does not go with composite")
 
     def test_a_world_that_is_stopped_stalls_no_servo(self):
         arm = self.arm("arm")

@@ -254,5 +254,57 @@ TEST(Composite, WhatIsNotKnownIsFeltAsByTheGhostPoint) {
   EXPECT_GT(felt, 5000);
 }
 
+PlaneList planes_at_random(std::mt19937_64& random) {
+  PlaneList planes;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (random() % 2 == 0) continue;
+    ConstraintPlane plane;
+    plane.normal[axis] = random() % 2 == 0 ? 1 : -1;
+    plane.offset_m = between(random, -0.02, 0.02);
+    if (random() % 2 == 0) plane.surface = {{between(random, 100, 900)}, {1}, {0.3}};
+    planes.push_back(plane);
+  }
+  return planes;
+}
+
+// What an arm relies on that leaves the scheme to the world.
+TEST(Composite, WithoutAMapItIsTheGhostPointBitForBit) {
+  std::mt19937_64 random(727);
+  int felt = 0;
+  for (std::uint64_t run = 0; run < 20; ++run) {
+    CompositeArm sut(in_cells_of(0.003));
+    GhostPointArm expected(in_cells_of(0.003));
+    ConstraintSet set{.session = 1};
+    ArmInput input{.dt = kTick, .link = {true, kTick, {}}};
+    for (int tick = 0; tick < 3000; ++tick) {
+      input.now = input.now + input.dt;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        input.tip_velocity[axis] += between(random, -0.02, 0.02) - 2 * input.tip[axis];
+        input.tip[axis] += 1e-3 * input.tip_velocity[axis];
+      }
+      const bool is_outage = tick % 1500 > 1000;
+      const bool is_fresh = !is_outage && random() % 3 != 0;
+      if (is_fresh) ++set.sequence;
+      if (is_fresh && random() % 20 == 0) set.planes = planes_at_random(random);
+      if (random() % 1000 == 0) set = {.session = set.session + 1};
+      input.fresh = is_fresh ? &set : nullptr;
+      if (random() % 700 == 0) {
+        sut.reset(input.now, input.tip);
+        expected.reset(input.now, input.tip);
+      }
+      const ArmOutput is = sut.step(input);
+      const ArmOutput ought = expected.step(input);
+      ASSERT_EQ(is.force, ought.force) << run << ", " << tick;
+      ASSERT_EQ(is.offset, ought.offset);
+      ASSERT_EQ(is.sample.hand, ought.sample.hand);
+      ASSERT_FALSE(is.sample.has_ghost);
+      ASSERT_EQ(is.is_frozen, ought.is_frozen);
+      ASSERT_EQ(is.is_fading, ought.is_fading);
+      if (is.force != Force3{}) ++felt;
+    }
+  }
+  EXPECT_GT(felt, 10'000);
+}
+
 }  // namespace
 }  // namespace thimble::coupling

@@ -95,8 +95,7 @@ class Table {
     world = std::make_unique<ThimbleWorldEnd>(
         settings_,
         [this](const ThimbleHalf& arm) -> Result<std::unique_ptr<coupling::WorldCoupling>> {
-          if (arm.scheme.view() == "unheard-of")
-            return fail(Errc::InvalidArgument, "no such scheme");
+          if (arm.scheme.view() == unheard_of) return fail(Errc::InvalidArgument, "no such scheme");
           worlds.push_back(std::make_unique<WorldDouble>());
           worlds.back()->is_silent = are_silent;
           worlds.back()->refusals = refusals;
@@ -135,6 +134,7 @@ class Table {
   std::vector<std::unique_ptr<Arm>> arms;
   std::vector<Carried> carried;
   Duration offset{std::chrono::seconds(100)};  // the world's clock minus an arm's
+  std::string unheard_of{"unheard-of"};        // a scheme that the world has not
   bool are_silent{false};
   int refusals{0};
 

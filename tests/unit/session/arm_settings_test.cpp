@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <typeinfo>
+#include <vector>
 
 #include "daemon/coupling/passivity_guard.hpp"
 
@@ -78,6 +79,43 @@ TEST(MakeCoupling, PutsAGuardAroundAnySchemeThatIsToHaveOne) {
     const coupling::ArmCoupling& inside = guard->inside();
     const coupling::ArmCoupling& alone = **bare;
     EXPECT_EQ(typeid(inside), typeid(alone));
+  }
+}
+
+config::ArmConfig far_arm() {
+  config::ArmConfig arm;
+  arm.link = config::UdpEndpoint{"127.0.0.1", 5001};
+  arm.protocol = config::LinkProtocol::Thimble;
+  return arm;
+}
+
+TEST(MakeCoupling, LeavesTheSchemeToAWorldFarAwayWithAnArmHalfThatGoesWithBoth) {
+  const config::ArmConfig arm = far_arm();
+  ASSERT_TRUE(leaves_scheme_to_world(arm));
+  const auto half = make_coupling(arm, 0, arm_of(500));
+  ASSERT_TRUE(half);
+  EXPECT_NE(dynamic_cast<coupling::CompositeArm*>(half->get()), nullptr);
+  const auto asked = arm_end_settings(arm).value();
+  EXPECT_EQ(asked.half.scheme.view(), "composite");
+  ASSERT_TRUE(asked.else_half);
+  EXPECT_EQ(asked.else_half->scheme.view(), "ghost-point");
+}
+
+TEST(MakeCoupling, AsksForNothingButWhatASchemeSaysOrAMapDoesNotGoWith) {
+  std::vector<config::ArmConfig> arms(6, far_arm());
+  arms[0].coupling.scheme = config::CouplingScheme::GhostPoint;
+  arms[1].coupling.mode = config::CouplingMode::LockStep;
+  arms[2].deadband_m = 0.001;
+  arms[3].place_m = {0, 0, 0.1};
+  arms[4].protocol = config::LinkProtocol::Thesis;
+  arms[5].link.reset();
+  for (const config::ArmConfig& arm : arms) {
+    EXPECT_FALSE(leaves_scheme_to_world(arm));
+    EXPECT_FALSE(arm_end_settings(arm).value().else_half);
+    EXPECT_EQ(arm_end_settings(arm).value().half.scheme.view(), "ghost-point");
+    const auto half = make_coupling(arm, 0, arm_of(500));
+    ASSERT_TRUE(half);
+    EXPECT_NE(dynamic_cast<coupling::GhostPointArm*>(half->get()), nullptr);
   }
 }
 
