@@ -137,7 +137,6 @@ bool ThimbleArmEnd::take(const ThimbleDatagram& datagram, MonotonicTime now,
       take_refusal(header, datagram, now);
       return false;
     case ThimbleKind::Constraints:
-    case ThimbleKind::Occupancy:
     case ThimbleKind::Idle:
       return take_from_session(header, datagram, now, out);
     case ThimbleKind::Hello:
@@ -240,12 +239,9 @@ bool ThimbleArmEnd::take_from_session(const ThimbleHeader& header, const Thimble
   }
   ThimbleConstraints constraints;
   ThimbleIdle idle;
-  ThimbleOccupancy cells;
   const bool is_idle = header.kind == ThimbleKind::Idle;
-  const bool is_cells = header.kind == ThimbleKind::Occupancy;
-  const bool is_read = is_idle    ? read(header, datagram, from_world_, idle)
-                       : is_cells ? read(header, datagram, from_world_, cells)
-                                  : read(header, datagram, from_world_, constraints);
+  const bool is_read = is_idle ? read(header, datagram, from_world_, idle)
+                               : read(header, datagram, from_world_, constraints);
   if (!is_read) return false;
   const SequenceWindow::Verdict verdict = arrived_.note(header.sequence).verdict;
   if (verdict != SequenceWindow::Verdict::Newest) {
@@ -258,8 +254,7 @@ bool ThimbleArmEnd::take_from_session(const ThimbleHeader& header, const Thimble
     if (counters_.lost > 0) --counters_.lost;  // it was counted when the newer one came
     return false;
   }
-  heard(is_idle ? idle.timing : is_cells ? cells.timing : constraints.timing, now);
-  if (is_cells) return false;  // nothing here keeps cells yet
+  heard(is_idle ? idle.timing : constraints.timing, now);
   if (!is_idle) return accept(constraints, now, out);
   account(idle.request);
   return false;

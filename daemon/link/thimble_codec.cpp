@@ -17,7 +17,7 @@ constexpr std::uint32_t kImpulse = 1U << 3U;
 constexpr std::uint32_t kPresses = 1U << 4U;
 constexpr std::uint32_t kSampleEnergy = 1U << 5U;
 constexpr std::uint32_t kSampleEpoch = 1U << 6U;
-constexpr std::uint32_t kPatchesHeld = 1U << 7U;
+constexpr std::uint32_t kNeverASampleField = 1U << 7U;
 constexpr std::uint32_t kArmsGhost = 1U << 8U;
 constexpr std::uint32_t kAppliedBefore = 1U << 9U;
 constexpr std::uint32_t kPull = 1U << 10U;
@@ -56,8 +56,8 @@ std::uint32_t mask_of(const ThimbleSample& m) noexcept {
          flag(s.waves != coupling::WaveSums(), kWaves) |
          flag(s.impulse != coupling::Impulse3(), kImpulse) | flag(m.presses.has_value(), kPresses) |
          flag(m.energy_joule.has_value(), kSampleEnergy) | flag(m.epoch.has_value(), kSampleEpoch) |
-         flag(m.patches_held.has_value(), kPatchesHeld) | flag(m.sample.has_ghost, kArmsGhost) |
-         flag(m.sample.applied_before != 0, kAppliedBefore) | flag(s.pull != Force3(), kPull);
+         flag(m.sample.has_ghost, kArmsGhost) | flag(m.sample.applied_before != 0, kAppliedBefore) |
+         flag(s.pull != Force3(), kPull);
 }
 
 std::uint32_t mask_of(const ThimbleConstraints& m) noexcept {
@@ -91,7 +91,9 @@ bool carry_sample(Bytes& b, Message& m) noexcept {
                         [&](auto& presses) { carry_words(b, presses); });
   carry_optional<Bytes>((mask & kSampleEnergy) != 0, m.energy_joule, real);
   carry_optional<Bytes>((mask & kSampleEpoch) != 0, m.epoch, word);
-  carry_optional<Bytes>((mask & kPatchesHeld) != 0, m.patches_held, word);
+  if constexpr (Bytes::kIsReader) {
+    if ((mask & kNeverASampleField) != 0) b.refuse();
+  }
   if constexpr (Bytes::kIsReader) s.has_ghost = (mask & kArmsGhost) != 0;
   if (s.has_ghost) b.vector(s.ghost);
   if ((mask & kAppliedBefore) != 0) b.word(s.applied_before);
@@ -200,14 +202,6 @@ bool carry_constraints(Bytes& b, Message& m) noexcept {
 }
 
 template <class Bytes, class Message>
-void carry_box(Bytes& b, Message& m) noexcept {
-  carry_timing(b, m.timing);
-  b.word(m.epoch);
-  b.word(m.version);
-  carry_cell(b, m.origin);
-  carry_words(b, m.size);
-}
-template <class Bytes, class Message>
 bool carry_idle(Bytes& b, Message& m) noexcept {
   carry_timing(b, m.timing);
   b.word(m.request);
@@ -234,22 +228,6 @@ static bool carry(ByteWriter& b, const ThimbleConstraints& m) noexcept {
   return carry_constraints(b, m);
 }
 static bool carry(ByteReader& b, ThimbleConstraints& m) noexcept { return carry_constraints(b, m); }
-static bool carry(ByteWriter& b, const ThimbleOccupancy& m) noexcept {
-  carry_box(b, m);
-  b.block(std::span<const std::byte>(m.bitmap));
-  return false;
-}
-
-static bool carry(ByteReader& b, ThimbleOccupancy& m) noexcept {
-  carry_box(b, m);
-  while (b.is_good() && b.left() > 0) {
-    std::byte cells{};
-    b.block(std::span(&cells, 1));
-    if (!m.bitmap.push_back(cells)) return false;  // the rest is too much
-  }
-  return false;
-}
-
 static bool carry(ByteWriter& b, const ThimbleIdle& m) noexcept { return carry_idle(b, m); }
 static bool carry(ByteReader& b, ThimbleIdle& m) noexcept { return carry_idle(b, m); }
 static Reason check(const ThimbleSample& m) noexcept {
@@ -277,22 +255,6 @@ static Reason check(const ThimbleConstraints& m) noexcept {
                    check_waves(far.waves), check_tool(far.tool)});
 }
 
-static Reason check(const ThimbleOccupancy& m) noexcept {
-  std::uint64_t cells = 1;
-  for (const std::uint16_t edge : m.size) cells *= edge;  // at most 2^48
-  if (const Reason reason = check_timing(m.timing)) return reason;
-  if (m.version == 0 || cells == 0 || cells > ThimbleOccupancy::kMaxCells) {
-    return RejectReason::Malformed;
-  }
-  for (const std::int32_t index : m.origin) {
-    if (index < -kMaxCellIndex || index > kMaxCellIndex) return RejectReason::OutOfRange;
-  }
-  if (m.bitmap.size() != (cells + 7) / 8) return RejectReason::WrongSize;
-  const auto used = static_cast<unsigned>((cells - 1) % 8 + 1);
-  const auto last = std::to_integer<unsigned>(m.bitmap[m.bitmap.size() - 1]);
-  return unless(last >> used == 0, RejectReason::Malformed);
-}
-
 static Reason check(const ThimbleIdle& m) noexcept { return check_timing(m.timing); }
 
 Decoded<std::size_t> encode(const ThimbleSample& message,
@@ -310,10 +272,6 @@ Decoded<std::size_t> encode(const ThimbleConstraints& message,
                             std::span<std::byte, kMaxThimbleContent> out) noexcept {
   return encode_as(message, out);
 }
-Decoded<std::size_t> encode(const ThimbleOccupancy& message,
-                            std::span<std::byte, kMaxThimbleContent> out) noexcept {
-  return encode_as(message, out);
-}
 Decoded<std::size_t> encode(const ThimbleIdle& message,
                             std::span<std::byte, kMaxThimbleContent> out) noexcept {
   return encode_as(message, out);
@@ -323,9 +281,6 @@ Decoded<void> decode(std::span<const std::byte> content, ThimbleSample& out) noe
   return decode_as(content, out);
 }
 Decoded<void> decode(std::span<const std::byte> content, ThimbleConstraints& out) noexcept {
-  return decode_as(content, out);
-}
-Decoded<void> decode(std::span<const std::byte> content, ThimbleOccupancy& out) noexcept {
   return decode_as(content, out);
 }
 Decoded<void> decode(std::span<const std::byte> content, ThimbleIdle& out) noexcept {

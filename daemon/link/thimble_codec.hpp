@@ -45,8 +45,6 @@ void encode_header(const ThimbleHeader& header,
                                           std::span<std::byte, kMaxThimbleContent> out) noexcept;
 [[nodiscard]] Decoded<std::size_t> encode(const ThimbleConstraints& message,
                                           std::span<std::byte, kMaxThimbleContent> out) noexcept;
-[[nodiscard]] Decoded<std::size_t> encode(const ThimbleOccupancy& message,
-                                          std::span<std::byte, kMaxThimbleContent> out) noexcept;
 [[nodiscard]] Decoded<std::size_t> encode(const ThimbleIdle& message,
                                           std::span<std::byte, kMaxThimbleContent> out) noexcept;
 [[nodiscard]] Decoded<std::size_t> encode(const ThimbleHello& message,
@@ -62,8 +60,6 @@ void encode_header(const ThimbleHeader& header,
 [[nodiscard]] Decoded<void> decode(std::span<const std::byte> content, ThimbleSample& out) noexcept;
 [[nodiscard]] Decoded<void> decode(std::span<const std::byte> content,
                                    ThimbleConstraints& out) noexcept;
-[[nodiscard]] Decoded<void> decode(std::span<const std::byte> content,
-                                   ThimbleOccupancy& out) noexcept;
 [[nodiscard]] Decoded<void> decode(std::span<const std::byte> content, ThimbleIdle& out) noexcept;
 [[nodiscard]] Decoded<void> decode(std::span<const std::byte> content, ThimbleHello& out) noexcept;
 [[nodiscard]] Decoded<void> decode(std::span<const std::byte> content,

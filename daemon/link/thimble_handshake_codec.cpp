@@ -86,7 +86,6 @@ bool is_known_kind(ThimbleKind kind) noexcept {
     case ThimbleKind::Refusal:
     case ThimbleKind::Sample:
     case ThimbleKind::Constraints:
-    case ThimbleKind::Occupancy:
     case ThimbleKind::Idle:
       return true;
   }

@@ -9,7 +9,6 @@
 #include "daemon/coupling/messages.hpp"
 #include "hal/base/geometry.hpp"
 #include "hal/base/time.hpp"
-#include "hal/rt/static_vector.hpp"
 
 namespace thimble::link {
 
@@ -24,7 +23,6 @@ enum class ThimbleKind : std::uint8_t {
   Refusal = 4,       // world: it is not, and why
   Sample = 16,       // arm: a hand
   Constraints = 17,  // world: what holds it
-  Occupancy = 18,    // world: cells around it
   Idle = 19,         // world: heard, and nothing to say now
 };
 
@@ -124,9 +122,8 @@ struct ThimbleSample {
   ThimbleTiming timing{};
   coupling::HandSample sample{};
   std::optional<PressCounts> presses{};
-  std::optional<double> energy_joule{};         // put in at the arm's port so far (teleop.md, TDPA)
-  std::optional<std::uint64_t> epoch{};         // of the cells the arm knows
-  std::optional<std::uint64_t> patches_held{};  // every patch up to this version is there
+  std::optional<double> energy_joule{};  // put in at the arm's port so far (teleop.md, TDPA)
+  std::optional<std::uint64_t> epoch{};  // of the cells the arm knows
 };
 
 using CellIndex = std::array<std::int32_t, 3>;
@@ -141,23 +138,6 @@ struct ThimbleConstraints {
   std::optional<std::uint64_t> epoch{};
   std::optional<Force3> pressure{};      // of what flows against the hand, N
   std::optional<double> energy_joule{};  // put in at the world's port so far
-};
-
-// Cells of a box of the world, as they were when its version was given. A newer version of a cell
-// replaces an older one, whatever the boxes.
-struct ThimbleOccupancy {
-  // Ours: beside the rest it fits one datagram that no network cuts.
-  static constexpr std::size_t kMaxBytes = 1024;
-  static constexpr std::size_t kMaxCells = 8 * kMaxBytes;
-
-  ThimbleTiming timing{};
-  std::uint64_t epoch{0};
-  std::uint64_t version{0};  // from 1, +1 a patch of one session
-  CellIndex origin{};
-  std::array<std::uint16_t, 3> size{};  // each at least 1
-  // x fastest, then y, then z; eight a byte, the first in the lowest bit; the rest of the last 0.
-  rt::StaticVector<std::byte, kMaxBytes> bitmap{};
-  bool operator==(const ThimbleOccupancy&) const = default;
 };
 
 struct ThimbleIdle {

@@ -44,7 +44,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   take<ThimbleRefusal>(content);
   take<ThimbleSample>(content);
   take<ThimbleConstraints>(content);
-  take<ThimbleOccupancy>(content);
   take<ThimbleIdle>(content);
   return 0;
 }

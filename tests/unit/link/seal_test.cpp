@@ -154,14 +154,16 @@ TEST(SealTest, IsWhatThePageSays) {
 }
 
 TEST(SealTest, TheLargestMessageFitsWithItsSeal) {
-  ThimbleOccupancy box;
-  box.version = 1;
-  box.size = {32, 16, 16};
-  while (box.bitmap.push_back(std::byte{0x55})) {
+  ThimbleConstraints most;
+  while (most.set.planes.push_back({{0, 1, 0}, 0.1, {{1}, {1}, 1}})) {
+  }
+  most.set.has_ghost = most.set.has_far = most.set.has_map = true;
+  most.set.map.lattice = {.cells = {64, 64, 64}, .half_cell_m = 0.001};
+  while (most.set.map.blocks.push_back({})) {
   }
   ThimbleDatagram out;
   ASSERT_TRUE(session_seal()
-                  .pack({ThimbleKind::Occupancy, false, kToken, 1}, box, counted_random(), out)
+                  .pack({ThimbleKind::Constraints, false, kToken, 1}, most, counted_random(), out)
                   .has_value());
   EXPECT_LE(out.size, kMaxThimbleDatagram);
 }

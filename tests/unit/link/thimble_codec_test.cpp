@@ -100,7 +100,6 @@ ThimbleSample full_sample() {
   m.presses = PressCounts{1, 0, 255, 0, 0, 0, 0, 7};
   m.energy_joule = 0.0001;
   m.epoch = 9;
-  m.patches_held = 1000;
   m.sample.has_ghost = true;
   m.sample.ghost = {0.0151, -0.25, 0};
   m.sample.applied_before = 0b101;
@@ -154,25 +153,6 @@ ThimbleConstraints full_constraints() {
   return m;
 }
 
-ThimbleOccupancy small_box() {
-  ThimbleOccupancy m;
-  m.timing = {at(5), {}, {}};
-  m.epoch = 9;
-  m.version = 1001;
-  m.origin = {30, -2, 0};
-  m.size = {3, 2, 3};
-  for (std::size_t byte = 0; byte < 3; ++byte) m.bitmap.push_back({});
-  for (std::size_t z = 0; z < 3; ++z) {
-    for (std::size_t y = 0; y < 2; ++y) {
-      for (std::size_t x = 0; x < 3; ++x) {
-        const std::size_t cell = x + 3 * (y + 2 * z);
-        if ((x + y + z) % 2 != 0) m.bitmap[cell / 8] |= std::byte{1} << (cell % 8);
-      }
-    }
-  }
-  return m;
-}
-
 ThimbleHello join() {
   return {.timing = {at(1), {}, {}},
           .arm_nonce = counted_from(0),
@@ -190,7 +170,7 @@ ThimbleWelcome welcome() {
 }
 
 TEST(ThimbleCodec, MatchesTheBytesWrittenWithoutIt) {
-  ASSERT_EQ(golden().size(), 12U);
+  ASSERT_EQ(golden().size(), 11U);
   ThimbleHello hello = join();
   expect_golden("join", {ThimbleKind::Hello, false, 0, 2}, hello);
   hello.world_nonce = {};
@@ -213,7 +193,6 @@ TEST(ThimbleCodec, MatchesTheBytesWrittenWithoutIt) {
                 least_constraints());
   expect_golden("constraints_full", {ThimbleKind::Constraints, false, kSession, 3},
                 full_constraints());
-  expect_golden("occupancy", {ThimbleKind::Occupancy, false, kSession, 4}, small_box());
   expect_golden("idle", {ThimbleKind::Idle, false, kSession, 5},
                 ThimbleIdle{{at(7), at(6), at(6)}, 14});
 }
@@ -236,7 +215,6 @@ TEST(ThimbleCodec, GivesBackEveryFieldOfASample) {
   EXPECT_EQ(out.presses, in.presses);
   EXPECT_EQ(out.energy_joule, in.energy_joule);
   EXPECT_EQ(out.epoch, 9U);
-  EXPECT_EQ(out.patches_held, 1000U);
   EXPECT_TRUE(out.sample.has_ghost);
   EXPECT_EQ(out.sample.ghost, in.sample.ghost);
   EXPECT_EQ(out.sample.applied_before, 0b101U);
@@ -301,8 +279,6 @@ TEST(ThimbleCodec, RefusesEveryContentThatEndsEarlyOrGoesOn) {
           return refused<ThimbleSample>(content);
         case ThimbleKind::Constraints:
           return refused<ThimbleConstraints>(content);
-        case ThimbleKind::Occupancy:
-          return refused<ThimbleOccupancy>(content);
         case ThimbleKind::Idle:
           break;
       }
@@ -326,7 +302,16 @@ TEST(ThimbleCodec, LeavesOutFieldsOfALaterVersion) {
   content.resize(content.size() + 17);
   ThimbleSample out;
   ASSERT_TRUE(decode(content, out).has_value());
-  EXPECT_EQ(out.patches_held, 1000U);
+  EXPECT_EQ(out.sample.applied_before, 0b101U);
+}
+
+// Bit 7 and kind 18 were kept for occupancy that bit 10 of constraints tells.
+TEST(ThimbleCodec, RefusesWhatNobodyMayEverSay) {
+  std::vector<std::byte> content = content_of(full_sample());
+  const std::size_t mask_at = 24 + 8 + 8 + 4 + 4 + 8 + 24;
+  content[mask_at + 3] |= std::byte{0x80};
+  content.resize(content.size() + 8);
+  EXPECT_EQ(refused<ThimbleSample>(content), RejectReason::Malformed);
 }
 
 TEST(ThimbleCodec, NoArmIsAtAFarEndThatIsNot) {
@@ -348,6 +333,7 @@ TEST(ThimbleCodec, RefusesHeadersOfOthers) {
   EXPECT_EQ(reason_with(0, 'X'), RejectReason::WrongVersion);
   EXPECT_EQ(reason_with(4, 2), RejectReason::WrongVersion);
   EXPECT_EQ(reason_with(5, 0), RejectReason::WrongVersion);
+  EXPECT_EQ(reason_with(5, 18), RejectReason::WrongVersion);
   EXPECT_EQ(reason_with(5, 20), RejectReason::WrongVersion);
   EXPECT_EQ(reason_with(6, 1), RejectReason::WrongVersion);
   EXPECT_EQ(reason_with(7, 2), RejectReason::WrongVersion);
@@ -431,18 +417,6 @@ TEST(ThimbleCodec, RefusesConstraintsThatCannotBe) {
             std::nullopt);
 }
 
-TEST(ThimbleCodec, RefusesBoxesOfCellsThatCannotBe) {
-  using O = ThimbleOccupancy;
-  const auto reason = [](auto spoil) { return spoiled(small_box(), spoil); };
-  EXPECT_EQ(reason([](O& m) { m.version = 0; }), RejectReason::Malformed);
-  EXPECT_EQ(reason([](O& m) { m.size[1] = 0; }), RejectReason::Malformed);
-  EXPECT_EQ(reason([](O& m) { m.size = {65535, 65535, 65535}; }), RejectReason::Malformed);
-  EXPECT_EQ(reason([](O& m) { m.size[2] = 4; }), std::nullopt);  // 24 cells, three bytes
-  EXPECT_EQ(reason([](O& m) { m.size[2] = 5; }), RejectReason::WrongSize);
-  EXPECT_EQ(reason([](O& m) { m.bitmap[2] |= std::byte{4}; }), RejectReason::Malformed);
-  EXPECT_EQ(reason([](O& m) { m.origin[0] = (1 << 20) + 1; }), RejectReason::OutOfRange);
-}
-
 TEST(ThimbleCodec, FitsTheLargestMessagesIntoOneDatagram) {
   ThimbleConstraints set = full_constraints();
   while (set.set.planes.push_back({{0, 1, 0}, 0.1, {{1}, {1}, 1}})) {
@@ -457,12 +431,6 @@ TEST(ThimbleCodec, FitsTheLargestMessagesIntoOneDatagram) {
     set.set.has_near = !is_of_a_map;
     EXPECT_LE(content_of(set).size(), kMaxThimbleContent);
   }
-  ThimbleOccupancy box = small_box();
-  box.size = {32, 16, 16};
-  box.bitmap.clear();
-  while (box.bitmap.push_back(std::byte{0xFF})) {
-  }
-  EXPECT_EQ(content_of(box).size(), 24U + 16 + 12 + 6 + 1024);
 }
 
 TEST(ThimbleCodec, NamesAreLettersAndThenZeros) {

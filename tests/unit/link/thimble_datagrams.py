@@ -10,7 +10,7 @@ import pathlib
 import struct
 import sys
 
-HELLO, CHALLENGE, WELCOME, REFUSAL, SAMPLE, CONSTRAINTS, OCCUPANCY, IDLE = 1, 2, 3, 4, 16, 17, 18, 19
+HELLO, CHALLENGE, WELCOME, REFUSAL, SAMPLE, CONSTRAINTS, IDLE = 1, 2, 3, 4, 16, 17, 19
 ARM_NONCE = bytes(range(32))
 WORLD_NONCE = bytes(range(64, 96))
 
@@ -60,7 +60,7 @@ def every_field_of_a_sample():
     impulse = reals(-0.001, 0.002, 0)
     pull = reals(-0.75, 0, 1.5)
     presses = bytes([1, 0, 255, 0, 0, 0, 0, 7])
-    return velocity + tool + waves + impulse + presses + reals(0.0001) + struct.pack(">QQ", 9, 1000) + reals(0.0151, -0.25, 0) + struct.pack(">Q", 0b101) + pull
+    return velocity + tool + waves + impulse + presses + reals(0.0001) + struct.pack(">Q", 9) + reals(0.0151, -0.25, 0) + struct.pack(">Q", 0b101) + pull
 
 
 def near_cells():
@@ -86,15 +86,6 @@ def every_field_of_constraints():
             + reals(0.002) + near_cells() + map_news() + reals(400, 5))
 
 
-def occupancy():
-    cells = {(x, y, z): (x + y + z) % 2 for x in range(3) for y in range(2) for z in range(3)}
-    bitmap = 0
-    for (x, y, z), is_filled in cells.items():
-        bitmap |= is_filled << (x + 3 * (y + 2 * z))
-    return (timing(5, 0, 0) + struct.pack(">QQ", 9, 1001) + struct.pack(">iii", 30, -2, 0)
-            + struct.pack(">HHH", 3, 2, 3) + bitmap.to_bytes(3, "little"))
-
-
 def datagrams():
     hello = timing(1, 0, 0) + ARM_NONCE
     welcome = (timing(4, 3, 3) + ARM_NONCE + struct.pack(">Q", 0) + name("box") + struct.pack(">III", 64, 32, 16)
@@ -108,11 +99,10 @@ def datagrams():
         "refusal": header(REFUSAL, 0, 3) + timing(4, 3, 3) + ARM_NONCE + bytes([2]),
         "refusal_by_an_arm": header(REFUSAL, 0, 4) + timing(4, 3, 3) + ARM_NONCE + bytes([3]) + name("wave"),
         "sample_least": header(SAMPLE, 0x0123456789ABCDEF, 12) + sample(0, b""),
-        "sample_full": header(SAMPLE, 0x0123456789ABCDEF, 13) + sample(0x7FF, every_field_of_a_sample()),
+        "sample_full": header(SAMPLE, 0x0123456789ABCDEF, 13) + sample(0x77F, every_field_of_a_sample()),
         "constraints_least": header(CONSTRAINTS, 0x0123456789ABCDEF, 2) + constraints(0, b""),
         "constraints_full": header(CONSTRAINTS, 0x0123456789ABCDEF, 3)
                             + constraints(0xFFF, every_field_of_constraints()),
-        "occupancy": header(OCCUPANCY, 0x0123456789ABCDEF, 4) + occupancy(),
         "idle": header(IDLE, 0x0123456789ABCDEF, 5) + timing(7, 6, 6) + struct.pack(">Q", 14),
     }
 
