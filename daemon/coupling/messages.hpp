@@ -62,6 +62,10 @@ struct WaveSums {
   bool operator==(const WaveSums&) const = default;
 };
 
+// How often each of the first eight buttons was pressed, modulo 256, counted from any number: a
+// press is in every later sample, too, so that none is lost with one.
+using PressCounts = std::array<std::uint8_t, 8>;
+
 // Arm side to world side, once per report of the arm. World frame: q = p + o, the hand's position p
 // in the arm's base frame displaced by the coordinate offset o.
 struct HandSample {
@@ -87,6 +91,8 @@ struct HandSample {
   // was, valid when has_ghost.
   Position3 ghost{};
   bool has_ghost{false};
+  bool has_presses{false};  // a button was pressed since the servo began; `presses` else zeros
+  PressCounts presses{};
   // Only of CompositeArm: of the answers before applied_reply, which were in force, too: that of
   // number applied_reply − 1 − i where bit i is set.
   std::uint64_t applied_before{0};

@@ -1,6 +1,7 @@
 #include "daemon/coupling/probe_in_world.hpp"
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 namespace thimble::coupling {
@@ -12,12 +13,25 @@ Result<void> ProbeInWorld::open(const HandSample& first) {
   if (!probe) return tl::unexpected<Error>(probe.error());
   probe_ = *probe;
   buttons_ = first.buttons;
+  told_ = first.presses;
   return {};
 }
 
-void ProbeInWorld::press(std::uint32_t buttons) noexcept {
-  const std::uint32_t before = std::exchange(buttons_, buttons);
-  world_.press(*probe_, buttons & ~before);
+void ProbeInWorld::press(const HandSample& sample) noexcept {
+  constexpr std::uint32_t kCounted = (1U << std::tuple_size_v<PressCounts>)-1;
+  const std::uint32_t before = std::exchange(buttons_, sample.buttons);
+  std::uint32_t pressed = sample.buttons & ~before;
+  if (!sample.has_presses) return world_.press(*probe_, pressed);
+  pressed &= ~kCounted;
+  for (int round = 0; round < kMostPresses; ++round) {
+    for (std::size_t i = 0; i < told_.size(); ++i) {
+      if (told_[i] == sample.presses[i]) continue;
+      ++told_[i];
+      pressed |= 1U << i;
+    }
+    if (round > 0 && pressed == 0) return;
+    world_.press(*probe_, std::exchange(pressed, 0));
+  }
 }
 
 world::ProbeMotion ProbeInWorld::move(Position3 at, Duration dt) noexcept {

@@ -23,8 +23,12 @@ class ProbeInWorld {
 
   [[nodiscard]] Result<void> open(const HandSample& first);
   [[nodiscard]] bool is_open() const noexcept { return probe_.has_value(); }
-  // Only while open: tells the world the buttons that were pressed since the sample before.
-  void press(std::uint32_t buttons) noexcept;
+  // Only while open: tells the world the buttons that were pressed since the sample before, each as
+  // often as it was, also in samples that never came; by their counts where the sample has them,
+  // else by what is pressed now and was not before. More than kMostPresses of one wait for the
+  // samples that follow.
+  static constexpr int kMostPresses = 4;  // ours: of a person in a third of a second
+  void press(const HandSample& sample) noexcept;
   // Only while open: moves the probe towards `at`; `dt` >= 0 since the call before.
   [[nodiscard]] world::ProbeMotion move(Position3 at, Duration dt) noexcept;
   void close() noexcept;
@@ -33,6 +37,7 @@ class ProbeInWorld {
   world::World& world_;
   std::optional<world::ProbeId> probe_{};
   std::uint32_t buttons_{0};  // of the sample before
+  PressCounts told_{};        // presses that the world knows
 };
 
 }  // namespace thimble::coupling

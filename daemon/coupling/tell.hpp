@@ -42,7 +42,7 @@ inline std::optional<world::ProbeMotion> follow_and_tell(ProbeInWorld& probe,
                                                          const HandSample& sample, Duration dt,
                                                          ConstraintSet& set) noexcept {
   if (!is_finite(sample.hand)) return std::nullopt;
-  probe.press(sample.buttons);
+  probe.press(sample);
   const world::ProbeMotion motion = probe.move(sample.hand, dt);
   if (motion.is_silent) return std::nullopt;
   tell(motion, sample, set);

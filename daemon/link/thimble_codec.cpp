@@ -54,7 +54,7 @@ std::uint32_t mask_of(const ThimbleSample& m) noexcept {
   return flag(s.velocity != Velocity3(), kVelocity) |
          flag(s.tool != coupling::ToolProperties(), kTool) |
          flag(s.waves != coupling::WaveSums(), kWaves) |
-         flag(s.impulse != coupling::Impulse3(), kImpulse) | flag(m.presses.has_value(), kPresses) |
+         flag(s.impulse != coupling::Impulse3(), kImpulse) | flag(s.has_presses, kPresses) |
          flag(m.energy_joule.has_value(), kSampleEnergy) | flag(m.epoch.has_value(), kSampleEpoch) |
          flag(m.sample.has_ghost, kArmsGhost) | flag(m.sample.applied_before != 0, kAppliedBefore) |
          flag(s.pull != Force3(), kPull);
@@ -87,8 +87,8 @@ bool carry_sample(Bytes& b, Message& m) noexcept {
   if ((mask & kImpulse) != 0) b.vector(s.impulse);
   const auto word = [&](auto& value) { b.word(value); };
   const auto real = [&](auto& value) { b.real(value); };
-  carry_optional<Bytes>((mask & kPresses) != 0, m.presses,
-                        [&](auto& presses) { carry_words(b, presses); });
+  if constexpr (Bytes::kIsReader) s.has_presses = (mask & kPresses) != 0;
+  if (s.has_presses) carry_words(b, s.presses);
   carry_optional<Bytes>((mask & kSampleEnergy) != 0, m.energy_joule, real);
   carry_optional<Bytes>((mask & kSampleEpoch) != 0, m.epoch, word);
   if constexpr (Bytes::kIsReader) {

@@ -114,14 +114,9 @@ struct ThimbleRefusal {
   bool operator==(const ThimbleRefusal&) const = default;
 };
 
-// How often each of the first eight buttons was pressed in this session, modulo 256: so no press is
-// lost with a datagram, nor missed between two.
-using PressCounts = std::array<std::uint8_t, 8>;
-
 struct ThimbleSample {
   ThimbleTiming timing{};
   coupling::HandSample sample{};
-  std::optional<PressCounts> presses{};
   std::optional<double> energy_joule{};  // put in at the arm's port so far (teleop.md, TDPA)
   std::optional<std::uint64_t> epoch{};  // of the cells the arm knows
 };

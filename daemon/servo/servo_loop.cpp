@@ -272,7 +272,8 @@ void ServoLoop::couple(ServoFrame& frame) noexcept {
                                  .buttons = arm_.buttons,
                                  .fresh = is_fresh_reply ? &reply_ : nullptr,
                                  .link = parts_.link.quality()};
-  const coupling::ArmOutput out = parts_.coupling.step(input);
+  coupling::ArmOutput out = parts_.coupling.step(input);
+  presses_.count(arm_.buttons, out.sample);
   felt_.observe(input, out);
   frame.wish = out.force;
   frame.offset = out.offset;

@@ -8,6 +8,7 @@
 #include "daemon/coupling/arm_link.hpp"
 #include "daemon/coupling/energy_observer.hpp"
 #include "daemon/coupling/felt_hand.hpp"
+#include "daemon/coupling/press_counter.hpp"
 #include "daemon/servo/drive_gain.hpp"
 #include "daemon/servo/flight_recorder.hpp"
 #include "daemon/servo/sample_freshness.hpp"
@@ -122,6 +123,7 @@ class ServoLoop {
   DriveGain gain_;
   coupling::EnergyObserver energy_;  // since activation
   coupling::FeltHandObserver felt_;  // for the eye
+  coupling::PressCounter presses_;
   FaultLatch latch_;
   FlightRecorder recorder_;
   TickHistogram wakeup_error_;

@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <random>
 
+#include "daemon/coupling/press_counter.hpp"
 #include "fake_box.hpp"
 #include "hand_samples.hpp"
 
@@ -79,6 +82,48 @@ TEST(GhostPointWorld, ButtonsAreToldWhenTheyArePressedAndNotAgain) {
   for (const std::uint32_t buttons : {1U, 3U, 3U, 0U, 1U})
     (void)sut.answer(with(2, buttons), kTick);
   EXPECT_EQ(box.presses, (std::vector<std::uint32_t>{0, 2, 0, 0, 1})) << "held since before: none";
+}
+
+// A person presses, and of what the arm tells any sample may be lost: the world hears of each press
+// once, in its time, a few in each answer.
+TEST(GhostPointWorld, NoPressIsLostWithASample) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    std::mt19937 random(seed);
+    FakeBox box(0.015);
+    GhostPointWorld sut(box, 1);
+    PressCounter counter;
+    std::array<int, 10> pressed{};
+    std::uint32_t buttons = random() & 0x3FFU;
+    HandSample told = sample(1, {});
+    counter.count(buttons, told);
+    ASSERT_TRUE(sut.open(told));
+    for (std::uint64_t number = 2; number < 3000; ++number) {
+      const std::uint32_t before = buttons;
+      if (random() % 7 == 0 && number < 2000) buttons ^= 1U << (random() % 10);
+      for (std::size_t i = 0; i < 8; ++i) pressed[i] += (buttons & ~before) >> i & 1U;
+      told = sample(number, {});
+      told.buttons = buttons;
+      counter.count(buttons, told);
+      if (random() % 100 >= seed * 4) (void)sut.answer(told, kTick);
+      if (number % 500 == 0) (void)sut.answer(told, kTick);
+    }
+    std::array<int, 10> heard{};
+    for (const std::uint32_t press : box.presses) {
+      for (std::size_t i = 0; i < 10; ++i) heard[i] += press >> i & 1U;
+    }
+    for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(heard[i], pressed[i]) << seed << ", " << i;
+  }
+}
+
+TEST(GhostPointWorld, HearsNoMorePressesInOneAnswerThanAHandCouldMake) {
+  FakeBox box(0.015);
+  GhostPointWorld sut(box, 1);
+  ASSERT_TRUE(sut.open(sample(1, {})));
+  HandSample hostile = sample(2, {});
+  hostile.has_presses = true;
+  hostile.presses.fill(255);
+  (void)sut.answer(hostile, kTick);
+  EXPECT_EQ(box.presses, (std::vector<std::uint32_t>(ProbeInWorld::kMostPresses, 0xFF)));
 }
 
 TEST(GhostPointWorld, SampleThatIsNotFiniteGetsTheLastAnswerAgain) {

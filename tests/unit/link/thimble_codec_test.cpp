@@ -97,7 +97,8 @@ ThimbleSample full_sample() {
   m.sample.tool = {{800}, {5}};
   m.sample.waves = {{1, 2, -3}, {0.5, 0.25, 0.125}};
   m.sample.impulse = {-0.001, 0.002, 0};
-  m.presses = PressCounts{1, 0, 255, 0, 0, 0, 0, 7};
+  m.sample.presses = {1, 0, 255, 0, 0, 0, 0, 7};
+  m.sample.has_presses = true;
   m.energy_joule = 0.0001;
   m.epoch = 9;
   m.sample.has_ghost = true;
@@ -212,7 +213,8 @@ TEST(ThimbleCodec, GivesBackEveryFieldOfASample) {
   EXPECT_EQ(out.sample.tool, in.sample.tool);
   EXPECT_EQ(out.sample.waves, in.sample.waves);
   EXPECT_EQ(out.sample.impulse, in.sample.impulse);
-  EXPECT_EQ(out.presses, in.presses);
+  EXPECT_TRUE(out.sample.has_presses);
+  EXPECT_EQ(out.sample.presses, in.sample.presses);
   EXPECT_EQ(out.energy_joule, in.energy_joule);
   EXPECT_EQ(out.epoch, 9U);
   EXPECT_TRUE(out.sample.has_ghost);

@@ -59,6 +59,20 @@ TEST(ServoLoop, TheGhostRestartsAtTheHandOnActivation) {
   EXPECT_EQ(rig.coupling.reset_tip, (Position3{0.01, 0, 0}));
 }
 
+TEST(ServoLoop, CountsEveryPressInTheSamplesThatFollow) {
+  DrivenRig rig;
+  EXPECT_FALSE(rig.link.sent.back().has_presses);
+  for (int press = 1; press <= 300; ++press) {
+    rig.device.state.buttons = 0b10;
+    rig.tick(2);
+    rig.device.state.buttons = 0;
+    rig.tick();
+    const coupling::HandSample& told = rig.link.sent.back();
+    ASSERT_TRUE(told.has_presses);
+    ASSERT_EQ(told.presses, (coupling::PressCounts{0, static_cast<std::uint8_t>(press)}));
+  }
+}
+
 TEST(ServoLoop, RampsDownOnDeactivation) {
   DrivenRig rig;
   rig.controls.want_active = false;
