@@ -13,7 +13,8 @@ namespace thimble::link {
 //
 // Thread: the ArmLink calls from the servo thread, the others from the net plane's.
 // RT: send(), receive(), quality() as ArmLink says.
-// Ownership: the wake signal must outlive it; none: the net plane looks by itself.
+// Ownership: the wake signal must outlive it; none: the net plane looks by itself. Errors: none; of
+// several samples or replies the newest is there.
 class ArmMailbox final : public coupling::ArmLink {
  public:
   explicit ArmMailbox(rt::WakeSignal* wake) noexcept : wake_(wake) {}

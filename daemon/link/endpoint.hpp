@@ -10,7 +10,7 @@
 
 namespace thimble::link {
 
-// A UDP address and port, numeric; also the identity of a peer.
+// A UDP address and port, numeric; also the identity of a peer. All here: any thread, pure, not RT.
 struct Endpoint {
   std::array<std::uint8_t, 16> address{};  // IPv4: the first four, the rest zero
   bool is_v6{false};

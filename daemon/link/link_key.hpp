@@ -10,6 +10,7 @@
 namespace thimble::link {
 
 // A secret that both ends of a link were given beforehand. Wiped at the end of its life.
+// Thread: one at a time. Not RT.
 class LinkKey {
  public:
   static constexpr std::size_t kSize = 32;

@@ -23,7 +23,8 @@ struct SerialLine {
   OpenLine open{};
 };
 
-// How long what is due may wait while the port is not there, so that it is not asked for in vain.
+// Ours. How long what is due may wait while the port is not there, so that it is not asked for in
+// vain.
 inline constexpr Duration kLineAbsentWait = std::chrono::milliseconds(10);
 
 // The name of the line, and what is wrong with it as far as one can tell.
