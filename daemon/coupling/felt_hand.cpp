@@ -39,7 +39,9 @@ void FeltHandObserver::observe(const ArmInput& input, const ArmOutput& output) n
   }
   if (has_far_) {
     felt_.lag = input.now - answered_;
-    felt_.hand = out_of_planes(far_.slave, output.is_in_contact ? 0 : kClear_m);
+    // The ghost of the slave is as old as the planes; the slave has moved on since.
+    const Position3 slave = felt_.has_ghost ? felt_.ghost : far_.slave;
+    felt_.hand = out_of_planes(slave, output.is_in_contact ? 0 : kClear_m);
     return;
   }
   show_what_was_answered(input.now, hand, output.is_in_contact);

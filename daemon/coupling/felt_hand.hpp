@@ -28,12 +28,20 @@ struct FeltHand {
 //                   planes of that answer: what went past a wall before it was known is at the wall
 //   while a wall    on that wall, too: it is computed at the arm, with no delay
 //   presses
-//   far end known   the slave of the newest answer, of schemes whose force comes from there
+//   far end known   of schemes whose force comes from there: the slave's ghost, which is as old as
+//                   the planes (what is at the far end may be past a face by a step before the
+//                   world says so), or the slave of an answer without one
 //   walls foretold  the ghost that the arm half moves itself, or q(t) out of the planes
 //
 // q = p + o, the hand in the world. A hand that no wall presses, but was past a plane all the same
 // (it let go since, or a tap was shorter than the round trip and not felt), is shown kClear_m off
 // it: what touches in the picture is felt, and what is felt touches. Decision 0417.
+//
+// "Felt" is ArmOutput::is_in_contact: a wall presses. A spring-damper and a wave are felt without
+// one, as drag, as inertia, or as the spring to a slave that lags; that is no contact, and the
+// picture shows none: it touches while the slave does, told by the same answer as the force
+// (decision 0457). ThesisLiteralArm sets its frame in the tick in which a wall comes or goes, in
+// binary32 of mm and with its defects: there the two may part for a tick.
 //
 // Thread: one servo thread. RT: reset(), observe() THIMBLE_RT, allocation-free. Errors: none; a tip
 // that is not finite leaves all as it was.

@@ -18,6 +18,11 @@
 #include "daemon/coupling/ghost_point_arm.hpp"
 #include "daemon/coupling/remote_force_arm.hpp"
 #include "daemon/coupling/remote_force_world.hpp"
+#include "daemon/coupling/spring_damper_arm.hpp"
+#include "daemon/coupling/spring_damper_world.hpp"
+#include "daemon/coupling/thesis_literal.hpp"
+#include "daemon/coupling/wave_arm.hpp"
+#include "daemon/coupling/wave_world.hpp"
 #include "daemon/world/voxel_world.hpp"
 #include "delayed_loop.hpp"
 
@@ -41,7 +46,11 @@ enum class Way {
   BufferZoneCells,
   BufferZoneFaces,
   Remote,
-  Composite
+  Composite,
+  SpringDamper,
+  SpringDamperBoth,
+  Wave,
+  ThesisLiteral
 };
 
 // A hand that goes to and fro in the box: towards a wall until it is felt, leans, and goes back.
@@ -88,6 +97,14 @@ class Eye {
         return std::make_unique<RemoteForceArm>();
       case Way::Composite:
         return std::make_unique<CompositeArm>(GhostPointSettings{.cell_m = 0.03});
+      case Way::SpringDamper:
+        return std::make_unique<SpringDamperArm>();
+      case Way::SpringDamperBoth:
+        return std::make_unique<SpringDamperArm>(SpringDamperSettings{.force_at = ForceAt::Both});
+      case Way::Wave:
+        return std::make_unique<WaveArm>();
+      case Way::ThesisLiteral:
+        return std::make_unique<ThesisLiteralArm>();
       case Way::GhostPoint:
       case Way::LockStep:
         break;
@@ -98,6 +115,11 @@ class Eye {
   std::unique_ptr<WorldCoupling> make_world() {
     if (way_ == Way::Composite) return std::make_unique<CompositeWorld>(*box_, 1);
     if (way_ == Way::Remote) return std::make_unique<RemoteForceWorld>(*box_, 1);
+    if (way_ == Way::SpringDamper) return std::make_unique<SpringDamperWorld>(*box_, 1);
+    if (way_ == Way::SpringDamperBoth) {
+      return std::make_unique<SpringDamperWorld>(*box_, 1, ForceAt::Both);
+    }
+    if (way_ == Way::Wave) return std::make_unique<WaveWorld>(*box_, 1);
     if (way_ != Way::BufferZoneCells && way_ != Way::BufferZoneFaces) {
       return std::make_unique<GhostPointWorld>(*box_, 1);
     }
@@ -156,6 +178,14 @@ const char* name_of(Way way) {
       return "BufferZoneFaces";
     case Way::Composite:
       return "Composite";
+    case Way::SpringDamper:
+      return "SpringDamper";
+    case Way::SpringDamperBoth:
+      return "SpringDamperBothEnds";
+    case Way::Wave:
+      return "Wave";
+    case Way::ThesisLiteral:
+      return "ThesisLiteral";
     case Way::Remote:
       break;
   }
@@ -166,17 +196,23 @@ class FeltAtEveryDelay : public ::testing::TestWithParam<Way> {};
 INSTANTIATE_TEST_SUITE_P(, FeltAtEveryDelay,
                          ::testing::Values(Way::GhostPoint, Way::LockStep, Way::ConstraintPlane,
                                            Way::BufferZoneCells, Way::BufferZoneFaces, Way::Remote,
-                                           Way::Composite),
+                                           Way::Composite, Way::SpringDamper, Way::SpringDamperBoth,
+                                           Way::Wave, Way::ThesisLiteral),
                          [](const auto& of) { return std::string(name_of(of.param)); });
 
 TEST_P(FeltAtEveryDelay, WhatTouchesInThePictureIsFeltAndWhatIsFeltTouches) {
-  for (int ms = 1; ms <= 500; ++ms) {
+  const bool is_printed = GetParam() == Way::ThesisLiteral;
+  const bool is_slow = is_printed || GetParam() == Way::SpringDamper ||
+                       GetParam() == Way::SpringDamperBoth || GetParam() == Way::Wave;
+  for (int ms = 1; ms <= 500; ms += is_slow ? std::max(1, ms / 4) : 1) {
     Eye eye(GetParam(), std::chrono::milliseconds(ms));
     eye.poke(1);
     eye.poke(-1);
-    EXPECT_GT(eye.felt(), 80) << ms;
-    EXPECT_EQ(eye.differing(), 0) << ms;
-    EXPECT_EQ(eye.behind(), 0) << ms;
+    // As printed, a finger on three of the six faces is put outside again and again (defect 1).
+    EXPECT_GT(eye.felt(), is_printed ? 30 : 80) << ms;
+    // Its offset is set, in binary32 of mm, in the tick that a wall comes or goes.
+    EXPECT_LE(eye.differing(), is_printed ? 2 : 0) << ms;
+    EXPECT_LE(eye.behind(), is_printed ? 2 : 0) << ms;
     if (HasFailure()) return;
   }
 }
