@@ -18,6 +18,9 @@ using boost::system::error_code;
 
 // Ours: what a connection may bring in one round.
 constexpr int kMostReadsOfARound = 4;
+// Ours: the kernel makes a socket before it sees that nobody waits for one, which in each frame of
+// a driven device is a good part of all that this program does.
+constexpr std::uint64_t kFramesBetweenAccepts = 50;
 // Ours: far beyond what a host leaves unread.
 constexpr std::size_t kMostUnsentBytes = std::size_t{1} << 20;
 
@@ -136,7 +139,8 @@ void UsbipPlug::fire(MonotonicTime now) noexcept {
     connection = next;
   }
   if (round_ % rounds_per_frame_ != 0) return;
-  accept(now);  // so that its frames begin with ours
+  // With a frame, so that its frames begin with ours.
+  if (!is_attached() || round_ / rounds_per_frame_ % kFramesBetweenAccepts == 0) accept(now);
   plugin::ArmBackend* arm = model_->arm_backend();
   if (arm != nullptr) around_.log->note_sample(around_.time(now), arm->truth());
 }
@@ -194,6 +198,7 @@ bool UsbipPlug::receive(Connection& connection) {
     const std::size_t size = connection.socket.read_some(asio::buffer(buffer), error);
     if (error) return is_for_later(error);
     if (!connection.session.take(std::span(buffer).first(size))) return false;
+    if (size < buffer.size()) return true;  // that was all
   }
   return true;
 }

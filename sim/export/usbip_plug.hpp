@@ -19,10 +19,10 @@ namespace thimble::sim {
 // 1-1`. It needs no rights; who attaches does.
 //
 // Runs the rounds of the device's bus on the model's clock, and looks at its sockets there, without
-// waiting. One host has the device at a time; some more may ask what there is. Unplugged the
-// connection closes, which pulls the cable on the other side, and nothing is offered. A device with
-// bulk pipes has eight rounds in a frame, as SimUsbPort; one with interrupt pipes alone needs but
-// one.
+// waiting. One host has the device at a time; some more may ask what there is, and are then let in
+// once in 50 frames. Unplugged the connection closes, which pulls the cable on the other side, and
+// nothing is offered. A device with bulk pipes has eight rounds in a frame, as SimUsbPort; one with
+// interrupt pipes alone needs but one.
 //
 // Thread, Errors: as Plug. RT: none of it. Ownership: model and surroundings must outlive it, and
 // the io_context.

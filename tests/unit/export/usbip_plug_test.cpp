@@ -124,6 +124,19 @@ TEST_F(UsbipPlugTest, IsAttachedToOneHostAtATime) {
   EXPECT_EQ(ask(next, UsbipHost::import(), 320).size(), 320U);
 }
 
+// To look for others in each frame would be the dearest thing that a driven device does.
+TEST_F(UsbipPlugTest, LetsOthersWaitForAsMuchAsFiftyFramesWhileAHostHasIt) {
+  Tcp::socket host = connect(*sut_);
+  ask(host, UsbipHost::import(), 320);
+  for (int other = 0; other < 100; ++other) {
+    Tcp::socket client = connect(*sut_);
+    boost::asio::write(client, boost::asio::buffer(UsbipHost::devlist()));
+    bench_.run_frames(52);  // and one to be asked in, one to answer
+    EXPECT_GT(client.available(), 0U);
+    bench_.run_frames(1);
+  }
+}
+
 // Or clients that ask for the list again and again keep the device from everybody.
 TEST_F(UsbipPlugTest, HangsUpOnceItGaveAListOrRefusedTheDevice) {
   for (const Bytes& question : {UsbipHost::devlist(), UsbipHost::import("1-2")}) {
