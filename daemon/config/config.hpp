@@ -160,11 +160,11 @@ struct ArmConfig {
   std::optional<std::string> firmware_sha256;
   std::optional<double> newton_per_count;
   Fallback fallback{Fallback::None};  // only for a real device, and beside model
-  // Exactly one of the two, or peer.
+  // Exactly one of the two, or peer, or listen.
   std::optional<std::string> world;  // name of a WorldConfig of the same file
   std::optional<UdpEndpoint> link;
   LinkProtocol protocol{LinkProtocol::Thesis};  // only with link
-  bool allow_unauthenticated{false};            // only with link
+  bool allow_unauthenticated{false};            // only with link or listen
   bool activate{true};                          // the configuration's own lease
   std::optional<HandConfig> hand;  // present for "sim:" devices; else only beside a fallback
   LimitsConfig limits;
@@ -173,10 +173,15 @@ struct ArmConfig {
   // Instead of world and link: the name of the other ArmConfig of the same file.
   std::optional<std::string> peer{};
   std::array<double, 3> place_m{};        // of its base frame's origin in the world
-  std::optional<std::string> key_file{};  // path; only with link and our own datagrams
-  double deadband_m{0};                   // likewise; 0: every sample is sent
+  std::optional<std::string> key_file{};  // path; only with link and our own datagrams, or listen
+  double deadband_m{0};                   // only with such a link; 0: every sample is sent
   std::optional<SerialEndpoint> line{};   // of the key link, where it is a serial line
   [[nodiscard]] bool is_remote() const noexcept { return link || line; }
+  // Where the arm of another host comes that is its far end; port 0: any free one.
+  std::optional<UdpEndpoint> listen{};
+  std::optional<SerialEndpoint> listen_line{};  // of the key listen, where it is a serial line
+  std::optional<std::string> peer_address{};    // of the key peer, beside listen
+  [[nodiscard]] bool is_listening() const noexcept { return listen || listen_line; }
   bool operator==(const ArmConfig&) const = default;
 };
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/config/peers.hpp"
 #include "daemon/config/schema.hpp"
 
 namespace thimble::config {
@@ -190,6 +191,29 @@ CouplingConfig read_coupling(TableReader reader) {
   }
   reader.finish();
   return out;
+}
+
+bool are_peers(CouplingScheme one, CouplingScheme other) {
+  const auto meant = [](Scheme said) { return said == Scheme::Auto ? Scheme::GhostPoint : said; };
+  const Scheme mine = meant(one);
+  const Scheme theirs = meant(other);
+  if (mine == Scheme::Wave || theirs == Scheme::Wave) return mine == theirs;
+  return (mine == Scheme::SpringDamper &&
+          (theirs == Scheme::SpringDamper || theirs == Scheme::GhostPoint)) ||
+         (mine == Scheme::GhostPoint && theirs == Scheme::SpringDamper);
+}
+
+void check_listening_arm(TableReader& reader, const ArmConfig& arm) {
+  if (!arm.is_listening()) return;
+  const Scheme scheme = arm.coupling.scheme;
+  const bool is_streamed = arm.coupling.mode == CouplingMode::Streamed;
+  const bool has_peers = are_peers(scheme, Scheme::SpringDamper) || scheme == Scheme::Wave;
+  if (is_streamed && has_peers) return;
+  // The arm's own table knows "coupling", not what is below it.
+  reader.reject("coupling",
+                "expected \"wave\", \"spring-damper\" or \"ghost-point\", streamed, of an arm that "
+                "listens for another one; found " +
+                    in_quotes(is_streamed ? to_string(scheme) : "lock-step"));
 }
 
 // Cells are told of where the world has them.

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "daemon/config/endpoint.hpp"
+#include "daemon/config/peers.hpp"
 #include "daemon/config/schema.hpp"
 
 namespace thimble::config {
@@ -70,18 +71,6 @@ void check_schemes(std::vector<Entry<ArmConfig>>& arms,
   }
 }
 
-bool is_peer_scheme(const ArmConfig& arm, const ArmConfig& peer) {
-  using enum CouplingScheme;
-  const auto scheme_of = [](const ArmConfig& of) {
-    return of.coupling.scheme == Auto ? GhostPoint : of.coupling.scheme;
-  };
-  const CouplingScheme mine = scheme_of(arm);
-  const CouplingScheme theirs = scheme_of(peer);
-  if (mine == Wave || theirs == Wave) return mine == theirs;
-  return (mine == SpringDamper && (theirs == SpringDamper || theirs == GhostPoint)) ||
-         (mine == GhostPoint && theirs == SpringDamper);
-}
-
 // Two arms are each other's far end, by schemes that fit (coupling/arm_pair.hpp).
 void check_peers(std::vector<Entry<ArmConfig>>& arms) {
   for (auto& [reader, said] : arms) {
@@ -96,7 +85,8 @@ void check_peers(std::vector<Entry<ArmConfig>>& arms) {
                         in_quotes(arm.name) + ", found " + in_quotes(*arm.peer));
       continue;
     }
-    if (is_peer_scheme(arm, peer->value) && arm.coupling.mode == CouplingMode::Streamed) continue;
+    const bool fits = are_peers(arm.coupling.scheme, peer->value.coupling.scheme);
+    if (fits && arm.coupling.mode == CouplingMode::Streamed) continue;
     reader.reject("coupling",
                   "two arms are coupled, streamed, by \"wave\" or \"spring-damper\" at both, or "
                   "\"ghost-point\" at the one that feels and \"spring-damper\" at the one that "
@@ -120,31 +110,35 @@ void check_devices(std::vector<Entry<ArmConfig>>& arms) {
   }
 }
 
-void check_listeners(std::vector<Entry<WorldConfig>>& worlds) {
-  for (std::size_t i = 0; i < worlds.size(); ++i) {
-    const auto& listen = worlds[i].value.listen;
-    if (!listen || listen->port == 0) continue;
-    for (std::size_t j = 0; j < i; ++j) {
-      if (worlds[j].value.listen != listen) continue;
-      worlds[i].reader.reject("listen", "expected an address of its own, found " +
-                                            in_quotes(to_string(*listen)) + " again");
-      break;
+void check_listeners(std::vector<Entry<ArmConfig>>& arms, std::vector<Entry<WorldConfig>>& worlds) {
+  std::set<std::string> places;
+  const auto check = [&](auto& entries) {
+    for (auto& [reader, value] : entries) {
+      if (!value.listen || value.listen->port == 0) continue;
+      const std::string place = to_string(*value.listen);
+      if (places.insert(place).second) continue;
+      reader.reject("listen",
+                    "expected an address of its own, found " + in_quotes(place) + " again");
     }
-  }
+  };
+  check(arms);
+  check(worlds);
 }
 
 // A port has two ends, and one of them is the cable.
 void check_lines(std::vector<Entry<ArmConfig>>& arms, std::vector<Entry<WorldConfig>>& worlds) {
   std::set<std::string> nodes;
-  const auto check = [&](auto& entries, const char* key) {
+  const auto check = [&](auto& entries, const char* key, auto line_of) {
     for (auto& [reader, value] : entries) {
-      if (!value.line || nodes.insert(value.line->node).second) continue;
-      reader.reject(key, "expected a serial port of its own, found " + in_quotes(value.line->node) +
-                             " again");
+      const std::optional<SerialEndpoint>& line = value.*line_of;
+      if (!line || nodes.insert(line->node).second) continue;
+      reader.reject(key,
+                    "expected a serial port of its own, found " + in_quotes(line->node) + " again");
     }
   };
-  check(arms, "link");
-  check(worlds, "listen");
+  check(arms, "link", &ArmConfig::line);
+  check(arms, "listen", &ArmConfig::listen_line);
+  check(worlds, "listen", &WorldConfig::line);
 }
 
 // What root names is one slot: two worlds would ring the same doorbell.
@@ -171,7 +165,7 @@ void check_relations(std::vector<Entry<ArmConfig>>& arms, std::vector<Entry<Worl
   check_schemes(arms, worlds);
   check_peers(arms);
   check_devices(arms);
-  check_listeners(worlds);
+  check_listeners(arms, worlds);
   check_lines(arms, worlds);
   check_board_in_slot(worlds);
 }

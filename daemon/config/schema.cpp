@@ -16,7 +16,6 @@ constexpr Range kAboveZero{0, kNoMax, true};   // the driver knows how much is t
 constexpr Range kSeed{0, 9007199254740992.0};  // 2^53: every one is exact as a double too
 constexpr Range kRatio{0, 1};
 constexpr Range kInjectedTime{0, 2};  // what the links take
-constexpr Range kDeadband{0, 0.005};
 constexpr std::size_t kMaxPlugins = 16;
 
 constexpr std::array<Choice<Realtime>, 2> kRealtime{{
@@ -38,10 +37,6 @@ constexpr std::array<Choice<ConstraintModel>, 2> kConstraintModels{{
 constexpr std::array<Choice<Fallback>, 2> kFallbacks{{
     {"none", Fallback::None},
     {"simulated", Fallback::Simulated},
-}};
-constexpr std::array<Choice<LinkProtocol>, 2> kProtocols{{
-    {"thesis", LinkProtocol::Thesis},
-    {"thimble", LinkProtocol::Thimble},
 }};
 
 template <class Enum, std::size_t Count>
@@ -81,23 +76,6 @@ void read_socket_mode(TableReader& reader, std::uint32_t& out) {
                              in_quotes(text));
   }
   out = mode;
-}
-
-void read_endpoint(TableReader& reader, std::string_view key, std::uint16_t min_port,
-                   std::optional<UdpEndpoint>& out, std::optional<SerialEndpoint>& line) {
-  std::string text;
-  if (!reader.read(key, text)) return;
-  line = parse_line(text);
-  if (line) return;
-  auto endpoint = parse_endpoint(text);
-  if (!endpoint || endpoint->port < min_port) {
-    return reader.reject(key,
-                         "expected a numeric address such as \"udp://127.0.0.1:5001\", or a "
-                         "line of 38400 to 3000000 bit/s such as \"serial:/dev/ttyS0@115200\", "
-                         "found " +
-                             in_quotes(text));
-  }
-  out = std::move(endpoint);
 }
 
 std::optional<ImpairmentConfig> read_impairment(TableReader reader) {
@@ -181,47 +159,6 @@ void read_place(TableReader& reader, ArmConfig& arm) {
   if (reader.read("place_m", {-1, 1}, place)) arm.place_m = *place;
 }
 
-void read_other_side(TableReader& reader, const std::filesystem::path& folder, ArmConfig& arm) {
-  reader.read("world", arm.world);
-  read_endpoint(reader, "link", 1, arm.link, arm.line);
-  read_choice(reader, "protocol", kProtocols, arm.protocol);
-  reader.read("allow_unauthenticated", arm.allow_unauthenticated);
-  reader.read("peer", arm.peer);
-  read_path(reader, "key_file", folder, arm.key_file);
-  reader.read("deadband_m", kDeadband, arm.deadband_m);
-  const bool has_world = reader.has("world");
-  const bool has_link = reader.has("link");
-  const bool has_peer = reader.has("peer");
-  if (has_world && has_link) {
-    reader.reject("link", "expected either world or link, found both");
-  }
-  if (has_peer && (has_world || has_link)) {
-    reader.reject("peer", "expected neither world nor link beside it, found " +
-                              in_quotes(has_world ? "world" : "link"));
-  }
-  if (!has_world && !has_link && !has_peer) {
-    reader.reject("", "expected either world or link, found neither");
-  }
-  for (const char* key : {"protocol", "allow_unauthenticated", "key_file", "deadband_m"}) {
-    if (reader.has(key) && !has_link) {
-      reader.reject(key, "expected only beside link, found without it");
-    }
-  }
-  if (has_link && arm.key_file && arm.protocol == LinkProtocol::Thesis) {
-    reader.reject("key_file",
-                  "expected only with protocol = \"thimble\": the datagrams of 1999 know no key");
-  }
-  if (arm.line && reader.has("allow_unauthenticated")) {
-    reader.reject("allow_unauthenticated", "expected only beside an address, found beside a line");
-  }
-  if (!arm.link || is_loopback(arm.link->address)) return;
-  if (arm.allow_unauthenticated || arm.key_file) return;
-  reader.reject("link",
-                "expected a loopback address, or protocol = \"thimble\" and a key_file, or "
-                "allow_unauthenticated = true for datagrams without a key; found " +
-                    in_quotes(to_string(*arm.link)));
-}
-
 void read_source(TableReader& reader, const std::filesystem::path& folder, WorldConfig& world) {
   reader.require(
       "source",
@@ -253,36 +190,6 @@ void read_source(TableReader& reader, const std::filesystem::path& folder, World
             in_quotes(source));
   }
   world.source = source;
-}
-
-void read_listener(TableReader& reader, const std::filesystem::path& folder, WorldConfig& world) {
-  read_endpoint(reader, "listen", 0, world.listen, world.line);
-  reader.read("allow_unauthenticated", world.allow_unauthenticated);
-  read_path(reader, "key_file", folder, world.key_file);
-  if (reader.read("peer", world.peer) && !is_address(*world.peer)) {
-    reader.reject(
-        "peer", "expected a numeric address such as \"10.0.0.2\", found " + in_quotes(*world.peer));
-  } else if (world.peer && world.listen && !can_hear(world.listen->address, *world.peer)) {
-    reader.reject("peer", "expected an address that can reach " +
-                              in_quotes(to_string(*world.listen)) + ", which is of the other " +
-                              "kind (IPv4, IPv6), found " + in_quotes(*world.peer));
-  }
-  for (const char* key : {"allow_unauthenticated", "peer", "key_file"}) {
-    if (reader.has(key) && !reader.has("listen")) {
-      reader.reject(key, "expected only beside listen, found without it");
-    }
-  }
-  for (const char* key : {"allow_unauthenticated", "peer"}) {
-    if (world.line && reader.has(key)) {
-      reader.reject(key, "expected only beside an address, found beside a line");
-    }
-  }
-  if (!world.listen || is_loopback(world.listen->address)) return;
-  if (world.key_file || (world.allow_unauthenticated && world.peer)) return;
-  reader.reject("listen",
-                "expected a loopback address, or a key_file, or allow_unauthenticated = true and a "
-                "peer for datagrams without a key; found " +
-                    in_quotes(to_string(*world.listen)));
 }
 
 // Code is named in full: what runs must not depend on where a file lies or a command is typed.
@@ -351,6 +258,7 @@ Entry<ArmConfig> read_arm(TableReader reader, const std::filesystem::path& folde
   out.coupling = read_coupling(reader.table("coupling"));
   out.impairment = read_impairment(reader.table("impairment"));
   check_carriage(reader, out);
+  check_listening_arm(reader, out);
   reader.finish();
   return {std::move(reader), std::move(out)};
 }

@@ -25,6 +25,10 @@ struct Entry {
 [[nodiscard]] Entry<WorldConfig> read_world(TableReader reader,
                                             const std::filesystem::path& folder);
 
+// The keys of an arm that say what its far end is, and those of a world that others come to.
+void read_other_side(TableReader& reader, const std::filesystem::path& folder, ArmConfig& arm);
+void read_listener(TableReader& reader, const std::filesystem::path& folder, WorldConfig& world);
+
 // The keys of a world that say how its volume file is read.
 void read_volume(TableReader& reader, WorldConfig& world);
 // Whether `source` ends as the volume files do that can be read.
@@ -66,6 +70,9 @@ void read_path(TableReader& reader, std::string_view key, const std::filesystem:
 [[nodiscard]] std::string_view to_string(CouplingScheme scheme);
 // Whether it has a world half of its own, which answers with more than planes.
 [[nodiscard]] bool has_own_world_half(CouplingScheme scheme);
+// Whether an arm of this scheme can be another one's far end, and is coupled by a stream; else the
+// complaint; `reader` is the arm's.
+void check_listening_arm(TableReader& reader, const ArmConfig& arm);
 // Whether the arm's link, if it has one, carries what its scheme needs; `reader` is the arm's.
 void check_carriage(TableReader& reader, const ArmConfig& arm);
 

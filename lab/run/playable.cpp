@@ -26,6 +26,10 @@ std::vector<std::string> reasons_not_to_play(const config::Config& config) {
       reasons.push_back(name +
                         ": link: another host keeps real time; give it a world of this file");
     }
+    if (arm.is_listening()) {
+      reasons.push_back(name +
+                        ": listen: another host keeps real time; give it a peer of this file");
+    }
   }
   for (const config::WorldConfig& world : config.worlds) {
     const std::string name = "world '" + world.name + "'";

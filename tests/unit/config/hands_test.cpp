@@ -55,6 +55,49 @@ TEST(ConfigPeers, NameEachOtherAndNothingElse) {
                                       HasSubstr("nor link beside it, found \"world\""))));
 }
 
+TEST(ConfigPeers, OneOfThemMayListenForAnArmOfAnotherHost) {
+  const auto sut = parse_text(
+      one_arm("a",
+              "listen = \"udp://10.0.0.1:5001\"\nkey_file = \"/etc/link.key\"\n"
+              "coupling.scheme = \"wave\"") +
+      one_arm("b", "listen = \"serial:/dev/ttyS0@3000000\"\ncoupling.scheme = \"spring-damper\"") +
+      one_arm("c",
+              "listen = \"udp://10.0.0.1:0\"\nallow_unauthenticated = true\n"
+              "peer = \"10.0.0.2\""));
+  ASSERT_TRUE(sut);
+  EXPECT_EQ(sut->arms.at(0).listen, (UdpEndpoint{"10.0.0.1", 5001}));
+  EXPECT_EQ(sut->arms.at(0).key_file, "/etc/link.key");
+  EXPECT_EQ(sut->arms.at(1).listen_line, (SerialEndpoint{"/dev/ttyS0", 3'000'000}));
+  EXPECT_EQ(sut->arms.at(2).peer_address, "10.0.0.2");
+  for (const ArmConfig& arm : sut->arms) {
+    EXPECT_TRUE(arm.is_listening() && !arm.is_remote() && !arm.peer && !arm.world);
+  }
+}
+
+TEST(ConfigPeers, AListeningArmIsRefusedWhatItCannotDo) {
+  const std::string listen = "listen = \"udp://127.0.0.1:5001\"\n";
+  const auto mistake = [](const std::string& lines) { return mistakes(one_arm("a", lines)); };
+  EXPECT_THAT(mistake("listen = \"udp://10.0.0.1:5001\""),
+              ElementsAre(AllOf(HasSubstr("arm.0.listen"), HasSubstr("or a key_file"))));
+  for (const char* scheme : {"remote-force", "composite", "buffer-zone", "thesis-literal"}) {
+    EXPECT_THAT(mistake(listen + "coupling.scheme = \"" + scheme + "\""),
+                ElementsAre(AllOf(HasSubstr("arm.0.coupling"), HasSubstr(scheme))));
+  }
+  EXPECT_THAT(mistake(listen + "coupling.mode = \"lock-step\""),
+              ElementsAre(AllOf(HasSubstr("arm.0.coupling"), HasSubstr("found \"lock-step\""))));
+  EXPECT_THAT(mistake(listen + "peer = \"b\""), ElementsAre(HasSubstr("a numeric address")));
+  EXPECT_THAT(mistake(listen + "world = \"w\"\n"),
+              testing::Contains(AllOf(HasSubstr("arm.0.listen"), HasSubstr("found \"world\""))));
+  EXPECT_THAT(mistake(listen + "protocol = \"thimble\""),
+              ElementsAre(AllOf(HasSubstr("arm.0.protocol"), HasSubstr("only beside link"))));
+  EXPECT_THAT(mistakes(one_arm("a", "peer = \"b\"\nkey_file = \"k\"") +
+                       one_arm("b", "peer = \"a\"\ncoupling.scheme = \"spring-damper\"")),
+              ElementsAre(AllOf(HasSubstr("arm.0.key_file"), HasSubstr("link or listen"))));
+  EXPECT_THAT(
+      mistakes(one_arm("a", listen) + "[[world]]\nname = \"w\"\nsource = \"block\"\n" + listen),
+      ElementsAre(AllOf(HasSubstr("world.0.listen"), HasSubstr("of its own"))));
+}
+
 TEST(ConfigPlace, IsWhereAnArmStands) {
   const std::string world = "[[world]]\nname = \"w\"\nsource = \"box:3\"\n";
   const auto sut = parse_text(one_arm("a", "world = \"w\"\nplace_m = [-0.03, 0, 0.5]") + world);
