@@ -40,8 +40,8 @@ class Host {
   explicit Host(Clock& clock) {
     link::UdpWorldServer::Settings settings;
     settings.bind.address = {127, 0, 0, 1};
-    settings.key = key();
-    settings.max_sessions = kSessions;
+    settings.end.key = key();
+    settings.end.max_sessions = kSessions;
     auto opened = link::UdpWorldServer::open(
         io_, clock, settings, {.make_half = [this](const link::ThimbleHalf&) { return half(); }});
     if (opened) server_ = *std::move(opened);

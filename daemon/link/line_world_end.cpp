@@ -72,6 +72,7 @@ LinkStatus LineWorldEnd::status() const {
   if (!thimble_) return status;
   status.counters = sum(status.counters, thimble_->total());
   status.is_up = status.is_up || !thimble_->sessions().empty();
+  if (status.last_error.empty()) status.last_error = thimble_->refusal();
   return status;
 }
 

@@ -72,6 +72,7 @@ struct LinkStatus {
   std::string peer;                     // "in process", "udp://127.0.0.1:5001"; empty: nobody yet
   std::string last_error;               // empty: none so far
   std::string world{};                  // what the peer calls its world; empty: it did not say
+  std::string arm{};                    // likewise its arm, where that is the far end
   std::string scheme{};                 // for which the world made its half; empty: not known
   std::string scheme_reason{};          // why that one; empty: there was nothing to choose
   bool is_up{false};                    // heard from within kSilence

@@ -14,6 +14,25 @@ Seal handshake_seal(const std::optional<LinkKey>& key, Towards towards) noexcept
   return key ? Seal::of_handshake(*key, towards) : Seal();
 }
 
+Capabilities capabilities_of(SendMode mode) noexcept {
+  return mode == SendMode::LockStep ? kBetweenArms | kLockStep : kBetweenArms;
+}
+
+std::string sentence_of(const ThimbleRefusal& refusal, const ShortName& mine, SendMode mode) {
+  const std::string scheme(mine.view());
+  if (refusal.reason == ThimbleRefusalReason::Busy) {
+    return "the world holds as many hands as it can";
+  }
+  if (refusal.reason == ThimbleRefusalReason::Scheme) {
+    return "the world does not go with the scheme " + scheme;
+  }
+  if (mode == SendMode::LockStep) {
+    return "the far end is an arm, which follows a stream; this arm is in lock-step";
+  }
+  return "the far end is an arm of the scheme " + std::string(refusal.scheme.view()) +
+         ", which does not go with " + scheme;
+}
+
 }  // namespace
 
 ThimbleArmEnd::ThimbleArmEnd(const Settings& settings, RandomBytes random)
@@ -61,7 +80,8 @@ void ThimbleArmEnd::send_hello(MonotonicTime now) {
   const ThimbleHello hello{.timing = {.sent_at = now},
                            .arm_nonce = asking_->arm_nonce,
                            .world_nonce = asking_->world_nonce.value_or(Nonce()),
-                           .half = half()};
+                           .half = half(),
+                           .capabilities = capabilities_of(settings_.mode)};
   send(ThimbleKind::Hello, ++hellos_, hello, to_world_handshake_, now);
 }
 
@@ -219,14 +239,11 @@ void ThimbleArmEnd::take_refusal(const ThimbleHeader& header, const ThimbleDatag
     return;
   }
   counters_.reject(RejectReason::SessionRefused);
-  const bool is_busy = refusal.reason == ThimbleRefusalReason::Busy;
-  if (!is_busy && settings_.else_half && !is_second_choice_) {
+  if (refusal.reason != ThimbleRefusalReason::Busy && settings_.else_half && !is_second_choice_) {
     is_second_choice_ = true;
     return begin_asking(now, {});
   }
-  last_error_ = is_busy
-                    ? "the world holds as many hands as it can"
-                    : "the world does not go with the scheme " + std::string(half().scheme.view());
+  last_error_ = sentence_of(refusal, half().scheme, settings_.mode);
   is_second_choice_ = false;
   begin_asking(now, kRefusedPause);
 }
@@ -343,7 +360,8 @@ LinkStatus ThimbleArmEnd::status() const {
   LinkStatus status;
   status.is_up = accepted_at_.has_value();
   if (is_open()) {
-    status.world = world_.world.view();
+    const bool is_arm = (world_.capabilities & kBetweenArms) != 0;
+    (is_arm ? status.arm : status.world) = world_.world.view();
     status.scheme = half().scheme.view();
   }
   if (is_open() && settings_.else_half) {

@@ -110,13 +110,18 @@ void ThimbleWorldEnd::join(const Endpoint& from, const ThimbleHello& hello, Mono
   }
   if (same != sessions_.end()) release(static_cast<std::size_t>(same - sessions_.begin()));
   if (sessions_.size() >= settings_.max_sessions) {
-    return refuse(from, hello, ThimbleRefusalReason::Busy, now);
+    return refuse(from, hello, ThimbleRefusalReason::Busy, "no room for another hand", now);
   }
-  auto half = make_half_(hello.half);
-  if (!half) return refuse(from, hello, ThimbleRefusalReason::Scheme, now);
+  auto half = make_half(hello);
+  if (!half) {
+    const bool is_arm = settings_.arm_scheme && (hello.capabilities & kBetweenArms) != 0;
+    return refuse(from, hello, is_arm ? ThimbleRefusalReason::Arm : ThimbleRefusalReason::Scheme,
+                  half.error().message, now);
+  }
   if (!challenges_.use(hello.world_nonce, now)) {
-    return refuse(from, hello, ThimbleRefusalReason::Busy, now);
+    return refuse(from, hello, ThimbleRefusalReason::Busy, "too many came at once", now);
   }
+  refusal_.clear();
   sessions_.push_back(
       std::make_unique<ThimbleSession>(ThimbleSession::Origin{from, new_token(), hello.arm_nonce,
                                                               hello.world_nonce, hello.half.scheme},
@@ -129,15 +134,32 @@ void ThimbleWorldEnd::welcome(ThimbleSession& session, const ThimbleHello& hello
   ThimbleWelcome message = settings_.welcome;
   message.timing = {now, hello.timing.sent_at, now};
   message.arm_nonce = hello.arm_nonce;
+  if (settings_.arm_scheme) message.capabilities |= kBetweenArms;
   Reply reply{.to = session.origin().peer, .datagram = {}};
   if (session.welcome(message, reply.datagram)) outgoing_.push(now, reply);
 }
 
+// An arm here is another one's far end as it is: by a stream.
+Result<std::unique_ptr<coupling::WorldCoupling>> ThimbleWorldEnd::make_half(
+    const ThimbleHello& hello) const {
+  if (settings_.arm_scheme && (hello.capabilities & kBetweenArms) == 0) {
+    return fail(Errc::Unsupported, "an older program, which cannot be coupled to an arm");
+  }
+  if (settings_.arm_scheme && (hello.capabilities & kLockStep) != 0) {
+    return fail(Errc::Unsupported,
+                "two arms are coupled by a stream; the other one is in lock-step");
+  }
+  return make_half_(hello.half);
+}
+
 void ThimbleWorldEnd::refuse(const Endpoint& from, const ThimbleHello& hello,
-                             ThimbleRefusalReason reason, MonotonicTime now) {
+                             ThimbleRefusalReason reason, const std::string& why,
+                             MonotonicTime now) {
   counters_.reject(RejectReason::SessionRefused);
-  answer_hello(from, ThimbleKind::Refusal,
-               ThimbleRefusal{{now, hello.timing.sent_at, now}, hello.arm_nonce, reason}, now);
+  refusal_ = "refused " + to_string(from) + ": " + why;
+  ThimbleRefusal refusal{{now, hello.timing.sent_at, now}, hello.arm_nonce, reason};
+  if (reason == ThimbleRefusalReason::Arm) refusal.scheme = *settings_.arm_scheme;
+  answer_hello(from, ThimbleKind::Refusal, refusal, now);
 }
 
 template <class Message>

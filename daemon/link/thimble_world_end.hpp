@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "daemon/coupling/world_coupling.hpp"
@@ -38,6 +39,9 @@ class ThimbleWorldEnd {
     std::optional<LinkKey> key{};
     std::size_t max_sessions{8};
     ThimbleWelcome welcome{};  // what is told of the world
+    // There is no world here, but an arm with this scheme (coupling/arm_pair.hpp): who cannot be
+    // coupled to an arm is refused.
+    std::optional<ShortName> arm_scheme{};
   };
   struct Reply {
     Endpoint to{};
@@ -58,6 +62,8 @@ class ThimbleWorldEnd {
   [[nodiscard]] std::vector<LinkStatus> sessions() const;
   // Of all that there were, and of what belonged to none.
   [[nodiscard]] LinkCounters total() const;
+  // Who was refused last and why, for a person; empty when a session began since.
+  [[nodiscard]] const std::string& refusal() const noexcept { return refusal_; }
   // For the socket to count its errors.
   [[nodiscard]] LinkCounters& counters() noexcept { return counters_; }
 
@@ -74,7 +80,9 @@ class ThimbleWorldEnd {
   void join(const Endpoint& from, const ThimbleHello& hello, MonotonicTime now);
   void welcome(ThimbleSession& session, const ThimbleHello& hello, MonotonicTime now);
   void refuse(const Endpoint& from, const ThimbleHello& hello, ThimbleRefusalReason reason,
-              MonotonicTime now);
+              const std::string& why, MonotonicTime now);
+  [[nodiscard]] Result<std::unique_ptr<coupling::WorldCoupling>> make_half(
+      const ThimbleHello& hello) const;
   template <class Message>
   void answer_hello(const Endpoint& to, ThimbleKind kind, const Message& message,
                     MonotonicTime now);
@@ -92,6 +100,7 @@ class ThimbleWorldEnd {
   ImpairedQueue<Reply> outgoing_;
   std::vector<std::unique_ptr<ThimbleSession>> sessions_;
   std::uint64_t handshakes_{0};
+  std::string refusal_;
   LinkCounters counters_{};  // of no session, and of those that ended
 };
 

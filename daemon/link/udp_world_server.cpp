@@ -19,18 +19,15 @@ class UdpWorldServer::Impl {
   Impl(boost::asio::io_context& io, const Clock& clock, const Settings& settings,
        const Worlds& worlds)
       : clock_(&clock), port_(io) {
+    const ThimbleWorldEnd::Settings& end = settings.end;
     const bool may_be_open =
-        may_listen(settings.bind, settings.allow_unauthenticated, settings.pinned_peer).has_value();
-    const bool is_pinned = settings.allow_unauthenticated && settings.pinned_peer.has_value();
-    if (worlds.of_1999 != nullptr && (settings.key ? is_pinned : may_be_open)) {
-      thesis_.emplace(ThesisWorldEnd::Settings{settings.impairment, settings.pinned_peer},
-                      *worlds.of_1999);
+        may_listen(settings.bind, settings.allow_unauthenticated, end.pinned_peer).has_value();
+    const bool is_pinned = settings.allow_unauthenticated && end.pinned_peer.has_value();
+    if (worlds.of_1999 != nullptr && (end.key ? is_pinned : may_be_open)) {
+      thesis_.emplace(ThesisWorldEnd::Settings{end.impairment, end.pinned_peer}, *worlds.of_1999);
     }
-    if (!worlds.make_half || (!settings.key && !may_be_open)) return;
-    thimble_.emplace(
-        ThimbleWorldEnd::Settings{settings.impairment, settings.pinned_peer, settings.key,
-                                  settings.max_sessions, settings.welcome},
-        worlds.make_half, system_random());
+    if (!worlds.make_half || (!end.key && !may_be_open)) return;
+    thimble_.emplace(end, worlds.make_half, system_random());
   }
 
   Result<void> start(const Endpoint& bind) {
@@ -53,6 +50,7 @@ class UdpWorldServer::Impl {
       status.is_up = status.is_up || !thimble_->sessions().empty();
     }
     if (status.last_error.empty()) status.last_error = port_.last_error();
+    if (status.last_error.empty() && thimble_) status.last_error = thimble_->refusal();
     return status;
   }
 
@@ -118,9 +116,9 @@ Result<std::unique_ptr<UdpWorldServer>> UdpWorldServer::open(boost::asio::io_con
                                                              const Clock& clock,
                                                              const Settings& settings,
                                                              const Worlds& worlds) {
-  if (!settings.key) {
+  if (!settings.end.key) {
     const Result<void> allowed =
-        may_listen(settings.bind, settings.allow_unauthenticated, settings.pinned_peer);
+        may_listen(settings.bind, settings.allow_unauthenticated, settings.end.pinned_peer);
     if (!allowed) return tl::unexpected(allowed.error());
   }
   auto impl = std::make_unique<Impl>(io, clock, settings, worlds);

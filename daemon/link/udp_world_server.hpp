@@ -35,11 +35,7 @@ class UdpWorldServer {
   struct Settings {
     Endpoint bind{};
     bool allow_unauthenticated{false};
-    std::optional<Endpoint> pinned_peer{};  // its port does not matter
-    ImpairmentSettings impairment{};        // validated by the caller
-    std::optional<LinkKey> key{};
-    std::size_t max_sessions{8};
-    ThimbleWelcome welcome{};  // what is told of the world
+    ThimbleWorldEnd::Settings end{};  // impairment and pinned peer count for both protocols
   };
   // nullptr, nothing: that protocol is not spoken, and its datagrams are refused.
   struct Worlds {

@@ -3,8 +3,6 @@
 #include <utility>
 
 #include "daemon/coupling/constraint_model.hpp"
-#include "daemon/link/serial_world_server.hpp"
-#include "daemon/link/udp_world_server.hpp"
 #include "daemon/session/arm_settings.hpp"
 #include "daemon/session/combination.hpp"
 #include "daemon/session/world_settings.hpp"
@@ -15,86 +13,19 @@
 
 namespace thimble::session {
 
-// The socket, the world half of the one peer that the datagrams of 1999 know, and how one is made
-// for each of our own.
-class WorldHost::Listener {
- public:
-  [[nodiscard]] Result<void> open(WorldHost& host, const config::WorldConfig& said,
-                                  const RigParts& parts) {
-    link::UdpWorldServer::Worlds worlds;
-    if (can_serve_1999(*host.world_)) {
-      auto half = host.make_world_half({}, parts.first_session);
-      if (!half) return tl::unexpected(half.error());
-      half_of_1999_ = *std::move(half);
-      worlds.of_1999 = half_of_1999_.get();
-    }
-    worlds.make_half = [&host, has_materials = !said.materials.empty(),
-                        first_session = parts.first_session](const link::ThimbleHalf& arm) {
-      return host.make_half_for(arm, has_materials, first_session);
-    };
-    const Result<link::ThimbleWorldEnd::Settings> end = end_settings(*host.world_, said);
-    if (!end) return tl::unexpected(end.error());
-    if (said.line) {
-      line_ = std::make_unique<link::SerialWorldServer>(
-          *parts.io, *parts.real_clock,
-          link::SerialWorldServer::Settings{serial_line(*said.line, parts), *end}, worlds);
-      return {};
-    }
-    return open_socket(said, parts, *end, worlds);
-  }
-  [[nodiscard]] bool has_line() const noexcept { return line_ != nullptr; }
-  [[nodiscard]] link::LinkStatus status() const {
-    return line_ ? line_->status() : server_->status();
-  }
-  [[nodiscard]] std::vector<link::LinkStatus> sessions() const {
-    return line_ ? line_->sessions() : server_->sessions();
-  }
+namespace {
 
- private:
-  [[nodiscard]] Result<void> open_socket(const config::WorldConfig& said, const RigParts& parts,
-                                         const link::ThimbleWorldEnd::Settings& end,
-                                         const link::UdpWorldServer::Worlds& worlds) {
-    link::UdpWorldServer::Settings settings;
-    const Result<link::Endpoint> bind = endpoint(*said.listen);
-    if (!bind) return tl::unexpected(bind.error());
-    settings.bind = *bind;
-    settings.allow_unauthenticated = said.allow_unauthenticated;
-    settings.impairment = end.impairment;
-    settings.max_sessions = end.max_sessions;
-    settings.welcome = end.welcome;
-    settings.key = end.key;
-    if (said.peer) {
-      const Result<link::Endpoint> peer = endpoint({*said.peer, 0});
-      if (!peer) return tl::unexpected(peer.error());
-      settings.pinned_peer = *peer;
-    }
-    auto server = link::UdpWorldServer::open(*parts.io, *parts.real_clock, settings, worlds);
-    if (!server) return tl::unexpected(server.error());
-    server_ = *std::move(server);
-    return {};
-  }
+// What is told of it to other hosts.
+link::ThimbleWorldEnd::Settings end_of(const world::World& world, const std::string& name) {
+  link::ThimbleWorldEnd::Settings settings;
+  settings.max_sessions = world::kMaxProbes;
+  settings.welcome.world = link::ShortName::of(name);
+  settings.welcome.cells = world.info().cells;
+  settings.welcome.cell_m = world.info().cell_m;
+  return settings;
+}
 
-  // What is the same whatever carries it.
-  static Result<link::ThimbleWorldEnd::Settings> end_settings(const world::World& world,
-                                                              const config::WorldConfig& said) {
-    link::ThimbleWorldEnd::Settings settings;
-    settings.impairment = impairment_settings(said.impairment);
-    settings.max_sessions = world::kMaxProbes;
-    settings.welcome.world = link::ShortName::of(said.name);
-    settings.welcome.cells = world.info().cells;
-    settings.welcome.cell_m = world.info().cell_m;
-    if (!said.key_file) return settings;
-    const Result<link::LinkKey> key = link::load_key(*said.key_file);
-    if (!key) return tl::unexpected(key.error());
-    settings.key = *key;
-    return settings;
-  }
-
-  std::unique_ptr<coupling::WorldCoupling> half_of_1999_;
-  // Of the two one.
-  std::unique_ptr<link::UdpWorldServer> server_;
-  std::unique_ptr<link::SerialWorldServer> line_;
-};
+}  // namespace
 
 WorldHost::WorldHost() = default;
 WorldHost::~WorldHost() = default;
@@ -117,14 +48,32 @@ Result<std::unique_ptr<WorldHost>> WorldHost::create(const config::WorldConfig& 
     return tl::unexpected(good.error().in(name));
   }
   if (!said.is_listening()) return host;
-  if (parts.io == nullptr || parts.real_clock == nullptr) {
-    return fail(Errc::Unsupported, name + ": a world listens only in real time");
+  if (const auto opened = host->listen(said, parts); !opened) {
+    return tl::unexpected(opened.error().in(name));
   }
-  auto listener = std::make_unique<Listener>();
-  const Result<void> opened = listener->open(*host, said, parts);
-  if (!opened) return tl::unexpected(opened.error().in(name));
-  host->listener_ = std::move(listener);
   return host;
+}
+
+// The world half of the one peer that the datagrams of 1999 know, and how one is made for each of
+// our own.
+Result<void> WorldHost::listen(const config::WorldConfig& said, const RigParts& parts) {
+  link::UdpWorldServer::Worlds worlds;
+  if (can_serve_1999(*world_)) {
+    auto half = make_world_half({}, parts.first_session);
+    if (!half) return tl::unexpected(half.error());
+    half_of_1999_ = *std::move(half);
+    worlds.of_1999 = half_of_1999_.get();
+  }
+  worlds.make_half = [this, has_materials = !said.materials.empty(),
+                      first_session = parts.first_session](const link::ThimbleHalf& arm) {
+    return make_half_for(arm, has_materials, first_session);
+  };
+  auto listener = Listener::open({said.listen, said.line, said.allow_unauthenticated, said.peer,
+                                  said.key_file, said.impairment},
+                                 end_of(*world_, name_), worlds, parts);
+  if (!listener) return tl::unexpected(listener.error());
+  listener_ = *std::move(listener);
+  return {};
 }
 
 BoardPlugs WorldHost::plugs_for(const config::WorldConfig& said, const RigParts& parts) {

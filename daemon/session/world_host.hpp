@@ -13,6 +13,7 @@
 #include "daemon/link/thimble_messages.hpp"
 #include "daemon/session/arm_rig.hpp"
 #include "daemon/session/board_search.hpp"
+#include "daemon/session/listener.hpp"
 #include "daemon/session/made_world.hpp"
 #include "daemon/world/edit_queue.hpp"
 #include "daemon/world/world.hpp"
@@ -81,8 +82,8 @@ class WorldHost {
   [[nodiscard]] std::vector<link::LinkStatus> session_statuses() const;
 
  private:
-  class Listener;
   WorldHost();
+  [[nodiscard]] Result<void> listen(const config::WorldConfig& said, const RigParts& parts);
   [[nodiscard]] BoardPlugs plugs_for(const config::WorldConfig& said, const RigParts& parts);
   std::optional<MonotonicTime> pump_edits(MonotonicTime now);
   [[nodiscard]] tl::unexpected<Error> does_not_run() const;
@@ -99,7 +100,8 @@ class WorldHost {
   std::unique_ptr<world::World> world_;
   std::optional<world::EditQueue> edits_;
   std::optional<MonotonicTime> next_slice_;  // none: at once
-  std::unique_ptr<Listener> listener_;       // last: it uses the world
+  std::unique_ptr<coupling::WorldCoupling> half_of_1999_;
+  std::unique_ptr<Listener> listener_;  // last: it uses the world
 };
 
 }  // namespace thimble::session

@@ -322,6 +322,78 @@ TEST(ThimbleLink, BothEndsAlwaysHaveTheSameScheme) {
   EXPECT_EQ(sessions, 16);
 }
 
+ThimbleWorldEnd::Settings waved_arm() {
+  ThimbleWorldEnd::Settings settings = keyed_world();
+  settings.arm_scheme = ShortName::of("wave");
+  settings.welcome.world = ShortName::of("left");
+  settings.max_sessions = 1;
+  return settings;
+}
+
+TEST(ThimbleLink, AnArmAtTheFarEndSaysThatItIsOne) {
+  Table table(waved_arm());
+  Arm& arm = table.add_arm(keyed_arm());
+  table.run(100);
+  EXPECT_TRUE(arm.end.quality().is_up);
+  EXPECT_EQ(arm.end.status().arm, "left");
+  EXPECT_EQ(arm.end.status().world, "");
+}
+
+TEST(ThimbleLink, BothHearWhyTwoArmsDoNotGoTogether) {
+  Table table(waved_arm());
+  ThimbleArmEnd::Settings settings = keyed_arm();
+  settings.half.scheme = ShortName::of("unheard-of");
+  Arm& other = table.add_arm(settings);
+  table.run(1500);
+  EXPECT_EQ(other.end.status().last_error,
+            "the far end is an arm of the scheme wave, which does not go with unheard-of");
+  EXPECT_EQ(table.world->refusal(), "refused udp://127.0.0.1:40000: no such scheme");
+  table.arms.clear();
+  settings.half.scheme = ShortName::of("ghost-point");
+  settings.mode = SendMode::LockStep;
+  Arm& waiting = table.add_arm(settings);
+  table.run(1500);
+  EXPECT_EQ(waiting.end.status().last_error,
+            "the far end is an arm, which follows a stream; this arm is in lock-step");
+  table.arms.clear();
+  table.add_arm(keyed_arm());
+  table.run(1500);
+  EXPECT_EQ(table.world->sessions().size(), 1U);
+  EXPECT_EQ(table.world->refusal(), "") << "what came to nothing is over";
+  Arm& third = table.add_arm(keyed_arm());
+  table.run(100);
+  EXPECT_EQ(third.end.status().last_error, "the world holds as many hands as it can");
+  EXPECT_EQ(table.worlds.size(), 1U);
+}
+
+// What it does not know is neither said to it nor taken from it.
+TEST(ThimbleLink, AnOlderArmIsRefusedByAnArmInItsOwnWords) {
+  ThimbleWorldEnd::Settings settings = waved_arm();
+  settings.key.reset();
+  Table table(settings);
+  const auto say = [&](const ThimbleHello& hello) {
+    ThimbleDatagram datagram;
+    ASSERT_TRUE(Seal().pack({.kind = ThimbleKind::Hello, .sequence = 1}, hello,
+                            on_table::seeded_random(1), datagram));
+    table.deliver(on_table::at_port(5), datagram.view());
+  };
+  const auto answer = [&](auto& message) {
+    const auto bytes = table.carried.back().datagram.view();
+    ASSERT_TRUE(decode(bytes.subspan(kThimbleHeaderSize), message));
+  };
+  ThimbleHello hello{.timing = {.sent_at = table.now()}, .arm_nonce = {std::byte{1}}};
+  say(hello);
+  ThimbleChallenge challenge;
+  answer(challenge);
+  hello.world_nonce = challenge.world_nonce;
+  say(hello);
+  ThimbleRefusal refusal;
+  answer(refusal);
+  EXPECT_EQ(refusal.reason, ThimbleRefusalReason::Scheme);
+  EXPECT_EQ(table.world->refusal(),
+            "refused udp://127.0.0.1:5: an older program, which cannot be coupled to an arm");
+}
+
 TEST(ThimbleLink, AWorldWithNothingToSayLooksSilentAndKeepsItsSession) {
   Table table(keyed_world());
   table.are_silent = true;

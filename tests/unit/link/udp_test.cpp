@@ -187,7 +187,7 @@ TEST_F(UdpTest, BothOursMeetAndCount) {
 
 TEST_F(UdpTest, InjectedDelayIsServedByTheTimer) {
   auto opened = UdpWorldServer::open(
-      io, clock, {.bind = loopback(), .impairment = {.delay_s = 0.02, .jitter_s = 0.01}},
+      io, clock, {.bind = loopback(), .end = {.impairment = {.delay_s = 0.02, .jitter_s = 0.01}}},
       {.of_1999 = &world});
   ASSERT_TRUE(opened.has_value());
   PlainSocket client;
@@ -320,9 +320,9 @@ TEST_F(UdpTest, AListenerOfBothFamiliesKnowsItsIpv4Peer) {
   any.is_v6 = true;
   Endpoint pinned = loopback();
   const auto open_for = [&] {
-    return UdpWorldServer::open(io, clock,
-                                {.bind = any, .allow_unauthenticated = true, .pinned_peer = pinned},
-                                {.of_1999 = &world});
+    return UdpWorldServer::open(
+        io, clock, {.bind = any, .allow_unauthenticated = true, .end = {.pinned_peer = pinned}},
+        {.of_1999 = &world});
   };
   PlainSocket client;
   {

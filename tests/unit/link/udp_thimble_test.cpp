@@ -82,7 +82,7 @@ TEST_F(UdpThimbleTest, BothProtocolsAreSpokenAtOnePort) {
 }
 
 TEST_F(UdpThimbleTest, WithAKeyNothingIsTakenWithout) {
-  open_server({.key = key_of(1)});
+  open_server({.end = {.key = key_of(1)}});
   UdpArmLink& good = add_arm(ArmEndSettings::Protocol::Thimble, key_of(1));
   UdpArmLink& wrong = add_arm(ArmEndSettings::Protocol::Thimble, key_of(2));
   UdpArmLink& none = add_arm(ArmEndSettings::Protocol::Thimble);
@@ -105,7 +105,7 @@ TEST_F(UdpThimbleTest, AKeyOpensTheWayBeyondLoopback) {
     return UdpWorldServer::open(io, clock, settings, {.make_half = make_half()});
   };
   EXPECT_EQ(open_at().error().code, Errc::Permission);
-  settings.key = key_of(1);
+  settings.end.key = key_of(1);
   EXPECT_TRUE(open_at().has_value());
   Endpoint far;
   far.address = {192, 0, 2, 1};  // RFC 5737: nobody's
