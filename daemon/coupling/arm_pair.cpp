@@ -27,12 +27,13 @@ struct ArmPair::Meeting {
   };
   std::array<Hand, 2> hands{};
   std::uint32_t next_session{1};
+  std::uint32_t guests{0};
 };
 
 class ArmPair::Half final : public WorldCoupling {
  public:
-  Half(std::shared_ptr<Meeting> meeting, std::size_t me, PeerAnswer kind)
-      : meeting_(std::move(meeting)), me_(me), kind_(kind) {}
+  Half(std::shared_ptr<Meeting> meeting, std::size_t me, PeerAnswer kind, bool is_guest)
+      : meeting_(std::move(meeting)), me_(me), kind_(kind), is_guest_(is_guest) {}
   ~Half() override { close(); }
   Half(const Half&) = delete;
   Half& operator=(const Half&) = delete;
@@ -42,6 +43,8 @@ class ArmPair::Half final : public WorldCoupling {
       return fail(Errc::InvalidArgument, "the hand's place or waves are not finite");
     }
     meeting_->hands[me_] = {first, this};
+    if (is_guest_) restart_ = ++meeting_->guests;
+    take(first);
     mine()->sequence = 0;  // the same sample may be answered, too
     begin();
     // What was said before is nothing new to an arm that starts again: the other may be gone.
@@ -50,7 +53,7 @@ class ArmPair::Half final : public WorldCoupling {
   }
   [[nodiscard]] ConstraintSet answer(const HandSample& sample, Duration dt) noexcept override {
     if (!is_mine() || !is_sound_hand(sample) || sample.sequence <= mine()->sequence) return last_;
-    mine() = sample;
+    take(sample);
     if (!theirs() || theirs()->sequence == 0) return last_;
     const Heard newest{theirs()->restart, theirs()->sequence};
     if (newest == heard_) return last_;
@@ -75,6 +78,11 @@ class ArmPair::Half final : public WorldCoupling {
   [[nodiscard]] std::optional<HandSample>& mine() noexcept { return meeting_->hands[me_].sample; }
   [[nodiscard]] const std::optional<HandSample>& theirs() const noexcept {
     return meeting_->hands[1 - me_].sample;
+  }
+
+  void take(const HandSample& sample) noexcept {
+    mine() = sample;
+    if (is_guest_) mine()->restart = restart_;
   }
 
   struct Heard {
@@ -139,6 +147,8 @@ class ArmPair::Half final : public WorldCoupling {
   std::shared_ptr<Meeting> meeting_;
   std::size_t me_;
   PeerAnswer kind_;
+  bool is_guest_;
+  std::uint32_t restart_{0};  // of a guest, as it is told
   bool has_met_{false};
   Heard heard_{};
   WaveSums before_{};
@@ -154,7 +164,11 @@ ArmPair::ArmPair(std::uint32_t first_session) : meeting_(std::make_shared<Meetin
 }
 
 std::unique_ptr<WorldCoupling> ArmPair::make_half(Side side, PeerAnswer answer) const {
-  return std::make_unique<Half>(meeting_, side == Side::First ? 0 : 1, answer);
+  return std::make_unique<Half>(meeting_, side == Side::First ? 0 : 1, answer, false);
+}
+
+std::unique_ptr<WorldCoupling> ArmPair::make_guest_half(PeerAnswer answer) const {
+  return std::make_unique<Half>(meeting_, 1, answer, true);
 }
 
 }  // namespace thimble::coupling

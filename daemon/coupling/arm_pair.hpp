@@ -49,6 +49,9 @@ class ArmPair {
   explicit ArmPair(std::uint32_t first_session);
   // What the link of one of the arms is answered by. The newest that was opened is the arm's.
   [[nodiscard]] std::unique_ptr<WorldCoupling> make_half(Side side, PeerAnswer answer) const;
+  // The same for an arm of another program, the second one: its `restart` may be that of another
+  // that was here before, so each time that it is opened counts as one.
+  [[nodiscard]] std::unique_ptr<WorldCoupling> make_guest_half(PeerAnswer answer) const;
 
  private:
   struct Meeting;

@@ -24,19 +24,25 @@ void SpringDamperArm::restart(MonotonicTime now, Position3 tip) noexcept {
   port_.reset(now, tip);
   tool_ = settings_.tool;
   has_far_ = false;
+  is_told_of_arm_ = false;
   master_ = {is_finite(tip) ? tip : Position3{}, {}};
+}
+
+void SpringDamperArm::begin_epoch(const ArmInput& input) noexcept {
+  has_far_ = false;
+  master_ = {input.tip, input.tip_velocity};
+  // What one peer needed says nothing of the next; the force rises from nothing.
+  if (is_told_of_arm_) tool_ = settings_.tool;
 }
 
 ArmOutput SpringDamperArm::advance(const ArmInput& input) noexcept {
   if (!is_finite(input.tip) || !is_finite(input.tip_velocity)) return port_.refuse(input);
   const FarEnd* const far = port_.listen(input);
-  if (port_.is_new_epoch()) {
-    has_far_ = false;
-    master_ = {input.tip, input.tip_velocity};
-  }
+  if (port_.is_new_epoch()) begin_epoch(input);
   if (far != nullptr) {
     far_ = *far;
     has_far_ = true;
+    is_told_of_arm_ = far_.is_arm && !settings_.is_between_arms;
   }
   soften(input.link.round_trip);
 
@@ -56,15 +62,18 @@ ArmOutput SpringDamperArm::advance(const ArmInput& input) noexcept {
 
 void SpringDamperArm::soften(Duration round_trip) noexcept {
   if (!settings_.softens_with_delay) return;
-  if (settings_.is_between_arms) {
+  double damping = tool_.damping.newton_s_per_m;
+  if (is_between_arms()) {
     const double theirs = has_far_ ? far_.tool.stiffness.newton_per_m : 0;
     if (!(theirs > 0)) return;  // no spring at the other end: there is no loop with delay in it
     tool_.stiffness.newton_per_m = std::min(tool_.stiffness.newton_per_m, theirs);
+    const double their_damping = far_.tool.damping.newton_s_per_m;
+    if (is_told_of_arm_ && their_damping > 0) damping = std::min(damping, their_damping);
   }
   if (round_trip <= Duration::zero()) return;
-  const bool is_half = settings_.force_at == ForceAt::Both && !settings_.is_between_arms;
+  const bool is_half = settings_.force_at == ForceAt::Both && !is_between_arms();
   const double reach_s = seconds(round_trip) * (is_half ? 0.5 : 1.0);
-  const double most = tool_.damping.newton_s_per_m / (kMargin * reach_s);
+  const double most = damping / (kMargin * reach_s);
   tool_.stiffness.newton_per_m = std::min(tool_.stiffness.newton_per_m, most);
 }
 
@@ -72,7 +81,7 @@ void SpringDamperArm::soften(Duration round_trip) noexcept {
 Force3 SpringDamperArm::pull(const Motion& master) const noexcept {
   if (!has_far_) return {};
   const Force3 drag = tool_.damping * master.velocity;
-  if (settings_.force_at == ForceAt::World) return far_.force - drag;
+  if (settings_.force_at == ForceAt::World && !is_told_of_arm_) return far_.force - drag;
   return tool_.stiffness * (far_.slave - master.at) - drag;
 }
 

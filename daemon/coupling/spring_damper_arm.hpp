@@ -11,7 +11,9 @@ struct SpringDamperSettings {
   ToolProperties tool{.stiffness = {800}, .damping = {5}};
   ForceAt force_at{ForceAt::World};
   // The far end is another arm (arm_pair.hpp): T is a whole round trip of this arm's link, and K_c
-  // no larger than the other arm's. One that has no spring (GhostPointArm) lets K_c be.
+  // no larger than the other arm's. One that has no spring (GhostPointArm) lets K_c be. Where it is
+  // not known in advance what the far end says counts (FarEnd::is_arm), as on another host: then B
+  // is the smaller of both, and K_c begins anew with each epoch, for it may be another arm.
   bool is_between_arms{false};
   // Whether K_c falls with delay so that the pair stays stable (teleop.md 2(b): "K_c ≤ B/T").
   bool softens_with_delay{true};
@@ -61,7 +63,11 @@ class SpringDamperArm final : public ArmCoupling {
     Position3 at{};
     Velocity3 velocity{};
   };
+  void begin_epoch(const ArmInput& input) noexcept;
   void soften(Duration round_trip) noexcept;
+  [[nodiscard]] bool is_between_arms() const noexcept {
+    return settings_.is_between_arms || is_told_of_arm_;
+  }
   [[nodiscard]] Force3 pull(const Motion& master) const noexcept;
   [[nodiscard]] Force3 move_master(const ArmInput& input) noexcept;
 
@@ -70,6 +76,7 @@ class SpringDamperArm final : public ArmCoupling {
   FarEndPort port_;
   FarEnd far_{};
   bool has_far_{false};
+  bool is_told_of_arm_{false};
   Motion master_{};
 };
 

@@ -9,10 +9,35 @@ PairLoop::PairLoop(Arm first, Arm second, Duration dt)
   using Side = coupling::ArmPair::Side;
   const coupling::ArmPair pair(1);
   for (std::size_t i = 0; i < arms_.size(); ++i) {
+    if (i == 1 && arms_[i].guest) {
+      invite(pair);
+      continue;
+    }
     far_ends_[i] = pair.make_half(i == 0 ? Side::First : Side::Second, arms_[i].answer);
     links_[i].emplace(link::InProcessLink::Settings{.impairment = arms_[i].impairment},
                       *far_ends_[i]);
   }
+}
+
+// As session::ArmHost has it.
+void PairLoop::invite(const coupling::ArmPair& pair) {
+  DatagramLink::Settings settings = *arms_[1].guest;
+  settings.arm.impairment = arms_[1].impairment;
+  if (!settings.world.arm_scheme) settings.world.arm_scheme = settings.arm.half.scheme;
+  settings.world.max_sessions = 1;
+  guest_.emplace(settings,
+                 [pair, answer = arms_[1].answer](
+                     const link::ThimbleHalf&) -> Result<std::unique_ptr<coupling::WorldCoupling>> {
+                   return pair.make_guest_half(answer);
+                 });
+}
+
+void PairLoop::restart_guest(std::unique_ptr<coupling::ArmCoupling> half, Position3 tip) {
+  arms_[1].half = std::move(half);
+  arms_[1].half->reset(now_, tip);
+  link::ThimbleArmEnd::Settings settings = arms_[1].guest->arm;
+  settings.impairment = arms_[1].impairment;
+  guest_->restart_arm(settings);
 }
 
 std::array<coupling::ArmOutput, 2> PairLoop::tick(const std::array<Seen, 2>& seen) {
@@ -23,7 +48,8 @@ std::array<coupling::ArmOutput, 2> PairLoop::tick(const std::array<Seen, 2>& see
   now_ = now_ + dt_;
   std::array<coupling::ArmOutput, 2> out{};
   for (std::size_t i = 0; i < 2; ++i) {
-    coupling::ArmLink& link = links_[i]->arm_end();
+    if (!is_up[i]) continue;
+    coupling::ArmLink& link = end_of(i);
     coupling::ConstraintSet reply;
     const bool is_fresh = link.receive(reply);
     out[i] = arms_[i].half->step({.now = now_,
@@ -34,7 +60,7 @@ std::array<coupling::ArmOutput, 2> PairLoop::tick(const std::array<Seen, 2>& see
                                   .fresh = is_fresh ? &reply : nullptr,
                                   .link = link.quality()});
     link.send(out[i].sample);
-    (void)links_[i]->pump(now_);
+    (void)pump(i, now_);
   }
   return out;
 }
@@ -44,13 +70,13 @@ void PairLoop::run_links_until(MonotonicTime end) {
   MonotonicTime at = now_;
   while (at < end) {
     MonotonicTime next = end;
-    for (auto& link : links_) {
-      const auto due = link->pump(at);
+    for (std::size_t i = 0; i < 2; ++i) {
+      const auto due = pump(i, at);
       if (due && *due > at && *due < next) next = *due;
     }
     at = next;
   }
-  for (auto& link : links_) (void)link->pump(end);
+  for (std::size_t i = 0; i < 2; ++i) (void)pump(i, end);
 }
 
 }  // namespace thimble::lab
