@@ -125,7 +125,8 @@ void add_link(Lines& lines, const api::LinkStatus& link, Glyphs glyphs) {
             time_text(link.clocks->way_back_s, glyphs) + "  clock off by " +
             fixed(1e3 * link.clocks->offset_s, 3) + " ms within " +
             time_text(link.clocks->offset_error_s, glyphs) +
-            (link.peer_world.empty() ? "" : "  world " + plain(link.peer_world)));
+            (link.peer_world.empty() ? "" : "  world " + plain(link.peer_world)) +
+            (link.peer_arm.empty() ? "" : "  arm " + plain(link.peer_arm)));
   }
   if (!link.is_up && !link.last_error.empty()) {
     add_plain(lines, "", "last trouble: " + link.last_error);

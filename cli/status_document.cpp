@@ -157,15 +157,25 @@ std::optional<api::ClockStatus> clocks(const json::value& value) {
 }
 
 api::LinkStatus link(const json::value& value) {
-  return {text(value, "arm"),        text(value, "world"),
-          text(value, "peer"),       text(value, "kind"),
-          flag(value, "is_up"),      number(value, "round_trip_s"),
-          count(value, "sent"),      count(value, "received"),
-          count(value, "lost"),      count(value, "rejected"),
-          count(value, "stale"),     number(value, "jitter_s"),
-          text(value, "last_error"), {},
-          text(value, "peer_world"), clocks(value),
-          text(value, "scheme"),     text(value, "scheme_reason")};
+  return {text(value, "arm"),
+          text(value, "world"),
+          text(value, "peer"),
+          text(value, "kind"),
+          flag(value, "is_up"),
+          number(value, "round_trip_s"),
+          count(value, "sent"),
+          count(value, "received"),
+          count(value, "lost"),
+          count(value, "rejected"),
+          count(value, "stale"),
+          number(value, "jitter_s"),
+          text(value, "last_error"),
+          {},
+          text(value, "peer_world"),
+          text(value, "peer_arm"),
+          clocks(value),
+          text(value, "scheme"),
+          text(value, "scheme_reason")};
 }
 
 // Nothing where the daemon does not tell of one, or of one that cannot be.

@@ -118,6 +118,7 @@ struct LinkStatus {
   // Every kind of trouble by name, with its count: docs/api.md lists them.
   std::vector<std::pair<std::string, std::uint64_t>> events{};
   std::string peer_world{};  // what the peer calls its world; empty: it did not say
+  std::string peer_arm{};    // likewise its arm, where that is the far end
   std::optional<ClockStatus> clocks{};
   std::string scheme{};         // that both halves run; empty: not known (yet), or of a listener
   std::string scheme_reason{};  // why that one; empty: there was nothing to choose

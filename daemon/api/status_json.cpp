@@ -105,6 +105,7 @@ json::object to_value(const LinkStatus& link) {
   for (const auto& [name, count] : link.events) events[name] = count;
   out["events"] = std::move(events);
   if (!link.peer_world.empty()) out["peer_world"] = link.peer_world;
+  if (!link.peer_arm.empty()) out["peer_arm"] = link.peer_arm;
   if (!link.scheme.empty()) out["scheme"] = link.scheme;
   if (!link.scheme_reason.empty()) out["scheme_reason"] = link.scheme_reason;
   if (link.clocks) {

@@ -112,8 +112,9 @@ api::ArmStatus arm_status(session::ArmRig& rig, const session::WorldHost* world,
   arm.lease = to_string(context.leases.holder(index));
   arm.lease_number = context.leases.number(index);
   arm.constraint_state = constraint_state(frame);
+  const config::ArmConfig& said = session.config();
   arm.world =
-      session.config().world.value_or(session.config().peer.value_or(rig.link_status().peer));
+      said.is_listening() ? "" : said.world.value_or(said.peer.value_or(rig.link_status().peer));
   return arm;
 }
 
@@ -177,6 +178,7 @@ api::LinkStatus link_status(const link::LinkStatus& from) {
   out.last_error = from.last_error;
   out.events = events_of(from.counters);
   out.peer_world = from.world;
+  out.peer_arm = from.arm;
   out.scheme = from.scheme;
   out.scheme_reason = from.scheme_reason;
   if (from.clocks) {
@@ -249,6 +251,23 @@ api::LinkStatus link_of_arm(session::ArmRig& rig) {
   return link;
 }
 
+// Where the arm of another host comes to one of this.
+void tell_of_guests(const session::ArmHost& host, api::Status& status) {
+  for (api::ArmStatus& arm : status.arms) {
+    if (arm.name == host.name()) arm.world = host.guest();
+  }
+  api::LinkStatus link = link_status(host.listener().status());
+  link.arm = host.name();
+  link.kind = host.listener().has_line() ? "serial" : "udp";
+  status.links.push_back(std::move(link));
+  for (const link::LinkStatus& session : host.listener().sessions()) {
+    api::LinkStatus one = link_status(session);
+    one.arm = host.name();
+    one.kind = "thimble";
+    status.links.push_back(std::move(one));
+  }
+}
+
 }  // namespace
 
 api::Status collect_status(session::Runtime& runtime, const StatusContext& context) {
@@ -277,6 +296,7 @@ api::Status collect_status(session::Runtime& runtime, const StatusContext& conte
     }
     status.links.push_back(link_of_arm(rig));
   }
+  for (const auto& host : runtime.arm_hosts()) tell_of_guests(*host, status);
   for (const auto& host : runtime.worlds()) {
     status.worlds.push_back(world_status(*host));
     if (host->loss()) status.degraded.push_back(*host->loss());

@@ -67,10 +67,13 @@ Result<void> ArmRig::choose_bus(const config::ArmConfig& arm, const RigParts& pa
 
 Result<void> ArmRig::link_to(WorldHost* world, const config::ArmConfig& arm,
                              const RigParts& parts) {
-  if (arm.peer) {
+  if (arm.peer || arm.is_listening()) {
     auto half = parts.make_peer_half ? parts.make_peer_half(arm) : nullptr;
-    if (!half) return fail(Errc::Unsupported, "peer: no arm '" + *arm.peer + "' is here");
-    link_ = make_in_process_link(arm, std::move(half), parts.wake);
+    const std::string peer = arm.peer.value_or(arm.name);
+    if (!half) return fail(Errc::Unsupported, "peer: no arm '" + peer + "' is here");
+    config::ArmConfig here = arm;
+    if (arm.is_listening()) here.impairment.reset();  // of the way to the other host
+    link_ = make_in_process_link(here, std::move(half), parts.wake);
     return {};
   }
   if (world != nullptr) {

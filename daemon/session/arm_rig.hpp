@@ -44,7 +44,7 @@ struct RigParts {
   // Puts something between an arm's link and its session, such as a world that lies; nullptr:
   // nothing.
   std::function<std::unique_ptr<coupling::ArmLink>(coupling::ArmLink&)> wrap_link{};
-  // The far end of an arm whose peer is another arm; Runtime's.
+  // The far end of an arm whose peer is another arm, here or elsewhere; Runtime's.
   std::function<std::unique_ptr<coupling::WorldCoupling>(const config::ArmConfig& arm)>
       make_peer_half{};
   // Hears why a start waits: somebody else holds an arm.

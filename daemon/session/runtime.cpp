@@ -16,12 +16,13 @@ Runtime::Runtime(const config::Config& config, const RigParts& parts)
 
 // An arm that comes later has another rig, and another half of the same pair.
 std::unique_ptr<coupling::WorldCoupling> Runtime::make_peer_half(const config::ArmConfig& arm) {
+  if (const ArmHost* const host = find_arm_host(arm.name)) return host->make_half();
+  if (!arm.peer) return nullptr;
   const bool is_first = arm.name < *arm.peer;
   const auto pair = pairs_.try_emplace(is_first ? arm.name : *arm.peer, parts_.first_session).first;
-  const bool is_master = scheme_of(arm.coupling) == coupling::Scheme::GhostPoint;
   return pair->second.make_half(
       is_first ? coupling::ArmPair::Side::First : coupling::ArmPair::Side::Second,
-      is_master ? coupling::PeerAnswer::Touch : coupling::PeerAnswer::Motion);
+      answer_for(arm.coupling.scheme));
 }
 
 Result<std::unique_ptr<Runtime>> Runtime::create(const config::Config& config,
@@ -32,6 +33,12 @@ Result<std::unique_ptr<Runtime>> Runtime::create(const config::Config& config,
     Result<std::unique_ptr<WorldHost>> host = WorldHost::create(said, parts);
     if (!host) return tl::unexpected(host.error());
     runtime->worlds_.push_back(*std::move(host));
+  }
+  for (const config::ArmConfig& said : config.arms) {
+    if (!said.is_listening()) continue;
+    auto host = ArmHost::create(said, parts);
+    if (!host) return tl::unexpected(host.error());
+    runtime->arm_hosts_.push_back(*std::move(host));
   }
   for (const config::ArmConfig& said : config.arms) {
     config::ArmConfig arm = said;
@@ -75,6 +82,13 @@ Result<std::unique_ptr<ArmRig>> Runtime::make_rig_when_free(const config::ArmCon
     rig = make_rig(said);
   }
   return rig;
+}
+
+const ArmHost* Runtime::find_arm_host(std::string_view name) const noexcept {
+  for (const auto& host : arm_hosts_) {
+    if (host->name() == name) return host.get();
+  }
+  return nullptr;
 }
 
 WorldHost* Runtime::find_world(std::string_view name) noexcept {

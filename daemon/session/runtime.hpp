@@ -10,6 +10,7 @@
 
 #include "daemon/config/config.hpp"
 #include "daemon/coupling/arm_pair.hpp"
+#include "daemon/session/arm_host.hpp"
 #include "daemon/session/arm_rig.hpp"
 #include "daemon/session/world_host.hpp"
 #include "daemon/world/world.hpp"
@@ -32,6 +33,11 @@ class Runtime {
 
   [[nodiscard]] std::vector<std::unique_ptr<ArmRig>>& arms() noexcept { return arms_; }
   [[nodiscard]] std::vector<std::unique_ptr<WorldHost>>& worlds() noexcept { return worlds_; }
+  [[nodiscard]] const std::vector<std::unique_ptr<ArmHost>>& arm_hosts() const noexcept {
+    return arm_hosts_;
+  }
+  // nullptr: no arm of that name listens.
+  [[nodiscard]] const ArmHost* find_arm_host(std::string_view name) const noexcept;
   // nullptr: no world of that name.
   [[nodiscard]] WorldHost* find_world(std::string_view name) noexcept;
   // A slice of the edits that wait for each world where one is due, then everything that is due on
@@ -76,6 +82,7 @@ class Runtime {
 
   // The order matters: links on the arms' side use the worlds.
   std::vector<std::unique_ptr<WorldHost>> worlds_;
+  std::vector<std::unique_ptr<ArmHost>> arm_hosts_;
   std::vector<std::unique_ptr<ArmRig>> arms_;
   std::vector<Arrival> arrivals_;
 };
