@@ -1,14 +1,17 @@
 #!/bin/sh
 # Two hosts on one machine: two network namespaces with a cable between them, a daemon in each, and
-# one block that both arms push. Needs root (ip netns). Runs until Ctrl-C, or for SECONDS.
-#   sudo examples/two_hosts.sh [SECONDS]
+# one block that both arms push; or two arms that are coupled to each other. Needs root (ip netns).
+# Runs until Ctrl-C, or for SECONDS.
+#   sudo examples/two_hosts.sh [block | teleoperation] [SECONDS]
 # In another terminal, as root:
-#   thimble watch --socket /run/thimble-two-hosts/host.sock     the host that has the block
+#   thimble watch --socket /run/thimble-two-hosts/host.sock     the host that has the block, or waits
 #   thimble watch --socket /run/thimble-two-hosts/guest.sock    the other one
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 daemon=${THIMBLED:-thimbled}
 room=${ROOM:-/run/thimble-two-hosts}
+scene=block
+case ${1:-} in block | teleoperation) scene=$1 && shift ;; esac
 host=thimble-host-$$
 guest=thimble-guest-$$
 if [ "$(id -u)" -ne 0 ]; then
@@ -38,17 +41,25 @@ for side in "$host" "$guest"; do
   ip -n "$side" link set cable0 up
 done
 
-# The datagrams of 1999 know no key: it is said to whom the host may speak, and that the guest may.
-ip netns exec "$host" "$daemon" --config "$here/block-host.toml" \
-  --set daemon.socket="$room/host.sock" --set world.listen=udp://10.68.0.1:5001 \
-  --set world.allow_unauthenticated=true --set world.peer=10.68.0.2 &
+seconds=${1:-}
+place=udp://10.68.0.1:5001
+if [ "$scene" = block ]; then
+  # The datagrams of 1999 know no key: it is said to whom the host may speak, and that the guest may.
+  set -- --set world.listen=$place --set world.allow_unauthenticated=true --set world.peer=10.68.0.2
+  guest_key=arm.allow_unauthenticated=true
+else
+  (umask 077 && od -An -N32 -tx1 /dev/urandom | tr -d ' \n' >"$room/link.key")
+  set -- --set arm.listen=$place --set arm.key_file="$room/link.key"
+  guest_key=arm.key_file=$room/link.key
+fi
+ip netns exec "$host" "$daemon" --config "$here/$scene-host.toml" \
+  --set daemon.socket="$room/host.sock" "$@" &
 host_pid=$!
-ip netns exec "$guest" "$daemon" --config "$here/block-guest.toml" \
-  --set daemon.socket="$room/guest.sock" --set arm.link=udp://10.68.0.1:5001 \
-  --set arm.allow_unauthenticated=true &
+ip netns exec "$guest" "$daemon" --config "$here/$scene-guest.toml" \
+  --set daemon.socket="$room/guest.sock" --set arm.link=$place --set "$guest_key" &
 guest_pid=$!
-if [ $# -gt 0 ]; then
-  sleep "$1" &
+if [ -n "$seconds" ]; then
+  sleep "$seconds" &
   wait $!
 else
   wait

@@ -34,6 +34,19 @@ seed = {seed}
 """
 
 
+HOST_ARM = """
+[[arm]]
+name = "left"
+device = "sim:phantom-vintage"
+amplifier_max_a = 3.0
+listen = "udp://127.0.0.1:{port}"
+key_file = "{key}"
+coupling.scheme = "wave"
+[arm.hand]
+stiffness_newton_per_m = 50
+"""
+
+
 def link(status):
     return status["links"][0]
 
@@ -109,6 +122,31 @@ class TwoHosts(ProcessTest):
         self.start(name="again", config=simple)
         status = arm.status_when(lambda s: link(s)["is_up"] and link(s)["scheme"] == "ghost-point")
         self.assertEqual(link(status)["scheme_reason"], "the world does not go with composite")
+
+    def test_two_arms_are_each_others_far_end(self):
+        port = free_udp_port()
+        left = self.start(name="left", config=HOST_ARM.format(port=port, key=self.key))
+        guest = ARM.replace("poke", "sweep").format(port=port, key=self.key, scheme="{scheme}", seed=1)
+        with self.subTest("one that does not go with it hears why, and so does the other"):
+            wrong = self.start(name="wrong", config=guest.format(scheme="spring-damper"))
+            wrong.status_when(lambda s: "an arm of the scheme wave, which does not go with spring-damper"
+                              in link(s)["last_error"])
+            left.status_when(lambda s: "spring-damper does not go with wave" in s["links"][1]["last_error"])
+            wrong.stop()
+        right = self.start(name="right", config=guest.format(scheme="wave"))
+        with self.subTest("what one does the other feels"):
+            status = right.status_when(lambda s: link(s)["is_up"] and s["arms"][0]["peak_force_newton"] > 0.1)
+            self.assertEqual(link(status)["peer_arm"], "left")
+            drawn = left.status_when(lambda s: s["arms"][0]["peak_force_newton"] > 0.1)
+            self.assertEqual(drawn["arms"][0]["world"], drawn["links"][2]["peer"])
+        with self.subTest("an arm whose peer is killed is let go"):
+            left.stop(signal.SIGKILL)
+            alone = right.status_when(lambda s: not link(s)["is_up"] and s["arms"][0]["force_newton"] == [0, 0, 0])
+            right.status_when(lambda s: s["servos"][0]["ticks"] >= alone["servos"][0]["ticks"] + 500)
+            self.assertEqual(right.status()["arms"][0]["faults"], [])
+        with self.subTest("and taken up by the one that comes after"):
+            self.start(name="again", config=HOST_ARM.format(port=port, key=self.key))
+            right.status_when(lambda s: link(s)["is_up"])
 
     def test_a_world_that_is_stopped_stalls_no_servo(self):
         arm = self.arm("arm")

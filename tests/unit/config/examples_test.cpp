@@ -32,6 +32,10 @@ TEST(Examples, OfTwoHostsMeet) {
   const auto arm = load(THIMBLE_SOURCE_DIR "/examples/arm-host.toml");
   ASSERT_TRUE(world && arm);
   EXPECT_EQ(world->worlds.at(0).listen, arm->arms.at(0).link);
+  const auto host = load(THIMBLE_SOURCE_DIR "/examples/teleoperation-host.toml");
+  const auto guest = load(THIMBLE_SOURCE_DIR "/examples/teleoperation-guest.toml");
+  ASSERT_TRUE(host && guest);
+  EXPECT_EQ(host->arms.at(0).listen, guest->arms.at(0).link);
 }
 
 }  // namespace
