@@ -96,6 +96,9 @@ struct HandSample {
   // Only of CompositeArm: of the answers before applied_reply, which were in force, too: that of
   // number applied_reply − 1 − i where bit i is set.
   std::uint64_t applied_before{0};
+  // Put in by the hand at the arm's port so far, J, for a guard between both ends (TwoPortWorld);
+  // below 0: there is none.
+  double energy_joule{-1};
 };
 
 // What the far end computed, for the schemes in which it does. World frame; which of the numbers
@@ -136,6 +139,8 @@ struct ConstraintSet {
   bool is_astray{false};  // the ghost that the sample told of is not where that of the world is
   MapNews map{};          // valid when has_map
   bool has_map{false};
+  // Put in at the world's port so far, J (TwoPortArm); below 0: nobody counts it.
+  double energy_joule{-1};
 };
 
 // Both cross threads and queues by copying, on the servo's side without an allocation.

@@ -6,6 +6,7 @@
 #include "daemon/coupling/remote_force_world.hpp"
 #include "daemon/coupling/spring_damper_world.hpp"
 #include "daemon/coupling/thesis_literal.hpp"
+#include "daemon/coupling/two_port_world.hpp"
 #include "daemon/coupling/wave_world.hpp"
 
 namespace thimble::coupling {
@@ -75,9 +76,13 @@ Result<std::unique_ptr<WorldCoupling>> make_own_world_half(Scheme scheme,
                                                            std::uint32_t first_session) {
   switch (scheme) {
     case Scheme::RemoteForce:
-      return std::make_unique<RemoteForceWorld>(world, first_session);
-    case Scheme::SpringDamper:
-      return std::make_unique<SpringDamperWorld>(world, first_session, settings.force_at);
+      return std::make_unique<TwoPortWorld>(
+          std::make_unique<RemoteForceWorld>(world, first_session));
+    case Scheme::SpringDamper: {
+      auto half = std::make_unique<SpringDamperWorld>(world, first_session, settings.force_at);
+      if (settings.force_at == ForceAt::Both) return half;
+      return std::make_unique<TwoPortWorld>(std::move(half));
+    }
     case Scheme::Wave:
       return std::make_unique<WaveWorld>(world, first_session);
     case Scheme::BufferZone:

@@ -55,7 +55,7 @@ std::uint32_t mask_of(const ThimbleSample& m) noexcept {
          flag(s.tool != coupling::ToolProperties(), kTool) |
          flag(s.waves != coupling::WaveSums(), kWaves) |
          flag(s.impulse != coupling::Impulse3(), kImpulse) | flag(s.has_presses, kPresses) |
-         flag(m.energy_joule.has_value(), kSampleEnergy) | flag(m.epoch.has_value(), kSampleEpoch) |
+         flag(!(s.energy_joule < 0), kSampleEnergy) | flag(m.epoch.has_value(), kSampleEpoch) |
          flag(m.sample.has_ghost, kArmsGhost) | flag(m.sample.applied_before != 0, kAppliedBefore) |
          flag(s.pull != Force3(), kPull);
 }
@@ -64,7 +64,7 @@ std::uint32_t mask_of(const ThimbleConstraints& m) noexcept {
   return flag(!m.set.planes.empty(), kPlanes) | flag(m.set.has_ghost, kGhost) |
          flag(m.ghost_cell.has_value(), kGhostCell) | flag(m.set.is_embedded, kEmbedded) |
          flag(m.set.has_far, kFar) | flag(m.epoch.has_value(), kEpoch) |
-         flag(m.pressure.has_value(), kPressure) | flag(m.energy_joule.has_value(), kEnergy) |
+         flag(m.pressure.has_value(), kPressure) | flag(!(m.set.energy_joule < 0), kEnergy) |
          flag(m.set.has_near, kNear) | flag(m.set.is_astray, kAstray) | flag(m.set.has_map, kMap) |
          flag(m.set.has_far && m.set.far.is_arm, kFarArm);
 }
@@ -86,10 +86,9 @@ bool carry_sample(Bytes& b, Message& m) noexcept {
   if ((mask & kWaves) != 0) carry_waves(b, s.waves);
   if ((mask & kImpulse) != 0) b.vector(s.impulse);
   const auto word = [&](auto& value) { b.word(value); };
-  const auto real = [&](auto& value) { b.real(value); };
   if constexpr (Bytes::kIsReader) s.has_presses = (mask & kPresses) != 0;
   if (s.has_presses) carry_words(b, s.presses);
-  carry_optional<Bytes>((mask & kSampleEnergy) != 0, m.energy_joule, real);
+  if ((mask & kSampleEnergy) != 0) b.real(s.energy_joule);
   carry_optional<Bytes>((mask & kSampleEpoch) != 0, m.epoch, word);
   if constexpr (Bytes::kIsReader) {
     if ((mask & kNeverASampleField) != 0) b.refuse();
@@ -194,7 +193,7 @@ bool carry_constraints(Bytes& b, Message& m) noexcept {
   if (set.has_far) carry_far(b, set.far);
   carry_optional<Bytes>((mask & kEpoch) != 0, m.epoch, [&](auto& value) { b.word(value); });
   carry_optional<Bytes>((mask & kPressure) != 0, m.pressure, [&](auto& value) { b.vector(value); });
-  carry_optional<Bytes>((mask & kEnergy) != 0, m.energy_joule, [&](auto& value) { b.real(value); });
+  if ((mask & kEnergy) != 0) b.real(set.energy_joule);
   if (set.has_near) carry_near(b, set.near);
   if (set.has_map) carry_map(b, set.map);
   if ((mask & kFarArm) != 0) carry_far_arm(b, set);
@@ -234,7 +233,7 @@ static Reason check(const ThimbleSample& m) noexcept {
   const coupling::HandSample& s = m.sample;
   return first_of({check_timing(m.timing), check_time(s.sampled_at), check_place(s.hand),
                    check_finite(s.velocity), check_tool(s.tool), check_waves(s.waves),
-                   check_finite(s.impulse), check_finite(m.energy_joule.value_or(0)),
+                   check_finite(s.impulse), check_finite(s.energy_joule),
                    s.has_ghost ? check_place(s.ghost) : Reason(), check_finite(s.pull)});
 }
 
@@ -243,12 +242,12 @@ static Reason check(const ThimbleConstraints& m) noexcept {
   for (std::size_t i = 0; i < set.planes.size(); ++i) {
     if (const Reason reason = check_plane(set.planes[i], m.temperature_kelvin[i])) return reason;
   }
-  const Reason reason = first_of(
-      {check_timing(m.timing), check_time(set.sampled_at),
-       set.has_ghost ? check_place(set.ghost) : Reason(),
-       check_finite(m.pressure.value_or(Force3())), check_finite(m.energy_joule.value_or(0)),
-       set.has_near ? check_lattice(set.near.lattice, set.near.middle) : Reason(),
-       set.has_map ? check_lattice(set.map.lattice, set.map.ghost_cell) : Reason()});
+  const Reason reason =
+      first_of({check_timing(m.timing), check_time(set.sampled_at),
+                set.has_ghost ? check_place(set.ghost) : Reason(),
+                check_finite(m.pressure.value_or(Force3())), check_finite(set.energy_joule),
+                set.has_near ? check_lattice(set.near.lattice, set.near.middle) : Reason(),
+                set.has_map ? check_lattice(set.map.lattice, set.map.ghost_cell) : Reason()});
   if (reason || !set.has_far) return reason;
   const coupling::FarEnd& far = set.far;
   return first_of({check_finite(far.force), check_place(far.slave), check_finite(far.velocity),

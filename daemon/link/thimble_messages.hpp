@@ -117,7 +117,6 @@ struct ThimbleRefusal {
 struct ThimbleSample {
   ThimbleTiming timing{};
   coupling::HandSample sample{};
-  std::optional<double> energy_joule{};  // put in at the arm's port so far (teleop.md, TDPA)
   std::optional<std::uint64_t> epoch{};  // of the cells the arm knows
 };
 
@@ -131,8 +130,7 @@ struct ThimbleConstraints {
   std::array<double, coupling::kMaxPlanes> temperature_kelvin{};
   std::optional<CellIndex> ghost_cell{};
   std::optional<std::uint64_t> epoch{};
-  std::optional<Force3> pressure{};      // of what flows against the hand, N
-  std::optional<double> energy_joule{};  // put in at the world's port so far
+  std::optional<Force3> pressure{};  // of what flows against the hand, N
 };
 
 struct ThimbleIdle {

@@ -99,7 +99,7 @@ ThimbleSample full_sample() {
   m.sample.impulse = {-0.001, 0.002, 0};
   m.sample.presses = {1, 0, 255, 0, 0, 0, 0, 7};
   m.sample.has_presses = true;
-  m.energy_joule = 0.0001;
+  m.sample.energy_joule = 0.0001;
   m.epoch = 9;
   m.sample.has_ghost = true;
   m.sample.ghost = {0.0151, -0.25, 0};
@@ -134,7 +134,7 @@ ThimbleConstraints full_constraints() {
   m.set.has_far = true;
   m.epoch = 9;
   m.pressure = Force3{0, 0.75, 0};
-  m.energy_joule = 0.002;
+  m.set.energy_joule = 0.002;
   m.set.has_near = true;
   m.set.is_astray = true;
   world::NearCells& near = m.set.near;
@@ -215,7 +215,7 @@ TEST(ThimbleCodec, GivesBackEveryFieldOfASample) {
   EXPECT_EQ(out.sample.impulse, in.sample.impulse);
   EXPECT_TRUE(out.sample.has_presses);
   EXPECT_EQ(out.sample.presses, in.sample.presses);
-  EXPECT_EQ(out.energy_joule, in.energy_joule);
+  EXPECT_EQ(out.sample.energy_joule, in.sample.energy_joule);
   EXPECT_EQ(out.epoch, 9U);
   EXPECT_TRUE(out.sample.has_ghost);
   EXPECT_EQ(out.sample.ghost, in.sample.ghost);
@@ -249,7 +249,7 @@ TEST(ThimbleCodec, GivesBackEveryFieldOfConstraints) {
   EXPECT_EQ(out.set.far.tool, in.set.far.tool);
   EXPECT_EQ(out.epoch, 9U);
   EXPECT_EQ(out.pressure, in.pressure);
-  EXPECT_EQ(out.energy_joule, in.energy_joule);
+  EXPECT_EQ(out.set.energy_joule, in.set.energy_joule);
   EXPECT_TRUE(out.set.is_astray);
   ASSERT_TRUE(out.set.has_near);
   EXPECT_EQ(out.set.near.lattice, in.set.near.lattice);
@@ -372,7 +372,7 @@ TEST(ThimbleCodec, SaysNothingOfAHandThatCannotBe) {
   EXPECT_EQ(reason([](S& m) { m.sample.waves.joule[2] = kNoNumber; }), RejectReason::NonFinite);
   EXPECT_EQ(reason([](S& m) { m.sample.impulse.z = kNoNumber; }), RejectReason::NonFinite);
   EXPECT_EQ(reason([](S& m) { m.sample.tool.stiffness = {kNoNumber}; }), RejectReason::NonFinite);
-  EXPECT_EQ(reason([](S& m) { m.energy_joule = kNoNumber; }), RejectReason::NonFinite);
+  EXPECT_EQ(reason([](S& m) { m.sample.energy_joule = kNoNumber; }), RejectReason::NonFinite);
   EXPECT_EQ(reason([](S& m) { m.sample.ghost.x = kNoNumber; }), RejectReason::NonFinite);
   EXPECT_EQ(reason([](S& m) { m.sample.pull.y = kNoNumber; }), RejectReason::NonFinite);
   EXPECT_EQ(reason([](S& m) { m.timing.sent_at = at(-1); }), RejectReason::OutOfRange);
@@ -406,7 +406,7 @@ TEST(ThimbleCodec, RefusesConstraintsThatCannotBe) {
   EXPECT_EQ(reason([](C& m) { m.set.far.slave.z = -11; }), RejectReason::OutOfRange);
   EXPECT_EQ(reason([](C& m) { m.set.far.tool.damping = {kNoNumber}; }), RejectReason::NonFinite);
   EXPECT_EQ(reason([](C& m) { m.pressure->x = kNoNumber; }), RejectReason::NonFinite);
-  EXPECT_EQ(reason([](C& m) { m.energy_joule = kNoNumber; }), RejectReason::NonFinite);
+  EXPECT_EQ(reason([](C& m) { m.set.energy_joule = kNoNumber; }), RejectReason::NonFinite);
   EXPECT_EQ(reason([](C& m) { m.set.near.lattice.half_cell_m = kNoNumber; }),
             RejectReason::NonFinite);
   EXPECT_EQ(reason([](C& m) { m.set.near.lattice.cells[1] = 1U << 31U; }),
