@@ -122,6 +122,7 @@ struct PassivityConfig {
   std::optional<double> bound_joule{};
   std::optional<double> damping_newton_s_per_m{};
   std::optional<double> least_m_per_s{};
+  bool is_two_port{false};  // between both ends, else at the hand's port alone
   bool operator==(const PassivityConfig&) const = default;
 };
 

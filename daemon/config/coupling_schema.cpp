@@ -126,11 +126,20 @@ void refuse_beside_late_walls(TableReader& reader, const CouplingConfig& said) {
   }
 }
 
+enum class TwoPort : std::uint8_t { Yes };
+constexpr std::array<Choice<TwoPort>, 1> kTwoPort{{{"two-port", TwoPort::Yes}}};
+
 // A guard that can be put on any scheme.
 std::optional<PassivityConfig> read_passivity(TableReader& reader) {
   bool is_on = false;
   PassivityConfig out;
-  reader.read("passivity", is_on);
+  if (reader.has_text("passivity")) {
+    TwoPort word{};
+    is_on = out.is_two_port =
+        reader.read("passivity", std::span<const Choice<TwoPort>>(kTwoPort), word);
+  } else {
+    reader.read("passivity", is_on);
+  }
   reader.read("passivity_bound_joule", {0, 1}, out.bound_joule);
   reader.read("passivity_damping_newton_s_per_m", {0, 1000, true}, out.damping_newton_s_per_m);
   reader.read("passivity_least_m_per_s", {0, 1}, out.least_m_per_s);
@@ -140,6 +149,31 @@ std::optional<PassivityConfig> read_passivity(TableReader& reader) {
     if (reader.has(key)) reader.reject(key, "expected only beside passivity = true");
   }
   return std::nullopt;
+}
+
+// Where both ends have a port that energy goes through, and neither minds the other's already.
+void refuse_two_ports(TableReader& reader, const CouplingConfig& said) {
+  if (!said.passivity || !said.passivity->is_two_port) return;
+  if (reader.has("passivity_damping_newton_s_per_m")) {
+    reader.reject("passivity_damping_newton_s_per_m",
+                  "expected only beside passivity = true: \"two-port\" withholds and has no cap");
+  }
+  const bool tells_force =
+      said.scheme == Scheme::RemoteForce ||
+      (said.scheme == Scheme::SpringDamper && said.force_at == CouplingForceAt::World);
+  if (tells_force) return;
+  if (said.scheme == Scheme::Wave) {
+    reader.reject("passivity",
+                  "expected true or false beside \"wave\", whose waves are guarded between both "
+                  "ends already; found \"two-port\"");
+    return;
+  }
+  reader.reject(
+      "passivity",
+      "expected true or false where no force is told by the world (\"two-port\" goes with "
+      "\"remote-force\" and with \"spring-damper\", force_at = \"world\"); found "
+      "\"two-port\" beside " +
+          in_quotes(to_string(said.scheme)));
 }
 
 // What does; empty: a sample now and then will do.
@@ -183,6 +217,7 @@ CouplingConfig read_coupling(TableReader reader) {
   out.passivity = read_passivity(reader);
   refuse_what_is_not_taken(reader, out.scheme);
   refuse_beside_late_walls(reader, out);
+  refuse_two_ports(reader, out);
   if (const std::string_view what = follows_a_stream(out.scheme);
       !what.empty() && out.mode == CouplingMode::LockStep) {
     reader.reject("mode", "expected \"streamed\" with scheme " + in_quotes(to_string(out.scheme)) +
@@ -227,6 +262,11 @@ void check_place(TableReader& reader, const ArmConfig& arm) {
 
 void check_carriage(TableReader& reader, const ArmConfig& arm) {
   check_place(reader, arm);
+  if (arm.peer && arm.coupling.passivity && arm.coupling.passivity->is_two_port) {
+    reader.reject("coupling",
+                  "passivity = \"two-port\" needs a world that tells a force, not a peer; use "
+                  "passivity = true");
+  }
   const bool is_far = has_own_world_half(arm.coupling.scheme);
   const bool is_ours = arm.protocol == LinkProtocol::Thimble;
   const bool is_streamed = arm.coupling.mode == CouplingMode::Streamed;

@@ -59,6 +59,10 @@ bool TableReader::has(std::string_view key) const {
   return table_ != nullptr && table_->contains(key);
 }
 
+bool TableReader::has_text(std::string_view key) const {
+  return has(key) && table_->get(key)->is_string();
+}
+
 const toml::node* TableReader::find(std::string_view key) {
   if (std::find(known_keys_.begin(), known_keys_.end(), key) == known_keys_.end()) {
     known_keys_.emplace_back(key);

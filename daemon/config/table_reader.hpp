@@ -44,6 +44,7 @@ class TableReader {
 
   [[nodiscard]] bool is_present() const noexcept { return table_ != nullptr; }
   [[nodiscard]] bool has(std::string_view key) const;
+  [[nodiscard]] bool has_text(std::string_view key) const;
 
   // True when the key is there and good.
   bool read(std::string_view key, std::string& out);

@@ -5,6 +5,7 @@
 
 #include "daemon/config/endpoint.hpp"
 #include "daemon/coupling/passivity_guard.hpp"
+#include "daemon/coupling/two_port_arm.hpp"
 #include "daemon/session/arm_rig.hpp"
 
 namespace thimble::session {
@@ -223,6 +224,10 @@ Result<std::unique_ptr<coupling::ArmCoupling>> make_coupling(
   std::unique_ptr<coupling::ArmCoupling> scheme = coupling::make_arm_coupling(
       leaves_scheme_to_world(arm) ? coupling::Scheme::Composite : scheme_of(said), settings);
   if (!said.passivity) return scheme;
+  if (said.passivity->is_two_port) {
+    return std::make_unique<coupling::TwoPortArm>(std::move(scheme),
+                                                  passivity_settings(*said.passivity));
+  }
   return std::make_unique<coupling::PassivityGuard>(std::move(scheme),
                                                     passivity_settings(*said.passivity));
 }

@@ -133,6 +133,36 @@ TEST(ConfigCoupling, AnySchemeIsGuardedByOneLine) {
       parse_text(hello_with_arm("coupling.passivity = false\n"))->arms[0].coupling.passivity);
 }
 
+TEST(ConfigCoupling, AGuardBetweenBothEndsGoesWithForcesThatTheWorldTells) {
+  const std::string two = "coupling.passivity = \"two-port\"\n";
+  for (const char* scheme : {"remote-force", "spring-damper"}) {
+    const std::string lines = std::string("coupling.scheme = \"") + scheme + "\"\n";
+    const auto sut =
+        parse_text(hello_with_arm(lines + two + "coupling.passivity_bound_joule = 0.01\n"));
+    ASSERT_TRUE(sut) << scheme;
+    PassivityConfig expected;
+    expected.bound_joule = 0.01;
+    expected.is_two_port = true;
+    EXPECT_EQ(sut->arms[0].coupling.passivity, expected);
+  }
+  for (const char* scheme : {"ghost-point", "thesis-literal", "constraint-plane", "buffer-zone",
+                             "composite", "spring-damper\"\ncoupling.force_at = \"both"}) {
+    EXPECT_THAT(
+        mistakes(hello_with_arm(std::string("coupling.scheme = \"") + scheme + "\"\n" + two)),
+        ElementsAre(AllOf(HasSubstr("arm.0.coupling.passivity"),
+                          HasSubstr("where no force is told by the world"))))
+        << scheme;
+  }
+  EXPECT_THAT(mistakes(hello_with_arm("coupling.scheme = \"wave\"\n" + two)),
+              ElementsAre(HasSubstr("guarded between both ends already")));
+  const std::string remote = "coupling.scheme = \"remote-force\"\n";
+  EXPECT_THAT(
+      mistakes(hello_with_arm(remote + two + "coupling.passivity_damping_newton_s_per_m = 3\n")),
+      ElementsAre(HasSubstr("withholds and has no cap")));
+  EXPECT_THAT(mistakes(hello_with_arm(remote + "coupling.passivity = \"both\"\n")),
+              ElementsAre(HasSubstr("expected \"two-port\"")));
+}
+
 TEST(ConfigCoupling, TheGuardsNumbersAreTakenBesideItOnly) {
   const std::vector<std::string> keys{"passivity_bound_joule = 0.01",
                                       "passivity_damping_newton_s_per_m = 3",
@@ -146,7 +176,7 @@ TEST(ConfigCoupling, TheGuardsNumbersAreTakenBesideItOnly) {
   }
   const auto sut = parse_text(hello_with_arm(all));
   ASSERT_TRUE(sut);
-  EXPECT_EQ(sut->arms[0].coupling.passivity, (PassivityConfig{0.01, 3, 0.02}));
+  EXPECT_EQ(sut->arms[0].coupling.passivity, (PassivityConfig{0.01, 3, 0.02, false}));
   EXPECT_EQ(mistakes(hello_with_arm("coupling.passivity = true\n"
                                     "coupling.passivity_damping_newton_s_per_m = 0\n"))
                 .size(),

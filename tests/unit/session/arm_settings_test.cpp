@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "daemon/coupling/passivity_guard.hpp"
+#include "daemon/coupling/two_port_arm.hpp"
 
 namespace thimble::session {
 namespace {
@@ -117,6 +118,15 @@ TEST(MakeCoupling, AsksForNothingButWhatASchemeSaysOrAMapDoesNotGoWith) {
     ASSERT_TRUE(half);
     EXPECT_NE(dynamic_cast<coupling::GhostPointArm*>(half->get()), nullptr);
   }
+}
+
+TEST(MakeCoupling, PutsTheArmsEndOfAGuardBetweenBothEndsAroundARemoteForce) {
+  config::ArmConfig arm;
+  arm.coupling.scheme = config::CouplingScheme::RemoteForce;
+  arm.coupling.passivity.emplace().is_two_port = true;
+  const auto sut = make_coupling(arm, 0, arm_of(500));
+  ASSERT_TRUE(sut);
+  EXPECT_NE(dynamic_cast<coupling::TwoPortArm*>(sut->get()), nullptr);
 }
 
 }  // namespace
