@@ -34,7 +34,8 @@ struct FeltStatus {
   std::array<double, 3> position_m{};
   double lag_s{0};  // how long ago the hand was there
   std::optional<std::array<double, 3>> ghost_m{};
-  std::vector<PlaneStatus> planes{};  // that hold the hand now
+  std::vector<PlaneStatus> planes{};                        // that hold the hand now
+  std::optional<std::array<std::int32_t, 3>> ghost_cell{};  // in worlds of cells
   bool operator==(const FeltStatus&) const = default;
 };
 

@@ -38,6 +38,10 @@ json::object to_value(const FeltStatus& felt) {
       {"lag_s", felt.lag_s},
       {"planes", list_of(felt.planes, [](const PlaneStatus& p) { return to_value(p); })}};
   if (felt.ghost_m) out["ghost_m"] = vector_of(*felt.ghost_m);
+  if (felt.ghost_cell) {
+    const auto& [x, y, z] = *felt.ghost_cell;
+    out["ghost_cell"] = json::array{x, y, z};
+  }
   return out;
 }
 

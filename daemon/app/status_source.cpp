@@ -58,6 +58,9 @@ api::FeltStatus felt_status(const coupling::FeltHand& felt, Displacement3 place)
   out.position_m = as_array(felt.hand + place);
   out.lag_s = seconds(felt.lag);
   if (felt.has_ghost) out.ghost_m = as_array(felt.ghost + place);
+  if (felt.has_ghost_cell) {
+    out.ghost_cell = {felt.ghost_cell.x, felt.ghost_cell.y, felt.ghost_cell.z};
+  }
   for (const coupling::ConstraintPlane& plane : felt.planes) {
     out.planes.push_back({as_array(plane.normal), plane.offset_m + dot(plane.normal, place)});
   }

@@ -50,6 +50,7 @@ ArmOutput CompositeArm::advance(const ArmInput& input) noexcept {
   sequence_ = output.sample.sequence;
   output.sample.ghost = ghost_.position;
   output.sample.has_ghost = has_ghost_;
+  output.sample.epoch = has_ghost_ ? epoch_ : 0;
   // The world's ghost is to go after the same place as this one did, not after where the frame has
   // moved since.
   if (has_ghost_) output.sample.hand = hand;
@@ -97,8 +98,9 @@ void CompositeArm::note_applied(const ConstraintSet& said) noexcept {
 // Whether the answer's ghost is in a free cell that is known.
 bool CompositeArm::take_map(const ConstraintSet& said) noexcept {
   if (!said.has_map || !said.has_ghost) return false;
-  if (said.map.lattice != mirror_.lattice()) {
+  if (said.map.lattice != mirror_.lattice() || said.map.epoch != epoch_) {
     has_ghost_ = false;  // its cell is of other cells
+    epoch_ = said.map.epoch;
     if (!mirror_.begin(said.map.lattice)) return false;
   }
   is_plane_ = said.map.is_plane;

@@ -34,7 +34,7 @@ struct CompositeCounters {
 // The world's planes are felt while the map does not explain them: a plane of the answer is
 // explained by an occupied cell behind it that is known. The ghost goes back to the world's, and
 // from there straight at the hand, when the two have parted (ConstraintSet::is_astray) or its cell
-// was filled.
+// was filled. Cells that were all replaced at once (MapNews::epoch) are unknown ones from then on.
 //
 // A silent world: as the ghost point's, whatever is known (ConstraintAge).
 // Thread: one servo thread; counters() too. RT: reset(), step() THIMBLE_RT; a step is bounded by
@@ -70,6 +70,7 @@ class CompositeArm final : public ArmCoupling {
   bool has_session_{false};
   bool has_told_{false};  // and its planes are not yet felt
   std::uint32_t session_{0};
+  std::uint64_t epoch_{0};  // of the cells of the map
   std::uint64_t applied_reply_{0};
   std::uint64_t applied_before_{0};
   std::uint64_t sequence_{0};   // of the newest sample

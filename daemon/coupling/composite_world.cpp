@@ -5,7 +5,7 @@
 namespace thimble::coupling {
 
 CompositeWorld::CompositeWorld(world::World& world, std::uint32_t first_session) noexcept
-    : world_(world), probe_(world), next_session_(first_session) {}
+    : world_(world), probe_(world), first_session_(first_session), next_session_(first_session) {}
 
 Result<void> CompositeWorld::open(const HandSample& first) {
   if (world_.felt_cells() == nullptr) {
@@ -15,6 +15,7 @@ Result<void> CompositeWorld::open(const HandSample& first) {
   teller_.reset();
   last_ = {};
   last_.session = next_session_++;
+  last_.map.epoch = epoch();
   return {};
 }
 
@@ -23,10 +24,15 @@ ConstraintSet CompositeWorld::answer(const HandSample& sample, Duration dt) noex
   const auto moved = follow_and_tell(probe_, sample, dt, last_);
   if (!moved) return last_;
   const world::ProbeMotion& motion = *moved;
-  last_.is_astray = sample.has_ghost && sample.ghost != motion.ghost;
+  const std::uint64_t cells = epoch();
+  if (cells != last_.map.epoch) teller_.forget();
+  // One that came through other cells is where it is for no fault of its own.
+  const bool is_of_these = sample.epoch == 0 || sample.epoch == cells;
+  last_.is_astray = sample.has_ghost && is_of_these && sample.ghost != motion.ghost;
   teller_.acknowledge(sample.applied_reply, sample.applied_before);
   const world::VoxelGrid& grid = *world_.felt_cells();
-  last_.map = {.lattice = grid.lattice(),
+  last_.map = {.epoch = cells,
+               .lattice = grid.lattice(),
                .ghost_cell = motion.cell,
                .is_plane = world_.is_plane(),
                .blocks = teller_.tell(grid, motion.cell, last_.sequence)};

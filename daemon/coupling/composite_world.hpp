@@ -23,10 +23,17 @@ class CompositeWorld final : public WorldCoupling {
   [[nodiscard]] Result<void> open(const HandSample& first) override;
   [[nodiscard]] ConstraintSet answer(const HandSample& sample, Duration dt) noexcept override;
   void close() noexcept override { probe_.close(); }
+  [[nodiscard]] std::uint64_t cells_epoch() const noexcept override { return epoch(); }
 
  private:
+  // Of the cells: of this process and, in it, of what was loaded.
+  [[nodiscard]] std::uint64_t epoch() const noexcept {
+    return std::uint64_t{first_session_} << 32U | world_.loads();
+  }
+
   world::World& world_;
   ProbeInWorld probe_;
+  std::uint32_t first_session_;
   std::uint32_t next_session_;
   world::OccupancyTeller teller_{};
   ConstraintSet last_{};

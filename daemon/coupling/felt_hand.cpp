@@ -29,7 +29,7 @@ void FeltHandObserver::observe(const ArmInput& input, const ArmOutput& output) n
   if (input.fresh != nullptr) learn(*input.fresh, input);
   if (output.is_fading && !output.is_in_contact) {  // nobody answers, and nothing is felt
     felt_.planes.clear();
-    felt_.has_ghost = false;
+    felt_.has_ghost = felt_.has_ghost_cell = false;
     has_far_ = false;
     return show_now(input.now, hand);
   }
@@ -61,6 +61,8 @@ void FeltHandObserver::learn(const ConstraintSet& set, const ArmInput& input) no
   felt_.planes = sound_planes(set.planes, unsound);
   felt_.has_ghost = set.has_ghost && is_finite(set.ghost);
   if (felt_.has_ghost) felt_.ghost = set.ghost;
+  felt_.has_ghost_cell = felt_.has_ghost && set.has_ghost_cell;
+  if (felt_.has_ghost_cell) felt_.ghost_cell = set.ghost_cell;
   has_far_ = set.has_far && is_sound(set.far);
   if (has_far_) far_ = set.far;
   // A carriage that cannot tell which sample it answers knows how long an answer takes.

@@ -18,6 +18,8 @@ struct FeltHand {
   Position3 ghost{};   // of the newest answer, valid when has_ghost
   PlaneList planes{};  // that hold it, as the newest answer has them
   bool has_ghost{false};
+  world::Cell ghost_cell{};  // of that ghost, valid when has_ghost_cell
+  bool has_ghost_cell{false};
 };
 
 // Thesis 3.7: "the displayed position should correspond to the user's position of one time-delay

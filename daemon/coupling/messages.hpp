@@ -99,6 +99,7 @@ struct HandSample {
   // Put in by the hand at the arm's port so far, J, for a guard between both ends (TwoPortWorld);
   // below 0: there is none.
   double energy_joule{-1};
+  std::uint64_t epoch{0};  // MapNews::epoch of the cells through which that ghost came; 0: not said
 };
 
 // What the far end computed, for the schemes in which it does. World frame; which of the numbers
@@ -115,6 +116,9 @@ struct FarEnd {
 
 // What the arm half does not know yet of the cells of a world (CompositeWorld).
 struct MapNews {
+  // Of the cells: another one when all of them were replaced at once, which voids what is known of
+  // them; 0: the carriage cannot tell.
+  std::uint64_t epoch{0};
   world::CellLattice lattice{};
   world::Cell ghost_cell{};  // where the ghost of the answer is
   bool is_plane{false};      // the third axis is free, and has one cell
@@ -130,6 +134,10 @@ struct ConstraintSet {
   PlaneList planes{};
   Position3 ghost{};  // valid when has_ghost
   bool has_ghost{false};
+  // Where it is among the cells of its world: on a face its position does not tell. Valid when
+  // has_ghost_cell.
+  world::Cell ghost_cell{};
+  bool has_ghost_cell{false};
   bool is_embedded{false};  // the ghost sits in filled cells: pushed out or released
   FarEnd far{};             // valid when has_far
   bool has_far{false};
@@ -144,7 +152,7 @@ struct ConstraintSet {
 };
 
 // Both cross threads and queues by copying, on the servo's side without an allocation.
-static_assert(std::is_trivially_copyable_v<HandSample> && sizeof(HandSample) <= 256);
+static_assert(std::is_trivially_copyable_v<HandSample> && sizeof(HandSample) <= 320);
 static_assert(std::is_trivially_copyable_v<ConstraintSet> && sizeof(ConstraintSet) <= 1536);
 
 }  // namespace thimble::coupling

@@ -27,6 +27,7 @@ class PlacedLink final : public ArmLink {
     if (out.has_far) out.far.slave = out.far.slave - place_;
     out.has_near = false;
     out.has_map = false;
+    out.has_ghost_cell = false;
     return true;
   }
   [[nodiscard]] THIMBLE_RT LinkQuality quality() const noexcept override { return link_.quality(); }

@@ -1,7 +1,6 @@
 #include "daemon/coupling/probe_in_world.hpp"
 
 #include <algorithm>
-#include <tuple>
 #include <utility>
 
 namespace thimble::coupling {
@@ -18,7 +17,7 @@ Result<void> ProbeInWorld::open(const HandSample& first) {
 }
 
 void ProbeInWorld::press(const HandSample& sample) noexcept {
-  constexpr std::uint32_t kCounted = (1U << std::tuple_size_v<PressCounts>)-1;
+  constexpr std::uint32_t kCounted = 0xFF;  // the buttons of PressCounts
   const std::uint32_t before = std::exchange(buttons_, sample.buttons);
   std::uint32_t pressed = sample.buttons & ~before;
   if (!sample.has_presses) return world_.press(*probe_, pressed);

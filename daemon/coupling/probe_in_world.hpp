@@ -23,6 +23,8 @@ class ProbeInWorld {
 
   [[nodiscard]] Result<void> open(const HandSample& first);
   [[nodiscard]] bool is_open() const noexcept { return probe_.has_value(); }
+  // Whether its motion tells a cell.
+  [[nodiscard]] bool is_among_cells() const noexcept { return world_.felt_cells() != nullptr; }
   // Only while open: tells the world the buttons that were pressed since the sample before, each as
   // often as it was, also in samples that never came; by their counts where the sample has them,
   // else by what is pressed now and was not before. More than kMostPresses of one wait for the

@@ -48,6 +48,8 @@ inline std::optional<world::ProbeMotion> follow_and_tell(ProbeInWorld& probe,
   tell(motion, sample, set);
   set.ghost = motion.ghost;
   set.has_ghost = true;
+  set.has_ghost_cell = probe.is_among_cells();
+  if (set.has_ghost_cell) set.ghost_cell = motion.cell;
   return motion;
 }
 

@@ -19,6 +19,8 @@ class WorldCoupling {
   [[nodiscard]] virtual Result<void> open(const HandSample& first) = 0;
   // `dt` since the previous answer of this session, > 0; bounds the speed of push-out.
   [[nodiscard]] virtual ConstraintSet answer(const HandSample& sample, Duration dt) noexcept = 0;
+  // Of the cells that it tells of (MapNews); 0: it tells of none.
+  [[nodiscard]] virtual std::uint64_t cells_epoch() const noexcept { return 0; }
   virtual void close() noexcept = 0;  // the hand is gone; the probe leaves the world
 };
 

@@ -55,15 +55,20 @@ std::uint32_t mask_of(const ThimbleSample& m) noexcept {
          flag(s.tool != coupling::ToolProperties(), kTool) |
          flag(s.waves != coupling::WaveSums(), kWaves) |
          flag(s.impulse != coupling::Impulse3(), kImpulse) | flag(s.has_presses, kPresses) |
-         flag(!(s.energy_joule < 0), kSampleEnergy) | flag(m.epoch.has_value(), kSampleEpoch) |
+         flag(!(s.energy_joule < 0), kSampleEnergy) | flag(s.epoch != 0, kSampleEpoch) |
          flag(m.sample.has_ghost, kArmsGhost) | flag(m.sample.applied_before != 0, kAppliedBefore) |
          flag(s.pull != Force3(), kPull);
 }
 
+// Zones and maps tell the cell themselves.
+bool is_cell_alone(const coupling::ConstraintSet& set) noexcept {
+  return set.has_ghost_cell && !set.has_near && !set.has_map;
+}
+
 std::uint32_t mask_of(const ThimbleConstraints& m) noexcept {
   return flag(!m.set.planes.empty(), kPlanes) | flag(m.set.has_ghost, kGhost) |
-         flag(m.ghost_cell.has_value(), kGhostCell) | flag(m.set.is_embedded, kEmbedded) |
-         flag(m.set.has_far, kFar) | flag(m.epoch.has_value(), kEpoch) |
+         flag(is_cell_alone(m.set), kGhostCell) | flag(m.set.is_embedded, kEmbedded) |
+         flag(m.set.has_far, kFar) | flag(m.set.has_map && m.set.map.epoch != 0, kEpoch) |
          flag(m.pressure.has_value(), kPressure) | flag(!(m.set.energy_joule < 0), kEnergy) |
          flag(m.set.has_near, kNear) | flag(m.set.is_astray, kAstray) | flag(m.set.has_map, kMap) |
          flag(m.set.has_far && m.set.far.is_arm, kFarArm);
@@ -85,11 +90,10 @@ bool carry_sample(Bytes& b, Message& m) noexcept {
   if ((mask & kTool) != 0) carry_tool(b, s.tool);
   if ((mask & kWaves) != 0) carry_waves(b, s.waves);
   if ((mask & kImpulse) != 0) b.vector(s.impulse);
-  const auto word = [&](auto& value) { b.word(value); };
   if constexpr (Bytes::kIsReader) s.has_presses = (mask & kPresses) != 0;
   if (s.has_presses) carry_words(b, s.presses);
   if ((mask & kSampleEnergy) != 0) b.real(s.energy_joule);
-  carry_optional<Bytes>((mask & kSampleEpoch) != 0, m.epoch, word);
+  if ((mask & kSampleEpoch) != 0) b.word(s.epoch);
   if constexpr (Bytes::kIsReader) {
     if ((mask & kNeverASampleField) != 0) b.refuse();
   }
@@ -188,15 +192,19 @@ bool carry_constraints(Bytes& b, Message& m) noexcept {
   }
   if ((mask & kPlanes) != 0) carry_planes(b, m);
   if (set.has_ghost) b.vector(set.ghost);
-  carry_optional<Bytes>((mask & kGhostCell) != 0, m.ghost_cell,
-                        [&](auto& cell) { carry_cell(b, cell); });
+  if ((mask & kGhostCell) != 0) carry_cell(b, set.ghost_cell);
   if (set.has_far) carry_far(b, set.far);
-  carry_optional<Bytes>((mask & kEpoch) != 0, m.epoch, [&](auto& value) { b.word(value); });
+  if ((mask & kEpoch) != 0) b.word(set.map.epoch);
   carry_optional<Bytes>((mask & kPressure) != 0, m.pressure, [&](auto& value) { b.vector(value); });
   if ((mask & kEnergy) != 0) b.real(set.energy_joule);
   if (set.has_near) carry_near(b, set.near);
   if (set.has_map) carry_map(b, set.map);
   if ((mask & kFarArm) != 0) carry_far_arm(b, set);
+  if constexpr (Bytes::kIsReader) {
+    set.has_ghost_cell = (mask & (kGhostCell | kNear | kMap)) != 0;
+    if (set.has_near) set.ghost_cell = set.near.middle;
+    if (set.has_map) set.ghost_cell = set.map.ghost_cell;
+  }
   return mask > kConstraintFields;
 }
 

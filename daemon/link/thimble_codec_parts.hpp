@@ -94,7 +94,9 @@ void carry_words(Bytes& bytes, Words& words) noexcept {
 }
 template <class Bytes, class Cell>
 void carry_cell(Bytes& bytes, Cell& cell) noexcept {
-  for (auto& index : cell) bytes.integer(index);
+  bytes.integer(cell.x);
+  bytes.integer(cell.y);
+  bytes.integer(cell.z);
 }
 
 template <class Bytes, class Box>
@@ -113,9 +115,7 @@ template <class Bytes, class Lattice, class Place>
 void carry_lattice(Bytes& b, Lattice& lattice, Place& cell) noexcept {
   carry_words(b, lattice.cells);
   b.real(lattice.half_cell_m);
-  b.integer(cell.x);
-  b.integer(cell.y);
-  b.integer(cell.z);
+  carry_cell(b, cell);
 }
 template <class Bytes, class Flag>
 void carry_flag(Bytes& b, Flag& is_set) noexcept {

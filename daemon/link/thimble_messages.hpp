@@ -96,7 +96,7 @@ struct ThimbleWelcome {
   ShortName world{};
   std::array<std::uint32_t, 3> cells{};  // zeros: it has none
   double cell_m{0};
-  std::uint64_t epoch{0};  // of the world's cells: changes when they do; 0: it cannot tell
+  std::uint64_t epoch{0};  // WorldCoupling::cells_epoch() of the half that was made
   bool operator==(const ThimbleWelcome&) const = default;
 };
 
@@ -117,10 +117,7 @@ struct ThimbleRefusal {
 struct ThimbleSample {
   ThimbleTiming timing{};
   coupling::HandSample sample{};
-  std::optional<std::uint64_t> epoch{};  // of the cells the arm knows
 };
-
-using CellIndex = std::array<std::int32_t, 3>;
 
 struct ThimbleConstraints {
   ThimbleTiming timing{};
@@ -128,8 +125,6 @@ struct ThimbleConstraints {
   coupling::ConstraintSet set{};
   // Of the surface of each plane of the set, in their order; 0: not said.
   std::array<double, coupling::kMaxPlanes> temperature_kelvin{};
-  std::optional<CellIndex> ghost_cell{};
-  std::optional<std::uint64_t> epoch{};
   std::optional<Force3> pressure{};  // of what flows against the hand, N
 };
 

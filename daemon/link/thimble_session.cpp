@@ -37,7 +37,9 @@ bool ThimbleSession::send(ThimbleKind kind, const Message& message, ThimbleDatag
 }
 
 bool ThimbleSession::welcome(const ThimbleWelcome& welcome, ThimbleDatagram& out) {
-  return send(ThimbleKind::Welcome, welcome, out);
+  ThimbleWelcome message = welcome;
+  message.epoch = half_->cells_epoch();
+  return send(ThimbleKind::Welcome, message, out);
 }
 
 bool ThimbleSession::serve(const ThimbleHeader& header, std::span<const std::byte> datagram,

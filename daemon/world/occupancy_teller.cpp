@@ -105,6 +105,12 @@ void OccupancyTeller::reset() {
   is_quiet_ = false;
 }
 
+void OccupancyTeller::forget() noexcept {
+  const std::uint32_t versions = versions_;
+  reset();
+  versions_ = versions;
+}
+
 void OccupancyTeller::acknowledge(std::uint64_t newest, std::uint64_t before) noexcept {
   if (newest == 0 || newest > told_) return;
   apply(newest);

@@ -27,6 +27,9 @@ class OccupancyTeller {
  public:
   // A new session: the peer knows nothing. Allocates once.
   void reset();
+  // All cells were replaced at once: what the peer knows is void. Versions go on, for one who does
+  // not hear that it is. After reset() only; allocates nothing.
+  void forget() noexcept;
   // He has applied answer `newest`, and of those before it `newest − 1 − i` where bit i of `before`
   // is set.
   void acknowledge(std::uint64_t newest, std::uint64_t before) noexcept;

@@ -97,6 +97,9 @@ class World {
   [[nodiscard]] virtual std::optional<Position3> block_center() const noexcept {
     return std::nullopt;
   }
+  // How often all its cells were replaced at once since it was made, as by a file that was loaded:
+  // what anybody knew of them is void, not only late.
+  [[nodiscard]] virtual std::uint32_t loads() const noexcept { return 0; }
   // Filled ones, of those of its grid.
   [[nodiscard]] virtual std::size_t occupied_cells() const noexcept { return 0; }
   // Itself where its cells may be edited; nullptr where they may not, or there are none.

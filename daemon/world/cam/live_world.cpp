@@ -138,6 +138,7 @@ Result<void> LiveWorld::load(const AutomatonState& state) {
     return tl::unexpected(loaded.error().in(settings_.source));
   }
   show();
+  ++loads_;
   return {};
 }
 

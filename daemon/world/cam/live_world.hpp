@@ -48,6 +48,7 @@ class LiveWorld final : public World {
   }
   [[nodiscard]] VoxelWorld* editable() noexcept override { return &cells_; }
   [[nodiscard]] LiveWorld* live() noexcept override { return this; }
+  [[nodiscard]] std::uint32_t loads() const noexcept override { return loads_; }
   [[nodiscard]] Result<ProbeId> add_probe(Position3 hand) override;
   void remove_probe(ProbeId probe) noexcept override;
   // The first button takes the matter around the ghost point away, the second fills what is there.
@@ -88,6 +89,7 @@ class LiveWorld final : public World {
   std::vector<Finger> fingers_;  // where pokes go
   std::optional<MonotonicTime> next_step_;
   std::uint64_t left_out_{0};
+  std::uint32_t loads_{0};
 };
 
 }  // namespace thimble::world::cam

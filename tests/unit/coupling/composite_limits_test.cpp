@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <random>
+#include <utility>
 
 #include "composed.hpp"
 #include "fake_box.hpp"
@@ -166,6 +168,78 @@ TEST(Composite, ArmThatStartsAnewKeepsTheMapOfItsSessionAndForgetsThatOfAnother)
   set.map.blocks.clear();
   const ArmOutput out = sut.arm.step({.now = sut.loop.now(), .dt = kTick, .fresh = &set});
   EXPECT_FALSE(out.sample.has_ghost);
+}
+
+// A world of cells that says when all of them were replaced.
+class Loaded final : public world::World {
+ public:
+  explicit Loaded(world::VoxelWorld& cells) : cells_(cells) {}
+  [[nodiscard]] const world::WorldInfo& info() const noexcept override { return cells_.info(); }
+  [[nodiscard]] const VoxelGrid* grid() const noexcept override { return cells_.grid(); }
+  [[nodiscard]] std::uint32_t loads() const noexcept override { return count; }
+  [[nodiscard]] Result<world::ProbeId> add_probe(Position3 hand) override {
+    return cells_.add_probe(hand);
+  }
+  void remove_probe(world::ProbeId probe) noexcept override { cells_.remove_probe(probe); }
+  world::ProbeMotion move_probe(world::ProbeId probe, Position3 hand,
+                                Duration dt) noexcept override {
+    return cells_.move_probe(probe, hand, dt);
+  }
+  std::uint32_t count{0};
+
+ private:
+  world::VoxelWorld& cells_;
+};
+
+// One answer comes after the change, and tells of the blocks beside the hand only; then the world
+// is silent. Of cells that were edited one by one the others are thought to be what they were.
+TEST(Composite, CellsThatWereAllReplacedAtOnceAreFeltNoMore) {
+  for (const bool is_loaded : {false, true}) {
+    Composed told(room(), kTick, delayed_by(0));
+    fill_from(told, 17, true);
+    Loaded world(told.cells);
+    CompositeArm sut(in_cells_of(kCell_m));
+    CompositeWorld half(world, 1);
+    testing::LinkedLoop loop(sut, half, kTick, delayed_by(0));
+    double x_m = -0.08;
+    for (int i = 0; i < 300; ++i) (void)loop.tick({x_m, 0, 0}, {});
+    fill_from(told, 17, false);
+    for (std::int32_t x : {7, 15}) {
+      for (std::int32_t y : {0, 8}) {
+        for (std::int32_t z : {0, 8}) told.cells.set_cell({x, y, z}, true);
+      }
+    }
+    if (is_loaded) ++world.count;
+    for (int i = 0; i < 2; ++i) (void)loop.tick({x_m, 0, 0}, {});
+    loop.is_up = false;
+    bool is_felt = false;
+    for (int i = 0; i < 150; ++i) {
+      const ArmOutput out = loop.tick({x_m += 0.001, 0, 0}, {1, 0, 0});
+      is_felt = is_felt || out.force != Force3{};
+    }
+    EXPECT_EQ(is_felt, !is_loaded);
+    loop.is_up = true;
+    ArmOutput out;
+    for (int i = 0; i < 300; ++i) out = loop.tick({x_m, 0, 0}, {});
+    EXPECT_TRUE(out.sample.has_ghost) << "the new cells are told of";
+    EXPECT_EQ(out.force, Force3{});
+  }
+}
+
+TEST(Composite, AGhostThatCameThroughOtherCellsIsNotAstray) {
+  Composed sut(room(), kTick, delayed_by(0));
+  const std::uint64_t now = sut.world.cells_epoch();
+  ASSERT_TRUE(sut.world.open(testing::sample(1, {})));
+  HandSample told = testing::sample(2, {});
+  told.has_ghost = true;
+  told.ghost = {0.05, 0, 0};
+  const std::array<std::pair<std::uint64_t, bool>, 3> cases{
+      {{now, true}, {now + 1, false}, {0, true}}};
+  for (const auto& [epoch, is_astray] : cases) {
+    ++told.sequence;
+    told.epoch = epoch;
+    EXPECT_EQ(sut.world.answer(told, kTick).is_astray, is_astray) << epoch;
+  }
 }
 
 // The same place has another number in finer cells, and that number another place.

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "daemon/coupling/press_counter.hpp"
+#include "daemon/world/voxel_world.hpp"
 #include "fake_box.hpp"
 #include "hand_samples.hpp"
 
@@ -92,7 +93,7 @@ TEST(GhostPointWorld, NoPressIsLostWithASample) {
     FakeBox box(0.015);
     GhostPointWorld sut(box, 1);
     PressCounter counter;
-    std::array<int, 10> pressed{};
+    std::array<unsigned, 10> pressed{};
     std::uint32_t buttons = random() & 0x3FFU;
     HandSample told = sample(1, {});
     counter.count(buttons, told);
@@ -107,7 +108,7 @@ TEST(GhostPointWorld, NoPressIsLostWithASample) {
       if (random() % 100 >= seed * 4) (void)sut.answer(told, kTick);
       if (number % 500 == 0) (void)sut.answer(told, kTick);
     }
-    std::array<int, 10> heard{};
+    std::array<unsigned, 10> heard{};
     for (const std::uint32_t press : box.presses) {
       for (std::size_t i = 0; i < 10; ++i) heard[i] += press >> i & 1U;
     }
@@ -188,6 +189,22 @@ TEST(GhostPointWorld, GivesTheWorldAPositiveTimeStep) {
   ASSERT_TRUE(sut.open(sample(1, {})));
   (void)sut.answer(sample(1, {}), Duration(-5));
   EXPECT_GT(box.last_dt, Duration::zero());
+}
+
+TEST(GhostPointWorld, NamesTheCellOfTheGhostWhereTheWorldHasCells) {
+  FakeBox box(0.015);
+  GhostPointWorld without(box, 1);
+  ASSERT_TRUE(without.open(sample(1, {})));
+  EXPECT_FALSE(without.answer(sample(2, {}), kTick).has_ghost_cell);
+  world::VoxelWorld cells(world::make_box(9).value(), "box:9");
+  GhostPointWorld sut(cells, 1);
+  ASSERT_TRUE(sut.open(sample(1, {})));
+  const ConstraintSet set = sut.answer(sample(2, {1, 0, 0}), kTick);
+  EXPECT_TRUE(set.has_ghost_cell);
+  const world::Cell cell = set.ghost_cell;
+  EXPECT_FALSE(cells.grid()->is_occupied(cell));
+  EXPECT_TRUE(cells.grid()->is_occupied({cell.x + 1, cell.y, cell.z}));
+  EXPECT_EQ(set.ghost.x, cells.grid()->face_m(0, cell.x + 1)) << "on the face between the two";
 }
 
 }  // namespace

@@ -100,7 +100,7 @@ ThimbleSample full_sample() {
   m.sample.presses = {1, 0, 255, 0, 0, 0, 0, 7};
   m.sample.has_presses = true;
   m.sample.energy_joule = 0.0001;
-  m.epoch = 9;
+  m.sample.epoch = 9;
   m.sample.has_ghost = true;
   m.sample.ghost = {0.0151, -0.25, 0};
   m.sample.applied_before = 0b101;
@@ -126,13 +126,12 @@ ThimbleConstraints full_constraints() {
   m.temperature_kelvin[0] = 310.15;
   m.set.ghost = {0.0149, 0, 0.01};
   m.set.has_ghost = true;
-  m.ghost_cell = CellIndex{33, 31, -1};
   m.set.is_embedded = true;
   m.set.far = {{-1.5, 0, 0.25}, {0.015, 0, 0.01}, {0, 0.001, 0}, {{4, 5, 6}, {1, 1.5, 2}}, true};
   m.set.far.is_arm = true;
   m.set.far.tool = {{400}, {5}};
   m.set.has_far = true;
-  m.epoch = 9;
+  m.set.map.epoch = 9;
   m.pressure = Force3{0, 0.75, 0};
   m.set.energy_joule = 0.002;
   m.set.has_near = true;
@@ -154,6 +153,15 @@ ThimbleConstraints full_constraints() {
   return m;
 }
 
+ThimbleConstraints with_a_cell() {
+  ThimbleConstraints m = least_constraints();
+  m.set.ghost = {0.0149, 0, 0.01};
+  m.set.has_ghost = true;
+  m.set.ghost_cell = {33, 31, -1};
+  m.set.has_ghost_cell = true;
+  return m;
+}
+
 ThimbleHello join() {
   return {.timing = {at(1), {}, {}},
           .arm_nonce = counted_from(0),
@@ -171,7 +179,7 @@ ThimbleWelcome welcome() {
 }
 
 TEST(ThimbleCodec, MatchesTheBytesWrittenWithoutIt) {
-  ASSERT_EQ(golden().size(), 11U);
+  ASSERT_EQ(golden().size(), 12U);
   ThimbleHello hello = join();
   expect_golden("join", {ThimbleKind::Hello, false, 0, 2}, hello);
   hello.world_nonce = {};
@@ -194,6 +202,7 @@ TEST(ThimbleCodec, MatchesTheBytesWrittenWithoutIt) {
                 least_constraints());
   expect_golden("constraints_full", {ThimbleKind::Constraints, false, kSession, 3},
                 full_constraints());
+  expect_golden("constraints_cell", {ThimbleKind::Constraints, false, kSession, 4}, with_a_cell());
   expect_golden("idle", {ThimbleKind::Idle, false, kSession, 5},
                 ThimbleIdle{{at(7), at(6), at(6)}, 14});
 }
@@ -216,7 +225,7 @@ TEST(ThimbleCodec, GivesBackEveryFieldOfASample) {
   EXPECT_TRUE(out.sample.has_presses);
   EXPECT_EQ(out.sample.presses, in.sample.presses);
   EXPECT_EQ(out.sample.energy_joule, in.sample.energy_joule);
-  EXPECT_EQ(out.epoch, 9U);
+  EXPECT_EQ(out.sample.epoch, 9U);
   EXPECT_TRUE(out.sample.has_ghost);
   EXPECT_EQ(out.sample.ghost, in.sample.ghost);
   EXPECT_EQ(out.sample.applied_before, 0b101U);
@@ -237,7 +246,8 @@ TEST(ThimbleCodec, GivesBackEveryFieldOfConstraints) {
   EXPECT_EQ(out.temperature_kelvin, in.temperature_kelvin);
   EXPECT_TRUE(out.set.has_ghost);
   EXPECT_EQ(out.set.ghost, in.set.ghost);
-  EXPECT_EQ(out.ghost_cell, in.ghost_cell);
+  EXPECT_TRUE(out.set.has_ghost_cell);
+  EXPECT_EQ(out.set.ghost_cell, in.set.map.ghost_cell);
   EXPECT_TRUE(out.set.is_embedded);
   EXPECT_TRUE(out.set.has_far);
   EXPECT_EQ(out.set.far.force, in.set.far.force);
@@ -247,7 +257,7 @@ TEST(ThimbleCodec, GivesBackEveryFieldOfConstraints) {
   EXPECT_TRUE(out.set.far.is_pressing);
   EXPECT_TRUE(out.set.far.is_arm);
   EXPECT_EQ(out.set.far.tool, in.set.far.tool);
-  EXPECT_EQ(out.epoch, 9U);
+  EXPECT_EQ(out.set.map.epoch, 9U);
   EXPECT_EQ(out.pressure, in.pressure);
   EXPECT_EQ(out.set.energy_joule, in.set.energy_joule);
   EXPECT_TRUE(out.set.is_astray);

@@ -79,10 +79,9 @@ def map_news():
 def every_field_of_constraints():
     planes = bytes([2]) + plane((1, 0, 0), 0.015, 800, None, 0.5, 310.15) + plane((0, 0.6, -0.8), -0.02)
     ghost = reals(0.0149, 0, 0.01)
-    cell = struct.pack(">iii", 33, 31, -1)
     far = reals(-1.5, 0, 0.25) + reals(0.015, 0, 0.01) + reals(0, 0.001, 0)
     waves = reals(4, 5, 6) + reals(1, 1.5, 2)
-    return (planes + ghost + cell + far + waves + bytes([1]) + struct.pack(">Q", 9) + reals(0, 0.75, 0)
+    return (planes + ghost + far + waves + bytes([1]) + struct.pack(">Q", 9) + reals(0, 0.75, 0)
             + reals(0.002) + near_cells() + map_news() + reals(400, 5))
 
 
@@ -102,7 +101,9 @@ def datagrams():
         "sample_full": header(SAMPLE, 0x0123456789ABCDEF, 13) + sample(0x77F, every_field_of_a_sample()),
         "constraints_least": header(CONSTRAINTS, 0x0123456789ABCDEF, 2) + constraints(0, b""),
         "constraints_full": header(CONSTRAINTS, 0x0123456789ABCDEF, 3)
-                            + constraints(0xFFF, every_field_of_constraints()),
+                            + constraints(0xFFB, every_field_of_constraints()),
+        "constraints_cell": header(CONSTRAINTS, 0x0123456789ABCDEF, 4)
+                            + constraints(0x6, reals(0.0149, 0, 0.01) + struct.pack(">iii", 33, 31, -1)),
         "idle": header(IDLE, 0x0123456789ABCDEF, 5) + timing(7, 6, 6) + struct.pack(">Q", 14),
     }
 

@@ -62,6 +62,7 @@ class Half final : public coupling::WorldCoupling {
     return world_->answer(sample, dt);
   }
   void close() noexcept override { world_->close(); }
+  [[nodiscard]] std::uint64_t cells_epoch() const noexcept override { return 77; }
 
  private:
   WorldDouble* world_;

@@ -201,7 +201,9 @@ TEST(LiveWorld, IsSavedWithWhatWasChangedAndGoesOnFromThere) {
   const AutomatonState state = sut.world->save();
   EXPECT_EQ(state.steps, 1U);
   Bench other = column(true);
+  EXPECT_EQ(other.world->loads(), 0U);
   ASSERT_TRUE(other.world->load(state));
+  EXPECT_EQ(other.world->loads(), 1U);
   EXPECT_EQ(*other.world->editable()->grid(), *sut.world->editable()->grid());
   EXPECT_EQ(other.world->steps(), 1U);
   AutomatonState strange = state;
