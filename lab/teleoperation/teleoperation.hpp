@@ -9,7 +9,8 @@
 namespace thimble::lab {
 
 // Two arms that are coupled to each other (thesis 5.3.5), by each pair of schemes there is, at 1 to
-// 500 ms to the other arm and back, on a good and on a bad network. Two courses each:
+// 500 ms to the other arm and back, on a good and on a bad network, and on two hosts with our own
+// datagrams between them. Two courses each:
 //
 //   free  the second arm is held by nobody; the first is led by 30 mm at 0.1 m/s: what drag is felt
 //         and how far the second is behind
