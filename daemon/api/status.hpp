@@ -26,6 +26,7 @@ struct FaultStatus {
 struct PlaneStatus {
   std::array<double, 3> normal{};  // into the obstacle
   double offset_m{0};
+  std::optional<double> temperature_kelvin{};  // of the surface, where it has one
   bool operator==(const PlaneStatus&) const = default;
 };
 

@@ -29,7 +29,9 @@ json::object to_value(const FaultStatus& fault) {
 }
 
 json::object to_value(const PlaneStatus& plane) {
-  return {{"normal", vector_of(plane.normal)}, {"offset_m", plane.offset_m}};
+  json::object out{{"normal", vector_of(plane.normal)}, {"offset_m", plane.offset_m}};
+  if (plane.temperature_kelvin) out["temperature_kelvin"] = *plane.temperature_kelvin;
+  return out;
 }
 
 json::object to_value(const FeltStatus& felt) {

@@ -63,6 +63,8 @@ api::FeltStatus felt_status(const coupling::FeltHand& felt, Displacement3 place)
   }
   for (const coupling::ConstraintPlane& plane : felt.planes) {
     out.planes.push_back({as_array(plane.normal), plane.offset_m + dot(plane.normal, place)});
+    const double kelvin = plane.surface.temperature_kelvin;
+    if (kelvin >= 0) out.planes.back().temperature_kelvin = kelvin;
   }
   return out;
 }

@@ -197,6 +197,7 @@ struct MaterialConfig {
   std::optional<double> stiffness_newton_per_m;  // else the arm's
   std::optional<double> damping_newton_s_per_m;  // else the arm's
   std::optional<double> friction{};              // Coulomb's coefficient, else none
+  std::optional<double> temperature_kelvin{};    // told, and felt by no arm of ours
   bool operator==(const MaterialConfig&) const = default;
 };
 
@@ -209,6 +210,7 @@ struct SphereConfig {
   std::optional<double> stiffness_newton_per_m{};  // else the arm's
   std::optional<double> damping_newton_s_per_m{};  // else the arm's
   std::optional<double> friction{};                // Coulomb's coefficient, else none
+  std::optional<double> temperature_kelvin{};      // told, and felt by no arm of ours
   bool operator==(const SphereConfig&) const = default;
 };
 
@@ -223,6 +225,7 @@ struct FieldConfig {
   std::optional<double> stiffness_newton_per_m{};  // else the arm's
   std::optional<double> damping_newton_s_per_m{};  // else the arm's
   std::optional<double> friction{};                // Coulomb's coefficient, else none
+  std::optional<double> temperature_kelvin{};      // told, and felt by no arm of ours
   bool operator==(const FieldConfig&) const = default;
 };
 
@@ -239,6 +242,7 @@ struct ShapeConfig {
   std::optional<double> stiffness_newton_per_m{};  // else the arm's
   std::optional<double> damping_newton_s_per_m{};  // else the arm's
   std::optional<double> friction{};                // Coulomb's coefficient, else none
+  std::optional<double> temperature_kelvin{};      // told, and felt by no arm of ours
   bool operator==(const ShapeConfig&) const = default;
 };
 

@@ -44,6 +44,7 @@ void read_field(TableReader& reader, WorldConfig& world) {
   table.read("stiffness_newton_per_m", {0, 20000, true}, out.stiffness_newton_per_m);
   table.read("damping_newton_s_per_m", {0, 1000}, out.damping_newton_s_per_m);
   table.read("friction", {0, 1}, out.friction);
+  table.read("temperature_kelvin", {0, 2000}, out.temperature_kelvin);
   table.finish();
   if (world.source.empty() || (!table.is_present() && !is_mesh)) return;
   if (!is_mesh && !is_volume_file(world.source)) {

@@ -51,6 +51,7 @@ ShapeConfig read_shape(TableReader& reader) {
   reader.read("stiffness_newton_per_m", {0, 20000, true}, out.stiffness_newton_per_m);
   reader.read("damping_newton_s_per_m", {0, 1000}, out.damping_newton_s_per_m);
   reader.read("friction", {0, 1}, out.friction);
+  reader.read("temperature_kelvin", {0, 2000}, out.temperature_kelvin);
   for (const auto& [key, what, kinds] : sizes()) {
     if (!has_kind) break;
     const bool is_needed = std::find(kinds.begin(), kinds.end(), out.kind) != kinds.end();

@@ -19,6 +19,7 @@ SphereConfig read_sphere_table(TableReader reader) {
   reader.read("stiffness_newton_per_m", {0, 20000, true}, out.stiffness_newton_per_m);
   reader.read("damping_newton_s_per_m", {0, 1000}, out.damping_newton_s_per_m);
   reader.read("friction", {0, 1}, out.friction);
+  reader.read("temperature_kelvin", {0, 2000}, out.temperature_kelvin);
   const double top_m = out.center_m[1] + out.radius_m;
   if (!(top_m > out.floor_m)) {
     reader.reject("floor_m", "expected a floor below the top of the sphere, which is at " +

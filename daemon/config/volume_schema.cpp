@@ -15,8 +15,8 @@ bool is_volume_file(std::string_view source) {
 namespace {
 
 constexpr Range kFileNumber{-1e9, 1e9};
-constexpr std::array<std::string_view, 3> kSurfaceKeys{"stiffness_newton_per_m",
-                                                       "damping_newton_s_per_m", "friction"};
+constexpr std::array<std::string_view, 4> kSurfaceKeys{
+    "stiffness_newton_per_m", "damping_newton_s_per_m", "friction", "temperature_kelvin"};
 constexpr std::size_t kMaxMaterials = 15;  // what daemon/world can tell apart
 
 [[nodiscard]] bool is_axis_order(std::string_view order) {
@@ -39,8 +39,8 @@ void refuse_without_effect(TableReader& reader, const MaterialConfig& material, 
   const auto is_said = [&](std::string_view key) { return reader.has(key); };
   if (std::none_of(kSurfaceKeys.begin(), kSurfaceKeys.end(), is_said)) {
     reader.object("name",
-                  "expected stiffness_newton_per_m, damping_newton_s_per_m or friction beside it, "
-                  "found none");
+                  "expected stiffness_newton_per_m, damping_newton_s_per_m, friction or "
+                  "temperature_kelvin beside it, found none");
   }
 }
 
@@ -57,6 +57,7 @@ MaterialConfig read_material(TableReader& reader, double threshold) {
   reader.read("stiffness_newton_per_m", {0, 20000, true}, out.stiffness_newton_per_m);
   reader.read("damping_newton_s_per_m", {0, 1000}, out.damping_newton_s_per_m);
   reader.read("friction", {0, 1}, out.friction);
+  reader.read("temperature_kelvin", {0, 2000}, out.temperature_kelvin);
   refuse_without_effect(reader, out, threshold);
   reader.finish();
   return out;

@@ -15,11 +15,12 @@
 
 namespace thimble::coupling {
 
-// How a surface feels; negative: the arm's configured default.
+// How a surface feels; negative: the arm's configured default, of temperature nothing is known.
 struct SurfaceProperties {
   Stiffness stiffness{-1};
   Damping damping{-1};
-  double friction{-1};  // Coulomb's coefficient
+  double friction{-1};            // Coulomb's coefficient
+  double temperature_kelvin{-1};  // for a stylus that can be warm; no force comes of it
   bool operator==(const SurfaceProperties&) const = default;
 };
 

@@ -13,11 +13,12 @@ inline PlaneList planes_of(const world::ProbeMotion& motion) noexcept {
   static_assert(world::kMaxContactPlanes <= kMaxPlanes, "every push_back() below finds room");
   PlaneList planes;
   for (const world::ContactPlane& plane : motion.planes) {
-    planes.push_back(
-        {.normal = plane.normal,
-         .offset_m = plane.offset_m,
-         .surface = {
-             .stiffness = plane.stiffness, .damping = plane.damping, .friction = plane.friction}});
+    planes.push_back({.normal = plane.normal,
+                      .offset_m = plane.offset_m,
+                      .surface = {.stiffness = plane.stiffness,
+                                  .damping = plane.damping,
+                                  .friction = plane.friction,
+                                  .temperature_kelvin = plane.temperature_kelvin}});
   }
   return planes;
 }

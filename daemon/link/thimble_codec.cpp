@@ -104,8 +104,8 @@ bool carry_sample(Bytes& b, Message& m) noexcept {
   return mask > kSampleFields;
 }
 
-template <class Bytes, class Plane, class Temperature>
-void carry_plane(Bytes& b, Plane& plane, Temperature& kelvin) noexcept {
+template <class Bytes, class Plane>
+void carry_plane(Bytes& b, Plane& plane) noexcept {
   b.vector(plane.normal);
   b.real(plane.offset_m);
   auto& surface = plane.surface;
@@ -115,7 +115,7 @@ void carry_plane(Bytes& b, Plane& plane, Temperature& kelvin) noexcept {
     mask = static_cast<std::uint8_t>(flag(!(surface.stiffness.newton_per_m < 0), kStiffness) |
                                      flag(!(surface.damping.newton_s_per_m < 0), kDamping) |
                                      flag(!(surface.friction < 0), kFriction) |
-                                     flag(kelvin != 0, kTemperature));
+                                     flag(!(surface.temperature_kelvin < 0), kTemperature));
   }
   b.word(mask);
   if constexpr (Bytes::kIsReader) {
@@ -124,13 +124,13 @@ void carry_plane(Bytes& b, Plane& plane, Temperature& kelvin) noexcept {
   if ((mask & kStiffness) != 0) b.real(surface.stiffness.newton_per_m);
   if ((mask & kDamping) != 0) b.real(surface.damping.newton_s_per_m);
   if ((mask & kFriction) != 0) b.real(surface.friction);
-  if ((mask & kTemperature) != 0) b.real(kelvin);
+  if ((mask & kTemperature) != 0) b.real(surface.temperature_kelvin);
   if constexpr (Bytes::kIsReader) {
     const bool is_said_to_be_unsaid =
         ((mask & kStiffness) != 0 && surface.stiffness.newton_per_m < 0) ||
         ((mask & kDamping) != 0 && surface.damping.newton_s_per_m < 0) ||
         ((mask & kFriction) != 0 && surface.friction < 0) ||
-        ((mask & kTemperature) != 0 && kelvin == 0);
+        ((mask & kTemperature) != 0 && surface.temperature_kelvin < 0);
     if (is_said_to_be_unsaid) b.refuse();
   }
 }
@@ -138,7 +138,7 @@ void carry_plane(Bytes& b, Plane& plane, Temperature& kelvin) noexcept {
 void carry_planes(ByteWriter& b, const ThimbleConstraints& m) noexcept {
   b.word(static_cast<std::uint8_t>(m.set.planes.size()));
   for (std::size_t i = 0; i < m.set.planes.size(); ++i) {
-    carry_plane(b, m.set.planes[i], m.temperature_kelvin[i]);
+    carry_plane(b, m.set.planes[i]);
   }
 }
 void carry_planes(ByteReader& b, ThimbleConstraints& m) noexcept {
@@ -147,7 +147,7 @@ void carry_planes(ByteReader& b, ThimbleConstraints& m) noexcept {
   if (count == 0 || count > coupling::kMaxPlanes) return b.refuse();
   for (std::size_t i = 0; i < count && b.is_good(); ++i) {
     coupling::ConstraintPlane plane;
-    carry_plane(b, plane, m.temperature_kelvin[i]);
+    carry_plane(b, plane);
     m.set.planes.push_back(plane);
   }
 }
@@ -215,13 +215,12 @@ bool carry_idle(Bytes& b, Message& m) noexcept {
   return false;
 }
 
-Reason check_plane(const coupling::ConstraintPlane& plane, double kelvin) noexcept {
+Reason check_plane(const coupling::ConstraintPlane& plane) noexcept {
   const coupling::SurfaceProperties& surface = plane.surface;
-  const Reason reason =
-      first_of({check_finite(plane.normal), check_reach(plane.offset_m),
-                check_finite(surface.stiffness.newton_per_m),
-                check_finite(surface.damping.newton_s_per_m), check_finite(surface.friction),
-                check_finite(kelvin), unless(kelvin >= 0, RejectReason::OutOfRange)});
+  const Reason reason = first_of(
+      {check_finite(plane.normal), check_reach(plane.offset_m),
+       check_finite(surface.stiffness.newton_per_m), check_finite(surface.damping.newton_s_per_m),
+       check_finite(surface.friction), check_finite(surface.temperature_kelvin)});
   if (reason) return reason;
   return unless(std::abs(norm(plane.normal) - 1) <= kUnitTolerance, RejectReason::BadDirection);
 }
@@ -248,7 +247,7 @@ static Reason check(const ThimbleSample& m) noexcept {
 static Reason check(const ThimbleConstraints& m) noexcept {
   const coupling::ConstraintSet& set = m.set;
   for (std::size_t i = 0; i < set.planes.size(); ++i) {
-    if (const Reason reason = check_plane(set.planes[i], m.temperature_kelvin[i])) return reason;
+    if (const Reason reason = check_plane(set.planes[i])) return reason;
   }
   const Reason reason =
       first_of({check_timing(m.timing), check_time(set.sampled_at),

@@ -123,8 +123,6 @@ struct ThimbleConstraints {
   ThimbleTiming timing{};
   std::uint64_t request{0};  // ThimbleHeader::sequence of the sample it answers
   coupling::ConstraintSet set{};
-  // Of the surface of each plane of the set, in their order; 0: not said.
-  std::array<double, coupling::kMaxPlanes> temperature_kelvin{};
   std::optional<Force3> pressure{};  // of what flows against the hand, N
 };
 

@@ -19,7 +19,8 @@ Result<std::unique_ptr<world::World>> make_sphere(const config::SphereConfig& sa
   Result<world::SphereWorld> sphere = world::SphereWorld::create(
       {{x_m, y_m, z_m}, said.radius_m, said.floor_m}, {{said.stiffness_newton_per_m.value_or(-1)},
                                                        {said.damping_newton_s_per_m.value_or(-1)},
-                                                       said.friction.value_or(-1)});
+                                                       said.friction.value_or(-1),
+                                                       said.temperature_kelvin.value_or(-1)});
   if (!sphere) return tl::unexpected(sphere.error());
   return std::make_unique<world::SphereWorld>(*std::move(sphere));
 }
@@ -32,7 +33,8 @@ Result<std::unique_ptr<world::World>> make_field(const config::WorldConfig& said
       *std::move(field), said.source,
       world::Material{{said.field->stiffness_newton_per_m.value_or(-1)},
                       {said.field->damping_newton_s_per_m.value_or(-1)},
-                      said.field->friction.value_or(-1)});
+                      said.field->friction.value_or(-1),
+                      said.field->temperature_kelvin.value_or(-1)});
 }
 
 [[nodiscard]] world::ShapeKind kind_of(config::ShapeKind said) noexcept {
@@ -63,7 +65,8 @@ Result<std::unique_ptr<world::World>> make_shapes(const std::vector<config::Shap
     }
     shape.surface = {{said.stiffness_newton_per_m.value_or(-1)},
                      {said.damping_newton_s_per_m.value_or(-1)},
-                     said.friction.value_or(-1)};
+                     said.friction.value_or(-1),
+                     said.temperature_kelvin.value_or(-1)};
     shapes.push_back(shape);
   }
   Result<world::ShapeWorld> made = world::ShapeWorld::create(shapes);
@@ -90,7 +93,8 @@ world::VolumeOptions volume_options(const config::WorldConfig& said) {
                                  material.to,
                                  {{material.stiffness_newton_per_m.value_or(-1)},
                                   {material.damping_newton_s_per_m.value_or(-1)},
-                                  material.friction.value_or(-1)}});
+                                  material.friction.value_or(-1),
+                                  material.temperature_kelvin.value_or(-1)}});
   }
   // The configuration has checked that these are x, y and z in some order, each with or without -.
   std::size_t axis = 0;

@@ -15,7 +15,8 @@ namespace thimble::world {
 struct Material {
   Stiffness stiffness{-1};
   Damping damping{-1};
-  double friction{-1};  // Coulomb's coefficient
+  double friction{-1};            // Coulomb's coefficient
+  double temperature_kelvin{-1};  // negative: not known
   bool operator==(const Material&) const = default;
 };
 

@@ -47,6 +47,7 @@ ProbeMotion SphereWorld::move_probe(ProbeId probe, Position3 hand, Duration /*dt
     plane.stiffness = surface_.stiffness;
     plane.damping = surface_.damping;
     plane.friction = surface_.friction;
+    plane.temperature_kelvin = surface_.temperature_kelvin;
   }
   return motion;
 }

@@ -128,6 +128,7 @@ void VoxelWorld::paint(const GhostPoint& ghost, ProbeMotion& motion) const noexc
     plane.stiffness = material.stiffness;
     plane.damping = material.damping;
     plane.friction = material.friction;
+    plane.temperature_kelvin = material.temperature_kelvin;
   }
 }
 

@@ -35,7 +35,8 @@ struct ContactPlane {
   double offset_m{0};
   Stiffness stiffness{-1};
   Damping damping{-1};
-  double friction{-1};  // Coulomb's coefficient
+  double friction{-1};            // Coulomb's coefficient
+  double temperature_kelvin{-1};  // negative: not known
   bool operator==(const ContactPlane&) const = default;
 };
 

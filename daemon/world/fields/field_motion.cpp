@@ -76,7 +76,8 @@ class Run {
             .offset_m = dot(normal, at) + seen.distance_m / seen.slope,
             .stiffness = surface.stiffness,
             .damping = surface.damping,
-            .friction = surface.friction};
+            .friction = surface.friction,
+            .temperature_kelvin = surface.temperature_kelvin};
   }
   // In a dent other faces hold the hand, too: what a place a step beside sees, if it is another
   // face, leaves the ghost free, is as near to it as that, and the hand is past it.

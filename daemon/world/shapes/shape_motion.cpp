@@ -54,7 +54,8 @@ class Run {
                                .offset_m = dot(normal, ghost_) + outside.distance_m,
                                .stiffness = surface.stiffness,
                                .damping = surface.damping,
-                               .friction = surface.friction});
+                               .friction = surface.friction,
+                               .temperature_kelvin = surface.temperature_kelvin});
     }
   }
 

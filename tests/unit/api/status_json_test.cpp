@@ -41,6 +41,25 @@ std::set<std::string> keys_of(const json::value& value) {
   return out;
 }
 
+TEST(StatusJson, TellsTheCellOfTheGhostAndHowWarmAWallIsWhereThatIsKnown) {
+  Status status = sample();
+  status.arms[0].felt.planes = {{{1, 0, 0}, 0.5}, {{0, 1, 0}, 0.25, 310.5}};
+  status.arms[0].felt.ghost_cell = {3, 1, -2};
+  const auto sut = json::parse(to_json(status)).at("arms").at(0).at("felt");
+  EXPECT_EQ(sut.at("ghost_cell"), (json::array{3, 1, -2}));
+  EXPECT_EQ(keys_of(sut.at("planes").at(0)), (std::set<std::string>{"normal", "offset_m"}));
+  EXPECT_EQ(sut.at("planes").at(1).at("temperature_kelvin").to_number<double>(), 310.5);
+}
+
+TEST(StatusJson, TellsTheSchemeOfALinkAndWhyThatOne) {
+  Status status = sample();
+  status.links[0].scheme = "ghost-point";
+  status.links[0].scheme_reason = "the world does not go with composite";
+  const auto sut = json::parse(to_json(status)).at("links").at(0);
+  EXPECT_EQ(sut.at("scheme").as_string(), "ghost-point");
+  EXPECT_EQ(sut.at("scheme_reason").as_string(), "the world does not go with composite");
+}
+
 TEST(StatusJson, TellsOfABallAndFloorWhereTheWorldIsOne) {
   Status status = sample();
   EXPECT_FALSE(json::parse(to_json(status)).at("worlds").at(0).as_object().contains("sphere"));

@@ -23,7 +23,7 @@ TEST(ConfigField, ReadsEveryKey) {
   const auto sut = parse_text(
       field_of("a.npy",
                "unit_m = 0.001\ncenter_m = [0, -0.02, 0.01]\nstiffness_newton_per_m = 500\n"
-               "damping_newton_s_per_m = 2\nfriction = 0.3\n",
+               "damping_newton_s_per_m = 2\nfriction = 0.3\ntemperature_kelvin = 290\n",
                "cell_m = 0.002\naxis_order = \"zyx\"\n"));
   ASSERT_TRUE(sut);
   FieldConfig expected;
@@ -32,6 +32,7 @@ TEST(ConfigField, ReadsEveryKey) {
   expected.stiffness_newton_per_m = 500;
   expected.damping_newton_s_per_m = 2;
   expected.friction = 0.3;
+  expected.temperature_kelvin = 290;
   EXPECT_EQ(sut->worlds.at(0).field, expected);
   EXPECT_EQ(sut->worlds.at(0).axis_order, "zyx");
 }

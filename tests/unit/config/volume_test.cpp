@@ -121,7 +121,7 @@ TEST(ConfigVolume, RefusesMaterialsThatWouldNeverBeFelt) {
   EXPECT_TRUE(
       mistakes(volume_with("threshold = 3\n" + bone + "from = 2\nto = 4\nfriction = 0\n")).empty());
   EXPECT_THAT(mistakes(volume_with(bone + "from = 2\n")),
-              ElementsAre(HasSubstr("or friction beside it, found none")));
+              ElementsAre(HasSubstr("temperature_kelvin beside it, found none")));
   EXPECT_THAT(
       mistakes(volume_with("constraint_model = \"simple\"\n" + bone + "from = 2\nfriction = 0\n")),
       ElementsAre(HasSubstr("the simple model tells no surface")));

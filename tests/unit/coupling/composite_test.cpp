@@ -261,7 +261,7 @@ PlaneList planes_at_random(std::mt19937_64& random) {
     ConstraintPlane plane;
     plane.normal[axis] = random() % 2 == 0 ? 1 : -1;
     plane.offset_m = between(random, -0.02, 0.02);
-    if (random() % 2 == 0) plane.surface = {{between(random, 100, 900)}, {1}, {0.3}};
+    if (random() % 2 == 0) plane.surface = {{between(random, 100, 900)}, {1}, 0.3};
     planes.push_back(plane);
   }
   return planes;

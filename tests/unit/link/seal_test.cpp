@@ -155,7 +155,7 @@ TEST(SealTest, IsWhatThePageSays) {
 
 TEST(SealTest, TheLargestMessageFitsWithItsSeal) {
   ThimbleConstraints most;
-  while (most.set.planes.push_back({{0, 1, 0}, 0.1, {{1}, {1}, 1}})) {
+  while (most.set.planes.push_back({{0, 1, 0}, 0.1, {{1}, {1}, 1, 300}})) {
   }
   most.set.has_ghost = most.set.has_far = most.set.has_map = true;
   most.set.map.lattice = {.cells = {64, 64, 64}, .half_cell_m = 0.001};

@@ -121,9 +121,9 @@ ThimbleConstraints least_constraints() {
 
 ThimbleConstraints full_constraints() {
   ThimbleConstraints m = least_constraints();
-  m.set.planes.push_back({.normal = {1, 0, 0}, .offset_m = 0.015, .surface = {{800}, {-1}, 0.5}});
+  m.set.planes.push_back(
+      {.normal = {1, 0, 0}, .offset_m = 0.015, .surface = {{800}, {-1}, 0.5, 310.15}});
   m.set.planes.push_back({.normal = {0, 0.6, -0.8}, .offset_m = -0.02});
-  m.temperature_kelvin[0] = 310.15;
   m.set.ghost = {0.0149, 0, 0.01};
   m.set.has_ghost = true;
   m.set.is_embedded = true;
@@ -243,7 +243,6 @@ TEST(ThimbleCodec, GivesBackEveryFieldOfConstraints) {
   EXPECT_EQ(out.set.sampled_at, in.set.sampled_at);
   EXPECT_EQ(out.set.session, 6U);
   EXPECT_EQ(out.set.planes, in.set.planes);
-  EXPECT_EQ(out.temperature_kelvin, in.temperature_kelvin);
   EXPECT_TRUE(out.set.has_ghost);
   EXPECT_EQ(out.set.ghost, in.set.ghost);
   EXPECT_TRUE(out.set.has_ghost_cell);
@@ -410,7 +409,8 @@ TEST(ThimbleCodec, RefusesConstraintsThatCannotBe) {
   EXPECT_EQ(reason([](C& m) { m.set.planes[0].offset_m = -10.1; }), RejectReason::OutOfRange);
   EXPECT_EQ(reason([](C& m) { m.set.planes[0].surface.friction = kNoNumber; }),
             RejectReason::NonFinite);
-  EXPECT_EQ(reason([](C& m) { m.temperature_kelvin[1] = -1; }), RejectReason::OutOfRange);
+  EXPECT_EQ(reason([](C& m) { m.set.planes[1].surface.temperature_kelvin = kNoNumber; }),
+            RejectReason::NonFinite);
   EXPECT_EQ(reason([](C& m) { m.set.ghost.z = 11; }), RejectReason::OutOfRange);
   EXPECT_EQ(reason([](C& m) { m.set.far.force.z = kNoNumber; }), RejectReason::NonFinite);
   EXPECT_EQ(reason([](C& m) { m.set.far.slave.z = -11; }), RejectReason::OutOfRange);
@@ -431,13 +431,12 @@ TEST(ThimbleCodec, RefusesConstraintsThatCannotBe) {
 
 TEST(ThimbleCodec, FitsTheLargestMessagesIntoOneDatagram) {
   ThimbleConstraints set = full_constraints();
-  while (set.set.planes.push_back({{0, 1, 0}, 0.1, {{1}, {1}, 1}})) {
+  while (set.set.planes.push_back({{0, 1, 0}, 0.1, {{1}, {1}, 1, 300}})) {
   }
   while (set.set.near.boxes.push_back({})) {
   }
   while (set.set.map.blocks.push_back({})) {
   }
-  set.temperature_kelvin.fill(300);
   for (const bool is_of_a_map : {false, true}) {  // no scheme has both
     set.set.has_map = is_of_a_map;
     set.set.has_near = !is_of_a_map;

@@ -43,7 +43,8 @@ TEST(WorldSettings, AFieldHasItsUnitItsPlaceAndItsSurface) {
                              "NRRD0004\ntype: float\ndimension: 3\nsizes: 2 2 2\n"
                              "encoding: text\n\n-1 -1 1 1 -1 -1 1 1\n");
   said.cell_m = 0.02;
-  said.field = config::FieldConfig{.unit_m = 0.01, .center_m = {0, 0.1, 0}, .friction = 0.5};
+  said.field = config::FieldConfig{
+      .unit_m = 0.01, .center_m = {0, 0.1, 0}, .friction = 0.5, .temperature_kelvin = 280};
   const auto sut = make_world(said, nullptr);
   ASSERT_TRUE(sut) << sut.error().message;
   const auto probe = sut->world->add_probe({0, 0.2, 0});
@@ -52,6 +53,7 @@ TEST(WorldSettings, AFieldHasItsUnitItsPlaceAndItsSurface) {
   EXPECT_NEAR(motion.ghost.y, 0.1, 1e-4);
   ASSERT_EQ(motion.planes.size(), 1U);
   EXPECT_EQ(motion.planes[0].friction, 0.5);
+  EXPECT_EQ(motion.planes[0].temperature_kelvin, 280);
   EXPECT_NEAR(motion.planes[0].offset_m, -0.1, 1e-6) << "as far as the middle of the field";
 }
 

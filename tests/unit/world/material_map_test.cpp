@@ -64,7 +64,7 @@ VoxelWorld two_materials() {
   grid.fill();
   grid.set_occupied({1, 1, 1}, false);
   grid.set_occupied({2, 1, 1}, false);
-  auto map = *MaterialMap::create({4, 3, 3}, {{{200}, {2}, 0.3}, {{900}, {9}}});
+  auto map = *MaterialMap::create({4, 3, 3}, {{{200}, {2}, 0.3, 310}, {{900}, {9}}});
   for (Cell cell; cell.z < 3; ++cell.z) {
     for (cell.y = 0; cell.y < 3; ++cell.y) {
       for (cell.x = 0; cell.x < 4; ++cell.x) map.set(cell, cell.x < 2 ? 1 : 2);
@@ -99,6 +99,7 @@ TEST(VoxelWorldMaterial, ACellThatIsFilledLaterFeelsAsTheArmIsConfigured) {
   ASSERT_EQ(back.planes.size(), 1U);
   EXPECT_EQ(back.planes.begin()->damping, Damping{2});
   EXPECT_EQ(back.planes.begin()->friction, 0.3);
+  EXPECT_EQ(back.planes.begin()->temperature_kelvin, 310);
 }
 
 }  // namespace

@@ -248,7 +248,7 @@ TEST(SphereWorld, RefusesAWorldThatCannotBe) {
 }
 
 TEST(SphereWorld, HasNoCellsRoomForEightProbesAndOneSurface) {
-  SphereWorld sut = SphereWorld::create(kResting, {{500}, {2}, 0.3}).value();
+  SphereWorld sut = SphereWorld::create(kResting, {{500}, {2}, 0.3, 300}).value();
   EXPECT_EQ(sut.grid(), nullptr);
   EXPECT_EQ(sut.info().cell_m, 0);
   EXPECT_EQ(sut.info().sphere->radius_m, kResting.radius_m);
@@ -262,6 +262,7 @@ TEST(SphereWorld, HasNoCellsRoomForEightProbesAndOneSurface) {
   EXPECT_EQ(motion.planes[0].stiffness.newton_per_m, 500);
   EXPECT_EQ(motion.planes[0].damping.newton_s_per_m, 2);
   EXPECT_EQ(motion.planes[0].friction, 0.3);
+  EXPECT_EQ(motion.planes[0].temperature_kelvin, 300);
   sut.remove_probe(probes[3]);
   EXPECT_TRUE(sut.move_probe(probes[3], {0.003, -0.01, -0.002}, kStep).planes.empty());
   EXPECT_TRUE(sut.add_probe({}));

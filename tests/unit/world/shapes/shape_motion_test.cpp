@@ -183,7 +183,7 @@ TEST(ShapeWorld, AWorldWithoutAFreePlaceSaysSo) {
 
 TEST(ShapeWorld, EachShapeHasItsSurface) {
   Shape soft{.kind = ShapeKind::Floor, .center = {0, 0, 0}};
-  soft.surface = {.stiffness = {200}, .damping = {1}, .friction = 0.3};
+  soft.surface = {.stiffness = {200}, .damping = {1}, .friction = 0.3, .temperature_kelvin = 310};
   auto world = ShapeWorld::create(
       {soft, {.kind = ShapeKind::Sphere, .center = {0.1, 0, 0}, .radius_m = 0.02}});
   const auto probe = world->add_probe({0, 0.01, 0});
@@ -191,6 +191,7 @@ TEST(ShapeWorld, EachShapeHasItsSurface) {
   ASSERT_EQ(motion.planes.size(), 1U);
   EXPECT_EQ(motion.planes[0].stiffness, Stiffness{200});
   EXPECT_EQ(motion.planes[0].friction, 0.3);
+  EXPECT_EQ(motion.planes[0].temperature_kelvin, 310);
 }
 
 TEST(ShapeWorld, ProbesAreBoundedAndUnknownOnesAreFree) {
