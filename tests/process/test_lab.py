@@ -11,8 +11,9 @@ _reckons = unittest.skipIf(is_sanitized(), "reckons for minutes there; the relea
 
 
 class Lab(ProcessTest):
-    def run_experiment(self, *arguments, **how):
-        return self.run_program("thimble", "lab", *arguments, **how)
+    def run_experiment(self, *arguments):
+        # A minute of one processor, at most, and several on one that others use.
+        return self.run_program("thimble", "lab", *arguments, timeout=280)
 
     @_reckons
     def test_table_4_1_is_as_the_facts_have_it_and_is_written(self):
@@ -42,7 +43,7 @@ class Lab(ProcessTest):
     @_reckons
     def test_schemes_are_compared_and_ranked(self):
         folder = self.folder / "compared"
-        shown = self.run_experiment("compare", "--out", folder, timeout=280)
+        shown = self.run_experiment("compare", "--out", folder)
         self.assertEqual(shown.returncode, 0, shown.stdout[-400:] + shown.stderr)
         parameters = json.loads((folder / "compare.json").read_text())["parameters"]
         for name, value in (("finger: mass", 0.15), ("weight: stiffness", 3), ("wave, b = 40: impedance", 40),
@@ -74,7 +75,7 @@ class Lab(ProcessTest):
     def test_they_are_compared_before_a_wall_that_moves_and_with_a_guard(self):
         for name, criteria in (("compare-moving", 1), ("compare-guarded", 3)):
             with self.subTest(name):
-                shown = self.run_experiment(name, timeout=280)
+                shown = self.run_experiment(name)
                 self.assertEqual(shown.returncode, 0, shown.stdout[-400:] + shown.stderr)
                 self.assertEqual(shown.stdout.count("as it must be: "), criteria)
 
