@@ -71,7 +71,7 @@ TEST(FlightRecording, SaysLineAndColumnOfWhatIsWrong) {
   EXPECT_THAT(refusal(replaced(good, "version 1", "version 2")), StartsWith("line 1: "));
   EXPECT_EQ(refusal(replaced(good, ",lateness_s,", ",late,")),
             "line 6: expected a column lateness_s");
-  EXPECT_EQ(refusal(replaced(good, "\n1000,", "\n1000,1,")), "line 7: expected 33 columns");
+  EXPECT_EQ(refusal(replaced(good, "\n1000,", "\n1000,1,")), "line 7: expected 34 columns");
   EXPECT_EQ(refusal(replaced(good, "\n1001,", "\n-1,")), "line 8: expected a number for tick");
   EXPECT_EQ(refusal(replaced(good, "\n1001,5.001000000,", "\n1001,5.0x,")),
             "line 8: expected a number for now_s");
