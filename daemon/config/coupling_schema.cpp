@@ -262,9 +262,10 @@ void check_place(TableReader& reader, const ArmConfig& arm) {
 
 void check_carriage(TableReader& reader, const ArmConfig& arm) {
   check_place(reader, arm);
-  if (arm.peer && arm.coupling.passivity && arm.coupling.passivity->is_two_port) {
+  const bool is_between_arms = arm.peer || arm.is_listening();
+  if (is_between_arms && arm.coupling.passivity && arm.coupling.passivity->is_two_port) {
     reader.reject("coupling",
-                  "passivity = \"two-port\" needs a world that tells a force, not a peer; use "
+                  "passivity = \"two-port\" needs a world that tells a force, not an arm; use "
                   "passivity = true");
   }
   const bool is_far = has_own_world_half(arm.coupling.scheme);

@@ -42,6 +42,11 @@ class ArmPair::Half final : public WorldCoupling {
     if (!is_sound_hand(first)) {
       return fail(Errc::InvalidArgument, "the hand's place or waves are not finite");
     }
+    // Only TwoPortArm counts, and no arm tells it energies: its hand would not be let go on.
+    if (first.energy_joule >= 0) {
+      return fail(Errc::Unsupported,
+                  "passivity = \"two-port\" needs a world that tells a force, not an arm");
+    }
     meeting_->hands[me_] = {first, this};
     if (is_guest_) restart_ = ++meeting_->guests;
     take(first);

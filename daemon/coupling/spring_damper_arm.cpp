@@ -40,9 +40,10 @@ ArmOutput SpringDamperArm::advance(const ArmInput& input) noexcept {
   const FarEnd* const far = port_.listen(input);
   if (port_.is_new_epoch()) begin_epoch(input);
   if (far != nullptr) {
+    // For the whole epoch: what the force is made of does not change under the hand.
+    if (!has_far_) is_told_of_arm_ = far->is_arm && !settings_.is_between_arms;
     far_ = *far;
     has_far_ = true;
-    is_told_of_arm_ = far_.is_arm && !settings_.is_between_arms;
   }
   soften(input.link.round_trip);
 

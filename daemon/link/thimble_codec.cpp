@@ -253,6 +253,7 @@ static Reason check(const ThimbleConstraints& m) noexcept {
       first_of({check_timing(m.timing), check_time(set.sampled_at),
                 set.has_ghost ? check_place(set.ghost) : Reason(),
                 check_finite(m.pressure.value_or(Force3())), check_finite(set.energy_joule),
+                is_cell_alone(set) ? check_lattice({}, set.ghost_cell) : Reason(),
                 set.has_near ? check_lattice(set.near.lattice, set.near.middle) : Reason(),
                 set.has_map ? check_lattice(set.map.lattice, set.map.ghost_cell) : Reason()});
   if (reason || !set.has_far) return reason;

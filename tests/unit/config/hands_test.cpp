@@ -85,6 +85,9 @@ TEST(ConfigPeers, AListeningArmIsRefusedWhatItCannotDo) {
   }
   EXPECT_THAT(mistake(listen + "coupling.mode = \"lock-step\""),
               ElementsAre(AllOf(HasSubstr("arm.0.coupling"), HasSubstr("found \"lock-step\""))));
+  EXPECT_THAT(mistake(listen + "coupling.scheme = \"spring-damper\"\n"
+                               "coupling.passivity = \"two-port\""),
+              ElementsAre(AllOf(HasSubstr("arm.0.coupling"), HasSubstr("not an arm"))));
   EXPECT_THAT(mistake(listen + "peer = \"b\""), ElementsAre(HasSubstr("a numeric address")));
   EXPECT_THAT(mistake(listen + "world = \"w\"\n"),
               testing::Contains(AllOf(HasSubstr("arm.0.listen"), HasSubstr("found \"world\""))));

@@ -323,6 +323,34 @@ TEST(ArmGuests, NoToolOfAPeerMakesASpringHarderOrDrivesIt) {
   }
 }
 
+// One that says it is an arm, and is none in the next answer, changes no law under the hand.
+TEST(ArmGuests, WhatAForceIsMadeOfStaysForASession) {
+  for (const bool begins_as_arm : {false, true}) {
+    SpringDamperArm sut({.tool = {{800}, {5}}});
+    sut.reset({}, {});
+    ConstraintSet told;
+    told.has_far = true;
+    told.session = 1;
+    told.far.tool = {{800}, {5}};
+    told.far.slave.x = 0.01;
+    Force3 last{};
+    for (int i = 0; i < 1000; ++i) {
+      ++told.sequence;
+      told.far.is_arm = begins_as_arm == (i % 2 == 0);
+      const ArmOutput out = sut.step({.now = MonotonicTime{std::chrono::milliseconds(i + 1)},
+                                      .dt = std::chrono::milliseconds(1),
+                                      .tip = {},
+                                      .tip_velocity = {},
+                                      .buttons = 0,
+                                      .fresh = &told,
+                                      .link = {true, std::chrono::milliseconds(1), {}}});
+      ASSERT_LT(std::abs(out.force.x - last.x), 0.2) << "8 N come in 100 ms";
+      last = out.force;
+    }
+    EXPECT_NEAR(last.x, begins_as_arm ? 8 : 0, 1e-9);
+  }
+}
+
 // K_c is held for the peer that is there, not for the one before.
 TEST(ArmGuests, ASoftPeerSoftensNobodyAfterwards) {
   SpringDamperArm sut({.tool = {{800}, {5}}});

@@ -297,6 +297,18 @@ TEST(ArmPair, TheHalfThatIsReplacedTakesNothingWithIt) {
   EXPECT_EQ(first->answer(said(2, 0), {}).far.slave.x, 0.04);
 }
 
+// Energies that an arm does not tell are all that a guard between both ends lets its hand have.
+TEST(ArmPair, RefusesAHandThatIsGuardedBetweenBothEnds) {
+  const ArmPair pair(1);
+  const auto sut = pair.make_half(ArmPair::Side::First, PeerAnswer::Motion);
+  HandSample guarded = said(1, 0);
+  guarded.energy_joule = 0;
+  const auto opened = sut->open(guarded);
+  ASSERT_FALSE(opened);
+  EXPECT_NE(opened.error().message.find("needs a world that tells a force"), std::string::npos);
+  EXPECT_TRUE(sut->open(said(1, 0)));
+}
+
 TEST(ArmPair, RefusesHandsThatAreNowhere) {
   const ArmPair pair(1);
   const auto first = pair.make_half(ArmPair::Side::First, PeerAnswer::Touch);
