@@ -212,7 +212,11 @@ Result<Written> write_findings(const lab::Findings& findings, const std::string&
     if (!done) return tl::unexpected(done.error());
     written.not_drawn = draw(folder, name + ".gp");
     if (!written.not_drawn.empty()) continue;
-    for (const char* kind : {".svg", ".png"}) written.files.push_back(folder + '/' + name + kind);
+    for (const char* kind : {".svg", ".png"}) {
+      std::string file = folder;
+      file.append("/").append(name).append(kind);
+      written.files.push_back(std::move(file));
+    }
   }
   return written;
 }

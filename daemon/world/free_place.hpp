@@ -19,7 +19,9 @@ template <class Depth>
   std::optional<Position3> best;
   double best_m = kSearch_m;
   for (int direction = 0; direction < 27; ++direction) {
-    const Displacement3 way{direction % 3 - 1.0, direction / 3 % 3 - 1.0, direction / 9 - 1.0};
+    const int second = direction / 3 % 3;
+    const int third = direction / 9;
+    const Displacement3 way{direction % 3 - 1.0, second - 1.0, third - 1.0};
     if (way == Displacement3{}) continue;
     const double scale = 1 / norm(way);
     for (double gone_m = 0; gone_m < best_m;) {

@@ -39,6 +39,7 @@ Model simple_model(const world::VoxelGrid& grid, Position3 start) {
 Result<world::DistanceField> field_of(const std::vector<world::Shape>& matter) {
   static constexpr std::array<std::uint32_t, 3> kNumbers{101, 101, 9};
   std::vector<world::PlacedShape> shapes;
+  shapes.reserve(matter.size());
   for (const world::Shape& shape : matter) shapes.emplace_back(shape);
   std::vector<float> distances_m;
   const auto place_m = [](std::uint32_t i, std::size_t axis) {

@@ -8,10 +8,11 @@ namespace thimble::lab {
 namespace {
 
 constexpr std::uint32_t kCells = 7;
+constexpr std::uint32_t kMiddle = kCells / 2;
 
 // The middle of cell (i, j) of the figures, in the layer of the hand.
 Position3 at_cell(double i, double j) {
-  return {(i - kCells / 2) * kCell_m, (j - kCells / 2) * kCell_m, 0};
+  return {(i - kMiddle) * kCell_m, (j - kMiddle) * kCell_m, 0};
 }
 
 Scene cells_scene(const std::string& name, const std::string& title,

@@ -39,6 +39,7 @@ template <class Run>
   work();
   for (std::thread& other : others) other.join();
   std::vector<Outcome> all;
+  all.reserve(outcomes.size());
   for (auto& outcome : outcomes) all.push_back(*std::move(outcome));
   return all;
 }
