@@ -2,18 +2,9 @@
 
 #include <algorithm>
 
-#include "daemon/world/push_out.hpp"
+#include "daemon/coupling/symmetric_dot.hpp"
 
 namespace thimble::coupling {
-namespace {
-
-// Of products along the axes, in order of size: permuted axes give the same bits.
-template <class A, class B>
-double symmetric_dot(A a, B b) noexcept {
-  return world::symmetric_sum(a.x * b.x, a.y * b.y, a.z * b.z);
-}
-
-}  // namespace
 
 void PassivityGuard::restart(MonotonicTime now, Position3 tip) noexcept {
   inside_->reset(now, tip);

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "daemon/world/push_out.hpp"
+#include "daemon/coupling/symmetric_dot.hpp"
 
 namespace thimble::coupling {
 
@@ -38,9 +38,9 @@ void TwoPortArm::hear(const ConstraintSet& said) noexcept {
 double TwoPortArm::withheld_newton_s_per_m(Force3 force, const ArmInput& input) const noexcept {
   const double dt_s = seconds(input.dt);
   const Velocity3 v = input.tip_velocity;
-  const double power_watt = world::symmetric_sum(force.x * v.x, force.y * v.y, force.z * v.z);
+  const double power_watt = symmetric_dot(force, v);
   const double excess_watt = power_watt - account_.left_joule() / dt_s;
-  const double speed2 = world::symmetric_sum(v.x * v.x, v.y * v.y, v.z * v.z);  // m²/s²
+  const double speed2 = symmetric_dot(v, v);  // m²/s²
   const bool can_tell = speed2 >= least_m_per_s_ * least_m_per_s_ && speed2 > 0;
   if (!(excess_watt > 0) || !can_tell || !(dt_s > 0)) return 0;
   const double damping = excess_watt / speed2;

@@ -292,6 +292,18 @@ TEST(ArmGuests, WhoHasNoKeyChangesNothing) {
   EXPECT_EQ(felt(true), felt(false));
 }
 
+// An arm at rest that hears `told` in the millisecond of its number.
+ArmOutput hear(SpringDamperArm& arm, const ConstraintSet& told,
+               std::chrono::milliseconds round_trip = std::chrono::milliseconds(1)) {
+  return arm.step({.now = MonotonicTime{std::chrono::milliseconds(told.sequence)},
+                   .dt = std::chrono::milliseconds(1),
+                   .tip = {},
+                   .tip_velocity = {},
+                   .buttons = 0,
+                   .fresh = &told,
+                   .link = {true, round_trip, {}}});
+}
+
 // What a guest with the key says of itself, an arm takes with care.
 TEST(ArmGuests, NoToolOfAPeerMakesASpringHarderOrDrivesIt) {
   std::mt19937_64 random(447);
@@ -299,23 +311,15 @@ TEST(ArmGuests, NoToolOfAPeerMakesASpringHarderOrDrivesIt) {
                           1e300, 400.0, 5.0,    std::numeric_limits<double>::denorm_min()};
   SpringDamperArm sut({.tool = {{800}, {5}}});
   sut.reset({}, {});
-  MonotonicTime now{};
   ConstraintSet told;
   told.has_far = true;
   for (int i = 0; i < 5000; ++i) {
-    now = now + std::chrono::milliseconds(1);
     ++told.sequence;
     if (i % 500 == 0) ++told.session;
     told.far.is_arm = random() % 8 != 0;
     told.far.tool = {{absurd[random() % absurd.size()]}, {absurd[random() % absurd.size()]}};
     told.far.slave.x = 0.001 * static_cast<double>(random() % 10);
-    const ArmOutput out = sut.step({.now = now,
-                                    .dt = std::chrono::milliseconds(1),
-                                    .tip = {},
-                                    .tip_velocity = {},
-                                    .buttons = 0,
-                                    .fresh = &told,
-                                    .link = {true, std::chrono::milliseconds(random() % 500), {}}});
+    const ArmOutput out = hear(sut, told, std::chrono::milliseconds(random() % 500));
     ASSERT_TRUE(is_finite(out.force));
     ASSERT_GE(sut.stiffness().newton_per_m, 0);
     ASSERT_LE(sut.stiffness().newton_per_m, 800);
@@ -337,13 +341,7 @@ TEST(ArmGuests, WhatAForceIsMadeOfStaysForASession) {
     for (int i = 0; i < 1000; ++i) {
       ++told.sequence;
       told.far.is_arm = begins_as_arm == (i % 2 == 0);
-      const ArmOutput out = sut.step({.now = MonotonicTime{std::chrono::milliseconds(i + 1)},
-                                      .dt = std::chrono::milliseconds(1),
-                                      .tip = {},
-                                      .tip_velocity = {},
-                                      .buttons = 0,
-                                      .fresh = &told,
-                                      .link = {true, std::chrono::milliseconds(1), {}}});
+      const ArmOutput out = hear(sut, told);
       ASSERT_LT(std::abs(out.force.x - last.x), 0.2) << "8 N come in 100 ms";
       last = out.force;
     }
@@ -358,23 +356,16 @@ TEST(ArmGuests, ASoftPeerSoftensNobodyAfterwards) {
   ConstraintSet told;
   told.has_far = true;
   told.far.is_arm = true;
-  const auto hear = [&](std::uint32_t session, double theirs) {
+  const auto stiffness_after = [&](std::uint32_t session, double theirs) {
     ++told.sequence;
     told.session = session;
     told.far.tool = {{theirs}, {5}};
-    const MonotonicTime now{std::chrono::milliseconds(told.sequence)};
-    (void)sut.step({.now = now,
-                    .dt = std::chrono::milliseconds(1),
-                    .tip = {},
-                    .tip_velocity = {},
-                    .buttons = 0,
-                    .fresh = &told,
-                    .link = {true, std::chrono::milliseconds(1), {}}});
+    (void)hear(sut, told);
     return sut.stiffness().newton_per_m;
   };
-  EXPECT_EQ(hear(1, 100), 100);
-  EXPECT_EQ(hear(1, 500), 100) << "it only falls";
-  EXPECT_EQ(hear(2, 500), 500);
+  EXPECT_EQ(stiffness_after(1, 100), 100);
+  EXPECT_EQ(stiffness_after(1, 500), 100) << "it only falls";
+  EXPECT_EQ(stiffness_after(2, 500), 500);
 }
 
 }  // namespace
