@@ -251,7 +251,7 @@ api::LinkStatus link_of_arm(session::ArmRig& rig) {
   const bool is_ours = said.protocol == config::LinkProtocol::Thimble;
   link.kind = !said.is_remote() ? "in-process" : is_ours ? "thimble" : said.line ? "serial" : "udp";
   if (!session::leaves_scheme_to_world(said)) {
-    link.scheme = to_string(session::scheme_of(said.coupling));
+    link.scheme = to_string(session::scheme_of(said.coupling.scheme));
   }
   return link;
 }

@@ -8,10 +8,8 @@
 namespace thimble::session {
 
 coupling::PeerAnswer answer_for(config::CouplingScheme scheme) {
-  config::CouplingConfig said;
-  said.scheme = scheme;
-  return scheme_of(said) == coupling::Scheme::GhostPoint ? coupling::PeerAnswer::Touch
-                                                         : coupling::PeerAnswer::Motion;
+  return scheme_of(scheme) == coupling::Scheme::GhostPoint ? coupling::PeerAnswer::Touch
+                                                           : coupling::PeerAnswer::Motion;
 }
 
 ArmHost::ArmHost(const config::ArmConfig& arm, std::uint32_t first_session)
@@ -46,11 +44,9 @@ Result<std::unique_ptr<coupling::WorldCoupling>> ArmHost::make_guest_half(
   const Result<config::CouplingConfig> guest = coupling_of(half);
   if (!guest) return tl::unexpected(guest.error());
   if (!config::are_peers(scheme_, guest->scheme)) {
-    config::CouplingConfig mine;
-    mine.scheme = scheme_;
     return fail(Errc::Unsupported, "its scheme " + std::string(half.scheme.view()) +
                                        " does not go with " +
-                                       std::string(to_string(scheme_of(mine))) + " here");
+                                       std::string(to_string(scheme_of(scheme_))) + " here");
   }
   return pair_.make_guest_half(answer_for(guest->scheme));
 }

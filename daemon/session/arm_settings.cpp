@@ -111,8 +111,8 @@ coupling::PassivitySettings passivity_settings(const config::PassivityConfig& sa
 
 }  // namespace
 
-coupling::Scheme scheme_of(const config::CouplingConfig& said) {
-  switch (said.scheme) {
+coupling::Scheme scheme_of(config::CouplingScheme said) {
+  switch (said) {
     case config::CouplingScheme::ThesisLiteral:
       return coupling::Scheme::ThesisLiteral;
     case config::CouplingScheme::RemoteForce:
@@ -171,7 +171,7 @@ link::ThimbleHalf half_of(const config::CouplingConfig& said) {
   const coupling::WorldHalfSettings settings = world_half_settings(said);
   const bool is_at_both = settings.force_at == coupling::ForceAt::Both;
   const bool names_faces = settings.buffer_zone.names == coupling::ZoneNames::Faces;
-  return {.scheme = link::ShortName::of(to_string(scheme_of(said))),
+  return {.scheme = link::ShortName::of(to_string(scheme_of(said.scheme))),
           .force_at = is_at_both ? std::uint8_t{1} : std::uint8_t{0},
           .zone_names = names_faces ? std::uint8_t{1} : std::uint8_t{0},
           .buffer_m = settings.buffer_zone.buffer_m};
@@ -222,7 +222,7 @@ Result<std::unique_ptr<coupling::ArmCoupling>> make_coupling(
   settings.wave.age = age;
   settings.buffer_zone.age = age;
   std::unique_ptr<coupling::ArmCoupling> scheme = coupling::make_arm_coupling(
-      leaves_scheme_to_world(arm) ? coupling::Scheme::Composite : scheme_of(said), settings);
+      leaves_scheme_to_world(arm) ? coupling::Scheme::Composite : scheme_of(said.scheme), settings);
   if (!said.passivity) return scheme;
   if (said.passivity->is_two_port) {
     return std::make_unique<coupling::TwoPortArm>(std::move(scheme),

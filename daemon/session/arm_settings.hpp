@@ -28,7 +28,7 @@ struct RigParts;
                                                           const HapticCapabilities& capabilities);
 [[nodiscard]] Result<std::unique_ptr<coupling::ArmCoupling>> make_coupling(
     const config::ArmConfig& arm, double cell_m, const HapticCapabilities& capabilities);
-[[nodiscard]] coupling::Scheme scheme_of(const config::CouplingConfig& said);
+[[nodiscard]] coupling::Scheme scheme_of(config::CouplingScheme said);
 // Whether an arm of another host's world leaves the scheme to that world: a map where it has one
 // for it, else the ghost point. Its arm half is the map's, which without a map is the ghost point,
 // bit for bit. Not where a map does not go with the arm: it stands elsewhere, waits for replies, or

@@ -85,7 +85,7 @@ BoardPlugs WorldHost::plugs_for(const config::WorldConfig& said, const RigParts&
 
 Result<std::unique_ptr<coupling::WorldCoupling>> WorldHost::make_world_half(
     const config::CouplingConfig& arm, std::uint32_t first_session) {
-  const coupling::Scheme scheme = scheme_of(arm);
+  const coupling::Scheme scheme = scheme_of(arm.scheme);
   if (coupling::has_own_world_half(scheme)) {
     return coupling::make_own_world_half(scheme, world_half_settings(arm), *world_, first_session);
   }
@@ -103,7 +103,7 @@ Result<std::unique_ptr<coupling::WorldCoupling>> WorldHost::make_half_for(
     return tl::unexpected(good.error());
   }
   // What a configuration of one host refuses when it is read: config/relations.cpp.
-  const coupling::Scheme scheme = scheme_of(*arm);
+  const coupling::Scheme scheme = scheme_of(arm->scheme);
   const bool feels_materials = scheme != coupling::Scheme::ThesisLiteral &&
                                scheme != coupling::Scheme::BufferZone &&
                                scheme != coupling::Scheme::Composite;
