@@ -27,13 +27,13 @@ struct ArmPair::Meeting {
   };
   std::array<Hand, 2> hands{};
   std::uint32_t next_session{1};
-  std::uint32_t guests{0};
+  std::uint32_t openings{0};
 };
 
 class ArmPair::Half final : public WorldCoupling {
  public:
-  Half(std::shared_ptr<Meeting> meeting, std::size_t me, PeerAnswer kind, bool is_guest)
-      : meeting_(std::move(meeting)), me_(me), kind_(kind), is_guest_(is_guest) {}
+  Half(std::shared_ptr<Meeting> meeting, std::size_t me, PeerAnswer kind)
+      : meeting_(std::move(meeting)), me_(me), kind_(kind) {}
   ~Half() override { close(); }
   Half(const Half&) = delete;
   Half& operator=(const Half&) = delete;
@@ -48,7 +48,8 @@ class ArmPair::Half final : public WorldCoupling {
                   "passivity = \"two-port\" needs a world that tells a force, not an arm");
     }
     meeting_->hands[me_] = {first, this};
-    if (is_guest_) restart_ = ++meeting_->guests;
+    // An arm's own count may be that of another one, which was here before.
+    restart_ = ++meeting_->openings;
     take(first);
     mine()->sequence = 0;  // the same sample may be answered, too
     begin();
@@ -87,7 +88,7 @@ class ArmPair::Half final : public WorldCoupling {
 
   void take(const HandSample& sample) noexcept {
     mine() = sample;
-    if (is_guest_) mine()->restart = restart_;
+    mine()->restart = restart_;
   }
 
   struct Heard {
@@ -152,8 +153,7 @@ class ArmPair::Half final : public WorldCoupling {
   std::shared_ptr<Meeting> meeting_;
   std::size_t me_;
   PeerAnswer kind_;
-  bool is_guest_;
-  std::uint32_t restart_{0};  // of a guest, as it is told
+  std::uint32_t restart_{0};  // as the other one is told
   bool has_met_{false};
   Heard heard_{};
   WaveSums before_{};
@@ -169,11 +169,7 @@ ArmPair::ArmPair(std::uint32_t first_session) : meeting_(std::make_shared<Meetin
 }
 
 std::unique_ptr<WorldCoupling> ArmPair::make_half(Side side, PeerAnswer answer) const {
-  return std::make_unique<Half>(meeting_, side == Side::First ? 0 : 1, answer, false);
-}
-
-std::unique_ptr<WorldCoupling> ArmPair::make_guest_half(PeerAnswer answer) const {
-  return std::make_unique<Half>(meeting_, 1, answer, true);
+  return std::make_unique<Half>(meeting_, side == Side::First ? 0 : 1, answer);
 }
 
 }  // namespace thimble::coupling

@@ -47,11 +47,9 @@ class ArmPair {
   enum class Side : std::uint8_t { First, Second };
   // Sessions are numbered from `first_session`.
   explicit ArmPair(std::uint32_t first_session);
-  // What the link of one of the arms is answered by. The newest that was opened is the arm's.
+  // What the link of one of the arms is answered by. The newest that was opened is the arm's; each
+  // time that one is opened is another start of its arm.
   [[nodiscard]] std::unique_ptr<WorldCoupling> make_half(Side side, PeerAnswer answer) const;
-  // The same for an arm of another program, the second one: its `restart` may be that of another
-  // that was here before, so each time that it is opened counts as one.
-  [[nodiscard]] std::unique_ptr<WorldCoupling> make_guest_half(PeerAnswer answer) const;
 
  private:
   struct Meeting;

@@ -48,7 +48,7 @@ Result<std::unique_ptr<coupling::WorldCoupling>> ArmHost::make_guest_half(
                                        " does not go with " +
                                        std::string(to_string(scheme_of(scheme_))) + " here");
   }
-  return pair_.make_guest_half(answer_for(guest->scheme));
+  return pair_.make_half(coupling::ArmPair::Side::Second, answer_for(guest->scheme));
 }
 
 std::string ArmHost::guest() const {

@@ -28,7 +28,7 @@ void PairLoop::invite(const coupling::ArmPair& pair) {
   guest_.emplace(settings,
                  [pair, answer = arms_[1].answer](
                      const link::ThimbleHalf&) -> Result<std::unique_ptr<coupling::WorldCoupling>> {
-                   return pair.make_guest_half(answer);
+                   return pair.make_half(coupling::ArmPair::Side::Second, answer);
                  });
 }
 

@@ -268,6 +268,26 @@ TEST(ArmPair, AnArmThatStartsAgainIsAnotherSession) {
   EXPECT_EQ(told.far.waves.distance.x, 0) << "what went before is nobody's";
 }
 
+// As when a real arm takes over from its stand-in: each counts its own starts.
+TEST(ArmPair, AnotherArmWithTheSameCountIsAnotherSession) {
+  const ArmPair pair(5);
+  const auto first = pair.make_half(ArmPair::Side::First, PeerAnswer::Motion);
+  const auto stand_in = pair.make_half(ArmPair::Side::Second, PeerAnswer::Motion);
+  ASSERT_TRUE(first->open(said(1, 0)));
+  ASSERT_TRUE(stand_in->open(said(1, 0)));
+  HandSample sample = said(1, 0);
+  sample.waves.distance.x = 7;
+  (void)stand_in->answer(sample, {});
+  const std::uint32_t session = first->answer(said(2, 0), {}).session;
+  const auto arm = pair.make_half(ArmPair::Side::Second, PeerAnswer::Motion);
+  sample.waves.distance.x = -3;
+  ASSERT_TRUE(arm->open(sample));
+  (void)arm->answer(sample, {});
+  const ConstraintSet told = first->answer(said(3, 0), {});
+  EXPECT_NE(told.session, session);
+  EXPECT_EQ(told.far.waves.distance.x, 0) << "they are not the sums of the one before";
+}
+
 TEST(ArmPair, WhatWasSaidBeforeIsNothingNewToAnArmThatStartsAgain) {
   const ArmPair pair(5);
   const auto first = pair.make_half(ArmPair::Side::First, PeerAnswer::Motion);
