@@ -49,6 +49,8 @@ ArmOutput WaveArm::advance(const ArmInput& input) noexcept {
     from_world_.restart();
     filtered_ = {};
     is_pressing_ = false;
+    // Who is forgotten takes along what its waves made of our sums, however much that is.
+    if (far == nullptr) to_world_.restart();
   }
   if (far != nullptr) {
     from_world_.deliver(far->waves);

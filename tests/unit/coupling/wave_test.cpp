@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <random>
 #include <string>
@@ -257,6 +259,41 @@ TEST(Wave, ImpedanceIsTunedUnderForceWithoutAJumpAndFeltAtTheNextTouch) {
   const double hard = felt_stiffness(as_new, 0.01);
   EXPECT_GT(hard, 5 * soft) << "a drill instead of a sponge";
   EXPECT_NEAR(felt_stiffness(sut, 0.01), hard, 0.05 * hard);
+}
+
+// Each session of such a peer may bring a billion joules; sums beyond that are taken by nobody.
+TEST(Wave, WhatAWildPeerMadeOfTheSumsIsForgottenWithIt) {
+  WaveArm sut;
+  sut.reset({}, {});
+  ConstraintSet told;
+  told.has_far = true;
+  MonotonicTime now{};
+  const auto hear = [&](const ConstraintSet* fresh) {
+    now = now + std::chrono::milliseconds(1);
+    return sut.step({.now = now,
+                     .dt = std::chrono::milliseconds(1),
+                     .tip = {},
+                     .tip_velocity = {},
+                     .buttons = 0,
+                     .fresh = fresh,
+                     .link = {true, std::chrono::milliseconds(1), {}}});
+  };
+  const std::uint32_t restart = hear(nullptr).sample.restart;
+  for (; told.session < 1000 && sut.sent().joule[0] < 2e9; ++told.session) {
+    told.far.waves = {};
+    for (int blow = 0; blow < 9; ++blow) {
+      ++told.sequence;
+      told.far.waves.distance.x += 1e3;
+      told.far.waves.joule[0] += 1e8;
+      (void)hear(&told);
+    }
+  }
+  ASSERT_GE(sut.sent().joule[0], 2e9);
+  ArmOutput out;
+  for (int i = 0; i < 2000; ++i) out = hear(nullptr);
+  EXPECT_NE(out.sample.restart, restart) << "the far end is to begin anew, too";
+  EXPECT_LT(out.sample.waves.joule[0], 1e-9);
+  EXPECT_LT(std::abs(out.sample.waves.distance.x), 1e-9);
 }
 
 TEST(Wave, ImpedanceStaysWithinWhatAServoHolds) {
