@@ -20,7 +20,8 @@ ThimbleSession::ThimbleSession(const Origin& origin, const std::optional<LinkKey
       to_arm_(session_seal(key, Towards::Arm, origin)),
       half_(std::move(half)),
       session_(*half_),
-      heard_at_(now) {}
+      heard_at_(now),
+      inside_at_(now) {}
 
 template <class Message>
 bool ThimbleSession::send(ThimbleKind kind, const Message& message, ThimbleDatagram& out) {
@@ -60,6 +61,7 @@ bool ThimbleSession::serve(const ThimbleHeader& header, std::span<const std::byt
   if (!is_in_world(message.sample, now)) {
     return send(ThimbleKind::Idle, ThimbleIdle{timing, header.sequence}, out);
   }
+  inside_at_ = now;
   ++counters_.accepted;
   ThimbleConstraints reply{.timing = timing, .request = header.sequence};
   reply.set = session_.answer(message.sample, now);

@@ -42,6 +42,10 @@ class ThimbleSession {
              ThimbleDatagram& out);
   [[nodiscard]] bool has_begun() const noexcept { return has_begun_; }  // a sample came
   [[nodiscard]] MonotonicTime silent_at() const noexcept { return heard_at_ + kSilence; }
+  // It sends, but its hand was not taken for that long: another one may have its place.
+  [[nodiscard]] bool is_outside(MonotonicTime now) const noexcept {
+    return now >= inside_at_ + kSilence;
+  }
   [[nodiscard]] LinkStatus status() const;
   [[nodiscard]] const LinkCounters& counters() const noexcept { return counters_; }
 
@@ -70,6 +74,7 @@ class ThimbleSession {
   std::optional<Told> told_;
   std::optional<MonotonicTime> retry_at_;  // the world refused, or was asked; not asked before
   MonotonicTime heard_at_{};
+  MonotonicTime inside_at_{};
   RoundTrip round_trip_;
   ClockOffset clocks_;
   LinkCounters counters_{};

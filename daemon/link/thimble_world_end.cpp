@@ -109,7 +109,7 @@ void ThimbleWorldEnd::join(const Endpoint& from, const ThimbleHello& hello, Mono
     return;
   }
   if (same != sessions_.end()) release(static_cast<std::size_t>(same - sessions_.begin()));
-  if (sessions_.size() >= settings_.max_sessions) {
+  if (!has_room(now)) {
     return refuse(from, hello, ThimbleRefusalReason::Busy, "no room for another hand", now);
   }
   auto half = make_half(hello);
@@ -183,6 +183,16 @@ void ThimbleWorldEnd::release_silent(MonotonicTime now) {
   for (std::size_t i = sessions_.size(); i > 0; --i) {
     if (now >= sessions_[i - 1]->silent_at()) release(i - 1);
   }
+}
+
+// For one more; who is not in the world makes it.
+bool ThimbleWorldEnd::has_room(MonotonicTime now) {
+  if (sessions_.size() < settings_.max_sessions) return true;
+  const auto outside = std::find_if(sessions_.begin(), sessions_.end(),
+                                    [&](const auto& each) { return each->is_outside(now); });
+  if (outside == sessions_.end()) return false;
+  release(static_cast<std::size_t>(outside - sessions_.begin()));
+  return true;
 }
 
 void ThimbleWorldEnd::release(std::size_t index) {

@@ -23,7 +23,8 @@ namespace thimble::link {
 // The world's end of our own protocol, without a socket: datagrams in, datagrams out. Each arm has
 // a session with a half of the coupling that was made for it; up to `max_sessions` at once, and
 // none waits for another. A session begins when who asked for it told a challenge back, and ends by
-// a silence of kSilence, or when the same address begins another. Nothing is answered with more
+// a silence of kSilence, or when the same address begins another; one whose hand was not taken for
+// that long ends when a newcomer needs its place. Nothing is answered with more
 // bytes than it had, but a session that its own peer holds. docs/link-protocol.md.
 //
 // Thread: one, the net plane's. RT: not; allocates while queues grow and when a session begins.
@@ -88,6 +89,7 @@ class ThimbleWorldEnd {
                     MonotonicTime now);
   [[nodiscard]] std::uint64_t new_token() const;
   void release_silent(MonotonicTime now);
+  [[nodiscard]] bool has_room(MonotonicTime now);
   void release(std::size_t index);
 
   Settings settings_;
