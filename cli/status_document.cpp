@@ -98,13 +98,28 @@ api::FaultStatus fault(const json::value& value) {
 }
 
 api::PlaneStatus plane(const json::value& value) {
-  return {vector(value, "normal"), number(value, "offset_m")};
+  api::PlaneStatus out{vector(value, "normal"), number(value, "offset_m")};
+  const json::value* found = member(value, "temperature_kelvin");
+  if (found != nullptr) out.temperature_kelvin = as_number(*found);
+  return out;
+}
+
+// Nothing where it is no place that a cell can have.
+std::optional<std::array<std::int32_t, 3>> cell(const json::value& value, std::string_view key) {
+  std::array<std::int32_t, 3> out{};
+  const std::array<double, 3> said = vector(value, key);
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!(std::abs(said[i]) <= 1e6)) return {};
+    out[i] = static_cast<std::int32_t>(said[i]);
+  }
+  return out;
 }
 
 api::FeltStatus felt(const json::value& value) {
   api::FeltStatus out{
       vector(value, "position_m"), number(value, "lag_s"), {}, list(value, "planes", plane)};
   if (member(value, "ghost_m") != nullptr) out.ghost_m = vector(value, "ghost_m");
+  out.ghost_cell = cell(value, "ghost_cell");
   return out;
 }
 
@@ -125,6 +140,7 @@ api::ArmStatus arm(const json::value& value) {
   out.force_newton = vector(value, "force_newton");
   out.peak_force_newton = number(value, "peak_force_newton");
   out.offset_m = vector(value, "offset_m");
+  out.wished_energy_joule = number(value, "wished_energy_joule");
   const json::value* const seen = member(value, "felt");
   out.felt = felt(seen == nullptr ? json::value{} : *seen);
   out.peak_offset_m = number(value, "peak_offset_m");

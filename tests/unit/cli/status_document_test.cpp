@@ -15,6 +15,9 @@ TEST(StatusDocument, IsReadBackAsTheDaemonWroteIt) {
   api::Status status = sample_status();
   for (const bool has_gimbal : {false, true}) {
     if (has_gimbal) status.arms[0].gimbal_rad = {0.5, -1.25, 3};
+    if (has_gimbal) status.arms[0].wished_energy_joule = -0.25;
+    if (has_gimbal) status.arms[0].felt.ghost_cell = {-3, 0, 7};
+    if (has_gimbal) status.arms[0].felt.planes[0].temperature_kelvin = 310.5;
     if (has_gimbal) status.worlds[0].sphere = {{0, -0.25, 1}, 0.5, -10};
     if (has_gimbal) status.worlds[0].pieces = {7, true, {1, 20, 300}};
     if (has_gimbal) status.safety = {"bench", "stopped", "open", "it is pressed", true, true, 7};
@@ -40,6 +43,15 @@ TEST(StatusDocument, TakesMissingAndMistypedMembersAsUnknown) {
   EXPECT_TRUE(std::isnan(sut->arms[1].position_m[1]));
   EXPECT_TRUE(std::isnan(sut->arms[1].position_m[2]));
   EXPECT_EQ(sut->arms[1].contacts, 0U);
+}
+
+TEST(StatusDocument, TakesACellThatCannotBeForNone) {
+  for (const char* cell : {"3", "[]", "[1, 2]", "[1, 2, null]", "[1e30, 0, 0]", "[0, -1e10, 0]"}) {
+    const auto sut =
+        parse_status(R"({"arms": [{"felt": {"ghost_cell": )" + std::string(cell) + "}}]}");
+    ASSERT_TRUE(sut) << cell;
+    EXPECT_FALSE(sut->arms[0].felt.ghost_cell) << cell;
+  }
 }
 
 TEST(StatusDocument, TakesABallThatCannotBeForNone) {
