@@ -46,7 +46,7 @@ struct SpringDamperSettings {
 //
 // What the hand feels of a silent world, an outage, a restart: FarEndPort. Thread: one servo
 // thread. RT: reset(), step() THIMBLE_RT. Frames: base frame of the arm, which is the world's; no
-// offset.
+// offset. Errors: FarEndPort's.
 class SpringDamperArm final : public ArmCoupling {
  public:
   explicit SpringDamperArm(const SpringDamperSettings& settings = {}) noexcept;

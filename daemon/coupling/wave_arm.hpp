@@ -39,7 +39,7 @@ struct WaveSettings {
 //
 // What the hand feels of a silent world, an outage, a restart: FarEndPort; of a gap, a damper b.
 // Thread: one servo thread. RT: reset(), step() THIMBLE_RT. Frames: base frame of the arm, which is
-// the world's, axes parallel; no offset.
+// the world's, axes parallel; no offset. Errors: FarEndPort's; sums that are older are ignored.
 class WaveArm final : public ArmCoupling {
  public:
   explicit WaveArm(const WaveSettings& settings = {}) noexcept;

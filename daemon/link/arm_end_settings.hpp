@@ -11,7 +11,9 @@
 
 namespace thimble::link {
 
-// What an arm's end of either protocol is told, whatever carries it.
+// What an arm's end of either protocol is told, whatever carries it. A plain value; times in the
+// types' own units, deadband_m in metres of the world frame. Errors: none here; who reads them from
+// outside (daemon/session) has checked them.
 struct ArmEndSettings {
   enum class Protocol : std::uint8_t { Thesis, Thimble };
   SendMode mode{SendMode::Streamed};
