@@ -4,8 +4,13 @@
 
 namespace thimble::sim {
 
-PlugPace::PlugPace(VirtualClock& clock, Clock& machine, Plug& plug) noexcept
-    : clock_(&clock), machine_(&machine), plug_(&plug), brake_(clock, machine) {}
+// Rounds that are run at once are late by that much, of which nothing is to be made up for.
+PlugPace::PlugPace(VirtualClock& clock, Clock& machine, Plug& plug, Duration at_once) noexcept
+    : clock_(&clock),
+      machine_(&machine),
+      plug_(&plug),
+      at_once_(at_once),
+      brake_(clock, machine, kBrakeTolerance + at_once) {}
 
 MonotonicTime PlugPace::await_next() noexcept {
   const Duration period = plug_->round_period();
@@ -18,10 +23,20 @@ MonotonicTime PlugPace::await_next() noexcept {
 }
 
 void PlugPace::run_next() noexcept {
-  const MonotonicTime next = await_next();
+  if (at_once_ > Duration(0) && is_anchored_) return run_at_once();
+  run_until(await_next());
+  is_anchored_ = true;
+}
+
+void PlugPace::run_at_once() noexcept {
+  const MonotonicTime end = clock_->now() + at_once_;
+  machine_->sleep_until(brake_.real_time_of(end));
+  while (clock_->now() < end) run_until(std::min(plug_->next_needed(), end));
+}
+
+void PlugPace::run_until(MonotonicTime next) noexcept {
   plug_->leave_out_until(next);
   brake_.sleep_until(next);
-  is_anchored_ = true;
 }
 
 }  // namespace thimble::sim

@@ -10,19 +10,26 @@ namespace thimble::sim {
 // without a look: until the model has something to say, the kernel says something, or a frame is
 // over. What the kernel says is looked at in the next round, as if none were left out.
 //
+// With `at_once` > 0 rounds are run that much of time in one go, at its end: fewer wake-ups, for a
+// machine to which they are dear. What the kernel says in the meantime is looked at then, too, as
+// late as that; the model notices nothing.
+//
 // Thread: the one that runs the model's clock. RT: no; it sleeps. Ownership: all must outlive it.
 class PlugPace {
  public:
-  PlugPace(VirtualClock& clock, Clock& machine, Plug& plug) noexcept;
-  // Sleeps until the next round that matters, and runs it.
+  PlugPace(VirtualClock& clock, Clock& machine, Plug& plug, Duration at_once = {}) noexcept;
+  // Sleeps until the next round that matters, and runs it; or those of `at_once`.
   void run_next() noexcept;
 
  private:
   [[nodiscard]] MonotonicTime await_next() noexcept;
+  void run_at_once() noexcept;
+  void run_until(MonotonicTime next) noexcept;
 
   VirtualClock* clock_;
   Clock* machine_;
   Plug* plug_;
+  Duration at_once_;
   RealTimeBrake brake_;
   bool is_anchored_{false};
 };

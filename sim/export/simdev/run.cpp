@@ -14,6 +14,7 @@
 #include "hal/linux/monotonic_clock.hpp"
 #include "hal/linux/system_error.hpp"
 #include "hal/plugin/sim_model.hpp"
+#include "sim/bus/sim_usb_port.hpp"
 #include "sim/export/acm_on_usb.hpp"
 #include "sim/export/device_verbs.hpp"
 #include "sim/export/hid_on_usb.hpp"
@@ -91,8 +92,9 @@ class Simdev {
     return {};
   }
   // Until a signal, or until the kernel let go of it.
-  void run() {
-    PlugPace pace(clock_, machine_, *plug_);
+  void run(unsigned frames_at_once) {
+    const Duration at_once = frames_at_once > 1 ? frames_at_once * kUsbFrame : Duration(0);
+    PlugPace pace(clock_, machine_, *plug_, at_once);
     while (!is_over_ && !plug_->is_broken()) {
       pace.run_next();
       io_.poll_one();  // one piece of a reply, and the next frame is due
@@ -173,7 +175,7 @@ Result<void> run_simdev(const SimdevOptions& options) {
               device.info().address.text.c_str(), device.way().c_str(),
               device.info().serial_number.c_str());
   std::fflush(stdout);
-  device.run();
+  device.run(options.frames_at_once);
   return {};
 }
 

@@ -112,5 +112,48 @@ TEST_F(PlugPaceTest, HeardLateItIsNotLookedAtLaterThanNeeded) {
   EXPECT_EQ(plug.looked_at, (std::vector<Duration>{4 * kRound}));
 }
 
+// Ties the two clocks, as above, and then runs so much at once.
+struct AtOnce : testing::Test {
+  AtOnce() {
+    plug.needed = 1;
+    sut.run_next();
+    start = machine.now() - kRound;
+    machine.sleeps = 0;
+    plug.looked_at.clear();
+  }
+  VirtualClock clock;
+  JumpingClock machine;
+  ScriptedPlug plug{clock, machine};
+  PlugPace sut{clock, machine, plug, 16 * kRound};
+  MonotonicTime start;
+};
+
+TEST_F(AtOnce, EachRoundThatIsNeededIsRunAtItsOwnTimeOfTheModel) {
+  plug.needed = 4;
+  plug.heard_at = start;
+  sut.run_next();
+  EXPECT_EQ(plug.looked_at,
+            (std::vector<Duration>{5 * kRound, 9 * kRound, 13 * kRound, 17 * kRound}));
+  EXPECT_EQ(clock.now(), MonotonicTime{17 * kRound});
+  EXPECT_EQ(machine.now(), start + 17 * kRound) << "at the end of the last, and not later";
+}
+
+TEST_F(AtOnce, NothingIsLateAfterAThousand) {
+  for (int i = 0; i < 1000; ++i) sut.run_next();
+  EXPECT_EQ(plug.looked_at.size(), 16000U);
+  EXPECT_EQ(machine.now() - start, clock.now().since_epoch);
+}
+
+TEST_F(AtOnce, AMachineThatStallsLongerMakesTheModelLateOnce) {
+  machine.sleep_until(machine.now() + std::chrono::seconds(1));
+  const MonotonicTime stalled = machine.now();
+  sut.run_next();
+  const MonotonicTime recovered = machine.now();
+  EXPECT_LE(recovered - stalled, 16 * kRound);
+  sut.run_next();
+  EXPECT_EQ(machine.now() - recovered, 16 * kRound) << "and it is not hurried afterwards";
+  EXPECT_EQ(plug.looked_at.size(), 32U);
+}
+
 }  // namespace
 }  // namespace thimble::sim
