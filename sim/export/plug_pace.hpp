@@ -12,7 +12,8 @@ namespace thimble::sim {
 //
 // With `at_once` > 0 rounds are run that much of time in one go, at its end: fewer wake-ups, for a
 // machine to which they are dear. What the kernel says in the meantime is looked at then, too, as
-// late as that; the model notices nothing.
+// late as that; of reports through uhid, which nothing holds up, the newest counts for all of it.
+// To the model each round is at its own time.
 //
 // Thread: the one that runs the model's clock. RT: no; it sleeps. Ownership: all must outlive it.
 class PlugPace {

@@ -20,6 +20,13 @@ workspace_m = 0.09
 # What the servo can do with least, and a quarter less to emulate than 1,000 (decision 0390): for tests that look at no time.
 QUIET_HZ = 500
 FULL_HZ = 1000
+
+
+def frames_at_once(rate_hz):
+    """Of a HID arm, where nobody looks at time: two cost one wake-up, and wake-ups are most of what an arm is to an emulator (decision 0458)."""
+    return ("--frames-at-once", "2") if rate_hz == QUIET_HZ else ()
+
+
 # How a HID arm comes to the kernel.
 WAYS = {"uhid": ("--uhid",), "usbip": ("--usbip", simdev.PORT)}
 
@@ -53,7 +60,7 @@ class HidArm(Arm):
     words = f'device = "hid:{SERIAL}"\nmodel = "phantom-vintage"\namplifier_max_a = 3.0'
 
     def __init__(self, guest, way="uhid", rate_hz=QUIET_HZ, *, is_named=True):
-        super().__init__(guest, "arm", *WAYS[way], "--serial", SERIAL, "phantom-vintage")
+        super().__init__(guest, "arm", *WAYS[way], *frames_at_once(rate_hz), "--serial", SERIAL, "phantom-vintage")
         self.way = way
         self.rate_hz = rate_hz
         self.plug()
@@ -72,11 +79,12 @@ class TextArm(Arm):
 
     words = f'device = "serial:{SERIAL}"\nmodel = "phantom-vintage"\namplifier_max_a = 3.0'
 
-    def __init__(self, guest, rate_hz=QUIET_HZ):
+    def __init__(self, guest, rate_hz=QUIET_HZ, *, is_named=True):
         super().__init__(guest, "text-arm", "--usbip", simdev.PORT, "--serial", SERIAL, "--amplifier-max-a", "3", "phantom-vintage-serial")
         self.rate_hz = rate_hz
         self.plug()
-        self.configure()
+        if is_named:
+            self.configure()
 
     def plug(self):
         super().plug()
@@ -130,6 +138,10 @@ class Falcon(Arm):
                       "newton_per_count = 0.00244")
         if is_named:
             self.configure()
+
+    def calibrate(self):
+        self.say("home 0.3")
+        self.guest.run("sleep 0.4")
 
     def activate(self):
         # A firmware that runs already knows where it is.

@@ -17,7 +17,7 @@ struct SimdevOptions {
   std::string socket;         // of the verbs; empty: none
   std::string serial_number;  // empty: as the model says
   double amplifier_max_a{0};  // 0: as the model says
-  unsigned frames_at_once{1};
+  unsigned frames_at_once{0};  // 0: each round of each frame at its own time
   // Of what is left to chance: in the model, and in the faults that it is told to show.
   std::uint64_t seed{0};
 };

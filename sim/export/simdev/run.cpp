@@ -93,7 +93,9 @@ class Simdev {
   }
   // Until a signal, or until the kernel let go of it.
   void run(unsigned frames_at_once) {
-    const Duration at_once = frames_at_once > 1 ? frames_at_once * kUsbFrame : Duration(0);
+    // A device may have longer frames of its own.
+    const Duration asked = frames_at_once * kUsbFrame;
+    const Duration at_once = asked > plug_->round_period() ? asked : Duration(0);
     PlugPace pace(clock_, machine_, *plug_, at_once);
     while (!is_over_ && !plug_->is_broken()) {
       pace.run_next();
