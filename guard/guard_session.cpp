@@ -1,13 +1,21 @@
 #include "guard/guard_session.hpp"
 
+#include <poll.h>
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <string>
 
 namespace thimble::guard {
+namespace {
+
+// Ours: what a look would be if nothing told of the connection's end.
+constexpr Duration kLookWithoutPoll = std::chrono::milliseconds(2);
+
+}  // namespace
 
 Result<GuardSession> GuardSession::accept(int socket, int timeout_ms, linux::DeviceCalls& calls) {
   auto received = receive_handover(socket, timeout_ms);
@@ -38,11 +46,11 @@ bool GuardSession::step(const Clock& clock) noexcept {
   const MonotonicTime now = clock.now();
   is_ended_ = is_ended_ || has_ended();
   rt::Heartbeat& heart = page_.heartbeat();
-  const std::uint64_t beats = heart.beats.load(std::memory_order_acquire);
+  const MonotonicTime beat_at{Duration(heart.beat_at_ns.load(std::memory_order_acquire))};
   const bool is_driven = heart.is_driven.load(std::memory_order_acquire) != 0;
   const std::uint32_t before = watch_.interventions();
   const bool must_write =
-      is_ended_ ? watch_.look_alone(now, is_driven) : watch_.look(now, beats, is_driven);
+      is_ended_ ? watch_.look_alone(now, is_driven) : watch_.look(now, beat_at, is_driven);
   // Told before it is done: a servo that wakes in between must not drive on. Guards before this one
   // have counted there, too.
   heart.interventions.fetch_add(watch_.interventions() - before, std::memory_order_release);
@@ -53,6 +61,23 @@ bool GuardSession::step(const Clock& clock) noexcept {
     watch_.wrote(clock.now(), is_taken);
   }
   return !is_ended_ || must_write;
+}
+
+void GuardSession::await_next(Clock& clock) noexcept {
+  const MonotonicTime now = clock.now();
+  const MonotonicTime next = watch_.next_look(now);
+  if (is_ended_) {
+    clock.sleep_until(next);
+    return;
+  }
+  const Duration left = std::max(next - now, Duration(0));
+  const auto whole = std::chrono::duration_cast<std::chrono::seconds>(left);
+  const timespec most{whole.count(), (left - whole).count()};
+  pollfd connection{socket_, POLLIN, 0};
+  // Whatever it returns for, the next look finds out. Not if it is refused: that would be a loop
+  // without end above every servo.
+  const bool is_refused = ::ppoll(&connection, 1, &most, nullptr) < 0 && errno != EINTR;
+  if (is_refused) clock.sleep_until(std::min(next, now + kLookWithoutPoll));
 }
 
 }  // namespace thimble::guard

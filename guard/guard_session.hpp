@@ -11,8 +11,6 @@
 
 namespace thimble::guard {
 
-// How often a guard looks. Ours: a tenth of its patience.
-inline constexpr Duration kLookEvery = std::chrono::milliseconds(2);
 // The first packet follows the connection at once; a peer that sends none is no daemon.
 inline constexpr int kHandoverTimeout_ms = 5000;
 // What a guard answers when it watches: from then on the arm may be driven.
@@ -32,6 +30,8 @@ class GuardSession {
   // False: the connection has ended, and nothing is left to do. Of an arm that was driven that
   // comes 100 ms after the first zero that it took then, or 10 s after the end (WatchSettings).
   [[nodiscard]] bool step(const Clock& clock) noexcept;
+  // Until the next look is due, or the connection ends; after a step.
+  void await_next(Clock& clock) noexcept;
 
   [[nodiscard]] std::uint32_t interventions() const noexcept { return watch_.interventions(); }
   [[nodiscard]] const ZeroWriter& zeros() const noexcept { return writer_; }

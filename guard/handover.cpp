@@ -15,7 +15,7 @@
 namespace thimble::guard {
 namespace {
 
-constexpr std::array<std::uint8_t, 3> kMark{'T', 'G', 0};
+constexpr std::array<std::uint8_t, 3> kMark{'T', 'G', 1};
 constexpr std::size_t kHead = kMark.size() + 2;
 constexpr std::size_t kMostDescriptors = 3;
 
@@ -58,7 +58,7 @@ Result<Handover> parse_handover(std::span<const std::uint8_t> packet) {
                 "handover: expected 6 to 70 bytes, found " + std::to_string(packet.size()));
   }
   if (!std::equal(kMark.begin(), kMark.end(), packet.begin())) {
-    return fail(Errc::Malformed, "handover: not one of version 0");
+    return fail(Errc::Malformed, "handover: not one of version 1");
   }
   if (packet[kMark.size()] > static_cast<std::uint8_t>(ZeroRoute::HiddevAndWrite)) {
     return fail(Errc::Malformed,

@@ -36,8 +36,8 @@ struct Handover {
   bool operator==(const Handover&) const = default;
 };
 
-// The packet: "TG", version 0, route, endpoint, the bytes. Total: any bytes give a handover or
-// Malformed. Thread: any.
+// The packet: "TG", version 1 (in 0 the page had a count of beats), route, endpoint, the bytes.
+// Total: any bytes give a handover or Malformed. Thread: any.
 [[nodiscard]] std::vector<std::uint8_t> encode(const Handover& handover);
 [[nodiscard]] Result<Handover> parse_handover(std::span<const std::uint8_t> packet);
 

@@ -28,11 +28,7 @@ void outlive_requests_to_end() noexcept {
 
 void watch(guard::GuardSession& session) noexcept {
   linux::MonotonicClock clock;
-  MonotonicTime next = clock.now();
-  while (session.step(clock)) {
-    next = std::max(next + guard::kLookEvery, clock.now());
-    clock.sleep_until(next);
-  }
+  while (session.step(clock)) session.await_next(clock);
 }
 
 int run() {

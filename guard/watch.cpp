@@ -1,15 +1,24 @@
 #include "guard/watch.hpp"
 
+#include <algorithm>
+
 namespace thimble::guard {
 
-bool Watch::look(MonotonicTime now, std::uint64_t beats, bool is_driven) noexcept {
-  const bool has_beaten = beats != beats_ || !is_driven_;
-  beats_ = beats;
+bool Watch::look(MonotonicTime now, MonotonicTime beat_at, bool is_driven) noexcept {
+  const bool is_first = !is_driven_;
+  // Another clock's: no beat. A little after `now` it may be, for that was read before.
+  const bool is_possible = beat_at <= now + settings_.patience;
+  const bool has_beaten = (beat_at != seen_ && is_possible) || is_first;
+  seen_ = beat_at;
   is_driven_ = is_driven;
   if (has_beaten) {
-    last_beat_ = now;
+    // What is older than twice the patience is as good as too old.
+    last_beat_ = std::clamp(is_possible ? beat_at : now, now - 2 * settings_.patience, now);
+    // The silence counts from the first force on, which came after the look before.
+    if (is_first) last_beat_ = std::max(last_beat_, looked_at_.value_or(now));
     taken_since_.reset();
   }
+  looked_at_ = now;
   if (!is_driven) {
     is_letting_go_ = false;
     return false;
@@ -32,6 +41,14 @@ bool Watch::look_alone(MonotonicTime now, bool was_driven) noexcept {
 
 void Watch::wrote(MonotonicTime now, bool is_taken) noexcept {
   if (is_taken && !taken_since_) taken_since_ = now;
+}
+
+MonotonicTime Watch::next_look(MonotonicTime now) const noexcept {
+  if (alone_since_ || is_letting_go_) return now + settings_.zero_every;
+  if (!is_driven_) return now + settings_.idle_look_every;
+  const MonotonicTime too_old = last_beat_ + settings_.patience + Duration(1);
+  const MonotonicTime ahead = too_old - settings_.looks_ahead;
+  return now < ahead ? ahead : too_old;
 }
 
 bool Watch::must_write(MonotonicTime now) const noexcept {

@@ -113,7 +113,7 @@ void ServoLoop::answer_guard(const ServoFrame& frame) noexcept {
   if (is_let_go || state_ == OperatingState::Lost) is_driven_ = false;
   parts_.heartbeat->is_driven.store(is_driven_ ? 1 : 0, std::memory_order_release);
   const bool is_stuck = is_driven_ && frame.now - last_write_ > settings_.command_gap_limit;
-  if (!is_stuck) parts_.heartbeat->beat();
+  if (!is_stuck) parts_.heartbeat->beat(frame.now);
 }
 
 void ServoLoop::take_state(ServoFrame& frame) noexcept {

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 
+#include "hal/base/time.hpp"
 #include "hal/rt/annotations.hpp"
 
 namespace thimble::rt {
@@ -15,15 +16,18 @@ namespace thimble::rt {
 // Errors: what the other side writes is hostile at worst: numbers are compared, never used as
 //     sizes or places.
 struct Heartbeat {
-  std::atomic<std::uint64_t> beats{0};  // servo: +1 at the end of a tick whose commands leave
+  // Servo: when its last tick began, unless no command has left for 20 ms; ns of the clock that
+  // linux::MonotonicClock reads. Both processes read the same one, so that an age is exact however
+  // seldom somebody looks.
+  std::atomic<std::int64_t> beat_at_ns{0};
   // Servo: 1 from before a force is written until the arm has taken nothing but zero for a while.
   std::atomic<std::uint32_t> is_driven{0};
   std::atomic<std::uint32_t> interventions{0};  // guard: +1 whenever it began to let the arm go
-  THIMBLE_RT void beat() noexcept {
-    beats.store(beats.load(std::memory_order_relaxed) + 1, std::memory_order_release);
+  THIMBLE_RT void beat(MonotonicTime now) noexcept {
+    beat_at_ns.store(now.since_epoch.count(), std::memory_order_release);
   }
 };
-static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
+static_assert(std::atomic<std::int64_t>::is_always_lock_free);
 static_assert(std::atomic<std::uint32_t>::is_always_lock_free);
 static_assert(sizeof(Heartbeat) == 16, "two processes agree on it");
 

@@ -28,7 +28,7 @@ page[8:12] = struct.pack("<I", 1)
 beats = 0
 while not (len(sys.argv) > 1 and beats > 200):
     beats += 1
-    page[0:8] = struct.pack("<Q", beats)
+    page[0:8] = struct.pack("<q", time.clock_gettime_ns(time.CLOCK_BOOTTIME))
     time.sleep(0.001)
 while True:
     time.sleep(1)
@@ -75,7 +75,7 @@ class Guarded(unittest.TestCase):
         for descriptor in (self.arm, self.node, self.page_file):
             os.close(descriptor)
 
-    def hand_over(self, packet=b"TG\0" + bytes([0, 0]) + ZERO):
+    def hand_over(self, packet=b"TG\1" + bytes([0, 0]) + ZERO):
         socket.send_fds(self.daemon, [packet], [self.node, self.page_file])
 
     def begin(self, *arguments):
@@ -94,7 +94,9 @@ class Guarded(unittest.TestCase):
                                       pass_fds=(3, 4), preexec_fn=place)
         os.close(page)
         os.close(connection)
-        self.wait_for(lambda: self.beats() > 50)
+        self.wait_for(lambda: self.last_beat() > 0)
+        first = self.last_beat()
+        self.wait_for(lambda: self.last_beat() > first + 50_000_000)
 
     def wait_for(self, condition):
         deadline = time.monotonic() + TIMEOUT_S
@@ -102,8 +104,8 @@ class Guarded(unittest.TestCase):
             self.assertLess(time.monotonic(), deadline, "waited in vain")
             time.sleep(0.002)
 
-    def beats(self):
-        return struct.unpack("<Q", self.page[0:8])[0]
+    def last_beat(self):
+        return struct.unpack("<q", self.page[0:8])[0]
 
     def interventions(self):
         return struct.unpack("<I", self.page[12:16])[0]
@@ -167,7 +169,7 @@ class Guarded(unittest.TestCase):
     def test_a_packet_that_is_no_handover_ends_the_guard_with_a_word(self):
         self.hand_over(b"GET / HTTP/1.1\r\n\r\n")
         self.assertEqual(self.guard.wait(TIMEOUT_S), 1)
-        self.assertIn(b"not one of version 0", self.guard.stderr.read())
+        self.assertIn(b"not one of version 1", self.guard.stderr.read())
         self.assertEqual(self.zeros(), 0)
 
 

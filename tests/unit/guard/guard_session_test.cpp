@@ -8,6 +8,7 @@
 #include <array>
 #include <string>
 
+#include "hal/linux/monotonic_clock.hpp"
 #include "sim/time/virtual_clock.hpp"
 #include "tests/support/fake_hid_kernel.hpp"
 
@@ -40,8 +41,8 @@ class Rig {
   // Looks for `ms` at a servo that beats or does not; how often the arm was given zero meanwhile.
   int run(GuardSession& guard, int ms, bool is_alive) {
     for (int i = 0; i < ms; i += 2) {
-      clock.run_for(kLookEvery);
-      if (is_alive) page.heartbeat().beat();
+      clock.run_for(milliseconds(2));
+      if (is_alive) page.heartbeat().beat(clock.now());
       is_over = !guard.step(clock);
       if (is_over) break;
     }
@@ -154,14 +155,46 @@ TEST(GuardSession, OfAnArmThatIsGoneGoesOnAndCountsWhatWasRefused) {
     auto session = GuardSession::accept(guard.get(), 1000, kernel);
     ASSERT_TRUE(session.has_value());
     page.heartbeat().is_driven = 1;
-    page.heartbeat().beat();
     sim::VirtualClock clock;
+    page.heartbeat().beat(clock.now());
     EXPECT_TRUE(session->step(clock));
     clock.run_for(milliseconds(28));
     EXPECT_TRUE(session->step(clock));
     EXPECT_EQ(session->zeros().refused(), 1U);
     EXPECT_EQ(session->zeros().written(), 0U);
   }
+}
+
+TEST(GuardSession, ADaemonThatEndsIsNotWaitedFor) {
+  Rig rig;
+  auto guard = rig.accept();
+  rig.run(*guard, 10, true);
+  // As it sees them, the last beat is too old in an hour: only the end itself can wake it.
+  rig.clock.run_for(std::chrono::hours(1));
+  rig.page.heartbeat().beat(rig.clock.now());
+  EXPECT_TRUE(guard->step(rig.clock));
+  rig.daemon = Descriptor();
+  sim::VirtualClock an_hour_ago;
+  guard->await_next(an_hour_ago);
+  EXPECT_TRUE(guard->step(rig.clock));
+  EXPECT_EQ(rig.zeros(), 1);
+  int zeros = 1;
+  while (guard->step(rig.clock)) {
+    guard->await_next(rig.clock);
+    zeros += rig.zeros();
+  }
+  EXPECT_EQ(zeros, 52) << "the first two at one time, and then one each 2 ms";
+}
+
+TEST(GuardSession, WaitsForItsNextLookWhileNobodyEnds) {
+  Rig rig;
+  auto guard = rig.accept();
+  linux::MonotonicClock clock;
+  const MonotonicTime beat_at = clock.now();
+  rig.page.heartbeat().beat(beat_at);
+  EXPECT_TRUE(guard->step(clock));
+  guard->await_next(clock);
+  EXPECT_GE(clock.now() - beat_at, milliseconds(19));
 }
 
 using Report = test::FakeHidKernel::Report;

@@ -73,8 +73,8 @@ TEST(Handover, SaysWhatIsWrongWithAPacket) {
   const std::vector<std::uint8_t> good = encode({ZeroRoute::Write, 0, 1, {}});
   EXPECT_EQ(parse_handover({}).error().message, "handover: expected 6 to 70 bytes, found 0");
   auto version = good;
-  version[2] = 1;
-  EXPECT_EQ(parse_handover(version).error().message, "handover: not one of version 0");
+  version[2] = 0;
+  EXPECT_EQ(parse_handover(version).error().message, "handover: not one of version 1");
   auto route = good;
   route[3] = 3;
   EXPECT_EQ(parse_handover(route).error().message, "handover: there is no route 3");

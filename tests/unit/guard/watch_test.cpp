@@ -2,7 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <chrono>
 #include <cstdint>
+#include <limits>
+#include <optional>
 #include <random>
 
 namespace thimble::guard {
@@ -18,10 +23,10 @@ class Course {
     int zeros = 0;
     for (int i = 0; i < ms; ++i) {
       now_ = now_ + milliseconds(1);
-      if (is_alive) ++beats;
+      if (is_alive) beat_at_ = now_;
       if (++count_ % 2 != 0) continue;
       const bool writes =
-          is_gone ? sut.look_alone(now_, is_driven) : sut.look(now_, beats, is_driven);
+          is_gone ? sut.look_alone(now_, is_driven) : sut.look(now_, beat_at_, is_driven);
       if (!writes) continue;
       ++zeros;
       sut.wrote(now_, takes_zero);
@@ -30,13 +35,13 @@ class Course {
   }
 
   Watch sut{WatchSettings{}};
-  std::uint64_t beats{0};
   bool is_driven{true};
   bool takes_zero{true};
   bool is_gone{false};
 
  private:
   MonotonicTime now_{};
+  MonotonicTime beat_at_{};
   int count_{0};
 };
 
@@ -55,8 +60,8 @@ TEST(GuardWatch, CountsTheSilenceFromTheFirstForceOn) {
   course.is_driven = false;
   course.run(1000, false);
   course.is_driven = true;
-  EXPECT_EQ(course.run(20, false), 0);
-  EXPECT_GT(course.run(20, false), 0);
+  EXPECT_EQ(course.run(18, false), 0) << "from the look before it on, 2 ms ago";
+  EXPECT_GT(course.run(4, false), 0);
 }
 
 TEST(GuardWatch, LeavesAnArmAloneWhoseServoLives) {
@@ -118,11 +123,12 @@ TEST(GuardWatch, WritesZeroOnAfterAStoppedServoRunsAgainUntilItTookTheForceAway)
   EXPECT_EQ(course.sut.interventions(), 2U);
 }
 
-TEST(GuardWatch, CountsFromItsOwnLookWhenItWasAsleepItself) {
+TEST(GuardWatch, ABeatSinceTheMachineSleptIsEnough) {
   Watch sut{WatchSettings{}};
-  ASSERT_FALSE(sut.look(MonotonicTime{milliseconds(1)}, 1, true));
+  ASSERT_FALSE(sut.look(MonotonicTime{milliseconds(1)}, MonotonicTime{milliseconds(1)}, true));
   // The whole machine slept for an hour; the servo ticked once since.
-  EXPECT_FALSE(sut.look(MonotonicTime{std::chrono::hours(1)}, 2, true));
+  const MonotonicTime awake{std::chrono::hours(1)};
+  EXPECT_FALSE(sut.look(awake, awake - milliseconds(1), true));
 }
 
 // Oracle: no zero for an arm that is not driven, nor while the last 20 ms held a beat and no stop
@@ -132,7 +138,7 @@ TEST(GuardWatch, KeepsItsPromisesWhateverTheServoDoes) {
   int zeros = 0;
   for (int round = 0; round < 200; ++round) {
     Watch sut{WatchSettings{}};
-    std::uint64_t beats = 0;
+    MonotonicTime beat_at{milliseconds(1)};
     int silent_ms = 0;
     bool is_alive = true;
     bool is_driven = true;
@@ -140,10 +146,10 @@ TEST(GuardWatch, KeepsItsPromisesWhateverTheServoDoes) {
     for (int ms = 1; ms < 2000; ++ms) {
       if (random() % 40 == 0) is_alive = !is_alive;
       if (is_alive && random() % 20 == 0) is_driven = !is_driven;
-      if (is_alive) ++beats;
+      if (is_alive) beat_at = {milliseconds(ms)};
       silent_ms = is_alive || !is_driven || ms == 1 ? 0 : silent_ms + 1;
       is_unanswered = is_driven && (is_unanswered || silent_ms > 20);
-      const bool writes = sut.look(MonotonicTime{milliseconds(ms)}, beats, is_driven);
+      const bool writes = sut.look(MonotonicTime{milliseconds(ms)}, beat_at, is_driven);
       if (writes) ++zeros;
       if (writes) sut.wrote(MonotonicTime{milliseconds(ms)}, random() % 3 == 0);
       if (!is_unanswered) {
@@ -155,6 +161,137 @@ TEST(GuardWatch, KeepsItsPromisesWhateverTheServoDoes) {
     }
   }
   EXPECT_GT(zeros, 10'000);
+}
+
+// A servo of 1 kHz at any phase, and a guard that sleeps from next_look() to next_look().
+class Sleeper {
+ public:
+  explicit Sleeper(Duration phase, Duration period = milliseconds(1))
+      : phase_(phase), period_(period) {}
+
+  // Looks until `end`; the first zero's time.
+  std::optional<MonotonicTime> run(MonotonicTime end) {
+    for (; now < end; now = sut.next_look(now)) {
+      ++looks;
+      const bool is_driven = now >= driven_at;
+      if (sut.look(now, last_beat(), is_driven)) return now;
+      EXPECT_GT(sut.next_look(now), now);
+      EXPECT_LE(sut.next_look(now), now + milliseconds(20) + Duration(1));
+    }
+    return std::nullopt;
+  }
+  // At or before now, of a servo that ended at `dead_at`.
+  [[nodiscard]] MonotonicTime last_beat() const {
+    const Duration lived = std::min(now, dead_at) - MonotonicTime{phase_};
+    return MonotonicTime{phase_ + lived / period_ * period_};
+  }
+
+  Watch sut{WatchSettings{}};
+  MonotonicTime now{std::chrono::seconds(1)};
+  MonotonicTime driven_at{};
+  MonotonicTime dead_at{std::chrono::hours(1)};
+  int looks{0};
+
+ private:
+  Duration phase_;
+  Duration period_;
+};
+
+TEST(GuardWatch, LooksSeldomAtAServoThatLives) {
+  for (const bool is_driven : {false, true}) {
+    Sleeper course(std::chrono::microseconds(700));
+    if (!is_driven) course.driven_at = MonotonicTime{std::chrono::hours(1)};
+    EXPECT_FALSE(course.run(MonotonicTime{std::chrono::seconds(11)}));
+    EXPECT_LE(course.looks, is_driven ? 530 : 1001) << "in ten seconds";
+  }
+}
+
+TEST(GuardWatch, WakesBesideTheTicksAndNotWithThem) {
+  for (const int rate_hz : {500, 1000, 2000, 4000}) {
+    const Duration period = std::chrono::nanoseconds(1'000'000'000 / rate_hz);
+    Sleeper course(std::chrono::microseconds(123), period);
+    (void)course.run(course.now + milliseconds(100));  // until it is in step
+    for (int i = 0; i < 100; ++i) {
+      const Duration after = course.now - course.last_beat();
+      EXPECT_GE(after, std::chrono::microseconds(90)) << rate_hz;
+      EXPECT_LE(after, period - std::chrono::microseconds(90)) << rate_hz;
+      (void)course.run(course.now + Duration(1));
+    }
+  }
+}
+
+TEST(GuardWatch, LetsGoAsSoonAsTheLastBeatIsTooOldHoweverSeldomItLooks) {
+  std::mt19937 random(459);
+  for (int round = 0; round < 1000; ++round) {
+    Sleeper course(std::chrono::microseconds(random() % 1000));
+    course.driven_at = course.now + std::chrono::microseconds(random() % 100'000);
+    course.dead_at = course.driven_at + std::chrono::microseconds(random() % 100'000);
+    const auto zero = course.run(course.now + std::chrono::seconds(1));
+    ASSERT_TRUE(zero);
+    EXPECT_EQ(*zero - course.last_beat(), milliseconds(20) + Duration(1));
+  }
+}
+
+// Of ticks that come and last as they like, and a guard that oversleeps. Each is a beginning and an
+// end, at which the page is told of it.
+TEST(GuardWatch, LeavesAServoAloneWhoseTicksEndInTimeAndNoOther) {
+  std::mt19937 random(460);
+  const auto up_to = [&](int us) { return std::chrono::microseconds(random() % unsigned(us)); };
+  for (int round = 0; round < 1000; ++round) {
+    Watch sut{WatchSettings{}};
+    MonotonicTime now{std::chrono::seconds(1)};
+    MonotonicTime began = now;
+    MonotonicTime told = now;
+    MonotonicTime ends = now;
+    const MonotonicTime dies = now + up_to(300'000);
+    bool is_let_go = false;
+    while (!is_let_go && now < dies + std::chrono::seconds(1)) {
+      while (ends <= now && began < dies) {
+        told = began;
+        began = ends + up_to(9'000);
+        ends = began + up_to(5'000);  // no beat is older than 19 ms before the next
+      }
+      is_let_go = sut.look(now, told, true);
+      if (is_let_go) {
+        ASSERT_GT(now - told, milliseconds(20));
+        ASSERT_GE(began, dies);
+      } else {
+        now = sut.next_look(now) + (random() % 4 == 0 ? up_to(30'000) : Duration(0));
+      }
+    }
+    ASSERT_TRUE(is_let_go);
+    EXPECT_LE(now - told, milliseconds(50)) << "20 and what it overslept";
+  }
+}
+
+// What stands in the page is the daemon's word: it can be anything.
+TEST(GuardWatch, NoBeatOfAnotherTimeKeepsItFromLooking) {
+  const std::array<std::int64_t, 6> lies{0,
+                                         -1,
+                                         1,
+                                         std::numeric_limits<std::int64_t>::max(),
+                                         std::numeric_limits<std::int64_t>::min(),
+                                         std::int64_t{5'000'000'000}};
+  for (const std::int64_t lie : lies) {
+    Watch sut{WatchSettings{}};
+    MonotonicTime now{std::chrono::seconds(1)};
+    const MonotonicTime first = now;
+    while (!sut.look(now, MonotonicTime{Duration(lie)}, true)) {
+      const MonotonicTime next = sut.next_look(now);
+      ASSERT_GT(next, now) << lie;
+      ASSERT_LE(next, now + milliseconds(20) + Duration(1)) << lie;
+      now = next;
+    }
+    EXPECT_LE(now - first, milliseconds(20) + Duration(1)) << lie;
+  }
+}
+
+TEST(GuardWatch, BeatsOfAClockThatIsAheadAreNone) {
+  Watch sut{WatchSettings{}};
+  MonotonicTime now{std::chrono::seconds(1)};
+  const MonotonicTime first = now;
+  while (!sut.look(now, now + std::chrono::seconds(1), true)) now = sut.next_look(now);
+  EXPECT_LE(now - first, milliseconds(20) + Duration(1));
 }
 
 }  // namespace
