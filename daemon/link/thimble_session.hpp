@@ -42,10 +42,9 @@ class ThimbleSession {
              ThimbleDatagram& out);
   [[nodiscard]] bool has_begun() const noexcept { return has_begun_; }  // a sample came
   [[nodiscard]] MonotonicTime silent_at() const noexcept { return heard_at_ + kSilence; }
-  // It sends, but its hand was not taken for that long: another one may have its place.
-  [[nodiscard]] bool is_outside(MonotonicTime now) const noexcept {
-    return now >= inside_at_ + kSilence;
-  }
+  // From then on it is one that sends, but whose hand was not taken for that long: another one may
+  // have its place.
+  [[nodiscard]] MonotonicTime outside_at() const noexcept { return inside_at_ + kSilence; }
   [[nodiscard]] LinkStatus status() const;
   [[nodiscard]] const LinkCounters& counters() const noexcept { return counters_; }
 

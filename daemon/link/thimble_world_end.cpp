@@ -109,7 +109,9 @@ void ThimbleWorldEnd::join(const Endpoint& from, const ThimbleHello& hello, Mono
     return;
   }
   if (same != sessions_.end()) release(static_cast<std::size_t>(same - sessions_.begin()));
-  if (!has_room(now)) {
+  const bool is_full = sessions_.size() >= settings_.max_sessions;
+  const std::size_t outside = longest_outside(now);
+  if (is_full && outside == sessions_.size()) {
     return refuse(from, hello, ThimbleRefusalReason::Busy, "no room for another hand", now);
   }
   auto half = make_half(hello);
@@ -122,6 +124,7 @@ void ThimbleWorldEnd::join(const Endpoint& from, const ThimbleHello& hello, Mono
     return refuse(from, hello, ThimbleRefusalReason::Busy, "too many came at once", now);
   }
   refusal_.clear();
+  if (is_full) release(outside);  // now that its place is needed
   sessions_.push_back(
       std::make_unique<ThimbleSession>(ThimbleSession::Origin{from, new_token(), hello.arm_nonce,
                                                               hello.world_nonce, hello.half.scheme},
@@ -185,14 +188,12 @@ void ThimbleWorldEnd::release_silent(MonotonicTime now) {
   }
 }
 
-// For one more; who is not in the world makes it.
-bool ThimbleWorldEnd::has_room(MonotonicTime now) {
-  if (sessions_.size() < settings_.max_sessions) return true;
-  const auto outside = std::find_if(sessions_.begin(), sessions_.end(),
-                                    [&](const auto& each) { return each->is_outside(now); });
-  if (outside == sessions_.end()) return false;
-  release(static_cast<std::size_t>(outside - sessions_.begin()));
-  return true;
+std::size_t ThimbleWorldEnd::longest_outside(MonotonicTime now) const noexcept {
+  const auto longest = std::min_element(
+      sessions_.begin(), sessions_.end(),
+      [](const auto& a, const auto& b) { return a->outside_at() < b->outside_at(); });
+  const bool is_outside = longest != sessions_.end() && now >= (*longest)->outside_at();
+  return is_outside ? static_cast<std::size_t>(longest - sessions_.begin()) : sessions_.size();
 }
 
 void ThimbleWorldEnd::release(std::size_t index) {

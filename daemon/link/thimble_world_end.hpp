@@ -89,7 +89,8 @@ class ThimbleWorldEnd {
                     MonotonicTime now);
   [[nodiscard]] std::uint64_t new_token() const;
   void release_silent(MonotonicTime now);
-  [[nodiscard]] bool has_room(MonotonicTime now);
+  // Index of the session whose place another one may have, the longest outside; none: size().
+  [[nodiscard]] std::size_t longest_outside(MonotonicTime now) const noexcept;
   void release(std::size_t index);
 
   Settings settings_;

@@ -217,6 +217,22 @@ TEST(ThimbleLink, AnArmWhoseHandIsNotTakenMakesRoomForOneThatNeedsIt) {
   EXPECT_EQ(table.worlds.size(), 2U);
 }
 
+TEST(ThimbleLink, NobodyLosesAPlaceToWhoIsRefused) {
+  ThimbleWorldEnd::Settings settings = keyed_world();
+  settings.max_sessions = 1;
+  Table table(settings);
+  table.refusals = 1 << 20;
+  table.add_arm(keyed_arm());
+  table.run(3000);
+  ThimbleArmEnd::Settings other = keyed_arm();
+  other.half.scheme = ShortName::of("unheard-of");
+  table.add_arm(other);
+  table.run(3000);
+  EXPECT_EQ(table.worlds.size(), 1U);
+  EXPECT_EQ(table.world->total().sessions_released, 0U);
+  EXPECT_EQ(table.world->sessions().size(), 1U);
+}
+
 TEST(ThimbleLink, AnArmThatIsTakenAtTheLastMomentKeepsItsPlace) {
   ThimbleWorldEnd::Settings settings = keyed_world();
   settings.max_sessions = 1;
