@@ -100,7 +100,8 @@ api::FaultStatus fault(const json::value& value) {
 api::PlaneStatus plane(const json::value& value) {
   api::PlaneStatus out{vector(value, "normal"), number(value, "offset_m")};
   const json::value* found = member(value, "temperature_kelvin");
-  if (found != nullptr) out.temperature_kelvin = as_number(*found);
+  const double kelvin = found == nullptr ? kUnknown : as_number(*found);
+  if (std::isfinite(kelvin)) out.temperature_kelvin = kelvin;
   return out;
 }
 
