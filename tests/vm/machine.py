@@ -100,7 +100,8 @@ class Guest:
             "-chardev", f"socket,id=qmp,path={self.folder / 'qmp'}", "-mon", "chardev=qmp,mode=control",
             "-device", "virtio-serial-pci", "-chardev", f"socket,id=cmd,path={self.folder / 'cmd'}",
             "-device", "virtserialport,chardev=cmd,name=vm.cmd"]
-        for tag, path in (("debs", share), ("tests", HERE / "guest"), ("bin", BIN)):
+        self.shares = (("debs", share), ("tests", HERE / "guest"), ("bin", BIN))
+        for tag, path in self.shares:
             command += ["-virtfs", f"local,path={path},mount_tag={tag},security_model=none,readonly=on"]
         if memory:
             command += ["-incoming", f"exec:cat {shlex.quote(str(memory))}"]
@@ -165,8 +166,10 @@ class Guest:
 
     def mount(self):
         """The folders of the host: packages, scripts of the guest, programs of the tests."""
-        self.run("for tag in debs tests bin; do mkdir -p /run/$tag; mountpoint -q /run/$tag || "
-                 "mount -t 9p -o trans=virtio,version=9p2000.L,ro $tag /run/$tag; done")
+        self.send(b"mount", json.dumps([name for name, _ in self.shares]))
+        status, printed = self.read_answer(COMMAND_S)
+        if status != 0:
+            raise GuestError(printed)
 
     def read_answer(self, timeout_s):
         end = time.monotonic() + timeout_s
@@ -252,7 +255,7 @@ class Guest:
     def save_state(self, disk, memory):
         """Writes its disk as it is, and all that is not on the disk, and ends."""
         # A folder that is mounted would keep the machine from being saved.
-        self.run("sync; umount /run/debs /run/tests /run/bin")
+        self.run("sync; umount " + " ".join(f"/run/{name}" for name, _ in self.shares))
         self.monitor.execute("stop")
         self.copy_disk(disk)
         self.monitor.execute("migrate", uri=f"exec:cat > {shlex.quote(str(memory))}")
