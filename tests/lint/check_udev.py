@@ -72,9 +72,10 @@ class Rule:
         vendors = self.matches("ATTR", "idVendor") + self.matches("ATTRS", "idVendor")
         products = self.matches("ATTR", "idProduct") + self.matches("ATTRS", "idProduct")
         if vendors or products:
-            if len(vendors) != 1 or len(products) != 1 or not all(map(_ID.fullmatch, vendors + products)):
+            products = [product for value in products for product in value.split("|")]
+            if len(vendors) != 1 or not products or not all(map(_ID.fullmatch, vendors + products)):
                 return None
-            return [(vendors[0], products[0])]
+            return [(vendors[0], product) for product in products]
         names = [name for value in self.matches("KERNELS") for name in value.split("|")]
         found = [_HID_NAME.fullmatch(name) for name in names]
         if not found or not all(found):
@@ -132,10 +133,13 @@ class Covered:
         self.untagged = set()
         self.awake = set()
         self.unprobed = set()
-        self.pucks = set()  # (vendor, product)
+        self.pucks = {}  # (vendor, product), with the place of the rule
+        self.awake_pucks = set()
 
     def add(self, rule, place):
-        self.pucks.update(pair for pair in rule.ids() or () if pair in PUCKS)
+        pucks = [pair for pair in rule.ids() or () if pair in PUCKS]
+        if rule.gives_rights():
+            self.pucks.update({pair: place for pair in pucks})
         keys = [(rule.parent(), *pair) for pair in rule.ids() or () if pair not in PUCKS]
         if rule.gives_rights():
             self.closed.update({key: place for key in keys})
@@ -143,6 +147,7 @@ class Covered:
             self.untagged.update(keys)
         if rule.values("ATTR", ("=",), "power/control") == ["on"]:
             self.awake.update(keys)
+            self.awake_pucks.update(pucks)
         if rule.values("ENV", ("=",), "ID_MM_DEVICE_IGNORE") == ["1"]:
             self.unprobed.update(keys)
 
@@ -155,6 +160,9 @@ class Covered:
                 breaches.append(f'{place}: {words} needs ATTR{{power/control}}="on": a suspended arm answers late')
             if key[0] == "usb" and key[1:] in ACM and key not in self.unprobed:
                 breaches.append(f'{place}: {words} needs ENV{{ID_MM_DEVICE_IGNORE}}="1": ModemManager writes to ports it does not know')
+        for pair, place in sorted(self.pucks.items()):
+            if pair not in self.awake_pucks:
+                breaches.append(f'{place}: usb {" ".join(pair)} needs ATTR{{power/control}}="on": a suspended puck loses the first touch')
         for key in sorted(self.untagged - set(self.closed)):
             breaches.append(f"{FOLDER}{TAGS_FILE}: {' '.join(key)} has no rights in {RIGHTS_FILE}")
 
@@ -221,7 +229,7 @@ def awake_by_hwdb(root, paths, breaches):
 
 
 def check_hwdb(covered, awake, breaches):
-    closed = {key[1:] for key in covered.closed if key[0] == "usb"}
+    closed = {key[1:] for key in covered.closed if key[0] == "usb"} | set(covered.pucks)
     for pair in sorted(closed - awake):
         breaches.append(f"{FOLDER}{HWDB_FILE}: {':'.join(pair)} needs ID_AUTOSUSPEND=0: another's entry would let it sleep")
     for pair in sorted(awake - closed):

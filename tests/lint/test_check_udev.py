@@ -24,9 +24,9 @@ class CheckUdev(PlantedTreeTest):
     def setUp(self):
         super().setUp()
         self.rights = ['ACTION=="remove", GOTO="end"', FALCON, awake("0403", "cb48"), f"{ARM}, {RIGHTS}", PUCK, PORT,
-                       awake("16c0", "0483"),
+                       awake("16c0", "0483"), awake("256f", "c635|c636"),
                        'SUBSYSTEM=="misc", KERNEL=="cpu_dma_latency", GROUP="thimble", MODE="0660"', 'LABEL="end"']
-        self.hwdb = "# words\n\nusb:v0403pCB48*\nusb:v16C0p0483*\n ID_AUTOSUSPEND=0\n"
+        self.hwdb = "# words\n\nusb:v0403pCB48*\nusb:v16C0p0483*\nusb:v256FpC635*\nusb:v256FpC636*\n ID_AUTOSUSPEND=0\n"
         self.tags = [f'{match}, TAG="systemd"' for match in (usb("0403", "cb48"), usb("16c0", "0483"), ARM)]
 
     def breaches(self):
@@ -97,8 +97,12 @@ class CheckUdev(PlantedTreeTest):
     def test_refuses_an_arm_that_may_be_suspended(self):
         self.assert_refused('ATTR{idProduct}=="cb48", ATTR{power/control}="on"', 'ATTR{idProduct}=="cb48"', "suspended")
 
+    def test_refuses_a_puck_that_may_be_suspended(self):
+        self.assert_refused("c635|c636", "c635", "256f c636", "suspended")
+
     def test_refuses_an_arm_that_anothers_hwdb_may_let_sleep(self):
-        for whole, words in (("", ("0403:cb48", "16c0:0483")), (self.hwdb.replace("=0", "=1"), ("0403:cb48", "16c0:0483")),
+        all_four = ("0403:cb48", "16c0:0483", "256f:c635", "256f:c636")
+        for whole, words in (("", all_four), (self.hwdb.replace("=0", "=1"), all_four),
                              (self.hwdb.replace("usb:v16C0p0483*\n", ""), ("16c0:0483",))):
             with self.subTest(whole):
                 self.hwdb = whole
