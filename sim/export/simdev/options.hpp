@@ -14,9 +14,9 @@ struct SimdevOptions {
   bool is_uhid{false};
   // 0: one that is free, which is then printed.
   std::optional<std::uint16_t> usbip_port;
-  std::string socket;         // of the verbs; empty: none
-  std::string serial_number;  // empty: as the model says
-  double amplifier_max_a{0};  // 0: as the model says
+  std::string socket;          // of the verbs; empty: none
+  std::string serial_number;   // empty: as the model says
+  double amplifier_max_a{0};   // 0: as the model says
   unsigned frames_at_once{0};  // 0: each round of each frame at its own time
   // Of what is left to chance: in the model, and in the faults that it is told to show.
   std::uint64_t seed{0};
