@@ -198,54 +198,6 @@ TEST(ThimbleLink, ANinthArmIsRefusedUntilAPlaceIsFree) {
   EXPECT_EQ(late.end.status().last_error, "");
 }
 
-// What it says keeps its session, not its place: an arm that listens has one.
-TEST(ThimbleLink, AnArmWhoseHandIsNotTakenMakesRoomForOneThatNeedsIt) {
-  ThimbleWorldEnd::Settings settings = keyed_world();
-  settings.max_sessions = 1;
-  Table table(settings);
-  table.refusals = 1 << 20;
-  Arm& outside = table.add_arm(keyed_arm());
-  table.run(3000);
-  EXPECT_EQ(table.worlds.size(), 1U) << "nobody else is there";
-  table.refusals = 0;
-  Arm& late = table.add_arm(keyed_arm());
-  table.run(1500);
-  EXPECT_GT(late.replies.size(), 100U);
-  EXPECT_TRUE(outside.replies.empty());
-  table.run(3000);
-  EXPECT_TRUE(table.worlds.back()->is_open) << "who is in the world keeps its place";
-  EXPECT_EQ(table.worlds.size(), 2U);
-}
-
-TEST(ThimbleLink, NobodyLosesAPlaceToWhoIsRefused) {
-  ThimbleWorldEnd::Settings settings = keyed_world();
-  settings.max_sessions = 1;
-  Table table(settings);
-  table.refusals = 1 << 20;
-  table.add_arm(keyed_arm());
-  table.run(3000);
-  ThimbleArmEnd::Settings other = keyed_arm();
-  other.half.scheme = ShortName::of("unheard-of");
-  table.add_arm(other);
-  table.run(3000);
-  EXPECT_EQ(table.worlds.size(), 1U);
-  EXPECT_EQ(table.world->total().sessions_released, 0U);
-  EXPECT_EQ(table.world->sessions().size(), 1U);
-}
-
-TEST(ThimbleLink, AnArmThatIsTakenAtTheLastMomentKeepsItsPlace) {
-  ThimbleWorldEnd::Settings settings = keyed_world();
-  settings.max_sessions = 1;
-  Table table(settings);
-  table.refusals = 9;  // one each 100 ms
-  Arm& first = table.add_arm(keyed_arm());
-  table.run(5);
-  table.add_arm(keyed_arm());
-  table.run(3000);
-  EXPECT_EQ(table.worlds.size(), 1U);
-  EXPECT_GT(first.replies.size(), 1900U);
-}
-
 TEST(ThimbleLink, AnArmThatRestartedAtItsPortTakesItsPlaceAtOnce) {
   Table table(keyed_world());
   table.add_arm(keyed_arm());
