@@ -11,6 +11,7 @@
 #include "bench/reference_tick.hpp"
 #include "daemon/coupling/passivity_guard.hpp"
 #include "daemon/coupling/scheme.hpp"
+#include "daemon/coupling/two_port_arm.hpp"
 #include "daemon/world/near_cell_finder.hpp"
 #include "daemon/world/occupancy_teller.hpp"
 #include "daemon/world/voxel_grid.hpp"
@@ -50,6 +51,7 @@ class Pressed {
                 .ghost_cell = {1, 1, 1},
                 .blocks = teller.tell(box, {1, 1, 1}, 1)};
     set_.ghost = {0.015, 0, 0};
+    set_.energy_joule = 0;
     arm_->reset(now_, {0.0152, 0, 0});
   }
 
@@ -59,6 +61,7 @@ class Pressed {
     set_.answers = sequence_;
     set_.far.waves.distance.x -= 1e-4;
     set_.far.waves.joule[0] += 1e-5;
+    set_.energy_joule += 1e-5;
     const double tip_m = 0.0152 + 0.0001 * static_cast<double>(set_.sequence % 4);
     const coupling::ArmOutput out =
         arm_->step({.now = now_,
@@ -125,6 +128,10 @@ int main() {
   auto guarded = std::make_unique<coupling::PassivityGuard>(
       coupling::make_arm_coupling(coupling::Scheme::GhostPoint, {}), coupling::PassivitySettings{});
   if (!run("ghost-point with passivity", std::move(guarded), 400)) return 1;
+  auto one_end = std::make_unique<coupling::TwoPortArm>(
+      coupling::make_arm_coupling(coupling::Scheme::RemoteForce, {}),
+      coupling::PassivitySettings{});
+  if (!run("remote-force with two-port", std::move(one_end), 1000)) return 1;
   auto planes = coupling::make_arm_coupling(coupling::Scheme::ConstraintPlane, {});
   return run("constraint-plane, corner", std::move(planes), 1000, true) ? 0 : 1;
 }

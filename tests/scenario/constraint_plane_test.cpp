@@ -77,7 +77,8 @@ radius_m = 0.012
 }
 
 TEST(Shapes, AreFeltThroughEverySchemeThatTakesThem) {
-  for (const char* scheme : {"ghost-point", "constraint-plane", "spring-damper", "wave"}) {
+  for (const char* scheme :
+       {"ghost-point", "constraint-plane", "remote-force", "spring-damper", "wave"}) {
     SCOPED_TRACE(scheme);
     ClosedLoop::Setup setup;
     setup.text = of_shapes(scheme);

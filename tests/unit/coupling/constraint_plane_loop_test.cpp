@@ -10,17 +10,23 @@
 #include "daemon/coupling/constraint_plane_arm.hpp"
 #include "daemon/world/sphere_world.hpp"
 #include "hand_on_arm.hpp"
+#include "turned_world.hpp"
 
 namespace thimble::coupling {
 namespace {
 
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
+using testing::about;
+using testing::about_speed;
 using testing::DelayedLoop;
 using testing::FakeBox;
 using testing::HandOnArm;
+using testing::make_ball;
 using testing::Pace;
 using testing::Reference;
+using testing::Turn;
+using testing::TurnedWorld;
 
 struct Pushed {
   double held_newton{0};
@@ -82,61 +88,6 @@ TEST(ConstraintPlaneLoop, ARecoveredWallHoldsAsWithoutDelayAndInjects) {
   }
   EXPECT_GT(push(LateWalls::Recovery, 200).generated_joule, 0.01) << "it does inject";
 }
-
-// Round a ball and over its floor: tangent planes of any angle, and edges between them.
-Position3 about(double t_s) {
-  return {0.021 * std::sin(1.1 * t_s), -0.012 + 0.028 * std::sin(1.7 * t_s + 1),
-          0.023 * std::sin(0.9 * t_s + 2)};
-}
-Velocity3 about_speed(double t_s) {
-  return {0.021 * 1.1 * std::cos(1.1 * t_s), 0.028 * 1.7 * std::cos(1.7 * t_s + 1),
-          0.023 * 0.9 * std::cos(0.9 * t_s + 2)};
-}
-
-world::SphereWorld make_ball() {
-  return world::SphereWorld::create({{0, -0.025, 0}, 0.02, -0.035}).value();
-}
-
-// The same hand by the axes `shift` further, mirrored along those of `mirror`.
-struct Turn {
-  std::size_t shift{0};
-  std::array<double, 3> mirror{1, 1, 1};
-
-  template <class Quantity>
-  [[nodiscard]] Quantity there(const Quantity& v) const {
-    Quantity out;
-    for (std::size_t axis = 0; axis < 3; ++axis) out[(axis + shift) % 3] = mirror[axis] * v[axis];
-    return out;
-  }
-  template <class Quantity>
-  [[nodiscard]] Quantity back(const Quantity& v) const {
-    Quantity out;
-    for (std::size_t axis = 0; axis < 3; ++axis) out[axis] = mirror[axis] * v[(axis + shift) % 3];
-    return out;
-  }
-};
-
-// A world as another that was turned: hands go in turned back, what it says comes out turned.
-class TurnedWorld final : public world::World {
- public:
-  TurnedWorld(world::World& of, const Turn& turn) : of_(of), turn_(turn) {}
-  [[nodiscard]] const world::WorldInfo& info() const noexcept override { return of_.info(); }
-  [[nodiscard]] Result<world::ProbeId> add_probe(Position3 hand) override {
-    return of_.add_probe(turn_.back(hand));
-  }
-  void remove_probe(world::ProbeId probe) noexcept override { of_.remove_probe(probe); }
-  world::ProbeMotion move_probe(world::ProbeId probe, Position3 hand,
-                                Duration dt) noexcept override {
-    world::ProbeMotion motion = of_.move_probe(probe, turn_.back(hand), dt);
-    motion.ghost = turn_.there(motion.ghost);
-    for (world::ContactPlane& plane : motion.planes) plane.normal = turn_.there(plane.normal);
-    return motion;
-  }
-
- private:
-  world::World& of_;
-  Turn turn_;
-};
 
 struct Felt {
   Force3 force{};

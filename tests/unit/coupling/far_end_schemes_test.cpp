@@ -146,6 +146,11 @@ TEST(FarEndSchemes, ASilentWorldIsHeldThenFadesThenIsForgotten) {
     const ArmOutput held = rig.hold(milliseconds(200));
     EXPECT_TRUE(held.is_frozen);
     EXPECT_LE(norm(held.force), held_newton + 0.01);
+    if (scheme.keeps_force) {
+      EXPECT_GT(norm(held.force), 0.5 * held_newton);
+    } else {
+      EXPECT_LT(norm(held.force), 0.001);
+    }
     double last_newton = norm(held.force);
     for (int i = 0; i < 250; ++i) {
       const ArmOutput out = rig.hold(milliseconds(1));

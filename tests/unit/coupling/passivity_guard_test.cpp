@@ -12,13 +12,18 @@
 #include <random>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "daemon/coupling/ghost_point_world.hpp"
+#include "daemon/coupling/remote_force_arm.hpp"
+#include "daemon/coupling/remote_force_world.hpp"
 #include "daemon/coupling/scheme.hpp"
 #include "daemon/world/voxel_world.hpp"
+#include "fake_box.hpp"
 #include "finger.hpp"
 #include "hand_samples.hpp"
 #include "linked_loop.hpp"
+#include "turned_world.hpp"
 
 namespace thimble::coupling {
 namespace {
@@ -227,6 +232,28 @@ TEST(PassivityGuard, PassesOnWhatIsNotFiniteAndResetForgetsTheBalance) {
   sut.reset({}, {});
   EXPECT_EQ(sut.given_joule(), 0);
   EXPECT_EQ(inner.resets, 2);
+}
+
+// A force that is late enough to push the hand along, so that the guard has work.
+std::vector<Force3> feel_guarded(world::World& world, const testing::Turn& turn) {
+  PassivityGuard arm(std::make_unique<RemoteForceArm>(), {});
+  RemoteForceWorld far(world, 1);
+  LinkedLoop loop(arm, far, kTick, testing::delayed_by(0.03));
+  std::vector<Force3> felt;
+  for (int i = 0; i < 12'000; ++i) {
+    const ArmOutput out =
+        loop.tick(turn.there(testing::about(1e-3 * i)), turn.there(testing::about_speed(1e-3 * i)));
+    felt.push_back(turn.back(out.force));
+  }
+  EXPECT_GT(arm.steps_damped(), 100U) << "the guard is on";
+  return felt;
+}
+
+TEST(PassivityGuard, MirroredAndPermutedWorldsGiveMirroredAndPermutedForcesThroughIt) {
+  testing::FakeBox box(0.015);
+  testing::expect_turned_is_felt_turned(box, feel_guarded, 0);
+  world::SphereWorld ball = testing::make_ball();
+  testing::expect_turned_is_felt_turned(ball, feel_guarded, 1e-6);
 }
 
 struct Felt {

@@ -16,9 +16,11 @@
 #include "daemon/coupling/two_port_arm.hpp"
 #include "daemon/coupling/two_port_world.hpp"
 #include "daemon/world/voxel_world.hpp"
+#include "fake_box.hpp"
 #include "finger.hpp"
 #include "hand_samples.hpp"
 #include "linked_loop.hpp"
+#include "turned_world.hpp"
 
 namespace thimble::coupling {
 namespace {
@@ -266,6 +268,30 @@ TEST(TwoPortWorld, AHandGoesOnIntoAWallAsFarAsItsEnergyGoes) {
     (void)sut.answer(sample, kTick);
     EXPECT_EQ(sut.place().x, 0) << "at once in free space";
   }
+}
+
+std::vector<Force3> feel_guarded(world::World& world, const testing::Turn& turn) {
+  TwoPortArm arm(std::make_unique<RemoteForceArm>(), {});
+  TwoPortWorld far(std::make_unique<RemoteForceWorld>(world, 1));
+  LinkedLoop loop(arm, far, kTick, testing::delayed_by(0.03));
+  std::vector<Force3> felt;
+  int held_back = 0;  // steps in which the world does not take the hand where it goes
+  for (int i = 0; i < 12'000; ++i) {
+    const Position3 tip = turn.there(testing::about(1e-3 * i));
+    const ArmOutput out = loop.tick(tip, turn.there(testing::about_speed(1e-3 * i)));
+    felt.push_back(turn.back(out.force));
+    if (norm(far.place() - tip) > 0.005) ++held_back;
+  }
+  EXPECT_GT(arm.steps_withheld(), 100U) << "the arm's end is at work";
+  EXPECT_GT(held_back, 100) << "and the world's";
+  return felt;
+}
+
+TEST(TwoPort, MirroredAndPermutedWorldsGiveMirroredAndPermutedForcesThroughIt) {
+  testing::FakeBox box(0.015);
+  testing::expect_turned_is_felt_turned(box, feel_guarded, 1e-6);
+  world::SphereWorld ball = testing::make_ball();
+  testing::expect_turned_is_felt_turned(ball, feel_guarded, 1e-6);
 }
 
 struct Course {

@@ -119,6 +119,23 @@ TEST(Wave, BeforeTheFirstAnswerADamperIsFelt) {
   }
 }
 
+TEST(Wave, InAGapADamperIsFeltAndByAHandAtRestNothing) {
+  Waves sut(of_impedance(10), delayed_by(0.02), kBox_m);
+  double x_m = 0;
+  for (; x_m < kBox_m + 0.005; x_m += 1e-4) sut.tick(x_m, 0.1);
+  ArmOutput out;
+  for (int i = 0; i < 1000; ++i) out = sut.tick(x_m, 0);
+  EXPECT_LT(out.force.x, -0.5) << "the wall";
+  sut.loop.is_up = false;
+  for (int i = 0; i < 100; ++i) out = sut.tick(x_m, 0);
+  EXPECT_NEAR(out.force.x, 0, 0.001);
+  for (const double v : {-0.1, 0.1}) {
+    for (int i = 0; i < 50; ++i) out = sut.tick(x_m += kServo_s * v, v);
+    EXPECT_NEAR(out.force.x, -10 * v, 0.05);
+  }
+  EXPECT_FALSE(out.is_fading);
+}
+
 struct Course {
   double swing_m{0};
   double hold_newton{0};
