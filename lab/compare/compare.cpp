@@ -10,6 +10,7 @@
 #include "lab/compare/compared.hpp"
 #include "lab/compare/measures.hpp"
 #include "lab/compare/ranking.hpp"
+#include "lab/compare/ranking_tables.hpp"
 #include "lab/compare/scenarios.hpp"
 #include "lab/trial/parameters.hpp"
 
@@ -85,70 +86,19 @@ struct Compared {
     }
     return all;
   }
-};
-
-std::string failed_gates(const NetworkMarks& networks) {
-  std::string text;
-  for (std::size_t gate = 0; gate < kGates; ++gate) {
-    const auto fails = std::count_if(networks.begin(), networks.end(),
-                                     [&](const Marks& m) { return m.fails[gate]; });
-    if (fails == 0) continue;
-    text += text.empty() ? "" : " ";
-    text += std::string(to_string(static_cast<Gate>(gate))) + ":" + std::to_string(fails);
-  }
-  return text.empty() ? "-" : text;
-}
-
-std::vector<Cell> ranking_cells(const Compared& compared, const std::vector<NetworkMarks>& marks,
-                                const Standing& standing) {
-  const auto place_by = [&](const Weights& weights) {
-    return static_cast<double>(place_of(standing.scheme, rank(marks, weights)));
-  };
-  const double place = place_by(kWeights);
-  double best = place;
-  double worst = place;
-  for (std::size_t metric = 0; metric < kMetrics; ++metric) {
-    const double other = place_by(without(static_cast<Metric>(metric)));
-    best = std::min(best, other);
-    worst = std::max(worst, other);
-  }
-  return {place,
-          compared.grid.schemes()[standing.scheme].name,
-          standing.score,
-          static_cast<double>(standing.failed),
-          place_by(kEqualWeights),
-          best,
-          worst,
-          failed_gates(marks[standing.scheme])};
-}
-
-Table ranking_table(const Compared& compared) {
-  Table table{.name = "ranking",
-              .title =
-                  "Places at each delay, over the four networks; beside them with equal "
-                  "weights, and the best and the worst with one metric left out",
-              .columns = {{"delay", "ms", 0},
-                          {"place", "", 0},
-                          {"scheme", ""},
-                          {"score", ""},
-                          {"networks_failed", "", 0},
-                          {"equal_weights", "", 0},
-                          {"best_without_one", "", 0},
-                          {"worst_without_one", "", 0},
-                          {"gates_failed", ""}},
-              .rows = {}};
-  for (std::size_t delay = 0; delay < kDelays_s.size(); ++delay) {
-    const auto marks = compared.marks_at(delay);
-    for (const Standing& standing : rank(marks, kWeights)) {
-      std::vector<Cell> row{1e3 * kDelays_s[delay]};
-      for (Cell& cell : ranking_cells(compared, marks, standing)) {
-        row.push_back(std::move(cell));
-      }
-      table.rows.push_back(std::move(row));
+  [[nodiscard]] std::vector<DelayMarks> marks_by_delay() const {
+    std::vector<DelayMarks> all;
+    for (std::size_t delay = 0; delay < kDelays_s.size(); ++delay) {
+      all.push_back({kDelays_s[delay], marks_at(delay)});
     }
+    return all;
   }
-  return table;
-}
+  [[nodiscard]] std::vector<std::string> names() const {
+    std::vector<std::string> all;
+    for (const CouplingCase& scheme : grid.schemes()) all.push_back(scheme.name);
+    return all;
+  }
+};
 
 std::vector<Column> measure_columns() {
   return {{"delay", "ms", 0},      {"network", ""},         {"scheme", ""},
@@ -335,10 +285,13 @@ Result<Findings> run_compare(const CompareSettings& settings) {
     compared.measures.push_back(*run);
     compared.marks.push_back(marks_of(*run, compared.reference, settings.moves));
   }
+  const auto names = compared.names();
+  const auto marks = compared.marks_by_delay();
   return Findings{.experiment = name_of(settings),
                   .title = title_of(settings),
                   .parameters = parameters_of(settings, compared),
-                  .tables = {measures_table(compared), ranking_table(compared)},
+                  .tables = {measures_table(compared), left_out_table(names, marks),
+                             ranking_table(names, marks)},
                   .plots = {scores_plot(compared)},
                   .criteria = criteria_of(compared, settings.moves),
                   .remarks = {}};

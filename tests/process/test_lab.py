@@ -1,13 +1,40 @@
 """The experiments of `thimble lab` that write findings, as a person runs them."""
 
+import contextlib
 import csv
 import json
+import os
+import pty
+import re
+import select
+import shutil
+import struct
+import subprocess
 import unittest
+import xml.etree.ElementTree
+import zlib
 
-from rig import ProcessTest, is_sanitized
+from rig import BIN, TIMEOUT_S, ProcessTest, clean_environment, die_with_parent, is_sanitized
 
 
 _reckons = unittest.skipIf(is_sanitized(), "reckons for minutes there; the release build plays it")
+_SVG = "{http://www.w3.org/2000/svg}"
+
+
+def pixels_of_png(content):
+    """Width, height and the inflated rows of a picture."""
+    if not content.startswith(b"\x89PNG\r\n\x1a\n"):
+        raise AssertionError("it has not the signature of PNG")
+    place, packed, size = 8, b"", None
+    while place < len(content):
+        length, kind = struct.unpack_from(">I4s", content, place)
+        data = content[place + 8:place + 8 + length]
+        if kind == b"IHDR":
+            size = struct.unpack_from(">II", data)
+        elif kind == b"IDAT":
+            packed += data
+        place += 12 + length
+    return (*size, zlib.decompress(packed))
 
 
 class Lab(ProcessTest):
@@ -58,6 +85,18 @@ class Lab(ProcessTest):
                 self.assertIn(place, {str(i + 1), places[max(0, i - 1)]})
             self.assertEqual(places[0], "1")
             self.assertGreater(len(places), 5)
+        with (folder / "compare-left-out.csv").open() as file:
+            left_out = list(csv.DictReader(file))
+        metrics = list(left_out[0])[3:]
+        self.assertEqual(len(metrics), 10)
+        self.assertEqual(len(left_out), len(rows))
+        for places, row in zip(left_out, rows):
+            for name in ("delay [ms]", "scheme", "place"):
+                self.assertEqual(places[name], row[name])
+            among = [int(places[name]) for name in ("place", *metrics)]
+            self.assertEqual(str(min(among)), row["best_without_one"])
+            self.assertEqual(str(max(among)), row["worst_without_one"])
+        self.assertRegex(shown.stdout, "delay \\[ms\\] +scheme +place +" + " +".join(metrics))
 
     @_reckons
     def test_constraint_models_hold_as_the_figures_draw_them(self):
@@ -142,6 +181,59 @@ source = "box:3"
         self.assertEqual(arms["rows"][0][state].lower(), "active")
         with (folder / "run-trace-1.csv").open() as file:
             self.assertGreater(len(list(csv.DictReader(file))), 1000)
+
+    @unittest.skipUnless(shutil.which("gnuplot"), "gnuplot is not installed (Debian: gnuplot-nox)")
+    def test_plots_are_drawn_by_gnuplot(self):
+        folder = self.folder / "drawn"
+        shown = self.run_experiment("table-4.1", "--contacts", "1", "--out", folder)
+        self.assertEqual(shown.stderr, "")
+        for kind in (".svg", ".png"):
+            self.assertIn(f"written: {folder / 'table-4.1-offsets'}{kind}\n", shown.stdout)
+        drawn = xml.etree.ElementTree.parse(folder / "table-4.1-offsets.svg")
+        words = {"".join(text.itertext()).strip() for text in drawn.iter(_SVG + "text")}
+        self.assertLessEqual({"offset [mm]", "round-trip delay [ms]", "thesis, table 4.1"}, words)
+        series = [group for group in drawn.iter(_SVG + "g") if group.get("id", "").startswith("gnuplot_plot_")]
+        self.assertEqual(len(series), (folder / "table-4.1-offsets.gp").read_text().count(" << EOD\n"))
+        for one in series:
+            self.assertTrue(list(one.iter(_SVG + "use")) + list(one.iter(_SVG + "path")), "a series without a mark")
+        width, height, rows = pixels_of_png((folder / "table-4.1-offsets.png").read_bytes())
+        self.assertEqual((width, height), (1350, 900))
+        # Rows are stored as differences: an empty picture has hardly any that is not 0.
+        self.assertGreater(len(rows) - rows.count(0), 10000)
+
+    def run_on_a_terminal(self, *arguments):
+        """Exit code, standard output, and what a terminal at standard error was shown."""
+        ours, theirs = pty.openpty()
+        self.addCleanup(os.close, ours)
+        output = self.folder / "stdout"
+        with output.open("wb") as file, open(theirs, "wb", closefd=True) as terminal:
+            process = subprocess.Popen([str(BIN / "thimble"), "lab", *map(str, arguments)], stdin=subprocess.DEVNULL,
+                                       stdout=file, stderr=terminal, env=clean_environment(),
+                                       preexec_fn=die_with_parent)
+        told = b""
+        # A terminal that nobody writes to any more answers with EIO.
+        with contextlib.suppress(OSError):
+            while select.select([ours], [], [], TIMEOUT_S)[0]:
+                told += os.read(ours, 65536)
+        return process.wait(TIMEOUT_S), output.read_text(), told.decode()
+
+    def test_a_terminal_is_shown_how_far_it_is_and_a_file_is_not(self):
+        _, printed, told = self.run_on_a_terminal("table-4.1", "--contacts", "1")
+        bars = re.findall(r"\r(#*)(\.*) (\d+) of (\d+)", told)
+        done = [int(bar[2]) for bar in bars]
+        count = int(bars[0][3])
+        self.assertGreater(count, 10)
+        self.assertEqual(done, list(range(1, count + 1)), "each run that ends moves it")
+        filled = [len(bar[0]) for bar in bars]
+        self.assertEqual({len(bar[0] + bar[1]) for bar in bars}, {40})
+        self.assertEqual(filled, sorted(filled))
+        self.assertLess(filled[0], filled[-1])
+        self.assertEqual(filled[-1], 40, "it is full")
+        self.assertTrue(told.endswith("\r\x1b[K"), "its line is empty again")
+        self.assertNotIn("\r", printed)
+        piped = self.run_experiment("table-4.1", "--contacts", "1")
+        self.assertEqual(piped.stdout, printed)
+        self.assertEqual(piped.stderr, "", "no terminal, no bar")
 
     def test_what_keeps_real_time_is_not_played(self):
         config = self.folder / "real.toml"
