@@ -15,8 +15,8 @@ namespace thimble::picture {
 [[nodiscard]] ColorVolume volume_of(const cli::WorldCells& cells);
 
 // Draws fingers as white balls. In a world with pieces it is the grasp point, where its board has
-// it: where the hand was one round trip ago, and what was in its way held it. In others: where the
-// hand of each arm in `world` is now, with its coordinate offset. `every` as WorldCells has it.
+// it: where the hand was one round trip ago, and what was in its way held it. In others: where each
+// arm in `world` felt its hand, as api::FeltStatus has it. `every` as WorldCells has it.
 void add_fingers(ColorVolume& volume, std::uint32_t every, const api::WorldStatus& world,
                  const api::Status& status);
 
