@@ -1,4 +1,4 @@
-"""Two daemons in two network namespaces, and one block that both arms push (thesis 5.3.4)."""
+"""Two daemons in two network namespaces: one block that both arms push (thesis 5.3.4), and two arms coupled to each other (5.3.5)."""
 
 import math
 import os
@@ -54,7 +54,11 @@ class Seen:
         return found[0]
 
 
-class TwoNamespaces(rig.ProcessTest):
+class TwoHosts:
+    """examples/two_hosts.sh with `scene`, until the end of a test."""
+
+    scene = ""
+
     def setUp(self):
         super().setUp()
         reason = reason_to_skip()
@@ -62,7 +66,7 @@ class TwoNamespaces(rig.ProcessTest):
             self.skipTest(reason)
         with open(self.folder / "log", "wb") as log:
             self.program = subprocess.Popen(
-                [str(rig.EXAMPLES / "two_hosts.sh")], stdin=subprocess.DEVNULL, stdout=log,
+                [str(rig.EXAMPLES / "two_hosts.sh"), self.scene], stdin=subprocess.DEVNULL, stdout=log,
                 stderr=log, preexec_fn=rig.die_with_parent,
                 env={**rig.clean_environment(), "THIMBLED": str(rig.BIN / "thimbled"),
                      "ROOM": str(self.folder)})
@@ -75,10 +79,21 @@ class TwoNamespaces(rig.ProcessTest):
             self.program.send_signal(signal.SIGTERM)
         self.program.wait(rig.TIMEOUT_S)
 
+    def assert_it_leaves_no_namespace_behind(self):
+        ours = f"-{self.program.pid}"
+        namespaces = subprocess.run(["ip", "netns"], capture_output=True, text=True, check=True)
+        self.assertIn(ours, namespaces.stdout)
+        self.stop()
+        left = subprocess.run(["ip", "netns"], capture_output=True, text=True, check=True)
+        self.assertNotIn(ours, left.stdout)
+
+
+class Block(TwoHosts, rig.ProcessTest):
+    scene = "block"
+
     def test_what_one_pushes_the_other_feels(self):
         self.host.when(lambda s: s["arms"][0]["state"] == "active")
         self.guest.when(lambda s: s["arms"][0]["state"] == "active" and s["links"][0]["is_up"])
-        namespaces = subprocess.run(["ip", "netns"], capture_output=True, text=True, check=True)
         with self.subTest("the way between them is as long as it was said"):
             link = self.guest.when(lambda s: s["links"][0]["round_trip_s"] > 0)["links"][0]
             self.assertGreaterEqual(link["round_trip_s"], 0.05)
@@ -94,12 +109,31 @@ class TwoNamespaces(rig.ProcessTest):
         with self.subTest("nothing came to grief"):
             for side in (self.host, self.guest):
                 self.assertEqual(side.status()["arms"][0]["faults"], [])
-        with self.subTest("it leaves no namespace behind"):
-            self.stop()
-            left = subprocess.run(["ip", "netns"], capture_output=True, text=True, check=True)
-            ours = f"-{self.program.pid}"
-            self.assertIn(ours, namespaces.stdout)
-            self.assertNotIn(ours, left.stdout)
+        self.assert_it_leaves_no_namespace_behind()
+
+
+class Teleoperation(TwoHosts, rig.ProcessTest):
+    scene = "teleoperation"
+
+    def test_what_one_does_the_other_is_drawn_along_by(self):
+        self.guest.when(lambda s: s["arms"][0]["state"] == "active" and s["links"][0]["is_up"])
+        first = self.host.when(lambda s: s["arms"][0]["state"] == "active")["arms"][0]
+        with self.subTest("its far end is the arm of the other host, as far away as was said, with a key of their own"):
+            link = self.guest.when(lambda s: s["links"][0]["round_trip_s"] > 0)["links"][0]
+            self.assertEqual((link["peer"], link["peer_arm"], link["scheme"]), ("udp://10.68.0.1:5001", "here", "wave"))
+            self.assertGreaterEqual(link["round_trip_s"], 0.04)
+            self.assertEqual(os.stat(self.folder / "link.key").st_mode & 0o777, 0o600)
+        with self.subTest("the hand that holds still is moved by 3 mm, and its arm pulls at it"):
+            def is_drawn(status):
+                arm = status["arms"][0]
+                return math.dist(arm["position_m"], first["position_m"]) > 0.003 and math.hypot(*arm["force_newton"]) > 0.1
+            self.host.when(is_drawn)
+        with self.subTest("and the hand that moves feels it"):
+            self.guest.when(lambda s: math.hypot(*s["arms"][0]["force_newton"]) > 0.1)
+        with self.subTest("nothing came to grief"):
+            for side in (self.host, self.guest):
+                self.assertEqual(side.status()["arms"][0]["faults"], [])
+        self.assert_it_leaves_no_namespace_behind()
 
 
 if __name__ == "__main__":
