@@ -150,6 +150,11 @@ void add_experiments(CLI::App& lab, int& code) {
                   .help = "The same as compare, each scheme with a passivity guard",
                   .run = compare(false, true)},
                  code);
+  add_experiment(lab,
+                 {.name = "compare-moving-guarded",
+                  .help = "The same as compare-moving, each scheme with a passivity guard",
+                  .run = compare(true, true)},
+                 code);
   add_experiment(
       lab,
       {.name = "constraint-models",
