@@ -87,6 +87,7 @@ class Guest:
     """
 
     def __init__(self, kernel="amd64", share=DEBS, pace=AS_IT_COMES, disk=None, memory=None):
+        self.pace = pace
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="thimble-vm-"))
         self.console = self.folder / "console"
         image = guest_image.image_folder()

@@ -27,7 +27,7 @@ LIES = "longer shorter no-endpoints more-endpoints long-length large-packets bot
 
 
 def arm_beside(one, *way):
-    return simdev.Simdev(one, "left", *way, *arms.frames_at_once(arms.QUIET_HZ), "--serial", two_arms.BESIDE, "phantom-vintage")
+    return simdev.Simdev(one, "left", *way, *arms.frames_at_once(one, arms.QUIET_HZ), "--serial", two_arms.BESIDE, "phantom-vintage")
 
 
 class Misbehaviour:
