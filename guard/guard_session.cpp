@@ -9,6 +9,8 @@
 #include <cstring>
 #include <string>
 
+#include "hal/linux/timespec.hpp"
+
 namespace thimble::guard {
 namespace {
 
@@ -70,9 +72,7 @@ void GuardSession::await_next(Clock& clock) noexcept {
     clock.sleep_until(next);
     return;
   }
-  const Duration left = std::max(next - now, Duration(0));
-  const auto whole = std::chrono::duration_cast<std::chrono::seconds>(left);
-  const timespec most{whole.count(), (left - whole).count()};
+  const timespec most = linux::to_timespec(std::max(next - now, Duration(0)));
   pollfd connection{socket_, POLLIN, 0};
   // Whatever it returns for, the next look finds out. Not if it is refused: that would be a loop
   // without end above every servo.

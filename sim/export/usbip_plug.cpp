@@ -8,6 +8,7 @@
 #include <iterator>
 #include <utility>
 
+#include "hal/linux/timespec.hpp"
 #include "sim/bus/sim_usb_port.hpp"
 
 namespace thimble::sim {
@@ -162,8 +163,7 @@ bool UsbipPlug::wait_for_kernel(MonotonicTime until) noexcept {
     sockets[count++] = {connection.socket.native_handle(), POLLIN, 0};
   }
   const Duration left = std::max(until - around_.machine->now(), Duration(0));
-  const auto whole = std::chrono::duration_cast<std::chrono::seconds>(left);
-  const timespec most{whole.count(), (left - whole).count()};
+  const timespec most = linux::to_timespec(left);
   return ::ppoll(sockets.data(), count, &most, nullptr) > 0;
 }
 
