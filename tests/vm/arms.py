@@ -21,6 +21,9 @@ workspace_m = 0.09
 # What the servo can do with least, and a quarter less to emulate than 1,000 (decision 0390): for tests that look at no time.
 QUIET_HZ = 500
 FULL_HZ = 1000
+# In scripts of the guest: the daemon, and the thread that drives the arm.
+PID = "$(systemctl show thimbled -p MainPID --value)"
+SERVO = f"$(ps -L -o lwp=,comm= -p {PID} | awk '$2 == \"servo-right\" {{print $1}}')"
 
 
 def frames_at_once(guest, rate_hz):

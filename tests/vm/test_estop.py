@@ -161,11 +161,10 @@ class Estop(guest.GuestTest):
 
     def test_8b_it_stops_with_a_servo_that_hangs_and_comes_back_with_it(self):
         """All else in the daemon runs on: nobody but the servo could have let it beat."""
-        servo = self.guest.run("ps -L -o lwp=,comm= -p $(systemctl show thimbled -p MainPID --value) | awk '$2 == \"servo-right\" {print $1}'").strip()
         self.assertGreaterEqual(self.beats(), BEATS)
         # In one go, for between two commands the guest's clock runs ahead: it hangs for less than WatchdogSec, and says when it has begun.
         look = self.adapter.command("status")
-        printed = self.guest.run(f"python3 -B /run/tests/hang_thread.py {servo} 2 > /run/hung 2>&1 & until [ -s /run/hung ]; do sleep 0.05; done; "
+        printed = self.guest.run(f"python3 -B /run/tests/hang_thread.py {arms.SERVO} 2 > /run/hung 2>&1 & until [ -s /run/hung ]; do sleep 0.05; done; "
                                  f"sleep 0.2; {look}; sleep 0.5; {look}")
         first, second = (json.loads(line)["readings"]["changes_3"] for line in printed.splitlines())
         self.assertEqual(second - first, 0)

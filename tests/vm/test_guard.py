@@ -10,14 +10,12 @@ import arms
 import guest
 import simdev
 
-PID = "$(systemctl show thimbled -p MainPID --value)"
-SERVO = f"$(ps -L -o lwp=,comm= -p {PID} | awk '$2 == \"servo-right\" {{print $1}}')"
 LET_GO_S = 0.05
 
 
 def signal(name):
     """Sends it and prints when."""
-    return f"python3 -c 'import os, signal, sys, time; print(time.monotonic()); os.kill(int(sys.argv[1]), signal.{name})' {PID}"
+    return f"python3 -c 'import os, signal, sys, time; print(time.monotonic()); os.kill(int(sys.argv[1]), signal.{name})' {arms.PID}"
 
 
 class LetsGo:
@@ -81,7 +79,7 @@ class LetsGoWhateverHappens(LetsGo):
         self.assert_started_anew_without_force(self.WATCHDOG_S)
 
     def test_a_servo_that_hangs(self):
-        blow = f"python3 -B /run/tests/hang_thread.py {SERVO} 0.5"
+        blow = f"python3 -B /run/tests/hang_thread.py {arms.SERVO} 0.5"
         self.assertLess(self.let_go_after(blow), LET_GO_S)
         arm = json.loads(simdev.wait_for_state(self.guest, "fault"))
         self.assertIn("servo-late", [fault["code"] for fault in arm["faults"]])
@@ -98,7 +96,7 @@ class HidArm(LetsGoWhateverHappens, guest.GuestTest):
 
     def test_a_servo_that_hangs_for_good_costs_the_daemon_its_life(self):
         """All else in it runs on, so that nobody but the servo could have petted the watchdog."""
-        self.guest.run(f"python3 -B /run/tests/hang_thread.py {SERVO} 10 > /dev/null 2>&1 &")
+        self.guest.run(f"python3 -B /run/tests/hang_thread.py {arms.SERVO} 10 > /dev/null 2>&1 &")
         self.assert_started_anew_without_force(self.WATCHDOG_S)
         self.assertIn("Watchdog timeout", self.guest.run("journalctl -u thimbled -n 30"))
 
