@@ -42,13 +42,6 @@ api::ServerSettings server_settings(const config::Config& config) {
   return settings;
 }
 
-std::string sentence_of(const config::ArmConfig& arm, ReturnWatch::Change change) {
-  if (change == ReturnWatch::Change::Returned) {
-    return "arm '" + arm.name + "': " + arm.device + " is there again";
-  }
-  return "arm '" + arm.name + "' stopped: " + std::string(explain(FaultCode::Disconnected));
-}
-
 }  // namespace
 
 Daemon::Daemon(const config::Config& config, const Options& options,
@@ -91,6 +84,7 @@ Result<void> Daemon::start(const linux::RealtimeProcess& process) {
   parts.stopwatch = parts.real_clock = &clock_;
   parts.wake = wake_.get();
   parts.io = &io_;
+  parts.network = &network_;
   parts.on_wait = [this](const Error& why) {
     spdlog::warn("waiting: {}", why.message);
     notifier_.status("waiting: " + why.message);

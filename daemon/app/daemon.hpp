@@ -24,6 +24,7 @@
 #include "daemon/app/servo_threads.hpp"
 #include "daemon/app/status_source.hpp"
 #include "daemon/config/config.hpp"
+#include "daemon/link/udp_network.hpp"
 #include "daemon/session/plugins.hpp"
 #include "daemon/session/runtime.hpp"
 #include "hal/linux/bus_enumerator.hpp"
@@ -86,6 +87,7 @@ class Daemon final : private api::StatusView {
   ReturnWatch returns_;
 
   boost::asio::io_context io_{1};
+  link::UdpNetwork network_{io_};
   boost::asio::signal_set signals_{io_};
   boost::asio::steady_timer pump_timer_{io_};
   boost::asio::steady_timer supervise_timer_{io_};

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "hal/device/fault.hpp"
+
 namespace thimble::app {
 
 ReturnWatch::Change ReturnWatch::note(std::size_t arm, OperatingState state) {
@@ -15,6 +17,13 @@ ReturnWatch::Change ReturnWatch::note(std::size_t arm, OperatingState state) {
 
 void ReturnWatch::forget(std::size_t arm) {
   if (arm < seen_.size()) seen_[arm] = Seen::Never;
+}
+
+std::string sentence_of(const config::ArmConfig& arm, ReturnWatch::Change change) {
+  if (change == ReturnWatch::Change::Returned) {
+    return "arm '" + arm.name + "': " + arm.device + " is there again";
+  }
+  return "arm '" + arm.name + "' stopped: " + std::string(explain(FaultCode::Disconnected));
 }
 
 }  // namespace thimble::app

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <vector>
 
+#include "daemon/config/config.hpp"
 #include "hal/device/operating_state.hpp"
 
 namespace thimble::app {
@@ -21,5 +23,8 @@ class ReturnWatch {
   enum class Seen { Never, There, Lost };
   std::vector<Seen> seen_;
 };
+
+// What a person is told of that arm. `change` is not None.
+[[nodiscard]] std::string sentence_of(const config::ArmConfig& arm, ReturnWatch::Change change);
 
 }  // namespace thimble::app

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "daemon/link/arm_mailbox.hpp"
-#include "daemon/link/udp_port.hpp"
+#include "daemon/link/udp_network.hpp"
 
 namespace thimble::link {
 namespace {
@@ -43,13 +43,13 @@ class UdpArmLink::Impl {
 template <class End, class Datagram>
 class UdpArmLink::ImplOf final : public UdpArmLink::Impl {
  public:
-  ImplOf(boost::asio::io_context& io, const Clock& clock, const Endpoint& peer, End end,
+  ImplOf(DatagramNetwork& network, const Clock& clock, const Endpoint& peer, End end,
          rt::WakeSignal* wake)
-      : Impl(wake), clock_(&clock), peer_(peer), end_(std::move(end)), port_(io) {}
+      : Impl(wake), clock_(&clock), peer_(peer), end_(std::move(end)), port_(network.make_port()) {}
 
   Result<void> start() override {
-    if (Result<void> opened = port_.open(local_for(peer_)); !opened) return opened;
-    port_.start(
+    if (Result<void> opened = port_->open(local_for(peer_)); !opened) return opened;
+    port_->start(
         {.on_datagram = [this](const Endpoint& from,
                                std::span<const std::byte> bytes) { on_datagram(from, bytes); },
          .on_receive_error = [this] { on_receive_error(); },
@@ -62,7 +62,7 @@ class UdpArmLink::ImplOf final : public UdpArmLink::Impl {
   [[nodiscard]] LinkStatus status() const override {
     LinkStatus status = end_.status();
     status.peer = to_string(peer_);
-    if (status.last_error.empty()) status.last_error = port_.last_error();
+    if (status.last_error.empty()) status.last_error = port_->last_error();
     return status;
   }
 
@@ -74,7 +74,7 @@ class UdpArmLink::ImplOf final : public UdpArmLink::Impl {
     send(now);
     mailbox_.publish(end_.quality());
     const std::optional<MonotonicTime> due = end_.next_due();
-    if (due) port_.wake_after(now, std::max(*due, blocked_until_) - now);
+    if (due) port_->wake_after(now, std::max(*due, blocked_until_) - now);
   }
 
   void on_receive_error() {
@@ -103,7 +103,7 @@ class UdpArmLink::ImplOf final : public UdpArmLink::Impl {
   void send(MonotonicTime now) {
     if (now < blocked_until_) return;  // the newest sample waits; older ones were replaced
     for (Datagram datagram; end_.poll(now, datagram);) {
-      if (port_.send(peer_, bytes_of(datagram)) == UdpPort::Outcome::Done) continue;
+      if (port_->send(peer_, bytes_of(datagram)) == DatagramPort::Outcome::Done) continue;
       ++end_.counters().send_errors;
       return back_off(now);
     }
@@ -120,11 +120,18 @@ class UdpArmLink::ImplOf final : public UdpArmLink::Impl {
   End end_;
   MonotonicTime blocked_until_{};
   Duration back_off_{kFirstBackOff};
-  UdpPort port_;  // last: its handlers use the rest
+  std::unique_ptr<DatagramPort> port_;  // last: its handlers use the rest
 };
 
 Result<std::unique_ptr<UdpArmLink>> UdpArmLink::open(boost::asio::io_context& io,
                                                      const Clock& clock, const Settings& settings,
+                                                     rt::WakeSignal* wake) {
+  UdpNetwork network(io);
+  return open(network, clock, settings, wake);
+}
+
+Result<std::unique_ptr<UdpArmLink>> UdpArmLink::open(DatagramNetwork& network, const Clock& clock,
+                                                     const Settings& settings,
                                                      rt::WakeSignal* wake) {
   if (!settings.end.key) {
     const Result<void> allowed = may_link(settings.peer, settings.allow_unauthenticated);
@@ -133,10 +140,10 @@ Result<std::unique_ptr<UdpArmLink>> UdpArmLink::open(boost::asio::io_context& io
   std::unique_ptr<Impl> impl;
   if (settings.end.protocol == ArmEndSettings::Protocol::Thimble) {
     impl = std::make_unique<ImplOf<ThimbleArmEnd, ThimbleDatagram>>(
-        io, clock, settings.peer, make_thimble_end(settings.end), wake);
+        network, clock, settings.peer, make_thimble_end(settings.end), wake);
   } else {
     impl = std::make_unique<ImplOf<ThesisArmEnd, ThesisRequest>>(
-        io, clock, settings.peer, make_thesis_end(settings.end), wake);
+        network, clock, settings.peer, make_thesis_end(settings.end), wake);
   }
   if (Result<void> started = impl->start(); !started) return tl::unexpected(started.error());
   return std::unique_ptr<UdpArmLink>(new UdpArmLink(std::move(impl)));

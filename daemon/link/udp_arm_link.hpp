@@ -4,6 +4,7 @@
 
 #include "daemon/coupling/arm_link.hpp"
 #include "daemon/link/arm_end_settings.hpp"
+#include "daemon/link/datagram_port.hpp"
 #include "daemon/link/endpoint.hpp"
 #include "daemon/link/link_counters.hpp"
 #include "hal/base/result.hpp"
@@ -20,9 +21,9 @@ namespace thimble::link {
 // a network or a peer does ends it: errors are counted, and sending is tried again after a back-off
 // of 10 … 100 ms. Datagrams of others than the peer are refused.
 //
-// Thread: arm_end() is for the servo; everything else for the thread that runs the io_context.
+// Thread: arm_end() is for the servo; everything else for the thread that runs the network.
 // RT: not, but for the arm end; one receive, one send a message, no allocation.
-// Ownership: io_context, clock and wake signal must outlive it.
+// Ownership: io_context or network, clock and wake signal must outlive it.
 // Errors: open() when it may not link there (may_link(), without a key) or no socket can be had.
 class UdpArmLink {
  public:
@@ -32,9 +33,14 @@ class UdpArmLink {
     ArmEndSettings end{};
   };
 
+  // Over the sockets of this machine, or over any other network: a port of it each.
   // `wake` is signalled by the servo; who waits for it calls on_wake(). None: the caller calls
   // on_wake() by itself.
   [[nodiscard]] static Result<std::unique_ptr<UdpArmLink>> open(boost::asio::io_context& io,
+                                                                const Clock& clock,
+                                                                const Settings& settings,
+                                                                rt::WakeSignal* wake);
+  [[nodiscard]] static Result<std::unique_ptr<UdpArmLink>> open(DatagramNetwork& network,
                                                                 const Clock& clock,
                                                                 const Settings& settings,
                                                                 rt::WakeSignal* wake);

@@ -5,7 +5,7 @@
 
 #include "daemon/link/earliest.hpp"
 #include "daemon/link/thesis_world_end.hpp"
-#include "daemon/link/udp_port.hpp"
+#include "daemon/link/udp_network.hpp"
 
 namespace thimble::link {
 namespace {
@@ -16,9 +16,8 @@ constexpr Duration kRetrySend = std::chrono::milliseconds(1);
 
 class UdpWorldServer::Impl {
  public:
-  Impl(boost::asio::io_context& io, const Clock& clock, const Settings& settings,
-       const Worlds& worlds)
-      : clock_(&clock), port_(io) {
+  Impl(DatagramNetwork& network, const Clock& clock, const Settings& settings, const Worlds& worlds)
+      : clock_(&clock), port_(network.make_port()) {
     const ThimbleWorldEnd::Settings& end = settings.end;
     const bool may_be_open =
         may_listen(settings.bind, settings.allow_unauthenticated, end.pinned_peer).has_value();
@@ -31,8 +30,8 @@ class UdpWorldServer::Impl {
   }
 
   Result<void> start(const Endpoint& bind) {
-    if (Result<void> opened = port_.open(bind); !opened) return opened;
-    port_.start(
+    if (Result<void> opened = port_->open(bind); !opened) return opened;
+    port_->start(
         {.on_datagram = [this](const Endpoint& from,
                                std::span<const std::byte> bytes) { on_datagram(from, bytes); },
          .on_receive_error = [this] { ++counters_.receive_errors; },
@@ -40,7 +39,7 @@ class UdpWorldServer::Impl {
     return {};
   }
 
-  [[nodiscard]] Endpoint local() const { return port_.local(); }
+  [[nodiscard]] Endpoint local() const { return port_->local(); }
 
   [[nodiscard]] LinkStatus status() const {
     LinkStatus status = thesis_ ? thesis_->status() : LinkStatus();
@@ -49,7 +48,7 @@ class UdpWorldServer::Impl {
       status.counters = sum(status.counters, thimble_->total());
       status.is_up = status.is_up || !thimble_->sessions().empty();
     }
-    if (status.last_error.empty()) status.last_error = port_.last_error();
+    if (status.last_error.empty()) status.last_error = port_->last_error();
     if (status.last_error.empty() && thimble_) status.last_error = thimble_->refusal();
     return status;
   }
@@ -74,19 +73,19 @@ class UdpWorldServer::Impl {
 
   void step(MonotonicTime now) {
     const bool has_room = send(now);
-    if (!has_room) return port_.wake_after(now, kRetrySend);
+    if (!has_room) return port_->wake_after(now, kRetrySend);
     std::optional<MonotonicTime> due;
     if (thesis_) take_earlier(due, thesis_->next_due());
     if (thimble_) take_earlier(due, thimble_->next_due());
-    if (due) port_.wake_after(now, std::max(*due - now, Duration::zero()));
+    if (due) port_->wake_after(now, std::max(*due - now, Duration::zero()));
   }
 
   // False when the socket has no room: the reply in hand goes first next time.
   bool send(MonotonicTime now) {
     while (has_unsent_ || take_reply(now)) {
-      const UdpPort::Outcome outcome = port_.send(unsent_.to, unsent_.datagram.view());
-      has_unsent_ = outcome == UdpPort::Outcome::Blocked;
-      if (outcome != UdpPort::Outcome::Done) ++counters_.send_errors;
+      const DatagramPort::Outcome outcome = port_->send(unsent_.to, unsent_.datagram.view());
+      has_unsent_ = outcome == DatagramPort::Outcome::Blocked;
+      if (outcome != DatagramPort::Outcome::Done) ++counters_.send_errors;
       if (has_unsent_) return false;
     }
     return true;
@@ -109,10 +108,18 @@ class UdpWorldServer::Impl {
   LinkCounters counters_{};  // of the socket, and of what nobody here understands
   ThimbleWorldEnd::Reply unsent_{};
   bool has_unsent_{false};
-  UdpPort port_;  // last: its handlers use the rest
+  std::unique_ptr<DatagramPort> port_;  // last: its handlers use the rest
 };
 
 Result<std::unique_ptr<UdpWorldServer>> UdpWorldServer::open(boost::asio::io_context& io,
+                                                             const Clock& clock,
+                                                             const Settings& settings,
+                                                             const Worlds& worlds) {
+  UdpNetwork network(io);
+  return open(network, clock, settings, worlds);
+}
+
+Result<std::unique_ptr<UdpWorldServer>> UdpWorldServer::open(DatagramNetwork& network,
                                                              const Clock& clock,
                                                              const Settings& settings,
                                                              const Worlds& worlds) {
@@ -121,7 +128,7 @@ Result<std::unique_ptr<UdpWorldServer>> UdpWorldServer::open(boost::asio::io_con
         may_listen(settings.bind, settings.allow_unauthenticated, settings.end.pinned_peer);
     if (!allowed) return tl::unexpected(allowed.error());
   }
-  auto impl = std::make_unique<Impl>(io, clock, settings, worlds);
+  auto impl = std::make_unique<Impl>(network, clock, settings, worlds);
   if (Result<void> started = impl->start(settings.bind); !started) {
     return tl::unexpected(started.error());
   }

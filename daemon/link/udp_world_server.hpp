@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "daemon/coupling/world_coupling.hpp"
+#include "daemon/link/datagram_port.hpp"
 #include "daemon/link/endpoint.hpp"
 #include "daemon/link/impairment.hpp"
 #include "daemon/link/link_counters.hpp"
@@ -27,8 +28,8 @@ namespace thimble::link {
 // Programs of 1999 are answered on loopback, where there is no key, and wherever their one peer is
 // pinned and allowed; our own without a key likewise, with one from anywhere (decision 0427).
 //
-// Thread: the one that runs the io_context. RT: not; one receive, one send a message, no
-// allocation. Ownership: io_context, clock and worlds must outlive it.
+// Thread: the one that runs the network. RT: not; one receive, one send a message, no
+// allocation. Ownership: io_context or network, clock and worlds must outlive it.
 // Errors: open() when it may not listen there (may_listen(), without a key) or the port is taken.
 class UdpWorldServer {
  public:
@@ -44,6 +45,11 @@ class UdpWorldServer {
   };
 
   [[nodiscard]] static Result<std::unique_ptr<UdpWorldServer>> open(boost::asio::io_context& io,
+                                                                    const Clock& clock,
+                                                                    const Settings& settings,
+                                                                    const Worlds& worlds);
+  // Over any other network than the sockets of this machine.
+  [[nodiscard]] static Result<std::unique_ptr<UdpWorldServer>> open(DatagramNetwork& network,
                                                                     const Clock& clock,
                                                                     const Settings& settings,
                                                                     const Worlds& worlds);

@@ -65,6 +65,26 @@ Result<void> ArmRig::choose_bus(const config::ArmConfig& arm, const RigParts& pa
   return {};
 }
 
+const Clock* network_clock(const RigParts& parts) noexcept {
+  return parts.network_clock != nullptr ? parts.network_clock : parts.real_clock;
+}
+
+Result<std::unique_ptr<RigLink>> link_to_other_host(const config::ArmConfig& arm,
+                                                    const RigParts& parts) {
+  if (arm.line) {
+    if (parts.io == nullptr || parts.real_clock == nullptr) {
+      return fail(Errc::Unsupported, "line: a serial line keeps real time; name a world");
+    }
+    return make_serial_link(arm, serial_line(*arm.line, parts), *parts.io, *parts.real_clock,
+                            parts.wake);
+  }
+  const Clock* const clock = network_clock(parts);
+  if (parts.network == nullptr || clock == nullptr) {
+    return fail(Errc::Unsupported, "link: there is no network to another host; name a world");
+  }
+  return make_udp_link(arm, *parts.network, *clock, parts.wake);
+}
+
 Result<void> ArmRig::link_to(WorldHost* world, const config::ArmConfig& arm,
                              const RigParts& parts) {
   if (arm.peer || arm.is_listening()) {
@@ -84,14 +104,7 @@ Result<void> ArmRig::link_to(WorldHost* world, const config::ArmConfig& arm,
     link_ = make_in_process_link(arm, *std::move(world_half), parts.wake);
     return {};
   }
-  if (parts.io == nullptr || parts.real_clock == nullptr) {
-    return fail(Errc::Unsupported,
-                "link: another host cannot be reached in virtual time; name a world");
-  }
-  Result<std::unique_ptr<RigLink>> link =
-      arm.line ? make_serial_link(arm, serial_line(*arm.line, parts), *parts.io, *parts.real_clock,
-                                  parts.wake)
-               : make_udp_link(arm, *parts.io, *parts.real_clock, parts.wake);
+  auto link = link_to_other_host(arm, parts);
   if (!link) return tl::unexpected(link.error());
   link_ = *std::move(link);
   return {};

@@ -28,11 +28,13 @@ struct RigParts {
   std::function<devices::DeviceExecutor&(const std::string& world)> executor_for_board{};
   // The memory of the CAM board in a slot of this machine; nothing: there is no slot. May wait.
   std::function<Result<std::unique_ptr<bus::MemoryWindow>>()> open_board_window{};
-  Clock* real_clock{nullptr};            // nullptr: virtual time, nothing sleeps
-  const Clock* world_clock{nullptr};     // of worlds that take their time; nullptr: real_clock
-  const Clock* stopwatch{nullptr};       // nullptr: the arm's own clock
-  rt::WakeSignal* wake{nullptr};         // of the net plane
-  boost::asio::io_context* io{nullptr};  // for links to other hosts
+  Clock* real_clock{nullptr};               // nullptr: virtual time, nothing sleeps
+  const Clock* world_clock{nullptr};        // of worlds that take their time; nullptr: real_clock
+  const Clock* stopwatch{nullptr};          // nullptr: the arm's own clock
+  rt::WakeSignal* wake{nullptr};            // of the net plane
+  boost::asio::io_context* io{nullptr};     // for serial lines to other hosts
+  link::DatagramNetwork* network{nullptr};  // to other hosts; nullptr: there is none
+  const Clock* network_clock{nullptr};      // of its links; nullptr: real_clock
   // Opens a serial port of this machine for a link: link::OpenLine; nothing: there is none.
   std::function<Result<std::shared_ptr<const int>>(const std::string& node,
                                                    std::uint32_t bit_per_s)>
@@ -50,6 +52,13 @@ struct RigParts {
   // Hears why a start waits: somebody else holds an arm.
   std::function<void(const Error&)> on_wait{};
 };
+
+// nullptr: no link can be kept.
+[[nodiscard]] const Clock* network_clock(const RigParts& parts) noexcept;
+// The link of an arm whose world is on another host. Errors: Unsupported, there is no way there in
+// `parts`; the link's.
+[[nodiscard]] Result<std::unique_ptr<RigLink>> link_to_other_host(const config::ArmConfig& arm,
+                                                                  const RigParts& parts);
 
 // One arm with everything below and beside it: bus and time, device, coupling, servo, link.
 //

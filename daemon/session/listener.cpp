@@ -32,9 +32,6 @@ Result<std::unique_ptr<Listener>> Listener::open(const Said& said,
                                                  link::ThimbleWorldEnd::Settings end,
                                                  const link::UdpWorldServer::Worlds& worlds,
                                                  const RigParts& parts) {
-  if (parts.io == nullptr || parts.real_clock == nullptr) {
-    return fail(Errc::Unsupported, "listen: arms of other hosts come only in real time");
-  }
   end.impairment = impairment_settings(said.impairment);
   if (said.key_file) {
     const Result<link::LinkKey> key = link::load_key(*said.key_file);
@@ -44,14 +41,22 @@ Result<std::unique_ptr<Listener>> Listener::open(const Said& said,
   // The constructor is private, so make_unique cannot reach it.
   std::unique_ptr<Listener> listener(new Listener());
   if (said.line) {
+    if (parts.io == nullptr || parts.real_clock == nullptr) {
+      return fail(Errc::Unsupported, "line: a serial line keeps real time");
+    }
     listener->line_ = std::make_unique<link::SerialWorldServer>(
         *parts.io, *parts.real_clock,
         link::SerialWorldServer::Settings{serial_line(*said.line, parts), end}, worlds);
     return listener;
   }
+  const Clock* const clock = network_clock(parts);
+  if (parts.network == nullptr || clock == nullptr) {
+    return fail(Errc::Unsupported,
+                "listen: there is no network for arms of other hosts to come by");
+  }
   const auto settings = socket_settings(said, end);
   if (!settings) return tl::unexpected(settings.error());
-  auto server = link::UdpWorldServer::open(*parts.io, *parts.real_clock, *settings, worlds);
+  auto server = link::UdpWorldServer::open(*parts.network, *clock, *settings, worlds);
   if (!server) return tl::unexpected(server.error());
   listener->server_ = *std::move(server);
   return listener;

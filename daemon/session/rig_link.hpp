@@ -7,6 +7,7 @@
 #include "daemon/config/config.hpp"
 #include "daemon/coupling/arm_link.hpp"
 #include "daemon/coupling/world_coupling.hpp"
+#include "daemon/link/datagram_port.hpp"
 #include "daemon/link/link_counters.hpp"
 #include "daemon/link/serial_line.hpp"
 #include "hal/base/result.hpp"
@@ -37,10 +38,10 @@ class RigLink {
     const config::ArmConfig& arm, std::unique_ptr<coupling::WorldCoupling> world_half,
     rt::WakeSignal* wake);
 
-// The world is behind `arm.link`. `io` and `clock` must outlive the link.
-// Errors: the socket cannot be opened.
+// The world is behind `arm.link`. `network` and `clock` must outlive the link.
+// Errors: no port of it can be opened.
 [[nodiscard]] Result<std::unique_ptr<RigLink>> make_udp_link(const config::ArmConfig& arm,
-                                                             boost::asio::io_context& io,
+                                                             link::DatagramNetwork& network,
                                                              const Clock& clock,
                                                              rt::WakeSignal* wake);
 

@@ -10,7 +10,7 @@ class UdpRigLink final : public RigLink {
   explicit UdpRigLink(std::unique_ptr<link::UdpArmLink> link) : link_(std::move(link)) {}
 
   [[nodiscard]] coupling::ArmLink& arm_end() noexcept override { return link_->arm_end(); }
-  // The link has timers of its own on the io_context: only a wake brings work from outside.
+  // The link has timers of its own on the network: only a wake brings work from outside.
   std::optional<MonotonicTime> pump(MonotonicTime) override {
     link_->on_wake();
     return std::nullopt;
@@ -24,7 +24,7 @@ class UdpRigLink final : public RigLink {
 }  // namespace
 
 Result<std::unique_ptr<RigLink>> make_udp_link(const config::ArmConfig& arm,
-                                               boost::asio::io_context& io, const Clock& clock,
+                                               link::DatagramNetwork& network, const Clock& clock,
                                                rt::WakeSignal* wake) {
   if (!arm.link) return fail(Errc::InvalidArgument, "arm.link is not set");
   const Result<link::Endpoint> peer = endpoint(*arm.link);
@@ -36,7 +36,7 @@ Result<std::unique_ptr<RigLink>> make_udp_link(const config::ArmConfig& arm,
   if (!end) return tl::unexpected(end.error());
   settings.end = *end;
   Result<std::unique_ptr<link::UdpArmLink>> link =
-      link::UdpArmLink::open(io, clock, settings, wake);
+      link::UdpArmLink::open(network, clock, settings, wake);
   if (!link) return tl::unexpected(link.error());
   return std::make_unique<UdpRigLink>(*std::move(link));
 }

@@ -23,7 +23,7 @@ GuardedLoop::GuardedLoop(const std::string& config, Pace pace) {
   }
   session::RigParts parts{plugins_.models, plugins_.drivers};
   parts.wake = wake_.get();
-  parts.io = &io_;
+  parts.network = &network_;
   if (pace == Pace::RealTimeBrake) parts.real_clock = &real_clock_;
   Result<std::unique_ptr<session::Runtime>> runtime = session::Runtime::create(*parsed, parts);
   if (!runtime) {

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "daemon/link/udp_network.hpp"
 #include "daemon/session/plugins.hpp"
 #include "daemon/session/runtime.hpp"
 #include "hal/linux/event_fd.hpp"
@@ -50,6 +51,7 @@ class GuardedLoop {
   FreeWheelingClock real_clock_;
   std::unique_ptr<linux::EventFd> wake_;
   boost::asio::io_context io_;
+  link::UdpNetwork network_{io_};
   session::Plugins plugins_;
   std::unique_ptr<session::Runtime> runtime_;
   MonotonicTime next_{};

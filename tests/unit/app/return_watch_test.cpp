@@ -52,5 +52,13 @@ TEST(ReturnWatch, CountsAsManyReturnsAsLossesThatEnded) {
   EXPECT_GT(returned, 0);
 }
 
+TEST(ReturnWatch, NamesTheArmThatCameOrWent) {
+  config::ArmConfig arm;
+  arm.name = "left";
+  arm.device = "hid:1209:0001";
+  EXPECT_EQ(sentence_of(arm, Change::Returned), "arm 'left': hid:1209:0001 is there again");
+  EXPECT_TRUE(sentence_of(arm, Change::Left).starts_with("arm 'left' stopped: "));
+}
+
 }  // namespace
 }  // namespace thimble::app

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "daemon/link/udp_arm_link.hpp"
+#include "daemon/link/udp_network.hpp"
 #include "daemon/session/arm_settings.hpp"
 #include "hal/linux/monotonic_clock.hpp"
 
@@ -60,9 +61,10 @@ class ArmHostTest : public ::testing::Test {
 
   linux::MonotonicClock clock;
   boost::asio::io_context io{1};
+  link::UdpNetwork network{io};
   plugin::SimModelRegistry models;
   plugin::DriverRegistry drivers;
-  RigParts parts{.models = models, .drivers = drivers, .real_clock = &clock, .io = &io};
+  RigParts parts{.models = models, .drivers = drivers, .real_clock = &clock, .network = &network};
   std::uint64_t sequence{0};
   coupling::ConstraintSet told{};   // to the arm of this host
   coupling::ConstraintSet heard{};  // by the guest

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <memory>
+
+#include "daemon/link/datagram_port.hpp"
+
+namespace boost::asio {
+class io_context;
+}
+
+namespace thimble::link {
+
+// The sockets of this machine (UdpPort). Ownership: the io_context must outlive it and its ports,
+// which do not need it themselves.
+class UdpNetwork final : public DatagramNetwork {
+ public:
+  explicit UdpNetwork(boost::asio::io_context& io) noexcept : io_(&io) {}
+  [[nodiscard]] std::unique_ptr<DatagramPort> make_port() override;
+
+ private:
+  boost::asio::io_context* io_;
+};
+
+}  // namespace thimble::link
