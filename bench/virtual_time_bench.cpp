@@ -21,7 +21,7 @@ double processor_ms() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_
 int main() {
   bench::Slices each_ms;
   for (std::size_t slice = 0; slice < bench::kSlices; ++slice) {
-    const auto run = lab::SessionRun::load({.file = THIMBLE_SOURCE_DIR "/tests/data/hello.toml",
+    const auto run = lab::SessionRun::load({.files = {THIMBLE_SOURCE_DIR "/tests/data/hello.toml"},
                                             .overrides = {},
                                             .seed = {},
                                             .for_s = kVirtual_s});

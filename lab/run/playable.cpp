@@ -1,9 +1,15 @@
 #include "lab/run/playable.hpp"
 
+#include <algorithm>
+#include <utility>
+
+#include "daemon/config/endpoint.hpp"
 #include "hal/bus/device_address.hpp"
 
 namespace thimble::lab {
 namespace {
+
+constexpr const char* kLineKeepsTime = ": a serial line keeps real time; udp:// does not";
 
 bool is_on_real_board(const config::WorldConfig& world) {
   if (!world.pieces) return false;
@@ -11,40 +17,50 @@ bool is_on_real_board(const config::WorldConfig& world) {
          world.pieces->board == config::PieceBoardKind::Pci;
 }
 
+void judge(const config::ArmConfig& arm, const std::vector<PlayedFile>& files,
+           std::vector<std::string>& reasons) {
+  const std::string name = "arm '" + arm.name + "'";
+  if (!bus::is_simulated(arm.device)) {
+    reasons.push_back(name + ": device: a real one keeps real time; --set \"arm." + arm.name +
+                      ".device='sim:phantom-vintage'\" takes a simulated one");
+  }
+  if (arm.link && !is_heard(*arm.link, files)) {
+    reasons.push_back(name + ": link: nobody listens at " + config::to_string(*arm.link) +
+                      "; give the configuration of that host, too");
+  }
+  if (arm.line) reasons.push_back(name + ": link" + kLineKeepsTime);
+  if (arm.listen_line) reasons.push_back(name + ": listen" + kLineKeepsTime);
+}
+
+void judge(const config::WorldConfig& world, std::vector<std::string>& reasons) {
+  const std::string name = "world '" + world.name + "'";
+  if (world.line) reasons.push_back(name + ": listen" + kLineKeepsTime);
+  if (is_on_real_board(world)) {
+    reasons.push_back(name +
+                      ": pieces.board: a real one keeps real time; \"sim\" and \"sim-usb\" do not");
+  }
+}
+
 }  // namespace
 
-std::vector<std::string> reasons_not_to_play(const config::Config& config) {
-  std::vector<std::string> reasons;
-  if (config.arms.empty()) reasons.emplace_back("arm: there is none, so nothing would happen");
-  for (const config::ArmConfig& arm : config.arms) {
-    const std::string name = "arm '" + arm.name + "'";
-    if (!bus::is_simulated(arm.device)) {
-      reasons.push_back(name + ": device: a real one keeps real time; --set \"arm." + arm.name +
-                        ".device='sim:phantom-vintage'\" takes a simulated one");
+std::vector<std::string> reasons_not_to_play(const std::vector<PlayedFile>& files) {
+  std::vector<std::string> all;
+  const bool has_arm = std::any_of(files.begin(), files.end(),
+                                   [](const auto& of) { return !of.config.arms.empty(); });
+  if (!has_arm) all.emplace_back("arm: there is none, so nothing would happen");
+  for (const PlayedFile& file : files) {
+    std::vector<std::string> reasons;
+    for (const config::ArmConfig& arm : file.config.arms) judge(arm, files, reasons);
+    for (const config::WorldConfig& world : file.config.worlds) judge(world, reasons);
+    if (file.config.servo.rate_hz != files.front().config.servo.rate_hz) {
+      reasons.emplace_back("servo.rate_hz: another than that of " + files.front().name +
+                           "; all are driven by one clock");
     }
-    if (arm.link) {
-      reasons.push_back(name +
-                        ": link: another host keeps real time; give it a world of this file");
-    }
-    if (arm.is_listening()) {
-      reasons.push_back(name +
-                        ": listen: another host keeps real time; give it a peer of this file");
-    }
-  }
-  for (const config::WorldConfig& world : config.worlds) {
-    const std::string name = "world '" + world.name + "'";
-    if (world.listen) {
-      reasons.push_back(name + ": listen: arms of other hosts keep real time; leave it out");
-    }
-    if (is_on_real_board(world)) {
-      reasons.push_back(
-          name + ": pieces.board: a real one keeps real time; \"sim\" and \"sim-usb\" do not");
+    for (std::string& reason : reasons) {
+      all.push_back(files.size() > 1 ? file.name + ": " + std::move(reason) : std::move(reason));
     }
   }
-  if (config.safety) {
-    reasons.emplace_back("safety: its lines are watched in real time; leave the table out");
-  }
-  return reasons;
+  return all;
 }
 
 }  // namespace thimble::lab

@@ -3,12 +3,12 @@
 #include <string>
 #include <vector>
 
-#include "daemon/config/config.hpp"
+#include "lab/run/played_file.hpp"
 
 namespace thimble::lab {
 
-// What of a configuration cannot be had in virtual time, a sentence each that begins with the key;
-// empty: all of it can. Pure.
-[[nodiscard]] std::vector<std::string> reasons_not_to_play(const config::Config& config);
+// What cannot be had in virtual time of configurations that are played together, a sentence each
+// that names the file, where there are several, and the key; empty: all of it can. Pure.
+[[nodiscard]] std::vector<std::string> reasons_not_to_play(const std::vector<PlayedFile>& files);
 
 }  // namespace thimble::lab

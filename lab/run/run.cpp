@@ -1,6 +1,9 @@
 #include "lab/run/run.hpp"
 
 #include <cmath>
+#include <filesystem>
+#include <set>
+#include <string_view>
 #include <utility>
 
 #include "daemon/config/load.hpp"
@@ -12,18 +15,63 @@ namespace {
 
 constexpr std::uint64_t kToldEvery = 1000;  // ticks
 
-std::string in_one_line(const std::vector<std::string>& lines) {
+std::string in_one_line(const std::vector<std::string>& lines, const char* between = "; ") {
   std::string text;
-  for (const std::string& line : lines) text += (text.empty() ? "" : "; ") + line;
+  for (const std::string& line : lines) text += (text.empty() ? "" : between) + line;
   return text;
 }
 
-void seed_all(config::Config& config, std::uint64_t seed) {
-  for (config::ArmConfig& arm : config.arms) {
-    if (arm.hand) arm.hand->seed = seed;
-    if (arm.impairment) arm.impairment->seed = seed;
-    ++seed;
+void seed_all(std::vector<PlayedFile>& files, std::uint64_t seed) {
+  for (PlayedFile& file : files) {
+    for (config::ArmConfig& arm : file.config.arms) {
+      if (arm.hand) arm.hand->seed = seed;
+      if (arm.impairment) arm.impairment->seed = seed;
+      ++seed;
+    }
   }
+}
+
+// "right" of "right:arm.hand.seed=1"; empty: it is for every file.
+std::string_view addressee(std::string_view override) {
+  const std::size_t colon = override.substr(0, override.find('=')).find(':');
+  return colon == std::string_view::npos ? std::string_view() : override.substr(0, colon);
+}
+
+std::vector<std::string> overrides_of(const std::vector<std::string>& all, std::string_view name) {
+  std::vector<std::string> own;
+  for (const std::string& override : all) {
+    const std::string_view to = addressee(override);
+    if (to.empty()) own.push_back(override);
+    if (!to.empty() && to == name) own.push_back(override.substr(to.size() + 1));
+  }
+  return own;
+}
+
+Result<void> check_names(const RunSettings& settings, const std::vector<PlayedFile>& files) {
+  std::set<std::string_view> names;
+  for (const PlayedFile& file : files) {
+    if (names.insert(file.name).second) continue;
+    return fail(Errc::InvalidArgument, "two configurations are called '" + file.name +
+                                           "', so that they cannot be told apart; rename one");
+  }
+  for (const std::string& override : settings.overrides) {
+    const std::string_view to = addressee(override);
+    if (to.empty() || names.contains(to)) continue;
+    return fail(Errc::InvalidArgument,
+                "--set " + override + ": no configuration is called '" + std::string(to) + "'");
+  }
+  return {};
+}
+
+Result<config::Config> load_one(const std::string& file, const std::vector<std::string>& overrides,
+                                session::Plugins& plugins) {
+  config::ConfigResult config = config::load(file, overrides, [&](const config::Config& said) {
+    return session::inspect_with_plugins(said, plugins);
+  });
+  if (config) return *std::move(config);
+  std::vector<std::string> lines;
+  for (const config::ConfigError& error : config.error()) lines.push_back(to_string(error));
+  return fail(Errc::InvalidArgument, in_one_line(lines));
 }
 
 void add_to(sim::TraceHash& hash, const servo::ServoFrame& frame) {
@@ -41,28 +89,39 @@ void add_to(sim::TraceHash& hash, const servo::ServoFrame& frame) {
 }  // namespace
 
 Result<std::unique_ptr<SessionRun>> SessionRun::load(const RunSettings& settings) {
+  if (settings.files.empty()) return fail(Errc::InvalidArgument, "expected a configuration");
   std::unique_ptr<SessionRun> run(new SessionRun(settings));
-  config::ConfigResult config =
-      config::load(settings.file, settings.overrides, [&](const config::Config& said) {
-        return session::inspect_with_plugins(said, run->plugins_);
-      });
-  if (!config) {
-    std::vector<std::string> lines;
-    for (const config::ConfigError& error : config.error()) lines.push_back(to_string(error));
-    return fail(Errc::InvalidArgument, in_one_line(lines));
+  for (const std::string& file : settings.files) {
+    run->files_.push_back({std::filesystem::path(file).stem().string()});
   }
-  const std::vector<std::string> reasons = reasons_not_to_play(*config);
+  if (Result<void> good = check_names(settings, run->files_); !good) {
+    return tl::unexpected(good.error());
+  }
+  for (std::size_t i = 0; i < settings.files.size(); ++i) {
+    PlayedFile& file = run->files_[i];
+    run->plugins_.push_back(std::make_unique<session::Plugins>());
+    auto config = load_one(settings.files[i], overrides_of(settings.overrides, file.name),
+                           *run->plugins_.back());
+    if (!config) return tl::unexpected(config.error());
+    file.config = *std::move(config);
+  }
+  const std::vector<std::string> reasons = reasons_not_to_play(run->files_);
   if (!reasons.empty()) {
     return fail(Errc::Unsupported,
-                settings.file + " cannot be played in virtual time: " + in_one_line(reasons));
+                in_one_line(settings.files, ", ") +
+                    " cannot be played in virtual time: " + in_one_line(reasons));
   }
-  if (settings.seed) seed_all(*config, *settings.seed);
-  run->config_ = *std::move(config);
-  auto session = VirtualSession::create(run->config_, run->plugins_);
+  if (settings.seed) seed_all(run->files_, *settings.seed);
+  auto session = VirtualSession::create(run->files_, run->plugins_);
   if (!session) return tl::unexpected(session.error());
   run->session_ = *std::move(session);
   run->traces_.resize(run->session_->arms());
   return run;
+}
+
+std::string SessionRun::name_of(std::size_t arm) const {
+  const std::string& name = session_->arm(arm).session().config().name;
+  return files_.size() > 1 ? files_[session_->file_of(arm)].name + ": " + name : name;
 }
 
 void SessionRun::play(const Progress& progress) {

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "daemon/config/config.hpp"
 #include "daemon/servo/servo_frame.hpp"
 #include "daemon/session/plugins.hpp"
 #include "hal/base/result.hpp"
 #include "lab/findings/findings.hpp"
+#include "lab/run/played_file.hpp"
 #include "lab/run/virtual_session.hpp"
 #include "lab/trial/parallel.hpp"
 #include "sim/time/trace_hash.hpp"
@@ -18,10 +18,13 @@
 namespace thimble::lab {
 
 struct RunSettings {
-  std::string file;                    // the daemon's configuration, unchanged
-  std::vector<std::string> overrides;  // as thimbled takes them with --set
+  // The daemon's configurations, unchanged: each is another host. One or more.
+  std::vector<std::string> files;
+  // As thimbled takes them with --set, for every file; "NAME:KEY=VALUE": only for the one of that
+  // name (PlayedFile::name).
+  std::vector<std::string> overrides;
   // Of all simulated persons and networks, instead of those that the file says: `seed` for the
-  // first arm, one more for each after it.
+  // first arm, one more for each after it, in the order of the files.
   std::optional<std::uint64_t> seed;
   double for_s{20};  // > 0
 };
@@ -33,7 +36,7 @@ struct ArmTrace {
   double driven_s{0};
 };
 
-// Any session of the daemon, played in virtual time.
+// Any sessions of the daemon, played in virtual time; several talk to each other.
 //
 // Thread: one. Errors: the configuration's, all of them; what cannot be played, with the reasons;
 // the runtime's.
@@ -54,9 +57,11 @@ class SessionRun {
   explicit SessionRun(RunSettings settings) : settings_(std::move(settings)) {}
   void note(std::size_t arm, bool is_shown);
 
+  [[nodiscard]] std::string name_of(std::size_t arm) const;
+
   RunSettings settings_;
-  session::Plugins plugins_;
-  config::Config config_;
+  std::vector<std::unique_ptr<session::Plugins>> plugins_;  // by file
+  std::vector<PlayedFile> files_;
   std::unique_ptr<VirtualSession> session_;
   std::uint64_t shown_every_{1};  // ticks
   std::vector<ArmTrace> traces_;

@@ -13,6 +13,12 @@ std::string hexadecimal(std::uint64_t number) {
   return text;
 }
 
+std::string title_of(const std::vector<std::string>& files) {
+  std::string title;
+  for (const std::string& file : files) title += (title.empty() ? "" : " and ") + file;
+  return title + " in virtual time";
+}
+
 Table arms_table() {
   return {.name = "arms",
           .title = "Arms",
@@ -34,11 +40,11 @@ Table arms_table() {
           .rows = {}};
 }
 
-std::vector<Cell> arm_row(session::ArmRig& rig, const ArmTrace& trace) {
+std::vector<Cell> arm_row(const std::string& name, session::ArmRig& rig, const ArmTrace& trace) {
   const servo::ServoSnapshot& last = rig.session().snapshot();
   const link::LinkStatus link = rig.link_status();
   const config::ArmConfig& said = rig.session().config();
-  return {said.name,
+  return {name,
           said.device,
           std::string(to_string(last.frame.state)),
           trace.driven_s,
@@ -114,15 +120,23 @@ Plot plot_of(const std::string& name, const std::string& title, const std::strin
 
 Findings SessionRun::findings() const {
   Findings findings{.experiment = "run",
-                    .title = settings_.file + " in virtual time",
-                    .parameters = {{"file", "", settings_.file},
-                                   {"virtual_time", "s", settings_.for_s},
-                                   {"servo_rate", "Hz", config_.servo.rate_hz},
+                    .title = title_of(settings_.files),
+                    .parameters = {{"virtual_time", "s", settings_.for_s},
+                                   {"servo_rate", "Hz", files_.front().config.servo.rate_hz},
                                    {"ticks_per_row", "", static_cast<double>(shown_every_)}},
                     .tables = {arms_table()},
                     .plots = {},
                     .criteria = {{"no arm stopped for a fault", true}},
                     .remarks = session_->troubles()};
+  for (std::size_t i = 0; i < files_.size(); ++i) {
+    const std::string number = i == 0 ? "" : "_" + std::to_string(i + 1);
+    findings.parameters.insert(findings.parameters.begin() + static_cast<std::ptrdiff_t>(i),
+                               {"file" + number, "", settings_.files[i]});
+    if (!files_[i].config.safety) continue;
+    findings.remarks.push_back(files_[i].name +
+                               ": safety: its lines are watched in real time; "
+                               "nobody presses the stop here, and the deadman is held");
+  }
   for (const std::string& override : settings_.overrides) {
     findings.parameters.push_back({"set " + override.substr(0, override.find('=')), "", override});
   }
@@ -132,8 +146,8 @@ Findings SessionRun::findings() const {
     const config::ArmConfig& said = rig.session().config();
     const std::string number = std::to_string(i + 1);
     const ArmTrace& trace = traces_[i];
-    findings.tables[0].rows.push_back(arm_row(rig, trace));
-    findings.tables.push_back(trace_table("trace-" + number, said.name, trace, began));
+    findings.tables[0].rows.push_back(arm_row(name_of(i), rig, trace));
+    findings.tables.push_back(trace_table("trace-" + number, name_of(i), trace, began));
     if (said.hand) {
       findings.parameters.push_back(
           {"hand_seed_" + number, "", static_cast<double>(said.hand->seed)});
@@ -143,7 +157,7 @@ Findings SessionRun::findings() const {
           {"network_seed_" + number, "", static_cast<double>(said.impairment->seed)});
     }
     if (rig.session().snapshot().faults > 0) findings.criteria[0].is_met = false;
-    const std::string who = "Arm '" + said.name + "': ";
+    const std::string who = "Arm '" + name_of(i) + "': ";
     findings.plots.push_back(plot_of("tip-" + number, who + "where the tip is", "tip [m]", trace,
                                      began, [](const auto& frame) { return frame.tip; }));
     findings.plots.push_back(plot_of("force-" + number, who + "force, after the limiter",

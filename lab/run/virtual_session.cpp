@@ -6,30 +6,49 @@ namespace thimble::lab {
 namespace {
 
 constexpr Duration kFollowEvery = std::chrono::milliseconds(5);
+// Ours: what is due at once and again is not let hold the time.
+constexpr Duration kLeastWait = std::chrono::microseconds(1);
+
+void take_earlier(std::optional<MonotonicTime>& earliest, std::optional<MonotonicTime> due) {
+  if (due && (!earliest || *due < *earliest)) earliest = due;
+}
 
 }  // namespace
 
-Result<std::unique_ptr<VirtualSession>> VirtualSession::create(const config::Config& config,
-                                                               const session::Plugins& plugins) {
+Result<std::unique_ptr<VirtualSession>> VirtualSession::create(
+    const std::vector<PlayedFile>& files,
+    const std::vector<std::unique_ptr<session::Plugins>>& plugins) {
   // The constructor is private, so make_unique cannot reach it.
-  std::unique_ptr<VirtualSession> made(new VirtualSession);
-  session::RigParts parts{plugins.models, plugins.drivers};
-  parts.world_clock = &made->world_clock_;
-  auto runtime = session::Runtime::create(config, parts);
-  if (!runtime) return tl::unexpected(runtime.error());
-  made->runtime_ = *std::move(runtime);
+  std::unique_ptr<VirtualSession> made(new VirtualSession(files));
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    session::RigParts parts{plugins[i]->models, plugins[i]->drivers};
+    parts.world_clock = parts.network_clock = &made->clock_;
+    parts.network = &made->network_.host(i);
+    auto runtime = session::Runtime::create(files[i].config, parts);
+    if (!runtime) {
+      return tl::unexpected(files.size() > 1 ? runtime.error().in(files[i].name) : runtime.error());
+    }
+    for (std::size_t arm = 0; arm < (*runtime)->arms().size(); ++arm) {
+      made->places_.push_back({i, arm});
+    }
+    made->runtimes_.push_back(*std::move(runtime));
+  }
   made->period_ = made->arm(0).session().loop().settings().period();
   made->began_ = made->next_ = made->followed_at_ = made->arm(0).clock().now();
   return made;
 }
 
 void VirtualSession::sleep_until(MonotonicTime t) {
-  for (const auto& rig : runtime_->arms()) (void)rig->clock().sleep_until(t);
+  for (std::size_t i = 0; i < arms(); ++i) (void)arm(i).clock().sleep_until(t);
 }
 
 void VirtualSession::pump(MonotonicTime now) {
-  (void)world_clock_.sleep_until(now);
-  net_due_ = runtime_->pump(now);
+  (void)clock_.sleep_until(now);
+  std::optional<MonotonicTime> due;
+  for (const auto& runtime : runtimes_) take_earlier(due, runtime->pump(now));
+  network_.pass(now);
+  take_earlier(due, network_.due());
+  net_due_ = due ? std::optional(std::max(*due, now + kLeastWait)) : std::nullopt;
 }
 
 void VirtualSession::tick() {
@@ -40,17 +59,19 @@ void VirtualSession::tick() {
     pump(due);
   }
   sleep_until(next_);
-  for (const auto& rig : runtime_->arms()) rig->session().loop().tick({});
+  for (std::size_t i = 0; i < arms(); ++i) arm(i).session().loop().tick({});
   pump(next_);
   if (next_ - followed_at_ >= kFollowEvery) follow_buses();
 }
 
 void VirtualSession::follow_buses() {
   followed_at_ = next_;
-  for (const Error& trouble : runtime_->follow_buses(next_)) {
-    const bool is_told =
-        std::find(troubles_.begin(), troubles_.end(), trouble.message) != troubles_.end();
-    if (!is_told) troubles_.push_back(trouble.message);
+  for (const auto& runtime : runtimes_) {
+    for (const Error& trouble : runtime->follow_buses(next_)) {
+      const bool is_told =
+          std::find(troubles_.begin(), troubles_.end(), trouble.message) != troubles_.end();
+      if (!is_told) troubles_.push_back(trouble.message);
+    }
   }
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 std::unique_ptr<SessionRun> played(const std::vector<std::string>& overrides, double for_s,
                                    std::optional<std::uint64_t> seed = {}) {
-  auto run = SessionRun::load({.file = THIMBLE_SOURCE_DIR "/tests/data/hello.toml",
+  auto run = SessionRun::load({.files = {THIMBLE_SOURCE_DIR "/tests/data/hello.toml"},
                                .overrides = overrides,
                                .seed = seed,
                                .for_s = for_s});
@@ -78,10 +78,10 @@ TEST(SessionRun, AFaultIsToldByTheVerdict) {
 }
 
 TEST(SessionRun, MistakesOfTheFileAreTold) {
-  const auto none = SessionRun::load({.file = "/nowhere.toml", .overrides = {}, .seed = {}});
+  const auto none = SessionRun::load({.files = {"/nowhere.toml"}, .overrides = {}, .seed = {}});
   ASSERT_FALSE(none);
   EXPECT_NE(none.error().message.find("/nowhere.toml"), std::string::npos);
-  const auto wrong = SessionRun::load({.file = THIMBLE_SOURCE_DIR "/tests/data/hello.toml",
+  const auto wrong = SessionRun::load({.files = {THIMBLE_SOURCE_DIR "/tests/data/hello.toml"},
                                        .overrides = {"arm.speed=3", "servo.rate_hz='x'"},
                                        .seed = {}});
   ASSERT_FALSE(wrong);
@@ -89,39 +89,150 @@ TEST(SessionRun, MistakesOfTheFileAreTold) {
   EXPECT_NE(wrong.error().message.find("servo.rate_hz"), std::string::npos);
 }
 
-// A configuration of which all can be played, and what each change makes of it.
+std::unique_ptr<SessionRun> played_examples(const std::vector<std::string>& names, double for_s,
+                                            const std::vector<std::string>& overrides = {}) {
+  RunSettings settings{.files = {}, .overrides = overrides, .seed = {}, .for_s = for_s};
+  for (const std::string& name : names) {
+    settings.files.push_back(THIMBLE_SOURCE_DIR "/examples/" + name + ".toml");
+  }
+  auto run = SessionRun::load(settings);
+  if (!run) {
+    ADD_FAILURE() << run.error().message;
+    return nullptr;
+  }
+  (*run)->play();
+  return *std::move(run);
+}
+
+const std::vector<std::string> kTeleoperation{"teleoperation-host", "teleoperation-guest"};
+
+// 5.3.5: one arm is drawn along by the other, through the datagrams of the daemons.
+TEST(SessionRun, HostsThatAreCoupledArePlayedTogether) {
+  const auto run = played_examples(kTeleoperation, 6);
+  ASSERT_NE(run, nullptr);
+  ASSERT_EQ(run->session().arms(), 2U);
+  const Findings findings = run->findings();
+  EXPECT_TRUE(findings.is_met()) << tell(findings);
+  EXPECT_EQ(findings.tables[0].rows[0][0], Cell("teleoperation-host: here"));
+  EXPECT_EQ(findings.tables[0].rows[1][0], Cell("teleoperation-guest: there"));
+  double drawn_m = 0;
+  for (const servo::ServoFrame& frame : run->trace(0).frames) {
+    drawn_m = std::max(drawn_m, std::abs(frame.tip.x));
+  }
+  EXPECT_GT(drawn_m, 0.01) << "the hand that holds still is drawn along";
+  const link::LinkStatus link = run->session().arm(1).link_status();
+  EXPECT_NEAR(seconds(link.round_trip), 0.04, 0.003) << "as its impairment says";
+  EXPECT_GT(link.counters.accepted, 4000U);
+}
+
+TEST(SessionRun, HostsThatAreCoupledGiveTheSameTraceAgain) {
+  const auto hashes = [](const std::vector<std::string>& overrides) {
+    const auto run = played_examples(kTeleoperation, 2, overrides);
+    return run ? std::vector{run->trace(0).hash.value(), run->trace(1).hash.value()}
+               : std::vector<std::uint64_t>{};
+  };
+  const auto first = hashes({});
+  EXPECT_EQ(hashes({}), first);
+  EXPECT_NE(hashes({"teleoperation-guest:arm.impairment.delay_s=0.1"}), first);
+}
+
+// Both push the same block, which is in a world of one of them.
+TEST(SessionRun, AnArmFeelsTheWorldOfAnotherFile) {
+  const auto run = played_examples({"block-host", "block-guest"}, 8);
+  ASSERT_NE(run, nullptr);
+  EXPECT_TRUE(run->findings().is_met());
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_GT(run->session().arm(i).session().snapshot().total_contacts, 0U) << i;
+  }
+}
+
+TEST(SessionRun, WhoIsMeantByAChangeHasToBeThere) {
+  const auto load = [](std::vector<std::string> files, std::vector<std::string> overrides) {
+    const auto run = SessionRun::load(
+        {.files = std::move(files), .overrides = std::move(overrides), .seed = {}});
+    return run ? std::string() : run.error().message;
+  };
+  const std::string hello = THIMBLE_SOURCE_DIR "/tests/data/hello.toml";
+  EXPECT_NE(load({hello}, {"helo:arm.hand.seed=2"}).find("no configuration is called 'helo'"),
+            std::string::npos);
+  EXPECT_EQ(load({hello}, {"hello:arm.hand.seed=2"}), "");
+  EXPECT_NE(load({hello, hello}, {}).find("two configurations are called 'hello'"),
+            std::string::npos);
+  EXPECT_NE(load({}, {}), "");
+}
+
+// Configurations of which all can be played, and what each change makes of them.
 TEST(ReasonsNotToPlay, NameEachThingThatKeepsRealTime) {
-  config::Config config;
-  EXPECT_EQ(reasons_not_to_play(config).size(), 1U) << "no arm";
+  PlayedFile file{"one"};
+  EXPECT_EQ(reasons_not_to_play({file}).size(), 1U) << "no arm";
+  config::Config& config = file.config;
   config.arms.emplace_back();
   config.arms[0].name = "right";
   config.arms[0].device = "sim:phantom-vintage";
   config.arms[0].world = "box";
   config.worlds.emplace_back();
   config.worlds[0].name = "box";
-  EXPECT_TRUE(reasons_not_to_play(config).empty());
-  const auto expect_reason = [](const config::Config& changed, const std::string& key) {
-    const auto reasons = reasons_not_to_play(changed);
+  config.worlds[0].listen = config::UdpEndpoint{"127.0.0.1", 5001};
+  config.safety = config::SafetyConfig{};
+  EXPECT_TRUE(reasons_not_to_play({file}).empty());
+  const auto expect_reason = [](const PlayedFile& changed, const std::string& key) {
+    const auto reasons = reasons_not_to_play({changed});
     ASSERT_EQ(reasons.size(), 1U) << key;
     EXPECT_NE(reasons[0].find(key + ": "), std::string::npos) << reasons[0];
   };
-  config::Config changed = config;
-  changed.arms[0].device = "hid:1234";
+  PlayedFile changed = file;
+  changed.config.arms[0].device = "hid:1234";
   expect_reason(changed, "device");
-  changed = config;
-  changed.arms[0].link = config::UdpEndpoint{"127.0.0.1", 5001};
+  changed = file;
+  changed.config.arms[0].line = config::SerialEndpoint{"/dev/ttyS0", 115200};
   expect_reason(changed, "link");
-  changed = config;
-  changed.worlds[0].listen = config::UdpEndpoint{"127.0.0.1", 5001};
+  changed = file;
+  changed.config.arms[0].listen_line = config::SerialEndpoint{"/dev/ttyS0", 115200};
   expect_reason(changed, "listen");
-  changed = config;
-  changed.worlds[0].pieces = config::PiecesConfig{.board = config::PieceBoardKind::Pci};
+  changed = file;
+  changed.config.worlds[0].line = config::SerialEndpoint{"/dev/ttyS0", 115200};
+  expect_reason(changed, "listen");
+  changed = file;
+  changed.config.worlds[0].pieces = config::PiecesConfig{.board = config::PieceBoardKind::Pci};
   expect_reason(changed, "pieces.board");
-  changed.worlds[0].pieces->board = config::PieceBoardKind::SimUsb;
-  EXPECT_TRUE(reasons_not_to_play(changed).empty());
-  changed = config;
-  changed.safety = config::SafetyConfig{};
-  expect_reason(changed, "safety");
+  changed.config.worlds[0].pieces->board = config::PieceBoardKind::SimUsb;
+  EXPECT_TRUE(reasons_not_to_play({changed}).empty());
+}
+
+TEST(ReasonsNotToPlay, AnArmThatLinksNeedsTheFileOfWhoListens) {
+  PlayedFile host{"host"};
+  host.config.worlds.emplace_back();
+  host.config.worlds[0].listen = config::UdpEndpoint{"0.0.0.0", 5001};
+  PlayedFile guest{"guest"};
+  guest.config.arms.emplace_back();
+  guest.config.arms[0].name = "right";
+  guest.config.arms[0].device = "sim:phantom-vintage";
+  guest.config.arms[0].link = config::UdpEndpoint{"10.0.0.1", 5001};
+  EXPECT_TRUE(reasons_not_to_play({host, guest}).empty());
+  const auto alone = reasons_not_to_play({guest});
+  ASSERT_EQ(alone.size(), 1U);
+  EXPECT_NE(alone[0].find("link: nobody listens at udp://10.0.0.1:5001"), std::string::npos);
+  guest.config.servo.rate_hz = 4000;
+  const auto faster = reasons_not_to_play({host, guest});
+  ASSERT_EQ(faster.size(), 1U);
+  EXPECT_TRUE(faster[0].starts_with("guest: servo.rate_hz: ")) << faster[0];
+}
+
+TEST(HostAddresses, AreThoseByWhichTheOthersKnowThem) {
+  PlayedFile host{"host"};
+  host.config.worlds.emplace_back();
+  host.config.worlds[0].listen = config::UdpEndpoint{"0.0.0.0", 5001};
+  PlayedFile guest{"guest"};
+  guest.config.arms.emplace_back();
+  guest.config.arms[0].link = config::UdpEndpoint{"10.0.0.1", 5001};
+  const auto in_words = [&] {
+    std::vector<std::string> words;
+    for (const link::Endpoint& one : host_addresses({host, guest})) words.push_back(to_string(one));
+    return words;
+  };
+  EXPECT_EQ(in_words(), (std::vector<std::string>{"udp://10.0.0.1:0", "udp://127.0.0.1:0"}));
+  host.config.worlds[0].peer = "10.0.0.2";
+  EXPECT_EQ(in_words(), (std::vector<std::string>{"udp://10.0.0.1:0", "udp://10.0.0.2:0"}));
 }
 
 }  // namespace

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "daemon/config/config.hpp"
+#include "daemon/link/endpoint.hpp"
+
+namespace thimble::lab {
+
+// A configuration, and what it is called among those that are played together.
+struct PlayedFile {
+  std::string name;  // of the file, without its folder and its end
+  config::Config config{};
+};
+
+// By what address each is known to the others, whatever its port: by the one that they pin for it,
+// else by the one that they link to, else 127.0.0.1. Pure.
+[[nodiscard]] std::vector<link::Endpoint> host_addresses(const std::vector<PlayedFile>& files);
+
+// Whether one of `files` listens at the port that an arm links to. Pure.
+[[nodiscard]] bool is_heard(const config::UdpEndpoint& link, const std::vector<PlayedFile>& files);
+
+}  // namespace thimble::lab
