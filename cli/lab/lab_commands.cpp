@@ -115,6 +115,37 @@ Experiment with_seed(const Run& run) {
   };
 }
 
+// compare before both walls, and with each guard.
+void add_comparisons(CLI::App& lab, int& code) {
+  struct Comparison {
+    const char* name;
+    const char* help;
+    bool moves;
+    lab::Guard guard;
+  };
+  using lab::Guard;
+  for (const Comparison& one :
+       {Comparison{"compare", "Every coupling scheme at 1 to 500 ms on four networks, ranked",
+                   false, Guard::None},
+        {"compare-moving", "The same at a wall that moves to and fro", true, Guard::None},
+        {"compare-guarded", "The same as compare, each scheme with a passivity guard", false,
+         Guard::AtHand},
+        {"compare-moving-guarded", "The same as compare-moving, each scheme with a passivity guard",
+         true, Guard::AtHand},
+        {"compare-two-port",
+         "The same as compare, guarded at both ends where the world tells a force", false,
+         Guard::BothEnds},
+        {"compare-moving-two-port",
+         "The same as compare-moving, guarded at both ends where the world tells a force", true,
+         Guard::BothEnds}}) {
+    const auto run = [moves = one.moves, guard = one.guard](const Asked& asked) {
+      return lab::run_compare(
+          {.moves = moves, .guard = guard, .seed = asked.seed, .progress = asked.progress});
+    };
+    add_experiment(lab, {.name = one.name, .help = one.help, .run = run}, code);
+  }
+}
+
 void add_experiments(CLI::App& lab, int& code) {
   add_experiment(
       lab,
@@ -127,34 +158,7 @@ void add_experiments(CLI::App& lab, int& code) {
                  {.contacts = asked.contacts, .seed = asked.seed, .progress = asked.progress});
            }},
       code);
-  const auto compare = [](bool moves, bool are_guarded) {
-    return [moves, are_guarded](const Asked& asked) {
-      return lab::run_compare({.moves = moves,
-                               .are_guarded = are_guarded,
-                               .seed = asked.seed,
-                               .progress = asked.progress});
-    };
-  };
-  add_experiment(lab,
-                 {.name = "compare",
-                  .help = "Every coupling scheme at 1 to 500 ms on four networks, ranked",
-                  .run = compare(false, false)},
-                 code);
-  add_experiment(lab,
-                 {.name = "compare-moving",
-                  .help = "The same at a wall that moves to and fro",
-                  .run = compare(true, false)},
-                 code);
-  add_experiment(lab,
-                 {.name = "compare-guarded",
-                  .help = "The same as compare, each scheme with a passivity guard",
-                  .run = compare(false, true)},
-                 code);
-  add_experiment(lab,
-                 {.name = "compare-moving-guarded",
-                  .help = "The same as compare-moving, each scheme with a passivity guard",
-                  .run = compare(true, true)},
-                 code);
+  add_comparisons(lab, code);
   add_experiment(
       lab,
       {.name = "constraint-models",
@@ -211,8 +215,11 @@ void add_run(CLI::App& lab, int& code) {
   };
   const auto said = std::make_shared<Said>();
   CLI::App* run = lab.add_subcommand("run", "Play any configuration of the daemon in virtual time");
-  run->add_option("CONFIG", said->settings.file, "As thimbled takes it")->required();
-  run->add_option("--set", said->settings.overrides, "KEY=VALUE, as thimbled takes it")
+  run->add_option("CONFIG", said->settings.files,
+                  "As thimbled takes it; several are hosts that talk to each other")
+      ->required();
+  run->add_option("--set", said->settings.overrides,
+                  "KEY=VALUE, as thimbled takes it; NAME:KEY=VALUE for NAME.toml alone")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   run->add_option("--seed", said->settings.seed,

@@ -48,6 +48,11 @@ bool has_own_world_half(Scheme scheme) noexcept {
          scheme == Scheme::Wave || scheme == Scheme::BufferZone || scheme == Scheme::Composite;
 }
 
+bool is_force_of_world(Scheme scheme, ForceAt force_at) noexcept {
+  return scheme == Scheme::RemoteForce ||
+         (scheme == Scheme::SpringDamper && force_at == ForceAt::World);
+}
+
 std::unique_ptr<ArmCoupling> make_arm_coupling(Scheme scheme, const SchemeSettings& settings) {
   switch (scheme) {
     case Scheme::ThesisLiteral:
@@ -80,7 +85,7 @@ Result<std::unique_ptr<WorldCoupling>> make_own_world_half(Scheme scheme,
           std::make_unique<RemoteForceWorld>(world, first_session));
     case Scheme::SpringDamper: {
       auto half = std::make_unique<SpringDamperWorld>(world, first_session, settings.force_at);
-      if (settings.force_at == ForceAt::Both) return half;
+      if (!is_force_of_world(scheme, settings.force_at)) return half;
       return std::make_unique<TwoPortWorld>(std::move(half));
     }
     case Scheme::Wave:

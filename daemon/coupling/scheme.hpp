@@ -40,6 +40,10 @@ inline constexpr std::array kSchemes{
 // Whether it has a world half of its own, whose answers the datagrams of 1999 do not carry.
 [[nodiscard]] bool has_own_world_half(Scheme scheme) noexcept;
 
+// Whether the hand's force is computed in the world alone, so that a guard can stand at both ends
+// (TwoPortArm, TwoPortWorld). `force_at` is that of spring-damper.
+[[nodiscard]] bool is_force_of_world(Scheme scheme, ForceAt force_at) noexcept;
+
 // Of every scheme; each takes its own.
 struct SchemeSettings {
   GhostPointSettings ghost_point{};

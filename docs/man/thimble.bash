@@ -67,10 +67,10 @@ _thimble() {
       if [[ $before == --write || $before == --out || ( $before == run && $word != -* ) ]]; then
         mapfile -t COMPREPLY < <(compgen -f -- "$word"); return
       elif [[ $word != -* ]]; then
-        options="cam-latency separate compare compare-moving compare-guarded compare-moving-guarded constraint-models teleoperation stability hello-sphere drift run table-4.1"
+        options="cam-latency separate compare compare-moving compare-guarded compare-moving-guarded compare-two-port compare-moving-two-port constraint-models teleoperation stability hello-sphere drift run table-4.1"
       elif [[ " ${COMP_WORDS[*]:0:COMP_CWORD} " == *" table-4.1 "* ]]; then
         options+=" --seed --contacts --out"
-      elif [[ " ${COMP_WORDS[*]:0:COMP_CWORD} " =~ " "(compare|compare-moving|compare-guarded|compare-moving-guarded|teleoperation|stability|hello-sphere|drift)" " ]]; then
+      elif [[ " ${COMP_WORDS[*]:0:COMP_CWORD} " =~ " "(compare|compare-moving|compare-guarded|compare-moving-guarded|compare-two-port|compare-moving-two-port|teleoperation|stability|hello-sphere|drift)" " ]]; then
         options+=" --seed --out"
       elif [[ " ${COMP_WORDS[*]:0:COMP_CWORD} " == *" constraint-models "* ]]; then
         options+=" --seed --out"

@@ -44,7 +44,9 @@ StageSettings stage_of(const CompareSettings& settings, double delay_s, Network 
 class Grid {
  public:
   explicit Grid(const CompareSettings& settings) : settings_(settings) {
-    for (CouplingCase& scheme : schemes_) scheme.is_guarded = settings.are_guarded;
+    for (CouplingCase& scheme : schemes_) {
+      if (can_have(settings.guard, scheme)) scheme.guard = settings.guard;
+    }
   }
 
   [[nodiscard]] std::size_t size() const {
@@ -260,13 +262,18 @@ std::vector<Parameter> parameters_of(const CompareSettings& settings, const Comp
 }
 
 std::string name_of(const CompareSettings& settings) {
-  return std::string("compare") + (settings.moves ? "-moving" : "") +
-         (settings.are_guarded ? "-guarded" : "");
+  const std::string name = std::string("compare") + (settings.moves ? "-moving" : "");
+  if (settings.guard == Guard::AtHand) return name + "-guarded";
+  return settings.guard == Guard::BothEnds ? name + "-two-port" : name;
+}
+
+std::string words_of(Guard guard) {
+  if (guard == Guard::AtHand) return ", each with a passivity guard,";
+  return guard == Guard::BothEnds ? ", guarded at both ends where the world tells a force," : "";
 }
 
 std::string title_of(const CompareSettings& settings) {
-  return std::string("Coupling schemes") +
-         (settings.are_guarded ? ", each with a passivity guard," : "") +
+  return "Coupling schemes" + words_of(settings.guard) +
          (settings.moves ? " at a wall whose front moves by 3 mm every 0.7 s"
                          : " at a wall that stays");
 }

@@ -4,13 +4,14 @@
 
 #include "hal/base/result.hpp"
 #include "lab/findings/findings.hpp"
+#include "lab/trial/coupling_case.hpp"
 #include "lab/trial/parallel.hpp"
 
 namespace thimble::lab {
 
 struct CompareSettings {
-  bool moves{false};        // the wall's front, to and fro
-  bool are_guarded{false};  // the schemes, each by a passivity guard
+  bool moves{false};         // the wall's front, to and fro
+  Guard guard{Guard::None};  // of each scheme that can have it
   std::uint64_t seed{1};
   Progress progress{};
 };

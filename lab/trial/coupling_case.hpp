@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -11,6 +12,13 @@
 
 namespace thimble::lab {
 
+// Where passivity is watched, with the settings that a guard ships with.
+enum class Guard : std::uint8_t {
+  None,
+  AtHand,    // PassivityGuard: `passivity = true`
+  BothEnds,  // TwoPortArm and TwoPortWorld: `passivity = "two-port"`
+};
+
 // A coupling scheme with what is set of it, under the name that tables and plots give it.
 struct CouplingCase {
   std::string name;
@@ -18,12 +26,16 @@ struct CouplingCase {
   coupling::SchemeSettings settings{};
   coupling::WorldHalfSettings world_half{};  // of a scheme that has its own
   link::SendMode mode{link::SendMode::Streamed};
-  bool is_guarded{false};  // by a PassivityGuard, as it ships
-  double deadband_m{0};    // of the link; 0: every sample is sent
+  Guard guard{Guard::None};
+  double deadband_m{0};  // of the link; 0: every sample is sent
 };
 
+// Whether a guard of that kind goes with the scheme: both ends need a force that the world tells.
+[[nodiscard]] bool can_have(Guard guard, const CouplingCase& of) noexcept;
+
 // Both halves of `of` at a link as `settings` says, but for its mode, which is that of the case.
-// `world` must outlive the loop. Errors: the world half's.
+// `world` must outlive the loop. Errors: the world half's; InvalidArgument: a guard that the scheme
+// cannot have.
 [[nodiscard]] Result<std::unique_ptr<TrialLoop>> make_trial(const CouplingCase& of,
                                                             world::World& world,
                                                             TrialLoop::Settings settings);

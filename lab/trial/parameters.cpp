@@ -128,10 +128,13 @@ std::vector<Parameter> parameters_of(std::span<const CouplingCase> cases) {
     in.word("mode", of.mode == link::SendMode::LockStep ? "lock-step" : "streamed");
     list_scheme(of, in);
     if (of.deadband_m > 0) in.number("deadband", "m", of.deadband_m);
-    if (!of.is_guarded) continue;
+    if (of.guard == Guard::None) continue;
     const coupling::PassivitySettings guard;
+    in.word("passivity", of.guard == Guard::AtHand ? "at the hand" : "two-port");
     in.number("passivity_bound", "J", guard.bound_joule);
-    in.number("passivity_damping", "N.s/m", guard.most.newton_s_per_m);
+    if (of.guard == Guard::AtHand) {
+      in.number("passivity_damping", "N.s/m", guard.most.newton_s_per_m);
+    }
     in.number("passivity_speed", "m/s", guard.least_m_per_s);
     in.number("passivity_credit", "J", guard.credit_joule);
   }

@@ -78,22 +78,41 @@ TEST(TrialLoop, ASampleIsAnsweredAfterTheDelayAndNoSooner) {
   }
 }
 
+double most_given_joule(Guard guard) {
+  const auto world = world::make_world("box:3");
+  auto loop =
+      make_trial({.name = "remote-force", .scheme = coupling::Scheme::RemoteForce, .guard = guard},
+                 **world, {.impairment = {.delay_s = 0.05}});
+  EXPECT_TRUE(loop);
+  Finger finger({}, (*loop)->dt());
+  for (int tick = 0; tick < 2000; ++tick) {
+    const coupling::ArmOutput out = (*loop)->tick(finger.tip(), finger.seen_velocity());
+    finger.move({.at = {0.02, 0, 0}}, out.force);
+  }
+  return finger.energy().generated_joule();
+}
+
 // A remote force at 50 ms swings, and what a guard adds is against it.
 TEST(TrialLoop, AGuardedSchemeGivesTheHandLess) {
-  const auto most_given_joule = [](bool is_guarded) {
-    const auto world = world::make_world("box:3");
-    auto loop = make_trial(
-        {.name = "remote-force", .scheme = coupling::Scheme::RemoteForce, .is_guarded = is_guarded},
-        **world, {.impairment = {.delay_s = 0.05}});
-    EXPECT_TRUE(loop);
-    Finger finger({}, (*loop)->dt());
-    for (int tick = 0; tick < 2000; ++tick) {
-      const coupling::ArmOutput out = (*loop)->tick(finger.tip(), finger.seen_velocity());
-      finger.move({.at = {0.02, 0, 0}}, out.force);
-    }
-    return finger.energy().generated_joule();
-  };
-  EXPECT_LT(most_given_joule(true), 0.8 * most_given_joule(false));
+  const double bare = most_given_joule(Guard::None);
+  EXPECT_LT(most_given_joule(Guard::AtHand), 0.8 * bare);
+  EXPECT_LT(most_given_joule(Guard::BothEnds), 0.1 * bare);
+}
+
+TEST(TrialLoop, AGuardAtBothEndsNeedsAForceThatTheWorldTells) {
+  const auto world = world::make_world("box:3");
+  for (const coupling::Scheme scheme : coupling::kSchemes) {
+    CouplingCase of{.name = "guarded", .scheme = scheme, .guard = Guard::BothEnds};
+    const bool is_told =
+        scheme == coupling::Scheme::RemoteForce || scheme == coupling::Scheme::SpringDamper;
+    EXPECT_EQ(can_have(Guard::BothEnds, of), is_told) << to_string(scheme);
+    EXPECT_TRUE(can_have(Guard::AtHand, of));
+    const auto loop = make_trial(of, **world, {});
+    EXPECT_EQ(loop.has_value(), is_told);
+    if (!loop) EXPECT_EQ(loop.error().code, Errc::InvalidArgument);
+    of.world_half.force_at = coupling::ForceAt::Both;
+    EXPECT_EQ(can_have(Guard::BothEnds, of), scheme == coupling::Scheme::RemoteForce);
+  }
 }
 
 TEST(TrialLoop, ANetworkThatIsDownCarriesNothingEitherWay) {
@@ -125,7 +144,7 @@ TEST(Parameters, AreThoseOfEachCaseAndSayWhatWasChanged) {
   using coupling::Scheme;
   CouplingCase zone{.name = "zone", .scheme = Scheme::BufferZone};
   zone.world_half.buffer_zone = {.buffer_m = 0.012, .names = coupling::ZoneNames::Faces};
-  CouplingCase wave{.name = "wave", .scheme = Scheme::Wave, .is_guarded = true};
+  CouplingCase wave{.name = "wave", .scheme = Scheme::Wave, .guard = Guard::AtHand};
   wave.settings.wave.impedance = {7};
   const CouplingCase band{.name = "ghost", .mode = link::SendMode::LockStep, .deadband_m = 0.0005};
   const auto all = listed(parameters_of(std::vector<CouplingCase>{zone, wave, band}));
@@ -135,6 +154,7 @@ TEST(Parameters, AreThoseOfEachCaseAndSayWhatWasChanged) {
   EXPECT_EQ(all.at("wave: impedance"), Cell(7.0));
   EXPECT_EQ(all.at("wave: slave_mass"), Cell(0.1));
   EXPECT_EQ(all.at("wave: passivity_bound"), Cell(0.001));
+  EXPECT_EQ(all.at("wave: passivity"), Cell("at the hand"));
   EXPECT_EQ(all.count("zone: passivity_bound"), 0U);
   EXPECT_EQ(all.at("ghost: mode"), Cell("lock-step"));
   EXPECT_EQ(all.at("ghost: deadband"), Cell(0.0005));
