@@ -21,6 +21,8 @@ if(THIMBLE_SANITIZE)
   target_compile_options(thimble_options INTERFACE
     -fsanitize=${THIMBLE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   target_link_options(thimble_options INTERFACE -fsanitize=${THIMBLE_SANITIZE})
+  # Sanitized programs are large, and there are a hundred; it takes half as long.
+  target_link_options(thimble_options INTERFACE -fuse-ld=gold)
   # The compilers tell of themselves in different ways.
   target_compile_definitions(thimble_options INTERFACE THIMBLE_UNDER_SANITIZER)
   # GCC cannot see through the sanitizers' instrumentation and reports what is not there.
@@ -32,25 +34,30 @@ if(THIMBLE_FUZZ)
   target_compile_options(thimble_options INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
-# Files compiled six at a time: half of what one costs, and more in a test, is the reading of the same
+# Files compiled fourteen at a time: half of what one costs, and more in a test, is the reading of the same
 # headers and the making of the same templates. ALONE are the files whose names in the unnamed
-# namespace, or whose using-declarations, mean another thing than in another file of theirs. The
-# product's files are compiled one by one in release, since each has to include what it needs.
+# namespace, or whose using-declarations, mean another thing than in another file of theirs.
 option(THIMBLE_UNITY_PRODUCT "Compile several files of a library at once" OFF)
 option(THIMBLE_UNITY_TESTS "Compile several files of a test program at once" ON)
 function(thimble_unity target is_wanted alone)
   set_source_files_properties(${alone} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ${is_wanted} UNITY_BUILD_BATCH_SIZE 6)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${is_wanted} UNITY_BUILD_BATCH_SIZE 14)
 endfunction()
 
-# thimble_library(<folder/with/slashes> SOURCES … [ALONE …] LINKS …): one static library per folder,
-# named thimble_<folder_with_underscores>. Without SOURCES it is header-only. ALONE: see below.
+# thimble_library(<folder/with/slashes> [GLUE] SOURCES … [ALONE …] LINKS …): one static library per folder,
+# named thimble_<folder_with_underscores>. Without SOURCES it is header-only. ALONE: see above. GLUE: it
+# puts together what others reckon, mostly by large templates of third parties, which cost the
+# compiler more than they ever cost a run: THIMBLE_GLUE_OPTIONS are for such folders alone.
+set(THIMBLE_GLUE_OPTIONS "" CACHE STRING "Compiler options for folders that only put together")
 function(thimble_library folder)
-  cmake_parse_arguments(ARG "" "" "SOURCES;ALONE;LINKS;PRIVATE_LINKS" ${ARGN})
+  cmake_parse_arguments(ARG "GLUE" "" "SOURCES;ALONE;LINKS;PRIVATE_LINKS" ${ARGN})
   string(REPLACE "/" "_" name ${folder})
   if(ARG_SOURCES OR ARG_ALONE)
     add_library(thimble_${name} STATIC ${ARG_SOURCES} ${ARG_ALONE})
     thimble_unity(thimble_${name} ${THIMBLE_UNITY_PRODUCT} "${ARG_ALONE}")
+    if(ARG_GLUE)
+      target_compile_options(thimble_${name} PRIVATE ${THIMBLE_GLUE_OPTIONS})
+    endif()
     target_link_libraries(thimble_${name} PUBLIC thimble_options ${ARG_LINKS}
                           PRIVATE ${ARG_PRIVATE_LINKS})
   else()
@@ -59,8 +66,16 @@ function(thimble_library folder)
   endif()
 endfunction()
 
+# One entry of ctest for all cases of a program: a sanitizer makes the start of a process, of which there
+# would be thousands, dearer than most cases. The release build gives each case a process of its own.
+function(thimble_whole_program name label environment left_out)
+  list(JOIN left_out ":" patterns)
+  add_test(NAME ${name} COMMAND ${name} --gtest_brief=1 "--gtest_filter=-${patterns}")
+  set_tests_properties(${name} PROPERTIES LABELS "${label}" TIMEOUT 1200 ENVIRONMENT "${environment}")
+endfunction()
+
 # thimble_test(<name> LABEL <tier> [THREADED] SOURCES … [ALONE …] LINKS … [RECKONING …]): one GoogleTest
-# program, one ctest entry per test case. THREADED: more than one thread takes part, so ThreadSanitizer has
+# program, one ctest entry per test case (one for all of them under a sanitizer). THREADED: more than one thread takes part, so ThreadSanitizer has
 # something to see; with THIMBLE_ONLY_THREADED the others are left out. ENVIRONMENT: NAME=VALUE for
 # its runs. RECKONING: GoogleTest's patterns of tests that reckon for long what shorter ones walk
 # through, too; they are left out where a sanitizer makes them ten to sixty times as slow.
@@ -77,12 +92,11 @@ function(thimble_test name)
     set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)
     return()
   endif()
-  set(filter)
-  if(THIMBLE_SANITIZE AND ARG_RECKONING)
-    list(JOIN ARG_RECKONING ":" patterns)
-    set(filter TEST_FILTER "-${patterns}")
+  if(THIMBLE_SANITIZE)
+    thimble_whole_program(${name} "${ARG_LABEL}" "${ARG_ENVIRONMENT}" "${ARG_RECKONING}")
+    return()
   endif()
-  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST ${filter}
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST
     PROPERTIES LABELS "${ARG_LABEL}" TIMEOUT ${THIMBLE_TEST_TIMEOUT}
     ENVIRONMENT "${ARG_ENVIRONMENT}")
 endfunction()

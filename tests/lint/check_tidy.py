@@ -40,9 +40,9 @@ def product_commands(root, build):
     return sorted(found.items())
 
 
-def content_hash(root, build, source, command):
-    """Over the file, what it includes from this tree, the flags and the settings."""
-    digest = hashlib.sha256(command.encode())
+def content_hash(root, build, source, command, checks=""):
+    """Over the file, what it includes from this tree, the flags, the settings and the checks."""
+    digest = hashlib.sha256(f"{command}\0{checks}".encode())
     digest.update(pathlib.Path(root, ".clang-tidy").read_bytes())
     waiting, seen = [source], set()
     while waiting:
@@ -60,9 +60,10 @@ def content_hash(root, build, source, command):
     return digest.hexdigest()
 
 
-def tidy(root, build, source):
+def tidy(root, build, source, checks=""):
     """What clang-tidy says about one file; empty when it is clean."""
-    result = subprocess.run([PROGRAM, "-p", str(build), "--quiet",
+    only = [f"--checks=-*,{checks}"] if checks else []
+    result = subprocess.run([PROGRAM, "-p", str(build), "--quiet", *only,
                              f"--config-file={root}/.clang-tidy", source], cwd=root,
                             capture_output=True, text=True, check=False)
     if result.returncode == 0:
@@ -72,18 +73,18 @@ def tidy(root, build, source):
     return said.strip() or result.stderr.strip()
 
 
-def check(root, build, cache):
+def check(root, build, cache, checks=""):
     if not shutil.which(PROGRAM):
         return [f"{PROGRAM} is missing: apt-get install {PROGRAM}"]
     cache.mkdir(parents=True, exist_ok=True)
     work = []
     for source, command in product_commands(root, build):
-        mark = cache / content_hash(root, build, source, command)
+        mark = cache / content_hash(root, build, source, command, checks)
         if not mark.exists():
             work.append((source, mark))
     breaches = []
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        said = pool.map(lambda item: tidy(root, build, item[0]), work)
+        said = pool.map(lambda item: tidy(root, build, item[0], checks), work)
         for (_, mark), words in zip(work, said):
             if words:
                 breaches.append(words)
@@ -100,9 +101,11 @@ def main():
     parser.add_argument("--root", type=pathlib.Path,
                         default=pathlib.Path(__file__).resolve().parents[2])
     parser.add_argument("--build", type=pathlib.Path, required=True)
+    parser.add_argument("--checks", default="", help="only these of .clang-tidy's, with commas")
     arguments = parser.parse_args()
     root = arguments.root.resolve()
-    breaches = check(root, arguments.build.resolve(), root / "build" / "lint-cache")
+    breaches = check(root, arguments.build.resolve(), root / "build" / "lint-cache",
+                     arguments.checks)
     print("\n".join(breaches))
     sys.exit(1 if breaches else 0)
 

@@ -51,6 +51,15 @@ class CheckTidy(PlantedTreeTest):
                 self.assertIn("hal/base/a.cpp:", breaches[0])
                 self.assertIn("Mend:", breaches[-1])
 
+    def test_looks_for_no_more_than_it_is_asked_for(self):
+        self.plant("hal/base/a.cpp",
+                   "unsigned h(const char* s) { return sizeof(s) / sizeof(s[0]); }\n")
+        build, cache = self.root / "build" / "x", self.root / "build" / "c"
+
+        self.assertEqual(check_tidy.check(self.root, build, cache, "readability-identifier-naming"), [])
+        self.assertIn("bugprone-", check_tidy.check(self.root, build, cache)[0],
+                      "what was clean of fewer checks is read again for more")
+
     def test_refuses_a_bug_that_it_knows(self):
         breaches = self.check("bool f(double* a, double* b) "
                               "{ return __builtin_memcmp(a, b, sizeof(a)) == 0; }\n"

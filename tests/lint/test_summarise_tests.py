@@ -42,5 +42,15 @@ class SummariseTests(PlantedTreeTest):
         self.assertIn("skipped unit: A.Skips: no strace here\n", said)
         self.assertIn("1 passed, 0 failed", said)
 
+    def test_names_what_a_whole_program_left_out(self):
+        whole = ('<testcase name="unit_a" status="run"><system-out>a_test.cpp:7: Skipped\nno strace here\n'
+                 "b_test.cpp:9: Skipped\nnot under a sanitizer\n</system-out></testcase>")
+
+        status, said = self.summarise(whole)
+
+        self.assertEqual(status, 0)
+        self.assertIn("skipped unit: unit_a: a_test.cpp:7: no strace here\n"
+                      "skipped unit: unit_a: b_test.cpp:9: not under a sanitizer\n1 passed, 0 failed", said)
+
     def test_fails_when_nothing_ran(self):
         self.assertEqual(self.summarise()[0], 1)

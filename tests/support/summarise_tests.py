@@ -21,6 +21,11 @@ def skip_reason(case):
     return (skipped is not None and skipped.get("message")) or "no reason given"
 
 
+def skips_within(case):
+    """Cases that a whole program left out, by the line that said so, each with its reason."""
+    return re.findall(r"^(\S+:\d+): Skipped\n(.+)", case.findtext("system-out") or "", re.MULTILINE)
+
+
 class Totals:
     def __init__(self):
         self.passed = 0
@@ -34,6 +39,7 @@ def read_step(path, totals):
         status = case.get("status")
         if status == "run":
             totals.passed += 1
+            totals.skipped += [(f"{name}: {line}", reason) for line, reason in skips_within(case)]
         elif status in ("notrun", "disabled"):
             totals.skipped.append((name, skip_reason(case)))
         else:
