@@ -40,9 +40,40 @@ def product_commands(root, build):
     return sorted(found.items())
 
 
-def content_hash(root, build, source, command, checks=""):
-    """Over the file, what it includes from this tree, the flags, the settings and the checks."""
-    digest = hashlib.sha256(f"{command}\0{checks}".encode())
+def changed_files(root, commits):
+    """What the last commits and the work after them changed; None where history does not say."""
+    result = subprocess.run(["git", "diff", "--name-only", f"HEAD~{commits}"], cwd=root,
+                            capture_output=True, text=True, check=False)
+    return result.stdout.split() if result.returncode == 0 else None
+
+
+def includes_of(root, build, path):
+    file = next((place for place in (pathlib.Path(root, path), pathlib.Path(build, path))
+                 if place.is_file()), None)
+    if file is None:
+        return []
+    found = _INCLUDE.findall(file.read_text(encoding="utf-8", errors="replace"))
+    return [os.path.relpath(include, root) if os.path.isabs(include) else include for include in found]
+
+
+def touched(root, build, sources, changed):
+    """Those of `sources` that compile what was changed: the file itself; of a header the file of
+    its name, or the first that includes it where none has its name."""
+    compiled = {source: {source, *(path for path in includes_of(root, build, source)
+                                   if path.endswith(".cpp"))} for source in sources}
+    included = {source: {header for path in paths for header in includes_of(root, build, path)}
+                for source, paths in compiled.items()}
+    found = set()
+    for path in changed:
+        own = path[:-4] + ".cpp" if path.endswith(".hpp") else path
+        by_name = [source for source in sources if own in compiled[source]]
+        found.update(by_name or [source for source in sources if path in included[source]][:1])
+    return sorted(found)
+
+
+def content_hash(root, build, source, command):
+    """Over the file, what it includes from this tree, the flags and the settings."""
+    digest = hashlib.sha256(command.encode())
     digest.update(pathlib.Path(root, ".clang-tidy").read_bytes())
     waiting, seen = [source], set()
     while waiting:
@@ -60,10 +91,9 @@ def content_hash(root, build, source, command, checks=""):
     return digest.hexdigest()
 
 
-def tidy(root, build, source, checks=""):
+def tidy(root, build, source):
     """What clang-tidy says about one file; empty when it is clean."""
-    only = [f"--checks=-*,{checks}"] if checks else []
-    result = subprocess.run([PROGRAM, "-p", str(build), "--quiet", *only,
+    result = subprocess.run([PROGRAM, "-p", str(build), "--quiet",
                              f"--config-file={root}/.clang-tidy", source], cwd=root,
                             capture_output=True, text=True, check=False)
     if result.returncode == 0:
@@ -73,18 +103,24 @@ def tidy(root, build, source, checks=""):
     return said.strip() or result.stderr.strip()
 
 
-def check(root, build, cache, checks=""):
+def check(root, build, cache, changed=None):
+    """`changed`: paths under root to which the reading is limited; None: everything."""
     if not shutil.which(PROGRAM):
         return [f"{PROGRAM} is missing: apt-get install {PROGRAM}"]
     cache.mkdir(parents=True, exist_ok=True)
+    commands = product_commands(root, build)
+    if changed is not None:
+        wanted = touched(root, build, [source for source, _ in commands], changed)
+        commands = [(source, command) for source, command in commands if source in wanted]
+    print(f"{len(commands)} units to read", file=sys.stderr)
     work = []
-    for source, command in product_commands(root, build):
-        mark = cache / content_hash(root, build, source, command, checks)
+    for source, command in commands:
+        mark = cache / content_hash(root, build, source, command)
         if not mark.exists():
             work.append((source, mark))
     breaches = []
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        said = pool.map(lambda item: tidy(root, build, item[0], checks), work)
+        said = pool.map(lambda item: tidy(root, build, item[0]), work)
         for (_, mark), words in zip(work, said):
             if words:
                 breaches.append(words)
@@ -101,11 +137,11 @@ def main():
     parser.add_argument("--root", type=pathlib.Path,
                         default=pathlib.Path(__file__).resolve().parents[2])
     parser.add_argument("--build", type=pathlib.Path, required=True)
-    parser.add_argument("--checks", default="", help="only these of .clang-tidy's, with commas")
+    parser.add_argument("--commits", type=int, help="only what so many last commits changed")
     arguments = parser.parse_args()
     root = arguments.root.resolve()
-    breaches = check(root, arguments.build.resolve(), root / "build" / "lint-cache",
-                     arguments.checks)
+    changed = changed_files(root, arguments.commits) if arguments.commits else None
+    breaches = check(root, arguments.build.resolve(), root / "build" / "lint-cache", changed)
     print("\n".join(breaches))
     sys.exit(1 if breaches else 0)
 

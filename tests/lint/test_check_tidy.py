@@ -51,14 +51,28 @@ class CheckTidy(PlantedTreeTest):
                 self.assertIn("hal/base/a.cpp:", breaches[0])
                 self.assertIn("Mend:", breaches[-1])
 
-    def test_looks_for_no_more_than_it_is_asked_for(self):
-        self.plant("hal/base/a.cpp",
-                   "unsigned h(const char* s) { return sizeof(s) / sizeof(s[0]); }\n")
+    def test_reads_what_was_changed_and_no_more(self):
         build, cache = self.root / "build" / "x", self.root / "build" / "c"
+        self.plant("hal/base/a.cpp", '#include "hal/base/a.hpp"\n#include "hal/base/alone.hpp"\nint useIt();\n')
+        self.plant("hal/base/a.hpp", "")
+        self.plant("hal/base/alone.hpp", "")
 
-        self.assertEqual(check_tidy.check(self.root, build, cache, "readability-identifier-naming"), [])
-        self.assertIn("bugprone-", check_tidy.check(self.root, build, cache)[0],
-                      "what was clean of fewer checks is read again for more")
+        for path, is_read in (("hal/base/a.cpp", True), ("hal/base/a.hpp", True), ("hal/base/alone.hpp", True),
+                              ("hal/base/other.hpp", False), ("docs/a.md", False)):
+            with self.subTest(path):
+                self.assertEqual(bool(check_tidy.check(self.root, build, cache, [path])), is_read)
+
+    def test_reads_the_unit_that_holds_what_was_changed(self):
+        unit = "build/x/hal/unity_0_cxx.cxx"
+        self.plant(unit, f'#include "{self.root}/hal/base/a.cpp"\n')
+        self.plant("hal/base/a.cpp", '#include "hal/base/a.hpp"\n')
+        self.plant("hal/base/a.hpp", "")
+
+        for path, expected in (("hal/base/a.hpp", [unit]), ("hal/base/a.cpp", [unit]), ("hal/base/b.cpp", [])):
+            self.assertEqual(check_tidy.touched(self.root, self.root / "build" / "x", [unit], [path]), expected)
+
+    def test_reads_everything_where_history_is_short(self):
+        self.assertIsNone(check_tidy.changed_files(self.root, 30))
 
     def test_refuses_a_bug_that_it_knows(self):
         breaches = self.check("bool f(double* a, double* b) "
