@@ -21,8 +21,9 @@ if(THIMBLE_SANITIZE)
   target_compile_options(thimble_options INTERFACE
     -fsanitize=${THIMBLE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   target_link_options(thimble_options INTERFACE -fsanitize=${THIMBLE_SANITIZE})
-  # Sanitized programs are large, and there are a hundred; it takes half as long.
-  target_link_options(thimble_options INTERFACE -fuse-ld=gold)
+  # Sanitized programs are large, and there are a hundred; it takes half as long. Constants are kept
+  # from being code, as ld.bfd does unasked.
+  target_link_options(thimble_options INTERFACE -fuse-ld=gold LINKER:--rosegment)
   # The compilers tell of themselves in different ways.
   target_compile_definitions(thimble_options INTERFACE THIMBLE_UNDER_SANITIZER)
   # GCC cannot see through the sanitizers' instrumentation and reports what is not there.

@@ -41,6 +41,7 @@ class VirtualNetwork::Port final : public DatagramPort {
     VirtualNetwork& network = host_->network();
     for (const Port* other : network.ports_) {
       if (bind.port == 0 || other->local_ != bind || !other->is_open_) continue;
+      if (is_any(bind) && other->host_ != host_) continue;
       return fail(Errc::Busy, "another session already listens on " + to_string(bind));
     }
     local_ = bind;

@@ -14,7 +14,7 @@ import unittest
 import xml.etree.ElementTree
 import zlib
 
-from rig import BIN, TIMEOUT_S, ProcessTest, clean_environment, die_with_parent, is_sanitized
+from rig import BIN, ROOT, TIMEOUT_S, ProcessTest, clean_environment, die_with_parent, is_sanitized
 
 
 _reckons = unittest.skipIf(is_sanitized(), "reckons for minutes there; the release build plays it")
@@ -243,14 +243,28 @@ source = "box:3"
 name = "far"
 device = "sim:phantom-vintage"
 amplifier_max_a = 3.0
-link = "udp://127.0.0.1:5001"
-allow_unauthenticated = true
+link = "serial:/dev/ttyS0@115200"
+protocol = "thimble"
 [arm.hand]
 motion = "still"
 """)
         shown = self.run_experiment("run", config)
         self.assertNotEqual(shown.returncode, 0)
-        self.assertIn("link: another host keeps real time", shown.stderr)
+        self.assertIn("link: a serial line keeps real time", shown.stderr)
+
+    def test_hosts_that_are_coupled_are_played_together(self):
+        host, guest = (ROOT / "examples" / f"teleoperation-{end}.toml" for end in ("host", "guest"))
+        alone = self.run_experiment("run", guest)
+        self.assertNotEqual(alone.returncode, 0)
+        self.assertIn("link: nobody listens at udp://127.0.0.1:5001; give the configuration of that host, too",
+                      alone.stderr)
+        shown = self.run_experiment("run", host, guest, "--for", "2",
+                                    "--set", "teleoperation-guest:arm.impairment.delay_s=0.1")
+        self.assertEqual(shown.returncode, 0, shown.stdout[-400:] + shown.stderr)
+        for arm in ("teleoperation-host: here", "teleoperation-guest: there"):
+            self.assertIn(arm, shown.stdout)
+        wrong = self.run_experiment("run", host, "--set", "guest:arm.hand.seed=1")
+        self.assertIn("no configuration is called 'guest'", wrong.stderr)
 
     def test_what_cannot_be_done_is_said(self):
         shown = self.run_experiment("table-4.1", "--contacts", "1", "--out", "/proc/none")

@@ -109,12 +109,13 @@ TEST_F(ArmHostTest, SaysOnBothSidesWhyTwoSchemesDoNotGoTogether) {
   EXPECT_EQ(sut->guest(), "");
 }
 
-TEST_F(ArmHostTest, ListensOnlyInRealTime) {
+TEST_F(ArmHostTest, ListensOnlyWhereThereIsANetwork) {
   config::ArmConfig said = arm_of(config::CouplingScheme::Wave);
   said.listen = config::UdpEndpoint{"127.0.0.1", 0};
   const auto sut = ArmHost::create(said, {.models = models, .drivers = drivers});
   ASSERT_FALSE(sut);
-  EXPECT_EQ(sut.error().message, "arm 'left': listen: arms of other hosts come only in real time");
+  EXPECT_EQ(sut.error().message,
+            "arm 'left': listen: there is no network for arms of other hosts to come by");
 }
 
 }  // namespace
