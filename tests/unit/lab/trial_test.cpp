@@ -109,7 +109,9 @@ TEST(TrialLoop, AGuardAtBothEndsNeedsAForceThatTheWorldTells) {
     EXPECT_TRUE(can_have(Guard::AtHand, of));
     const auto loop = make_trial(of, **world, {});
     EXPECT_EQ(loop.has_value(), is_told);
-    if (!loop) EXPECT_EQ(loop.error().code, Errc::InvalidArgument);
+    if (!loop) {
+      EXPECT_EQ(loop.error().code, Errc::InvalidArgument);
+    }
     of.world_half.force_at = coupling::ForceAt::Both;
     EXPECT_EQ(can_have(Guard::BothEnds, of), scheme == coupling::Scheme::RemoteForce);
   }
