@@ -68,15 +68,16 @@ function(thimble_library folder)
 endfunction()
 
 # One entry of ctest for all cases of a program: a sanitizer makes the start of a process, of which there
-# would be thousands, dearer than most cases. The release build gives each case a process of its own.
-function(thimble_whole_program name label environment left_out)
+# would be thousands, dearer than most cases. The release build gives each case a process of its own, and
+# so does every build those with an ENVIRONMENT: threads of what is preloaded outlive a case there.
+function(thimble_whole_program name label left_out)
   list(JOIN left_out ":" patterns)
   add_test(NAME ${name} COMMAND ${name} --gtest_brief=1 "--gtest_filter=-${patterns}")
-  set_tests_properties(${name} PROPERTIES LABELS "${label}" TIMEOUT 1200 ENVIRONMENT "${environment}")
+  set_tests_properties(${name} PROPERTIES LABELS "${label}" TIMEOUT 1200)
 endfunction()
 
 # thimble_test(<name> LABEL <tier> [THREADED] SOURCES … [ALONE …] LINKS … [RECKONING …]): one GoogleTest
-# program, one ctest entry per test case (one for all of them under a sanitizer). THREADED: more than one thread takes part, so ThreadSanitizer has
+# program, one ctest entry per test case (mostly one for all of them under a sanitizer). THREADED: more than one thread takes part, so ThreadSanitizer has
 # something to see; with THIMBLE_ONLY_THREADED the others are left out. ENVIRONMENT: NAME=VALUE for
 # its runs. RECKONING: GoogleTest's patterns of tests that reckon for long what shorter ones walk
 # through, too; they are left out where a sanitizer makes them ten to sixty times as slow.
@@ -93,8 +94,8 @@ function(thimble_test name)
     set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)
     return()
   endif()
-  if(THIMBLE_SANITIZE)
-    thimble_whole_program(${name} "${ARG_LABEL}" "${ARG_ENVIRONMENT}" "${ARG_RECKONING}")
+  if(THIMBLE_SANITIZE AND NOT ARG_ENVIRONMENT)
+    thimble_whole_program(${name} "${ARG_LABEL}" "${ARG_RECKONING}")
     return()
   endif()
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST
