@@ -3,8 +3,9 @@
 import json
 import random
 import re
+import time
 
-from rig import EXAMPLES, HELLO, ProcessTest, http_over, http_request, unix_connection
+from rig import EXAMPLES, HELLO, TIMEOUT_S, ProcessTest, http_over, http_request, unix_connection
 
 SPHERE = ("--config", EXAMPLES / "sphere.toml")
 
@@ -45,7 +46,11 @@ class Pieces(ProcessTest):
                                     ("free", "free motion is on", 0), ("free", "free motion is off", 0),
                                     ("reset", "all pieces are as they were at first", 0)):
             told = self.thimble(daemon, verb)
-            self.assertEqual((told.returncode, told.stderr), (code, ""), verb)
+            deadline = time.monotonic() + TIMEOUT_S
+            # A busy machine holds a board up beyond its time: it says so, is opened anew, and is asked again.
+            while verb == "reset" and "the board" in told.stdout and time.monotonic() < deadline:
+                told = self.thimble(daemon, verb)
+            self.assertEqual((told.returncode, told.stderr), (code, ""), f"{verb}: {told.stdout}")
             self.assertEqual(told.stdout, f"world desk: {outcome}\n")
         pieces = daemon.status()["worlds"][0]["pieces"]
         self.assertEqual((pieces["held"], pieces["is_free_motion"]), (0, False))
