@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "daemon/link/earliest.hpp"
 #include "daemon/session/arm_settings.hpp"
 #include "daemon/session/combination.hpp"
 #include "daemon/session/retry_pace.hpp"
@@ -102,12 +103,10 @@ std::optional<MonotonicTime> Runtime::pump(MonotonicTime now) {
   std::optional<MonotonicTime> earliest;
   // Before the links: who asks next is answered by what the cells are now.
   for (const auto& host : worlds_) {
-    const std::optional<MonotonicTime> due = host->pump(now);
-    if (due && (!earliest || *due < *earliest)) earliest = due;
+    link::take_earlier(earliest, host->pump(now));
   }
   for (const auto& arm : arms_) {
-    const std::optional<MonotonicTime> due = arm->pump(now);
-    if (due && (!earliest || *due < *earliest)) earliest = due;
+    link::take_earlier(earliest, arm->pump(now));
   }
   return earliest;
 }

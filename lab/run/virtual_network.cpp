@@ -5,6 +5,8 @@
 #include <string>
 #include <utility>
 
+#include "daemon/link/earliest.hpp"
+
 namespace thimble::lab {
 namespace {
 
@@ -64,8 +66,7 @@ class VirtualNetwork::Port final : public DatagramPort {
     return Outcome::Done;
   }
   void wake_after(MonotonicTime now, Duration wait) override {
-    const MonotonicTime at = now + wait;
-    if (!wakes_at_ || at < *wakes_at_) wakes_at_ = at;
+    link::take_earlier(wakes_at_, now + wait);
   }
   [[nodiscard]] const std::string& last_error() const noexcept override { return last_error_; }
 
@@ -143,8 +144,7 @@ void VirtualNetwork::pass(MonotonicTime now) {
 std::optional<MonotonicTime> VirtualNetwork::due() const {
   std::optional<MonotonicTime> earliest;
   for (const Port* port : ports_) {
-    const std::optional<MonotonicTime> at = port->wakes_at();
-    if (at && (!earliest || *at < *earliest)) earliest = at;
+    link::take_earlier(earliest, port->wakes_at());
   }
   return earliest;
 }

@@ -2,16 +2,14 @@
 
 #include <algorithm>
 
+#include "daemon/link/earliest.hpp"
+
 namespace thimble::lab {
 namespace {
 
 constexpr Duration kFollowEvery = std::chrono::milliseconds(5);
 // Ours: what is due at once and again is not let hold the time.
 constexpr Duration kLeastWait = std::chrono::microseconds(1);
-
-void take_earlier(std::optional<MonotonicTime>& earliest, std::optional<MonotonicTime> due) {
-  if (due && (!earliest || *due < *earliest)) earliest = due;
-}
 
 }  // namespace
 
@@ -45,9 +43,9 @@ void VirtualSession::sleep_until(MonotonicTime t) {
 void VirtualSession::pump(MonotonicTime now) {
   (void)clock_.sleep_until(now);
   std::optional<MonotonicTime> due;
-  for (const auto& runtime : runtimes_) take_earlier(due, runtime->pump(now));
+  for (const auto& runtime : runtimes_) link::take_earlier(due, runtime->pump(now));
   network_.pass(now);
-  take_earlier(due, network_.due());
+  link::take_earlier(due, network_.due());
   net_due_ = due ? std::optional(std::max(*due, now + kLeastWait)) : std::nullopt;
 }
 

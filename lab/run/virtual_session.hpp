@@ -55,8 +55,8 @@ class VirtualSession {
   void pump(MonotonicTime now);
   void follow_buses();
 
-  sim::VirtualClock
-      clock_;  // of links, and of worlds on a board; before the runtimes, which use it
+  // Of links, and of worlds on a board. It and the network are before the runtimes, which use them.
+  sim::VirtualClock clock_;
   VirtualNetwork network_;
   std::vector<std::unique_ptr<session::Runtime>> runtimes_;
   std::vector<Place> places_;
