@@ -16,6 +16,23 @@ bool must_fall_back(const config::ArmConfig& arm, const RigParts& parts) {
          !devices::find_device(*parts.real_buses, {arm.device});
 }
 
+// Errors: Unsupported, `parts` has no way there; the link's.
+Result<std::unique_ptr<RigLink>> link_to_other_host(const config::ArmConfig& arm,
+                                                    const RigParts& parts) {
+  if (arm.line) {
+    if (parts.io == nullptr || parts.real_clock == nullptr) {
+      return fail(Errc::Unsupported, "line: a serial line keeps real time; name a world");
+    }
+    return make_serial_link(arm, serial_line(*arm.line, parts), *parts.io, *parts.real_clock,
+                            parts.wake);
+  }
+  const Clock* const clock = network_clock(parts);
+  if (parts.network == nullptr || clock == nullptr) {
+    return fail(Errc::Unsupported, "link: there is no network to another host; name a world");
+  }
+  return make_udp_link(arm, *parts.network, *clock, parts.wake);
+}
+
 }  // namespace
 
 Result<std::unique_ptr<ArmRig>> ArmRig::create_stand_in(const config::ArmConfig& arm,
@@ -67,22 +84,6 @@ Result<void> ArmRig::choose_bus(const config::ArmConfig& arm, const RigParts& pa
 
 const Clock* network_clock(const RigParts& parts) noexcept {
   return parts.network_clock != nullptr ? parts.network_clock : parts.real_clock;
-}
-
-Result<std::unique_ptr<RigLink>> link_to_other_host(const config::ArmConfig& arm,
-                                                    const RigParts& parts) {
-  if (arm.line) {
-    if (parts.io == nullptr || parts.real_clock == nullptr) {
-      return fail(Errc::Unsupported, "line: a serial line keeps real time; name a world");
-    }
-    return make_serial_link(arm, serial_line(*arm.line, parts), *parts.io, *parts.real_clock,
-                            parts.wake);
-  }
-  const Clock* const clock = network_clock(parts);
-  if (parts.network == nullptr || clock == nullptr) {
-    return fail(Errc::Unsupported, "link: there is no network to another host; name a world");
-  }
-  return make_udp_link(arm, *parts.network, *clock, parts.wake);
 }
 
 Result<void> ArmRig::link_to(WorldHost* world, const config::ArmConfig& arm,

@@ -53,12 +53,8 @@ struct RigParts {
   std::function<void(const Error&)> on_wait{};
 };
 
-// nullptr: no link can be kept.
+// Of links over parts.network; nullptr: none can be kept.
 [[nodiscard]] const Clock* network_clock(const RigParts& parts) noexcept;
-// The link of an arm whose world is on another host. Errors: Unsupported, there is no way there in
-// `parts`; the link's.
-[[nodiscard]] Result<std::unique_ptr<RigLink>> link_to_other_host(const config::ArmConfig& arm,
-                                                                  const RigParts& parts);
 
 // One arm with everything below and beside it: bus and time, device, coupling, servo, link.
 //
