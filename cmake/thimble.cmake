@@ -71,8 +71,7 @@ endfunction()
 # would be thousands, dearer than most cases. The release build gives each case a process of its own, and
 # so does every build those with an ENVIRONMENT: threads of what is preloaded outlive a case there.
 function(thimble_whole_program name label left_out)
-  list(JOIN left_out ":" patterns)
-  add_test(NAME ${name} COMMAND ${name} --gtest_brief=1 "--gtest_filter=-${patterns}")
+  add_test(NAME ${name} COMMAND ${name} --gtest_brief=1 "--gtest_filter=-${left_out}")
   set_tests_properties(${name} PROPERTIES LABELS "${label}" TIMEOUT 1200)
 endfunction()
 
@@ -94,11 +93,15 @@ function(thimble_test name)
     set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)
     return()
   endif()
+  set(left_out)
+  if(THIMBLE_SANITIZE)
+    list(JOIN ARG_RECKONING ":" left_out)
+  endif()
   if(THIMBLE_SANITIZE AND NOT ARG_ENVIRONMENT)
-    thimble_whole_program(${name} "${ARG_LABEL}" "${ARG_RECKONING}")
+    thimble_whole_program(${name} "${ARG_LABEL}" "${left_out}")
     return()
   endif()
-  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST TEST_FILTER "-${left_out}"
     PROPERTIES LABELS "${ARG_LABEL}" TIMEOUT ${THIMBLE_TEST_TIMEOUT}
     ENVIRONMENT "${ARG_ENVIRONMENT}")
 endfunction()
