@@ -47,12 +47,15 @@ def changed_files(root, commits):
     return result.stdout.split() if result.returncode == 0 else None
 
 
-def includes_of(root, build, path):
+def text_of(root, build, path):
+    """Of a file of the tree, or of one that the build made; None where neither has it."""
     file = next((place for place in (pathlib.Path(root, path), pathlib.Path(build, path))
                  if place.is_file()), None)
-    if file is None:
-        return []
-    found = _INCLUDE.findall(file.read_text(encoding="utf-8", errors="replace"))
+    return file.read_text(encoding="utf-8", errors="replace") if file else None
+
+
+def includes_of(root, build, path):
+    found = _INCLUDE.findall(text_of(root, build, path) or "")
     return [os.path.relpath(include, root) if os.path.isabs(include) else include for include in found]
 
 
@@ -81,11 +84,9 @@ def content_hash(root, build, source, command):
         if path in seen:
             continue
         seen.add(path)
-        file = next((place for place in (pathlib.Path(root, path), pathlib.Path(build, path))
-                     if place.is_file()), None)
-        if file is None:
+        text = text_of(root, build, path)
+        if text is None:
             continue
-        text = file.read_text(encoding="utf-8", errors="replace")
         digest.update(f"{path}\0{text}\0".encode())
         waiting += sorted(_INCLUDE.findall(text))
     return digest.hexdigest()
