@@ -25,7 +25,7 @@ class Arm(arms.HidArm):
 class Estop(guest.GuestTest):
     """Numbered: each test goes on where the one before it ended."""
 
-    pace = guest.COUNTED_SLOWLY
+    pace = guest.COUNTED
 
     @classmethod
     def setUpClass(cls):
