@@ -18,8 +18,10 @@ endif()
 target_include_directories(thimble_options INTERFACE ${CMAKE_SOURCE_DIR})
 target_link_libraries(thimble_options INTERFACE Threads::Threads)
 if(THIMBLE_SANITIZE)
-  target_compile_options(thimble_options INTERFACE
-    -fsanitize=${THIMBLE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  # For the folder, which comes before the target's own on the command line: those say what they do without, and the last
+  # word counts.
+  add_compile_options($<$<COMPILE_LANGUAGE:CXX>:-fsanitize=${THIMBLE_SANITIZE}>)
+  target_compile_options(thimble_options INTERFACE -fno-omit-frame-pointer -fno-sanitize-recover=all)
   target_link_options(thimble_options INTERFACE -fsanitize=${THIMBLE_SANITIZE})
   # Sanitized programs are large, and there are a hundred; it takes half as long. Constants are kept
   # from being code, as ld.bfd does unasked.
@@ -32,7 +34,7 @@ if(THIMBLE_SANITIZE)
   endif()
 endif()
 if(THIMBLE_FUZZ)
-  target_compile_options(thimble_options INTERFACE -fsanitize=fuzzer-no-link)
+  add_compile_options($<$<COMPILE_LANGUAGE:CXX>:-fsanitize=fuzzer-no-link>)
 endif()
 
 # Files compiled fourteen at a time: half of what one costs, and more in a test, is the reading of the same
@@ -75,6 +77,25 @@ function(thimble_whole_program name label left_out)
   set_tests_properties(${name} PROPERTIES LABELS "${label}" TIMEOUT 1200)
 endfunction()
 
+# What most tests include is read once for all tests with the same options. The preset dev does without, so that a test
+# that lacks an include is found.
+option(THIMBLE_TEST_HEADERS_ONCE "Precompile what most tests include" ON)
+function(thimble_test_headers target)
+  if(NOT THIMBLE_TEST_HEADERS_ONCE)
+    return()
+  endif()
+  string(MD5 options "${THIMBLE_TEST_OPTIONS}")
+  set(headers thimble_test_headers_${options})
+  if(NOT TARGET ${headers})
+    file(GENERATE OUTPUT ${CMAKE_BINARY_DIR}/generated/${headers}.cpp CONTENT "")
+    add_library(${headers} OBJECT ${CMAKE_BINARY_DIR}/generated/${headers}.cpp)
+    target_compile_options(${headers} PRIVATE ${THIMBLE_TEST_OPTIONS})
+    target_link_libraries(${headers} PRIVATE thimble_options GTest::gmock)
+    target_precompile_headers(${headers} PRIVATE "$<$<COMPILE_LANGUAGE:CXX>:${CMAKE_SOURCE_DIR}/tests/support/test_headers.hpp>")
+  endif()
+  target_precompile_headers(${target} REUSE_FROM ${headers})
+endfunction()
+
 # thimble_test(<name> LABEL <tier> [THREADED] SOURCES … [ALONE …] LINKS … [RECKONING …]): one GoogleTest
 # program, one ctest entry per test case (mostly one for all of them under a sanitizer). THREADED: more than one thread takes part, so ThreadSanitizer has
 # something to see; with THIMBLE_ONLY_THREADED the others are left out. ENVIRONMENT: NAME=VALUE for
@@ -89,6 +110,7 @@ function(thimble_test name)
   thimble_unity(${name} ${THIMBLE_UNITY_TESTS} "${ARG_ALONE}")
   target_compile_options(${name} PRIVATE ${THIMBLE_TEST_OPTIONS})
   target_link_libraries(${name} PRIVATE thimble_options ${ARG_LINKS} GTest::gtest_main)
+  thimble_test_headers(${name})
   if(THIMBLE_ONLY_THREADED AND NOT ARG_THREADED)
     set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL ON)
     return()
