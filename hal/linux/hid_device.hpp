@@ -13,8 +13,11 @@ namespace thimble::linux {
 
 class HidHost;
 
-// A HID device that HidHost opened. Thread, errors: as bus::HidDevice. Ownership: the host must
-// outlive it.
+// A HID device that HidHost opened.
+//
+// Thread, errors: as bus::HidDevice. RT: submit() writes to one eventfd, read_newest() makes no
+// system call; construction and destruction are not. Ownership: the host must outlive it; the
+// destructor waits HidHost::kClosingPatience at most, and leaves the rest of the closing to it.
 class HidDevice final : public bus::HidDevice {
  public:
   HidDevice(HidHost& host, std::unique_ptr<HidConnection> connection) noexcept

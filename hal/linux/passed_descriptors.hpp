@@ -20,7 +20,8 @@ namespace thimble::linux {
 // One, with a packet of one byte. Errors: System.
 [[nodiscard]] Result<void> send_descriptor(int socket, const Descriptor& file);
 // Errors: Timeout; Disconnected, the other side closed without a word; Malformed, something else
-// came, and is closed; System. `patience`: below 0 none, above a minute a minute.
+// came, and is closed; System. `patience`: below 0 none, above a minute a minute: ours, who needs
+// longer does not answer at all.
 [[nodiscard]] Result<Descriptor> receive_descriptor(int socket, Duration patience);
 
 }  // namespace thimble::linux

@@ -16,8 +16,8 @@ namespace thimble::linux {
 namespace {
 
 constexpr int kForEver = -1;
-constexpr int kLook_ms = 1;  // how often we look whether the kernel is done with a message
-constexpr int kLastLooks = 20;
+constexpr int kLook_ms = 1;     // how often we look whether the kernel is done with a message
+constexpr int kLastLooks = 20;  // ours: a device that takes a message has it by then
 
 }  // namespace
 

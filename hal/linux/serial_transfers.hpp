@@ -35,13 +35,15 @@ class SerialTransfers {
   SerialTransfers(const SerialTransfers&) = delete;
   SerialTransfers& operator=(const SerialTransfers&) = delete;
 
-  // Brings what has arrived to the mailboxes, at most kUsbQueuedPackets chunks.
+  // Brings what has arrived to the mailboxes, at most kUsbQueuedPackets chunks: as many as they
+  // have room for, so that a device that floods does not keep a write waiting.
   void receive() noexcept;
   // Writes what waits in the mailbox as far as the kernel takes it. True: nothing is left.
   bool send() noexcept;
   // Until there is something to receive, room for what is left to send, or `event` is readable.
   void wait(int event) const noexcept;
-  // send() again and again until the device has all of it, at most 20 ms.
+  // send() again and again until the device has all of it, at most 20 ms: ours, as of a USB device
+  // (UsbTransfers::send_last()).
   void send_last() noexcept;
   // Open as long as this lives.
   [[nodiscard]] int node() const noexcept { return node_.get(); }

@@ -23,9 +23,10 @@ namespace thimble::linux {
 // A context of its own per device, without discovery: nobody else's opening or closing can hold up
 // this one (libusb keeps a lock of the context while callbacks run).
 //
-// A device that floods is not kept up with: after 62 reads within 1 ms, or one for which there is
-// no room because nobody reads, an IN pipe rests for 1 ms. Whatever it sends, this thread has the
-// priority of arms and may not be kept busy by it.
+// A device that floods is not kept up with: after 62 reads within 1 ms (those and the two that are
+// pending fill kUsbQueuedPackets; at full speed a frame has 19), or one for which there is no room
+// because nobody reads, an IN pipe rests for 1 ms, ours: a full-speed frame. Whatever it sends,
+// this thread has the priority of arms and may not be kept busy by it.
 //
 // After a stall the other transfers of the pipe are taken back, the halt is cleared and they are
 // sent anew; after a failure on the wire the next try is 1 ms later, a full-speed frame. Clearing

@@ -137,6 +137,21 @@ TEST_P(HidDeviceContract, ClosingEndsSilent) {
   EXPECT_EQ(rig->received_by_device().size(), 1U);
 }
 
+// A kernel may still send it, a simulated bus drops it: but nothing else comes, and nothing twice.
+TEST_P(HidDeviceContract, WhatIsSubmittedRightBeforeClosingIsSentOnceOrDropped) {
+  rig->device().submit(output(1));
+  run_frames(2);
+  rig->device().submit(output(2));
+  rig->close_device();
+  run_frames(10);
+  const auto received = rig->received_by_device();
+  ASSERT_GE(received.size(), 1U);
+  ASSERT_LE(received.size(), 2U);
+  for (std::size_t i = 0; i < received.size(); ++i) {
+    EXPECT_EQ(received[i], output(static_cast<std::uint8_t>(i + 1)));
+  }
+}
+
 // Random traffic: the stamps never run backwards, and every report is read or skipped.
 TEST_P(HidDeviceContract, TheCountersBalanceUnderRandomTraffic) {
   std::mt19937 random(5);
