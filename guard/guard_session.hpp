@@ -11,7 +11,8 @@
 
 namespace thimble::guard {
 
-// The first packet follows the connection at once; a peer that sends none is no daemon.
+// The first packet follows the connection at once; a peer that sends none is no daemon. Ours: as
+// long as a daemon waits for its guard's answer (GuardedArm::kPatience).
 inline constexpr int kHandoverTimeout_ms = 5000;
 // What a guard answers when it watches: from then on the arm may be driven.
 inline constexpr char kWatching = 'W';
@@ -19,6 +20,8 @@ inline constexpr char kWatching = 'W';
 // The guard of one arm, from its handover to the end of the connection.
 //
 // Thread: one, SCHED_FIFO above the servos where it may be: a servo that spins must not starve it.
+// RT: not accept(). step() and await_next() allocate nothing and take no lock; all that they wait
+//     for is the kernel.
 // Ownership: `socket` and `calls` are the caller's and outlive it.
 class GuardSession {
  public:

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "hal/base/check.hpp"
 #include "hal/base/result.hpp"
 #include "hal/linux/descriptor.hpp"
 #include "hal/linux/shared_device.hpp"
@@ -32,27 +33,35 @@ struct Handover {
   std::size_t size{0};       // of `bytes`, 1 to kMaxZeroBytes; of HiddevAndWrite from 2
   std::array<std::uint8_t, kMaxZeroBytes> bytes{};
 
-  [[nodiscard]] std::span<const std::uint8_t> zero() const noexcept { return {bytes.data(), size}; }
+  // A `size` beyond kMaxZeroBytes is a broken invariant, here and so in whatever uses it.
+  [[nodiscard]] std::span<const std::uint8_t> zero() const noexcept {
+    THIMBLE_CHECK(size <= kMaxZeroBytes);
+    return {bytes.data(), size};
+  }
   bool operator==(const Handover&) const = default;
 };
 
 // The packet: "TG", version 1 (in 0 the page had a count of beats), route, endpoint, the bytes.
-// Total: any bytes give a handover or Malformed. Thread: any.
+// Thread: any. Not RT: it allocates. Errors: none; of no bytes it makes a packet that is refused,
+// of too many: as zero().
 [[nodiscard]] std::vector<std::uint8_t> encode(const Handover& handover);
+// Total. Thread: any. Errors: Malformed, for bytes that are no such packet.
 [[nodiscard]] Result<Handover> parse_handover(std::span<const std::uint8_t> packet);
 
-// Thread: one, not RT. `socket` is a connected SOCK_SEQPACKET.
-// Errors: System; of receive also Timeout, Disconnected and Malformed. Descriptors that came with
-// a packet that is refused are closed.
+// Thread: one for each socket, a connected SOCK_SEQPACKET. Not RT.
 struct Received {
   Handover handover;
   linux::SharedDevice device;
   linux::Descriptor page;
 };
 // Never waits. The descriptors that go are duplicates: the caller's stay open, and the caller's.
+// Errors: System: nobody is there, there is no room, or a descriptor is none. Too many bytes: as
+// zero().
 [[nodiscard]] Result<void> send_handover(int socket, const Handover& handover,
                                          const linux::SharedDevice& device, int page);
-// Waits for the packet, `timeout_ms` at most; below 0: for ever.
+// Waits for the packet, `timeout_ms` at most; below 0: for ever. Errors: Timeout; Disconnected, the
+// daemon is gone; Malformed, no handover, or with other descriptors than its route has; System.
+// What came with a packet that is refused is closed.
 [[nodiscard]] Result<Received> receive_handover(int socket, int timeout_ms);
 
 }  // namespace thimble::guard

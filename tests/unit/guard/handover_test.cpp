@@ -82,6 +82,18 @@ TEST(Handover, SaysWhatIsWrongWithAPacket) {
             "handover: a report of no bytes");
 }
 
+TEST(HandoverDeathTest, OfMoreBytesThanItHasIsNeverReadNorSent) {
+  Handover handover;
+  handover.size = kMaxZeroBytes;
+  EXPECT_EQ(parse_handover(encode(handover)), handover);
+  handover.size = kMaxZeroBytes + 1;
+  const std::string broken = "broken invariant: size <= kMaxZeroBytes";
+  EXPECT_DEATH(static_cast<void>(handover.zero()), broken);
+  EXPECT_DEATH(static_cast<void>(encode(handover)), broken);
+  const linux::SharedDevice none{};
+  EXPECT_DEATH(static_cast<void>(send_handover(-1, handover, none, -1)), broken);
+}
+
 TEST(Handover, BringsItsDescriptorsAndTheyAreNotInherited) {
   const Sockets sockets;
   const linux::SharedDevice device{null_device(), null_device()};
