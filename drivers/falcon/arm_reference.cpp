@@ -27,10 +27,10 @@ void ArmReference::forget() noexcept {
   homed_reports_ = 0;
 }
 
-// A report is sampled up to a period before it arrives, so two may be a period further apart.
+// A report is sampled up to a frame before it arrives, so two may be a frame further apart.
 bool ArmReference::is_jump(const RunReport& report, Duration since_last) const noexcept {
   if (!has_last_) return false;
-  const double allowed_counts = counts_per_s_ * seconds(since_last + wire::kSamplePeriod);
+  const double allowed_counts = counts_per_s_ * seconds(since_last + wire::kFramePeriod);
   for (std::size_t i = 0; i < 3; ++i) {
     const int moved = std::abs(int{report.encoder_counts[i]} - int{last_counts_[i]});
     if (moved > allowed_counts) return true;

@@ -7,7 +7,7 @@ namespace thimble::falcon {
 namespace {
 
 // An exchange takes 1.3 ms, so a servo of 1 kHz has a reply in every second tick.
-constexpr Duration kExchange = 2 * wire::kSamplePeriod;
+constexpr Duration kExchange = 2 * wire::kFramePeriod;
 
 HapticCapabilities capabilities_of(const FalconModel& model) {
   HapticCapabilities capabilities;

@@ -42,7 +42,7 @@ namespace thimble::falcon {
 class FalconDevice final : public HapticDevice {
  public:
   struct Settings {
-    double newton_per_count{};
+    double newton_per_count{};        // as FalconModel's; > 0, else a broken invariant
     std::vector<std::uint8_t> image;  // of the firmware; empty: none
     // That of the bus, and it must outlive the device; nullptr: time is that of packets alone.
     const Clock* clock{nullptr};

@@ -4,6 +4,8 @@
 #include <numbers>
 #include <optional>
 
+#include "hal/base/check.hpp"
+
 namespace thimble::falcon {
 namespace {
 
@@ -60,6 +62,7 @@ FalconKinematics::FalconKinematics(const FalconModel& model, double newton_per_c
     : model_(model),
       rad_per_count_(2 * std::numbers::pi / model.counts_per_motor_rev * model.capstan_diameter_m /
                      model.drum_diameter_m) {
+  THIMBLE_CHECK(newton_per_count > 0);
   for (std::size_t leg = 0; leg < 3; ++leg) {
     azimuth_cosine_[leg] = std::cos(model.leg_azimuth_rad[leg]);
     azimuth_sine_[leg] = std::sin(model.leg_azimuth_rad[leg]);

@@ -46,7 +46,7 @@ enum class PoseTrouble : std::uint8_t {
 // sheet gives them in 1.7; the Jacobian is derived here and checked numerically.
 class FalconKinematics {
  public:
-  // `newton_per_count`: as FalconModel's, > 0.
+  // `newton_per_count`: as FalconModel's; > 0, else a broken invariant: forces divide by it.
   FalconKinematics(const FalconModel& model, double newton_per_count);
 
   // Counts as a homed arm says them.

@@ -117,8 +117,9 @@ inline constexpr std::int16_t kMaxMotor_counts = 4095;
 // Detecting a firmware that runs: so many packets of zeros; any answer means yes.
 inline constexpr int kDetectRounds = 10;
 
-// Full-speed frame and latency timer; the serial line adds 107 us each way.
-inline constexpr Duration kSamplePeriod = std::chrono::milliseconds(1);
+// Full-speed frame and latency timer; the serial line adds 107 us each way. So a sample takes more
+// than one: FalconDevice's sample_period is two (decision 0259).
+inline constexpr Duration kFramePeriod = std::chrono::milliseconds(1);
 // A watchdog of the device is unknown: assume none.
 inline constexpr Duration kWatchdog{};
 

@@ -50,6 +50,12 @@ void expect_near(Position3 a, Position3 b, double within_m) {
   EXPECT_NEAR(a.z, b.z, within_m);
 }
 
+TEST(FalconKinematicsDeathTest, ACountThatIsNoForceEndsTheProcess) {
+  for (const double bad : {0.0, -0.01, std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_DEATH(FalconKinematics(falcon(), bad), "broken invariant: newton_per_count > 0") << bad;
+  }
+}
+
 TEST(FalconKinematics, CountsAreAnglesAsTheSheetDerivesThem) {
   const CrankAngles home = kinematics().crank_angles({0, 0, 0});
   EXPECT_NEAR(home[0], 35 * kDegree, 1e-8);
