@@ -11,7 +11,8 @@ namespace thimble::sim {
 
 // What a device that is offered to a kernel does wrong on demand.
 //
-// Thread: one, that of its port. Times: the model's clock. Errors: none.
+// Thread: one, that of its port. RT: all: no allocation, lock or system call; spoil() is bounded by
+//     the room. Times: the model's clock. Errors: none.
 class Misbehaviour {
  public:
   explicit Misbehaviour(std::uint64_t seed) noexcept : random_(seed) {}

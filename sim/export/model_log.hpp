@@ -13,8 +13,8 @@
 
 namespace thimble::sim {
 
-// When something happened: in the model's time, and on the machine's clock, so that it can be
-// compared with what others saw there.
+// When something happened: in the model's time, and on the machine's clock (CLOCK_BOOTTIME,
+// decision 0410), so that it can be compared with what others saw there.
 struct LogTime {
   MonotonicTime model{};
   MonotonicTime machine{};

@@ -42,7 +42,7 @@ struct DeviceRecord {
   std::uint32_t speed{kFullSpeed};
   std::uint16_t vendor_id{0};
   std::uint16_t product_id{0};
-  std::uint16_t version{0};
+  std::uint16_t version{0};    // bcdDevice of USB 2.0, table 9-8, in BCD: 0x0100 is 1.00
   std::uint8_t class_code{0};  // its subclass and protocol are 0
   // Class, subclass and protocol of each, in its one configuration; 255 at most.
   std::vector<std::array<std::uint8_t, 3>> interfaces{};

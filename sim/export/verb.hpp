@@ -9,6 +9,10 @@
 
 namespace thimble::sim {
 
+// With what each takes. Bounds and defaults are ours: metres up to 1 either way, newtons up to 50,
+// as no arm here is longer or stronger; seconds of a stroke of the hand from 0.001, its shortest,
+// to 60, else 1; of all others from 0 to 3600, else 1; the number of a button up to 31; of reports
+// up to a million, else 1.
 enum class VerbKind : std::uint8_t {
   Move,   // X Y Z [SECONDS]: the hand brings the tip there, m in the arm's base frame, and holds it
   Home,   // [SECONDS]: to the pose in which the arm is calibrated, by the way that it needs

@@ -123,6 +123,10 @@ class Simdev(ProcessTest):
         self.assertEqual((status["serial_number"], status["plugged"], status["open"]), ("ABC", True, False))
         self.assertEqual(log[-1], {"ok": True, "entries": len(log) - 1})
 
+    def test_a_falcon_reads_how_often_it_was_sent_firmware(self):
+        self.offer("falcon")
+        self.assertEqual(self.say("status")[0][0]["readings"], {"uploads": 0})
+
     def test_its_cable_can_be_pulled(self):
         _, port = self.offer("falcon")
         host = self.attached(port)

@@ -178,6 +178,10 @@ void FalconArmModel::press_stylus_button(bool pressed) noexcept {
   press_button(FalconButton::Centre, pressed);
 }
 
+std::vector<plugin::ModelPanel::Reading> FalconArmModel::readings() const {
+  return {{"uploads", static_cast<double>(processor_.counters().uploads)}};
+}
+
 void FalconArmModel::press_button(FalconButton button, bool pressed) noexcept {
   set_button(static_cast<unsigned>(button), pressed);
 }

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "hal/plugin/sim_model.hpp"
 #include "hal/rt/annotations.hpp"
@@ -27,10 +28,13 @@ enum class FalconButton : std::uint8_t { Right, Forward, Centre, Left };
 //
 // Thread: one, that of the bus; the backend's verbs belong to the same thread and may be called
 //   from a TipLoad while it is asked.
-// RT: everything after construction but describe(): no allocation, work in proportion to the time
+// RT: everything after construction but describe() and readings(): no allocation, work in
+// proportion to the time
 //   that advance() covers.
 // Ownership: a TipLoad must outlive its hold.
-class FalconArmModel final : public plugin::SimUsbModel, public plugin::ArmBackend {
+class FalconArmModel final : public plugin::SimUsbModel,
+                             public plugin::ArmBackend,
+                             public plugin::ModelPanel {
  public:
   // Ours: a substep of the plant, the most that a hand's contact allows.
   static constexpr Duration kSubstep{100'000};
@@ -61,6 +65,12 @@ class FalconArmModel final : public plugin::SimUsbModel, public plugin::ArmBacke
   [[nodiscard]] Position3 calibration_start() const noexcept override;
   // Currents are zero: nobody knows what the motors draw; the force is truth.
   THIMBLE_RT [[nodiscard]] plugin::ArmTruth truth() const noexcept override;
+
+  // Nothing to press: the buttons of the grip are the arm's. To read: "uploads", how often somebody
+  // began to send it an image since the model was made, through every loss of power.
+  [[nodiscard]] plugin::ModelPanel* panel() noexcept override { return this; }
+  bool press(unsigned /*number*/, bool /*pressed*/) noexcept override { return false; }
+  [[nodiscard]] std::vector<Reading> readings() const override;
 
   THIMBLE_RT void press_button(FalconButton button, bool pressed) noexcept;
   // As if an image had been uploaded, at any time.

@@ -104,6 +104,28 @@ TEST(FalconModel, ALostEchoFailsTheCheckAndTheNextUploadSucceeds) {
   EXPECT_TRUE(host.upload(test::falcon_image()));
 }
 
+TEST(FalconModel, ReadsHowOftenAnUploadWasBegunWhateverBecameOfIt) {
+  FalconHost host;
+  const auto uploads = [&] {
+    const auto all = host.arm().panel()->readings();
+    EXPECT_EQ(all.size(), 1U);
+    EXPECT_EQ(all.at(0).name, "uploads");
+    return all.at(0).value;
+  };
+  EXPECT_EQ(uploads(), 0);
+  host.arm().load_firmware();
+  EXPECT_EQ(uploads(), 0) << "nobody sent that";
+  host.arm().set_faults({.lost_echo = 700, .deaf_questions = 0}, {});
+  ASSERT_TRUE(host.greet());
+  EXPECT_FALSE(host.upload(test::falcon_image()));
+  EXPECT_EQ(uploads(), 1);
+  ASSERT_TRUE(host.greet());
+  EXPECT_TRUE(host.upload(test::falcon_image()));
+  host.arm().power_cycle();
+  EXPECT_EQ(uploads(), 2);
+  EXPECT_FALSE(host.arm().panel()->press(0, true));
+}
+
 TEST(FalconModel, TheBootLoadersAnswerComesInPiecesWhenTheLatencyIsShort) {
   FalconHost host;
   ASSERT_TRUE(host.greet());
