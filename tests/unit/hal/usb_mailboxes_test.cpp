@@ -9,6 +9,8 @@
 #include <random>
 #include <thread>
 
+#include "hal/bus/hid_mailboxes.hpp"
+
 namespace thimble::bus {
 namespace {
 
@@ -119,6 +121,21 @@ TEST(UsbMailboxes, SeveralPacketsOfAQueueAreOfferedAtOnceAndEndOneAfterTheOther)
   }
   EXPECT_GT(ended, 2000U);
   EXPECT_EQ(sut.counters(kOut).writes_superseded, 0U);
+}
+
+// What the status calls superseded_commands.
+TEST(HidMailboxes, OfABlockedWriteEveryCommandThatANewerOneReplacesIsCountedOnceItEnds) {
+  HidMailboxes sut(8);
+  EXPECT_EQ(sut.submit(bytes_of(1)), IoStatus::Ok);
+  ASSERT_EQ(number_of(sut.take_out()), 1U);  // and the kernel keeps it
+  for (std::uint64_t tick = 2; tick <= 20; ++tick) {
+    EXPECT_EQ(sut.submit(bytes_of(tick)), IoStatus::Backlogged);
+  }
+  EXPECT_EQ(sut.counters().writes_superseded, 0U);
+  sut.finish_out(true);
+  EXPECT_EQ(number_of(sut.take_out()), 20U);
+  EXPECT_EQ(sut.counters().writes_superseded, 18U);
+  EXPECT_EQ(sut.counters().writes_failed, 0U);
 }
 
 TEST(UsbMailboxes, OfAMailboxThereIsNoSecondPacket) {
