@@ -1,6 +1,7 @@
 #include "daemon/session/inspect.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -47,6 +48,9 @@ bool may_drive(const plugin::Driver& driver, const config::ArmConfig& arm) {
   const std::vector<std::string> models = driver.models();
   return std::find(models.begin(), models.end(), *arm.model) != models.end();
 }
+
+// A tick sees an answer and asks for the next, so a slow servo leaves samples out (decision 0259).
+constexpr double kFalconHasAllAt_hz = 4000;
 
 bool is_falcon(const config::ArmConfig& arm) {
   if (bus::is_simulated(arm.device)) return false;
@@ -301,8 +305,17 @@ std::vector<std::string> doubts_of(const config::Config& config,
   if (!known_models(drivers) || drivers.is_from_outside("falcon")) return {};
   std::vector<std::string> out;
   for (const config::ArmConfig& arm : config.arms) {
-    if (!is_falcon(arm) || arm.firmware) continue;
-    out.push_back("arm '" + arm.name + "' lacks " + std::string(kFalconWantsFirmware));
+    if (!is_falcon(arm)) continue;
+    if (!arm.firmware) {
+      out.push_back("arm '" + arm.name + "' lacks " + std::string(kFalconWantsFirmware));
+    }
+    if (config.servo.rate_hz < kFalconHasAllAt_hz) {
+      out.push_back("arm '" + arm.name +
+                    "' does not give all of its 1000 samples a second at servo.rate_hz = " +
+                    std::to_string(std::lround(config.servo.rate_hz)) +
+                    ": a Falcon takes 1.3 ms to answer, and the tick that sees it asks for the "
+                    "next; set servo.rate_hz = 4000 to have them all");
+    }
   }
   return out;
 }

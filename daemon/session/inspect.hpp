@@ -28,8 +28,8 @@ inline constexpr std::string_view kFalconWantsFirmware =
     "docs/first-arm.md "
     "says where to get the file";
 // What is no mistake, but will most likely be missed, with the arm's name in front: the firmware of
-// a Falcon that nobody else loads. Not where a plugin drives Falcons, or does not tell what it
-// drives.
+// a Falcon that nobody else loads, and the samples of one that a slow servo leaves out. Not where a
+// plugin drives Falcons, or does not tell what it drives.
 [[nodiscard]] std::vector<std::string> doubts_of(const config::Config& config,
                                                  const plugin::DriverRegistry& drivers);
 

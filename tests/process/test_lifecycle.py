@@ -111,13 +111,14 @@ class Check(ProcessTest):
                                "--set", f"daemon.socket={self.folder}/s")
         self.assertEqual(result.returncode, 0, result.stderr)
 
-    def test_a_falcon_without_firmware_is_doubted_and_no_mistake(self):
+    def test_a_falcon_without_firmware_or_at_a_slow_servo_is_doubted_and_no_mistake(self):
         file = self.write("falcon.toml", '[[arm]]\nname = "right"\ndevice = "usb:250-1"\nmodel = "falcon"\n'
                           'world = "x"\n[[world]]\nname = "x"\nsource = "box:3"\n')
         for words in (("--check",), ("--for", "0.2", "--set", f"daemon.socket={self.folder}/s")):
             result = self.thimbled("--config", file, *words)
             self.assertEqual(result.returncode, 0, result.stderr)
             self.assertIn("warning: arm 'right' lacks arm.firmware", result.stderr)
+            self.assertIn("warning: arm 'right' does not give all of its 1000 samples a second at servo.rate_hz = 1000:", result.stderr)
 
     def test_a_sum_that_cannot_be_ends_every_start(self):
         result = self.thimbled("--config", EXAMPLES / "hello-voxel.toml",

@@ -286,6 +286,7 @@ TEST_F(InspectFiles, ObjectsToOneThatIsNotThereOrIsNoFile) {
 
 TEST_F(InspectFiles, DoubtsAFalconWithoutFirmwareAndNoOtherArm) {
   const auto doubts = [&] { return doubts_of(config, plugins.drivers); };
+  config.servo.rate_hz = 4000;
   arm().name = "right";
   arm().firmware.reset();
   arm().device = "usb:1-4";
@@ -303,6 +304,24 @@ TEST_F(InspectFiles, DoubtsAFalconWithoutFirmwareAndNoOtherArm) {
   EXPECT_THAT(doubts(), IsEmpty());
   arm().model = "polhem-1";
   arm().device = "usb:1-4";
+  EXPECT_THAT(doubts(), IsEmpty());
+}
+
+TEST_F(InspectFiles, DoubtsAServoThatIsTooSlowForAllSamplesOfAFalcon) {
+  const auto doubts = [&] { return doubts_of(config, plugins.drivers); };
+  arm().name = "right";
+  arm().firmware = "/somewhere";
+  arm().model = "falcon";
+  arm().device = "usb:1-4";
+  EXPECT_THAT(doubts(), ElementsAre(AllOf(StartsWith("arm 'right' does not give all of its 1000"),
+                                          HasSubstr("at servo.rate_hz = 1000:"),
+                                          HasSubstr("set servo.rate_hz = 4000"))));
+  config.servo.rate_hz = 2000;
+  EXPECT_THAT(doubts(), ElementsAre(HasSubstr("at servo.rate_hz = 2000:")));
+  config.servo.rate_hz = 4000;
+  EXPECT_THAT(doubts(), IsEmpty());
+  config.servo.rate_hz = 1000;
+  arm().model = "polhem-1";
   EXPECT_THAT(doubts(), IsEmpty());
 }
 
