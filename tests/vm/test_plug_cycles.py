@@ -2,7 +2,7 @@
 daemon keeps nothing of them, and drives the arm afterwards.
 
 What is kept is what the daemon has more of after the last turns than after the first ones: descriptors, threads, guards, memory. It locks its
-memory, so that each page of it is seen.
+memory, so that each page of it is seen, and has one arena of the allocator for all its threads (decision 0011), as it is shipped.
 """
 
 import json
@@ -18,12 +18,6 @@ LIES = 60
 PRESSED_NEWTON = 0.2  # a Falcon feels 0.29 there
 USB_WARM_UP = 5  # of each of three arms
 USB_CYCLES = {"hid": 20, "falcon": 8, "serial": 8}  # with those 51, most of the one that is cheapest to emulate
-# The C library's allocator takes a piece of memory for each thread that allocates beside another one, as it happens: here all have one.
-ONE_ARENA = """
-mkdir -p /etc/systemd/system/thimbled.service.d
-printf '[Service]\nEnvironment=MALLOC_ARENA_MAX=1\n' > /etc/systemd/system/thimbled.service.d/one-arena.conf
-systemctl daemon-reload
-"""
 # Each plug of 1,000 goes through all rules of udev; those that know nothing of these devices are half of what it costs (decision 0390).
 ONLY_RULES_THAT_MATTER = """
 mkdir -p /run/udev/rules.d
@@ -53,7 +47,7 @@ class PlugCycles(guest.GuestTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.guest.run(ONE_ARENA + ONLY_RULES_THAT_MATTER)
+        cls.guest.run(ONLY_RULES_THAT_MATTER)
 
     def look(self):
         """At the daemon, when the last device is gone and everybody has done with it."""
