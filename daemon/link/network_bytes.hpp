@@ -38,7 +38,10 @@ class ByteWriter {
   template <std::unsigned_integral Word>
   void word(Word value) noexcept {
     const Word ordered = in_network_order(value);
-    block(std::as_bytes(std::span(&ordered, 1)));
+    is_good_ = is_good_ && sizeof ordered <= out_.size() - size_;
+    if (!is_good_) return;
+    std::memcpy(out_.data() + size_, &ordered, sizeof ordered);
+    size_ += sizeof ordered;
   }
   void integer(std::int32_t value) noexcept { word(std::bit_cast<std::uint32_t>(value)); }
   void real(double value) noexcept { word(std::bit_cast<std::uint64_t>(value)); }
@@ -73,7 +76,11 @@ class ByteReader {
   template <std::unsigned_integral Word>
   void word(Word& value) noexcept {
     Word ordered{0};
-    block(std::as_writable_bytes(std::span(&ordered, 1)));
+    is_good_ = is_good_ && sizeof ordered <= in_.size() - position_;
+    if (is_good_) {
+      std::memcpy(&ordered, in_.data() + position_, sizeof ordered);
+      position_ += sizeof ordered;
+    }
     value = in_network_order(ordered);
   }
   void integer(std::int32_t& value) noexcept {

@@ -218,9 +218,9 @@ bool carry_idle(Bytes& b, Message& m) noexcept {
 Reason check_plane(const coupling::ConstraintPlane& plane) noexcept {
   const coupling::SurfaceProperties& surface = plane.surface;
   const Reason reason = first_of(
-      {check_finite(plane.normal), check_reach(plane.offset_m),
-       check_finite(surface.stiffness.newton_per_m), check_finite(surface.damping.newton_s_per_m),
-       check_finite(surface.friction), check_finite(surface.temperature_kelvin)});
+      check_finite(plane.normal), check_reach(plane.offset_m),
+      check_finite(surface.stiffness.newton_per_m), check_finite(surface.damping.newton_s_per_m),
+      check_finite(surface.friction), check_finite(surface.temperature_kelvin));
   if (reason) return reason;
   return unless(std::abs(norm(plane.normal) - 1) <= kUnitTolerance, RejectReason::BadDirection);
 }
@@ -238,10 +238,10 @@ static bool carry(ByteWriter& b, const ThimbleIdle& m) noexcept { return carry_i
 static bool carry(ByteReader& b, ThimbleIdle& m) noexcept { return carry_idle(b, m); }
 static Reason check(const ThimbleSample& m) noexcept {
   const coupling::HandSample& s = m.sample;
-  return first_of({check_timing(m.timing), check_time(s.sampled_at), check_place(s.hand),
-                   check_finite(s.velocity), check_tool(s.tool), check_waves(s.waves),
-                   check_finite(s.impulse), check_finite(s.energy_joule),
-                   s.has_ghost ? check_place(s.ghost) : Reason(), check_finite(s.pull)});
+  return first_of(check_timing(m.timing), check_time(s.sampled_at), check_place(s.hand),
+                  check_finite(s.velocity), check_tool(s.tool), check_waves(s.waves),
+                  check_finite(s.impulse), check_finite(s.energy_joule),
+                  s.has_ghost ? check_place(s.ghost) : Reason(), check_finite(s.pull));
 }
 
 static Reason check(const ThimbleConstraints& m) noexcept {
@@ -250,16 +250,16 @@ static Reason check(const ThimbleConstraints& m) noexcept {
     if (const Reason reason = check_plane(set.planes[i])) return reason;
   }
   const Reason reason =
-      first_of({check_timing(m.timing), check_time(set.sampled_at),
-                set.has_ghost ? check_place(set.ghost) : Reason(),
-                check_finite(m.pressure.value_or(Force3())), check_finite(set.energy_joule),
-                is_cell_alone(set) ? check_lattice({}, set.ghost_cell) : Reason(),
-                set.has_near ? check_lattice(set.near.lattice, set.near.middle) : Reason(),
-                set.has_map ? check_lattice(set.map.lattice, set.map.ghost_cell) : Reason()});
+      first_of(check_timing(m.timing), check_time(set.sampled_at),
+               set.has_ghost ? check_place(set.ghost) : Reason(),
+               check_finite(m.pressure.value_or(Force3())), check_finite(set.energy_joule),
+               is_cell_alone(set) ? check_lattice({}, set.ghost_cell) : Reason(),
+               set.has_near ? check_lattice(set.near.lattice, set.near.middle) : Reason(),
+               set.has_map ? check_lattice(set.map.lattice, set.map.ghost_cell) : Reason());
   if (reason || !set.has_far) return reason;
   const coupling::FarEnd& far = set.far;
-  return first_of({check_finite(far.force), check_place(far.slave), check_finite(far.velocity),
-                   check_waves(far.waves), check_tool(far.tool)});
+  return first_of(check_finite(far.force), check_place(far.slave), check_finite(far.velocity),
+                  check_waves(far.waves), check_tool(far.tool));
 }
 
 static Reason check(const ThimbleIdle& m) noexcept { return check_timing(m.timing); }

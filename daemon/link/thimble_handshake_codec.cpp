@@ -107,10 +107,10 @@ static bool carry(ByteWriter& b, const ThimbleRefusal& m) noexcept { return carr
 static bool carry(ByteReader& b, ThimbleRefusal& m) noexcept { return carry_refusal(b, m); }
 static Reason check(const ThimbleHello& m) noexcept {
   const ThimbleHalf& half = m.half;
-  return first_of({check_timing(m.timing), check_name(half.scheme),
+  return first_of(check_timing(m.timing), check_name(half.scheme),
                    unless(half.force_at <= 1 && half.zone_names <= 1, RejectReason::Malformed),
                    check_reach(half.buffer_m),
-                   unless(half.buffer_m >= 0, RejectReason::OutOfRange)});
+                   unless(half.buffer_m >= 0, RejectReason::OutOfRange));
 }
 
 static Reason check(const ThimbleChallenge& m) noexcept { return check_timing(m.timing); }
@@ -118,15 +118,15 @@ static Reason check(const ThimbleWelcome& m) noexcept {
   const bool are_cells = std::all_of(m.cells.begin(), m.cells.end(),
                                      [](std::uint32_t edge) { return edge <= kMaxCells; });
   const bool is_cell = m.cell_m >= 0 && m.cell_m <= kMaxCell_m;  // NaN is not
-  return first_of({check_timing(m.timing), check_name(m.world), check_finite(m.cell_m),
-                   unless(are_cells && is_cell, RejectReason::OutOfRange)});
+  return first_of(check_timing(m.timing), check_name(m.world), check_finite(m.cell_m),
+                   unless(are_cells && is_cell, RejectReason::OutOfRange));
 }
 
 static Reason check(const ThimbleRefusal& m) noexcept {
   const bool is_known =
       m.reason >= ThimbleRefusalReason::Busy && m.reason <= ThimbleRefusalReason::Arm;
   return first_of(
-      {check_timing(m.timing), check_name(m.scheme), unless(is_known, RejectReason::Malformed)});
+      check_timing(m.timing), check_name(m.scheme), unless(is_known, RejectReason::Malformed));
 }
 
 ShortName ShortName::of(std::string_view text) noexcept {
