@@ -4,13 +4,13 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <cstdio>
-#include <ctime>
 #include <future>
 #include <memory>
 #include <thread>
 #include <vector>
 
 #include "bench/comparison.hpp"
+#include "bench/processor_time.hpp"
 #include "daemon/coupling/constraint_model.hpp"
 #include "daemon/link/udp_arm_link.hpp"
 #include "daemon/link/udp_world_server.hpp"
@@ -25,13 +25,6 @@ constexpr std::size_t kSessions = 64;
 constexpr std::size_t kSessionsOfAWorld = 8;
 constexpr std::size_t kRounds = 500;
 constexpr std::size_t kMostTurns = 200'000;  // until it is said not to work
-
-// Of the processor, by the thread that asks.
-double spent_s() {
-  timespec spent{};
-  if (clock_gettime(CLOCK_THREAD_CPUTIME_ID, &spent) != 0) return 0;
-  return static_cast<double>(spent.tv_sec) + 1e-9 * static_cast<double>(spent.tv_nsec);
-}
 
 link::LinkKey key() { return link::LinkKey(std::array<std::byte, link::LinkKey::kSize>{}); }
 
@@ -58,7 +51,7 @@ class Host {
   // Of the processor, by its thread so far.
   [[nodiscard]] double seconds() {
     std::promise<double> told;
-    boost::asio::post(io_, [&told] { told.set_value(spent_s()); });
+    boost::asio::post(io_, [&told] { told.set_value(bench::processor_s()); });
     return told.get_future().get();
   }
 
