@@ -164,6 +164,7 @@ void ServoLoop::answer_clear_request(bool is_healthy) noexcept {
       is_known ? latch_.clear(request.fault, is_healthy) : ClearOutcome::NotLatched;
   if (snapshot_.clear_outcome != ClearOutcome::Cleared) return;
   is_driven_ = false;  // whoever cleared it has seen the arm
+  was_driven_when_lost_ = false;
   apply(LifecycleEvent::ClearFault);
 }
 
@@ -172,6 +173,7 @@ void ServoLoop::advance_lifecycle(ServoFrame& frame) noexcept {
     snapshot_.fault = {FaultCode::Disconnected, frame.now, frame.tick};
     // Who was never driven stopped nothing: an arm that comes and goes as it likes fills no disk.
     if (was_active_) stops_.push_back(snapshot_.fault);
+    was_driven_when_lost_ = was_driven_when_lost_ || state_ == OperatingState::Active;
     was_active_ = false;
     gain_.cut();
     arm_.calibration = CalibrationState::Unknown;
@@ -191,12 +193,18 @@ void ServoLoop::advance_lifecycle(ServoFrame& frame) noexcept {
       if (frame.read_status != IoStatus::Ok) break;
       freshness_.restart(frame.now);
       velocity_filter_.reset();
+      calibrating_since_ = frame.now;
       apply(LifecycleEvent::Calibrate);
       break;
     case OperatingState::Calibrating:
       if (!is_homed) break;
       velocity_filter_.reset();
-      apply(LifecycleEvent::Homed);
+      if (has_returned_unasked(frame.now)) {
+        fail(FaultCode::Disconnected, frame);
+      } else {
+        apply(LifecycleEvent::Homed);
+      }
+      was_driven_when_lost_ = false;
       break;
     case OperatingState::Inactive:
       if (!is_homed) {
@@ -215,6 +223,13 @@ void ServoLoop::advance_lifecycle(ServoFrame& frame) noexcept {
     default:
       break;
   }
+}
+
+// It pushed when its plug was pulled, and comes back with its reference sooner than anybody can
+// have been at it: nobody may be there, and a loose plug would let it push again by itself.
+bool ServoLoop::has_returned_unasked(MonotonicTime now) const noexcept {
+  constexpr Duration kNobodyIsSooner = std::chrono::milliseconds(50);  // ours; a reaction takes 150
+  return was_driven_when_lost_ && now - calibrating_since_ < kNobodyIsSooner;
 }
 
 void ServoLoop::enter_active(const ServoFrame& frame) noexcept {
@@ -366,7 +381,8 @@ void ServoLoop::fail(FaultCode code, const ServoFrame& frame) noexcept {
   ++snapshot_.faults;
   latched_at_ = frame.now;
   // Who was never driven stopped nothing: with safety lines each start waits for a person.
-  const bool is_worth_a_recording = code != FaultCode::Estop || was_active_;
+  const bool is_told_by_others = code == FaultCode::Estop || code == FaultCode::Disconnected;
+  const bool is_worth_a_recording = !is_told_by_others || was_active_;
   if (is_worth_a_recording) stops_.push_back(latch_.fault());
   gain_.cut();
   apply(LifecycleEvent::Fail);

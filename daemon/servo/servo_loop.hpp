@@ -114,6 +114,7 @@ class ServoLoop {
   [[nodiscard]] bool is_driving() const noexcept;
   [[nodiscard]] bool is_silent(MonotonicTime now) const noexcept;
   [[nodiscard]] bool may_drive() const noexcept;
+  [[nodiscard]] bool has_returned_unasked(MonotonicTime now) const noexcept;
 
   ServoParts parts_;
   ServoSettings settings_;
@@ -147,6 +148,8 @@ class ServoLoop {
   std::uint64_t zeros_taken_{0};             // since then
   bool is_driven_{false};                    // it may hold a force, as far as is known
   bool was_active_{false};                   // since the arm came
+  bool was_driven_when_lost_{false};         // and no person has been at it since
+  MonotonicTime calibrating_since_{};
   // Of this tick: what latched, what was unplugged, and what latched again after a clear.
   rt::StaticVector<Fault, 3> stops_;
   bool is_outage_over_{false};

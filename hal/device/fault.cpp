@@ -51,7 +51,8 @@ std::string_view explain(FaultCode code) noexcept {
       return "too many exchanges with the arm were missed; check the cable and the load of this "
              "machine, then clear the fault";
     case FaultCode::Disconnected:
-      return "the arm was unplugged; plug it in again and calibrate it";
+      return "the arm was unplugged; plug it in again and calibrate it; "
+             "if it comes back calibrated, clear the fault";
     case FaultCode::ServoLate:
       return "the servo did not run in time; reduce the load of this machine or grant real-time "
              "rights, then clear the fault";
