@@ -6,6 +6,7 @@
 #include <limits>
 #include <random>
 #include <string>
+#include <utility>
 
 #include "fake_box.hpp"
 #include "finger.hpp"
@@ -58,7 +59,7 @@ TEST(BufferZone, BeyondItsSpeedAWallIsFeltAsMuchLateAsTheHandIsTooFast) {
           const double late_m = std::max(0.0, v * delay_s - buffer_m);
           const double found_m = depth_felt_first(names, v, delay_s, buffer_m);
           EXPECT_GE(found_m, late_m - 1e-9) << v << " " << delay_s << " " << buffer_m;
-          EXPECT_LE(found_m, late_m + 2 * tick_m) << v << " " << delay_s << " " << buffer_m;
+          EXPECT_LE(found_m, late_m + tick_m + 1e-9) << v << " " << delay_s << " " << buffer_m;
         }
       }
     }
@@ -192,10 +193,13 @@ TEST(BufferZone, ASilentWorldsZoneHoldsThenFadesThenIsForgotten) {
 }
 
 struct Push {
+  double depth_m{0};  // in the wall, when it is felt first
   double held_newton{0};
   double swing_m{0};
   double generated_joule{0};
 };
+
+constexpr double kNearFace_m = 0.015;
 
 // The finger of teleop.md 3 goes 20 mm into a wall that is 30 mm away, at 0.2 m/s.
 Push push(double delay_s, double buffer_m) {
@@ -210,12 +214,14 @@ Push push(double delay_s, double buffer_m) {
   Zoned sut(grid, {.buffer_m = buffer_m}, kTick, delayed_by(delay_s));
   sut.rest({reference.x_m, 0, 0}, 2 * delay_s + 0.3);
   Push out;
+  bool is_felt = false;
   double least_m = 1;
   double most_m = -1;
   for (int tick = 0; tick < testing::Reference::kTicks; ++tick) {
     reference.advance(tick);
     const testing::Finger::Sight sight = finger.look();
     const double newton = sut.loop.tick({sight.x_m, 0, 0}, {sight.v_m_per_s, 0, 0}).force.x;
+    if (!std::exchange(is_felt, is_felt || newton < 0)) out.depth_m = sight.x_m - kNearFace_m;
     finger.move(reference.x_m, reference.v_m_per_s, newton);
     if (tick < testing::Reference::kHoldFrom_tick || tick >= testing::Reference::kHoldTo_tick) {
       continue;
@@ -238,12 +244,15 @@ TEST(BufferZone, AFingerIsGivenNoEnergyWithinTheZoneAndBeyondItThatOfItsLateness
     RecordProperty("swing_m_" + std::to_string(delay_ms), std::to_string(found.swing_m));
     RecordProperty("generated_joule_" + std::to_string(delay_ms),
                    std::to_string(found.generated_joule));
+    RecordProperty("depth_m_" + std::to_string(delay_ms), std::to_string(found.depth_m));
     EXPECT_NEAR(found.held_newton, undelayed.held_newton, 0.1) << delay_ms;
-    const double late_m = std::max(0.0, 0.25 * delay_s - 0.010);
     if (delay_ms <= 40) {
       EXPECT_EQ(found.generated_joule, undelayed.generated_joule) << delay_ms;
     }
-    EXPECT_LT(found.generated_joule, 0.0005 + 0.5 * 800 * late_m * late_m) << delay_ms;
+    // Ours: the half millimeter is what the device's milliseconds make at 0.2 m/s.
+    const double late_m = std::max(0.0, 0.2 * delay_s - 0.010);
+    EXPECT_LE(found.depth_m, late_m + 0.0005) << delay_ms;
+    EXPECT_LE(found.generated_joule, 0.5 * 800 * found.depth_m * found.depth_m) << delay_ms;
   }
 }
 

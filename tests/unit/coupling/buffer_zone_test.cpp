@@ -94,7 +94,7 @@ TEST(BufferZone, NamingCellsIsFeltAsWithoutDelayBitForBitInAnyWorld) {
     course.delay_s = between(random, 0, 0.1);
     course.rate_hz = std::array{500, 1000, 2000, 4000}[run % 4];
     course.link = delayed_by(course.delay_s);
-    course.buffer_m = course.most_m_per_s * (course.delay_s + 2.0 / course.rate_hz);
+    course.buffer_m = course.most_m_per_s * (course.delay_s + 1.0 / course.rate_hz);
     const Compared found = compare(course, run);
     EXPECT_EQ(found.ticks_that_differ, 0) << run;
     EXPECT_EQ(found.corrections, 0U) << run;
