@@ -6,6 +6,7 @@
 #include <limits>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "lab/compare/compared.hpp"
 #include "lab/compare/scenarios.hpp"
@@ -96,29 +97,44 @@ TEST(Compare, ARunIsTheSameAgainAndOfAnotherSeedItIsNot) {
   EXPECT_NE(measures_of(ghost, other).hold_newton, once);
 }
 
-// All scenarios of the lab: a probe, an approach, a push, an edge, taps, outages, a shake.
+// All scenarios of the lab: a probe, an approach, a push, an edge, taps, outages, a shake. Not each
+// network at each delay: that would take twice as long.
 TEST(Compare, ADeadbandSendsAQuarterAndFailsNoGate) {
   constexpr double kBand_m = 0.0005;
+  constexpr double kLoss = 0.05;
+  const std::vector<StageSettings> stages{{.delay_s = 0.001},
+                                          {.delay_s = 0.001, .loss = kLoss},
+                                          {.delay_s = 0.02},
+                                          {.delay_s = 0.02, .jitter_s = 0.01},
+                                          {.delay_s = 0.02, .loss = kLoss},
+                                          {.delay_s = 0.02, .has_outages = true},
+                                          {.delay_s = 0.1, .jitter_s = 0.05},
+                                          {.delay_s = 0.1, .has_outages = true},
+                                          {.delay_s = 0.2},
+                                          {.delay_s = 0.2, .loss = kLoss},
+                                          {.delay_s = 0.5},
+                                          {.delay_s = 0.5, .jitter_s = 0.25},
+                                          {.delay_s = 0.5, .has_outages = true}};
   const Measures reference = measures_of(reference_scheme(), {});
   for (const auto scheme : {coupling::Scheme::GhostPoint, coupling::Scheme::ConstraintPlane}) {
-    for (const double delay_s : {0.001, 0.02, 0.1}) {
-      for (StageSettings stage :
-           {StageSettings{}, {.jitter_s = delay_s / 2}, {.loss = 0.05}, {.has_outages = true}}) {
-        stage.delay_s = delay_s;
-        stage.seed = 3;
-        SCOPED_TRACE(std::string(to_string(scheme)) + ", " + std::to_string(delay_s) + " s, " +
-                     std::to_string(stage.jitter_s) + " s, " + std::to_string(stage.loss));
-        const Measures whole = measures_of({.name = "whole", .scheme = scheme}, stage);
-        const Measures banded =
-            measures_of({.name = "banded", .scheme = scheme, .deadband_m = kBand_m}, stage);
-        EXPECT_LT(4 * banded.packets_per_s, whole.packets_per_s);
-        for (const bool fails : marks_of(banded, reference, false).fails) EXPECT_FALSE(fails);
-        EXPECT_LE(banded.generated_joule, banded.declared_joule);
-        // A loss costs what the hand moves until something is sent again.
-        const double lost_m = stage.loss > 0 ? 0.2 * seconds(link::Deadband::kMaxGap) : 0;
+    for (StageSettings stage : stages) {
+      stage.seed = 3;
+      SCOPED_TRACE(std::string(to_string(scheme)) + ", " + std::to_string(stage.delay_s) + " s, " +
+                   std::to_string(stage.jitter_s) + " s, " + std::to_string(stage.loss));
+      const Measures whole = measures_of({.name = "whole", .scheme = scheme}, stage);
+      const Measures banded =
+          measures_of({.name = "banded", .scheme = scheme, .deadband_m = kBand_m}, stage);
+      EXPECT_LT(4 * banded.packets_per_s, whole.packets_per_s);
+      for (const bool fails : marks_of(banded, reference, false).fails) EXPECT_FALSE(fails);
+      EXPECT_LE(banded.generated_joule, banded.declared_joule);
+      // A loss costs what the hand moves until something is sent again.
+      const double lost_m = stage.loss > 0 ? 0.2 * seconds(link::Deadband::kMaxGap) : 0;
+      // The hand that nothing stops is at the end of its reach before it feels a wall of 500 ms.
+      EXPECT_EQ(std::isnan(banded.displacement_m), std::isnan(whole.displacement_m));
+      if (!std::isnan(whole.displacement_m)) {
         EXPECT_LE(banded.displacement_m, whole.displacement_m + kBand_m + lost_m);
-        EXPECT_NEAR(banded.hold_newton, whole.hold_newton, 800 * (kBand_m + lost_m));
       }
+      EXPECT_NEAR(banded.hold_newton, whole.hold_newton, 800 * (kBand_m + lost_m));
     }
   }
 }
@@ -128,7 +144,7 @@ TEST(Compare, ADeadbandSendsAQuarterAndFailsNoGate) {
 TEST(Compare, ADeadbandSendsAQuarterOfThePrintedCallbacksToo) {
   constexpr double kBand_m = 0.0005;
   constexpr auto kPrinted = coupling::Scheme::ThesisLiteral;
-  for (const double delay_s : {0.001, 0.02, 0.1}) {
+  for (const double delay_s : {0.001, 0.02, 0.1, 0.2, 0.5}) {
     const StageSettings stage{.delay_s = delay_s, .loss = 0.05, .seed = 3};
     const Measures whole = measures_of({.name = "whole", .scheme = kPrinted}, stage);
     const Measures banded =

@@ -49,6 +49,24 @@ TEST(DeadbandTest, SkipsWhatIsNearAndNothingElse) {
   EXPECT_FALSE(sut.may_skip(at(0, 0.551), tick(2), answer));
 }
 
+// A press and its release may both lie between two samples: the count alone tells of it.
+TEST(DeadbandTest, APressIsToldAtOnceThoughItsButtonIsUpAgain) {
+  const Duration answer = milliseconds(50);
+  for (const std::size_t button : {0U, 7U}) {
+    Deadband sut(kBand_m);
+    coupling::HandSample before = at(0);
+    before.has_presses = true;
+    before.presses[button] = 255;
+    sut.on_sent(before, tick(0));
+    EXPECT_TRUE(sut.may_skip(before, tick(1), answer)) << "that press was told";
+    coupling::HandSample pressed = before;
+    pressed.presses[button] = 0;  // modulo 256
+    EXPECT_FALSE(sut.may_skip(pressed, tick(1), answer)) << button;
+    sut.on_sent(pressed, tick(1));
+    EXPECT_TRUE(sut.may_skip(pressed, tick(2), answer)) << button;
+  }
+}
+
 TEST(DeadbandTest, ARestingHandIsStillToldNowAndThen) {
   Deadband sut(kBand_m);
   int sent = 0;
