@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <vector>
+
 #include "tests/unit/link/thimble_table.hpp"
 
 // Who has a place in a world's end, and when another one may have it.
@@ -57,6 +59,43 @@ TEST(ThimblePlaces, AnArmThatIsTakenAtTheLastMomentKeepsItsPlace) {
   table.run(3000);
   EXPECT_EQ(table.worlds.size(), 1U);
   EXPECT_GT(first.replies.size(), 1900U);
+}
+
+// At 10 Hz a peer is slow, but not silent (kSilence).
+TEST(ThimblePlaces, AnArmAtTenHertzKeepsItsSessionAndOneBesideItNoticesNothing) {
+  const auto replies_of_fast = [](bool has_slow, Table& table) {
+    Arm& fast = table.add_arm(keyed_arm());
+    Arm* const slow = has_slow ? &table.add_arm(keyed_arm()) : nullptr;
+    table.run(100);
+    if (slow != nullptr) slow->is_running = false;
+    for (int i = 0; i < 3000; ++i) {
+      if (slow != nullptr) slow->is_running = i % 100 == 0;
+      fast.sample.hand.x = 0.016 + 1e-6 * i;
+      table.step();
+    }
+    return fast.replies;
+  };
+  Table alone(keyed_world());
+  Table together(keyed_world());
+  const std::vector<coupling::ConstraintSet> expected = replies_of_fast(false, alone);
+  const std::vector<coupling::ConstraintSet> found = replies_of_fast(true, together);
+  ASSERT_EQ(found.size(), expected.size());
+  EXPECT_GT(found.size(), 3090U);
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    ASSERT_EQ(found[i].sequence, expected[i].sequence);
+    ASSERT_EQ(found[i].answers, expected[i].answers);
+    ASSERT_EQ(found[i].sampled_at, expected[i].sampled_at);
+    ASSERT_EQ(found[i].planes, expected[i].planes);
+  }
+  EXPECT_EQ(together.worlds.at(0)->samples.back().hand, together.arms.at(0)->sample.hand);
+  EXPECT_EQ(together.arms.at(0)->end.status().counters.lost, 0U);
+  Arm& slow = *together.arms.at(1);
+  EXPECT_NEAR(static_cast<double>(slow.replies.size()), 130, 5);
+  EXPECT_EQ(slow.replies.back().answers, slow.sample.sequence);
+  EXPECT_EQ(slow.end.status().counters.sessions_opened, 1U);
+  EXPECT_EQ(slow.end.status().counters.lost, 0U);
+  EXPECT_EQ(together.world->total().sessions_released, 0U);
+  EXPECT_EQ(together.worlds.size(), 2U);
 }
 
 }  // namespace
