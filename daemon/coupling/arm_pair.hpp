@@ -21,12 +21,13 @@ namespace thimble::coupling {
 //           locally, at a frame that is shifted by what it moved on meanwhile:
 //           f = pull_B − B·v_B     n = f/|f|     plane n·q <= n·x_B, of stiffness K_c
 //           from |f| > kTouch and a slave that rested for kNoTurn, until the master is on its free
-//           side, or the slave has run on for kNoBounce with less to stop it Both are pressed by
+//           side, or the slave has run on for kNoBounce with less to stop it. Both are pressed by
 //           K_c·x, with x the depth of the master behind the plane.
 //
 // x position, m; v velocity, m/s; K_c, B as each arm has them; pull_B = K_c·(x_A − x_B), N, as the
-// slave's arm half has it. T one way: half of both links' round trips. Sources: teleop.md 2(b),
-// 2(c), 2(e), thesis 5.3.5; the plane of a force is ours (decision 0445).
+// slave's arm half has it. T one way: half of both links' round trips. Frame: world, which both
+// arms share. Sources: thesis 5.3.5, 3.4, 3.5, 3.7; Lee and Spong, Nuño (b), Niemeyer and Slotine
+// (c) (docs/references.md; teleop.md 2); the plane of a force is ours (decision 0445).
 //
 // Stable as the schemes are: (b) for 4·B_A·B_B > (T₁+T₂)²·K_A·K_B, which both keep since neither is
 // stiffer than the other (FarEnd::tool) and each than B/(1.05·its round trip); (c) for any delay,
@@ -40,6 +41,9 @@ namespace thimble::coupling {
 //
 // Thread: one, that of the links. Not RT; answer() neither allocates nor blocks.
 // Ownership: halves share what they exchange; they may go in any order, and before the pair.
+// Errors: open() of a half refuses a hand or waves that are not finite (InvalidArgument) and an arm
+//         that has a guard between both ends (Unsupported). Such a sample, or one that was
+//         overtaken, is answered with the last set, its number included.
 enum class PeerAnswer : std::uint8_t { Motion, Touch };
 
 class ArmPair {

@@ -16,7 +16,8 @@ enum class ConstraintModel : std::uint8_t {
 };
 
 // The world half of `model` in `world`, which must outlive it. Sessions are numbered as by
-// GhostPointWorld. Control plane: allocates. Unsupported: "simple" in a world without cells.
+// GhostPointWorld. Thread: control plane's, before the half is used; allocates. Errors:
+// Unsupported, "simple" in a world without cells.
 [[nodiscard]] Result<std::unique_ptr<WorldCoupling>> make_world_coupling(
     ConstraintModel model, world::World& world, std::uint32_t first_session);
 

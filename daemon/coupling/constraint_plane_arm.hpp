@@ -51,7 +51,8 @@ struct ConstraintPlaneCounters {
 };
 
 // The arm half of constraint planes (thesis 3.7.2): a god-object that up to three planes of any
-// angle hold at once, and a spring between it and the hand.
+// angle hold at once, and a spring between it and the hand. SOURCE: Zilles and Salisbury; of Offset
+// the thesis, of Recovery VRPN (Seeger): docs/references.md, teleop.md 2(f).
 //
 //   q = p + o + e
 //   g = argmin ½|g − q|²  with  n_i·g ≤ d_i          world/plane_projection.hpp

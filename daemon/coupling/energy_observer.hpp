@@ -12,9 +12,10 @@ namespace thimble::coupling {
 
 // Adds up the work done at one port: positive is energy given to the hand. What a passive
 // wall gives back it was given before, so the largest sum ever seen is energy generated.
-// E = sum of F·v·dt.
+// E = sum of F·v·dt. SOURCE: Hannaford and Ryu, their observer (docs/references.md), the sign
+// turned.
 //
-// Thread: its owner's. RT: add() THIMBLE_RT. Units: J.
+// Thread: its owner's. RT: add() THIMBLE_RT. Units: N, m/s, J. Errors: none.
 class EnergyObserver {
  public:
   THIMBLE_RT void add(Force3 on_hand, Velocity3 of_hand, Duration dt) noexcept {
@@ -41,7 +42,7 @@ class EnergyObserver {
 // Axes are added in order of size: permuted ones give the same bits. What is not finite moves
 // nothing: such a force is none, and such a place is left out.
 //
-// Thread: its owner's. RT: THIMBLE_RT. Frame: any, both in the same. Units: N, m, J.
+// Thread: its owner's. RT: THIMBLE_RT. Frame: any, both in the same. Units: N, m, J. Errors: none.
 class PortObserver {
  public:
   THIMBLE_RT void reset(Position3 tip) noexcept {

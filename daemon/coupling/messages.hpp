@@ -13,6 +13,9 @@
 #include "hal/base/time.hpp"
 #include "hal/rt/static_vector.hpp"
 
+// What the two halves of a coupling tell each other. Plain values, SI unless a name says otherwise.
+// Thread: any; one copy is one thread's. RT: nothing here allocates. Errors: none here; who takes
+// them from outside looks whether they are sound.
 namespace thimble::coupling {
 
 // How a surface feels; negative: the arm's configured default, of temperature nothing is known.

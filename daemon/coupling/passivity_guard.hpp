@@ -8,8 +8,8 @@
 
 namespace thimble::coupling {
 
-// Sources: teleop.md, "TDPA", and the program in production that it names there; what is ours says
-// so.
+// Sources: Hannaford and Ryu (docs/references.md), and a program in production, sai-primitives'
+// POPCBilateralTeleoperation.cpp (teleop.md, "TDPA"); what is ours says so.
 struct PassivitySettings {
   // What the hand may be given on balance before the guard acts, J. Ours: what one shift of the
   // ghost point's frame gives is 0.1 mJ (teleop.md 2(e)); a few of them at once are not noise.
@@ -50,7 +50,8 @@ struct PassivitySettings {
 // limiter, which latches it; no energy is counted of it.
 //
 // Thread: as the arm half inside. RT: reset(), step() THIMBLE_RT. Ownership: of what is inside.
-// reset() forgets the balance.
+// Frame: base frame of the arm. Errors: none but those of what is inside. reset() forgets the
+// balance.
 class PassivityGuard final : public ArmCoupling {
  public:
   PassivityGuard(std::unique_ptr<ArmCoupling> inside, const PassivitySettings& settings) noexcept

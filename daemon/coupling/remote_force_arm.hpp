@@ -20,9 +20,10 @@ struct RemoteForceSettings {
 // F  force on the hand, N        D   from sample to answer, there and back, s
 // x  penetration of a wall, m    K, B  of the wall: N/m, N·s/m
 //
-// Limits (teleop.md 2(a)): with a hand of damping b, N·s/m, and a servo period Ts it is stable for
-// K < (b + B)/(Ts/2 + D), short D; beyond that it swings, and only the limiter bounds it. To be
-// shown and compared with.
+// Limits (Gil, Diolaiti, Hulin: docs/references.md; teleop.md 2(a)): with a hand of damping b,
+// N·s/m, and a servo period Ts it is stable for K < (b + B)/(Ts/2 + D), short D (and passive, where
+// D is 0, for b > K·Ts/2 + |B|, Colgate and Schenkel); beyond that it swings, and only the limiter
+// bounds it. To be shown and compared with.
 //
 // What the hand feels of a silent world, an outage, a restart: FarEndPort.
 // Thread: one servo thread. RT: reset(), step() THIMBLE_RT.

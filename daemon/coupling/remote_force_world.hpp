@@ -10,7 +10,7 @@ namespace thimble::coupling {
 // The world half of the remote closed loop (thesis 3.2): a probe follows the hand, and the force of
 // what holds it back is the answer: wall_penalty() at the position that the sample says, with the
 // arm's own stiffness and damping (HandSample::tool) where the world names none, up to
-// kHardestTool.
+// kHardestTool. SOURCE: as of RemoteForceArm.
 //
 // Thread: the world's thread. Not RT; answer() neither allocates nor blocks.
 // Ownership: `world` must outlive it; the destructor closes. Sessions: as by GhostPointWorld.

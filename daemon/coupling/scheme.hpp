@@ -20,6 +20,8 @@
 
 namespace thimble::coupling {
 
+// Which scheme, and the two halves of it. Thread: all of this is pure, any thread; what makes a
+// half allocates: control plane, not RT. Ownership: a half is the caller's.
 enum class Scheme : std::uint8_t {
   GhostPoint,       // "ghost-point": thesis 3.7, corrected
   ThesisLiteral,    // "thesis-literal": the printed client with its defects

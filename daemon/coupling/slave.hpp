@@ -24,7 +24,9 @@ struct SlaveSettings {
 // 4 for walls of kHardestTool beside it.
 //
 // Thread: the world's. Not RT; neither allocates nor blocks where move_probe() does not.
-// Ownership, errors: ProbeInWorld's. Frame: world.
+// Ownership: the world must outlive it; the destructor closes the probe. Frame: world.
+// Errors: open() refuses a hand that is not finite, and passes on what the world says; advance()
+//         says false where the world is silent.
 class Slave {
  public:
   static constexpr Duration kStep = std::chrono::microseconds(250);

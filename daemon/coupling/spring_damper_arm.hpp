@@ -36,7 +36,8 @@ struct SpringDamperSettings {
 // F  force on the master, N      K_c  coupling spring, N/m      T  one way, s; D = 2T
 // x, v  of the master: m, m/s    B    damper of the master, N·s/m
 //
-// Limits (teleop.md 2(b), decision 0421), each for a hand that damps nothing itself:
+// Limits (Lee and Spong, Nuño: docs/references.md; teleop.md 2(b), decision 0421), each for a hand
+// that damps nothing itself:
 //   Both:   stable for 4·B_m·B_s > D²·K_c², here K_c < B/T. Drag (2·B + K_c·D)·v.
 //   World:  stable for K_c < 1.5·B/D.  Drag B·v.
 // K_c is held below B/T or B/D by 5 %, for the longest round trip since reset(): it only falls,

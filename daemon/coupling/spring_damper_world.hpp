@@ -20,10 +20,10 @@ namespace thimble::coupling {
 // takes energy at every frequency ω for B + B_c·cos(ωD) − K_c·sin(ωD)/ω > 0. With B_c = B that
 // fails at ωD = π whatever K_c; with half of it, it holds for K_c·D < 1.5·B (decision 0421).
 //
-// Between two samples the slave goes on towards the older. K_c and B count up to
-// kHardestController. Thread: the world's. Not RT; answer() neither allocates nor blocks.
-// Ownership: `world` must outlive it; the destructor closes. Sessions: as by GhostPointWorld.
-// Errors: as RemoteForceWorld's; an overtaken sample only lets time pass.
+// SOURCE: as of SpringDamperArm. Between two samples the slave goes on towards the older. K_c and B
+// count up to kHardestController. Thread: the world's. Not RT; answer() neither allocates nor
+// blocks. Ownership: `world` must outlive it; the destructor closes. Sessions: as by
+// GhostPointWorld. Errors: as RemoteForceWorld's; an overtaken sample only lets time pass.
 class SpringDamperWorld final : public WorldCoupling {
  public:
   SpringDamperWorld(world::World& world, std::uint32_t first_session,

@@ -14,7 +14,8 @@ namespace thimble::coupling {
 // Afterwards the ghost restarts at the hand: no jump.
 //
 // Thread: reset() and step() as ArmCoupling; hold() and release() from one control thread.
-// RT: all. Ownership: of the coupling below.
+// RT: all. Ownership: of the coupling below. Errors: that one's; a wish that is not finite latches
+// a fault behind it.
 class SteadyForce final : public ArmCoupling {
  public:
   explicit SteadyForce(std::unique_ptr<ArmCoupling> below) : below_(std::move(below)) {}

@@ -6,6 +6,7 @@
 #include "daemon/coupling/messages.hpp"
 #include "hal/rt/annotations.hpp"
 
+// What an arm half makes of the planes that it is told. World frame. Pure; thread: any.
 namespace thimble::coupling {
 
 // Normals closer than 14° are the same face of a curved surface; voxel faces differ by 90°.

@@ -12,7 +12,7 @@
 namespace thimble::coupling {
 
 // The arm's end of a passivity guard between both ends (time-domain passivity with delay, Ryu,
-// Artigas and Preusche 2010; teleop.md, "TDPA"), around an arm half whose force is computed in the
+// Artigas and Preusche 2010, docs/references.md), around an arm half whose force is computed in the
 // world. No more comes out at the hand than was put in at the world's port, one way ago:
 //
 //   E_out,M(k) <= E_in,S(k − D₂) + E_0         the world's end: TwoPortWorld
@@ -37,6 +37,7 @@ namespace thimble::coupling {
 // the limiter, which latches it; no energy is counted of it.
 //
 // Thread: as the arm half inside. RT: reset(), step() THIMBLE_RT. Ownership: of what is inside.
+// Frame: base frame of the arm. Errors: none but those of what is inside.
 class TwoPortArm final : public ArmCoupling {
  public:
   TwoPortArm(std::unique_ptr<ArmCoupling> inside, const PassivitySettings& settings) noexcept

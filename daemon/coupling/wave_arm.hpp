@@ -22,7 +22,8 @@ struct WaveSettings {
 };
 
 // The arm half of wave-based teleoperation (thesis 3.5): hand and slave (WaveWorld) exchange waves,
-// of which any constant delay is passive (teleop.md 2(c)).
+// of which any constant delay is passive. SOURCE: Niemeyer and Slotine (docs/references.md), as
+// derived in teleop.md 2(c).
 //
 //   F_m = b·v − √(2b)·w       u = √(2b)·v − w       power F_m·v = u²/2 − w²/2
 //

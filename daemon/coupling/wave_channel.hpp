@@ -29,7 +29,8 @@ class WaveInlet {
 };
 
 // Where it leaves, after any delay, loss, doubling or change of order: an energy reservoir
-// (teleop.md 2(c), ii). Per axis, with U and E of what has arrived and of what was given out:
+// (Niemeyer and Slotine 1998, docs/references.md, had the thought; the formula is derived in
+// teleop.md 2(c), ii). Per axis, with U and E of what has arrived and of what was given out:
 //
 //   u = 2·(E_in − E_out)/(U_in − U_out),  |u| <= |U_in − U_out|/dt,  0 where the U are equal
 //

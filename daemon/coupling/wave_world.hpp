@@ -21,7 +21,8 @@ struct WaveWorldSettings {
 };
 
 // The world half of wave-based teleoperation (thesis 3.5): a mass in the world, the slave, whose
-// controller follows the wave that arrives and returns what it meets (teleop.md 2(c)).
+// controller follows the wave that arrives and returns what it meets. SOURCE: Niemeyer and Slotine
+// (docs/references.md), as derived in teleop.md 2(c); the correction of place is ours.
 //
 //   v_d = √(2/b)·u − F_s/b       F_s = K_s·(x_d − x_s) + B_s·(v_d + v_c − v_s)
 //   w   = u − √(2/b)·F_s         x_d = ∫(v_d + v_c) dt

@@ -12,8 +12,8 @@
 namespace thimble::link {
 
 // What an arm's end of either protocol is told, whatever carries it. A plain value; times in the
-// types' own units, deadband_m in metres of the world frame. Errors: none here; who reads them from
-// outside (daemon/session) has checked them.
+// types' own units, deadband_m in metres of the world frame. Thread: any; a copy is one thread's.
+// Errors: none here; who reads them from outside (daemon/session) has checked them.
 struct ArmEndSettings {
   enum class Protocol : std::uint8_t { Thesis, Thimble };
   SendMode mode{SendMode::Streamed};
@@ -26,7 +26,8 @@ struct ArmEndSettings {
   double deadband_m{0};
 };
 
-// Pure, but for the numbers that a session begins with, which are the system's.
+// Pure, but for the numbers that a session begins with, which are the system's. Thread: control
+// plane's; an end is then its link's thread's.
 [[nodiscard]] ThesisArmEnd make_thesis_end(const ArmEndSettings& settings);
 [[nodiscard]] ThimbleArmEnd make_thimble_end(const ArmEndSettings& settings);
 

@@ -7,7 +7,7 @@
 
 namespace thimble::link {
 
-// Lowers `earliest` to `other` where that is sooner; none is never.
+// Lowers `earliest` to `other` where that is sooner; none is never. Pure; thread: any.
 inline void take_earlier(std::optional<MonotonicTime>& earliest,
                          std::optional<MonotonicTime> other) noexcept {
   if (!other) return;

@@ -9,6 +9,8 @@
 #include "daemon/link/impairment.hpp"
 #include "hal/base/time.hpp"
 
+// What a link has to tell of itself. Plain values: the link's thread counts and hands out copies,
+// which are any thread's. Not RT where a string is in it. Errors: none.
 namespace thimble::link {
 
 // Why a message was refused. Every refusal has exactly one reason and is counted under it.

@@ -13,7 +13,8 @@
 namespace thimble::link {
 
 // What the Thimble datagrams say; their bytes are in docs/link-protocol.md. Plain values, SI, that
-// cross queues by copying. What is optional here nobody has to say: a peer of another version, or a
+// cross queues by copying. Thread: any; a copy is one thread's. Errors: none here; the codec
+// refuses what cannot be. What is optional here nobody has to say: a peer of another version, or a
 // world that does not know it, leaves it out.
 
 enum class ThimbleKind : std::uint8_t {
