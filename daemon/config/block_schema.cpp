@@ -1,3 +1,6 @@
+#include <array>
+#include <optional>
+
 #include "daemon/config/schema.hpp"
 
 namespace thimble::config {
@@ -6,12 +9,17 @@ namespace {
 // A millimeter is as small as a wall's hysteresis lets one feel; farther than 1 m no arm reaches.
 constexpr Range kEdge{0.001, 1};
 constexpr Range kDrag{1, 10'000};
+// No arm holds more for long.
+constexpr Range kWeight{-20, 20};
 
 BlockConfig read_block_table(TableReader reader) {
   BlockConfig out;
   reader.read("room_m", kEdge, out.room_m);
   reader.read("edge_m", kEdge, out.edge_m);
   reader.read("drag_newton_s_per_m", kDrag, out.drag_newton_s_per_m);
+  reader.read("friction", {0, 1}, out.friction);
+  std::optional<std::array<double, 3>> weight;
+  if (reader.read("weight_newton", kWeight, weight)) out.weight_newton = *weight;
   if (!(out.edge_m < out.room_m)) {
     reader.reject("edge_m", "expected a block smaller than its room of " + shown(out.room_m) +
                                 ", found " + shown(out.edge_m));

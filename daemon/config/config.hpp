@@ -251,6 +251,8 @@ struct BlockConfig {
   double room_m{0.09};
   double edge_m{0.03};
   double drag_newton_s_per_m{40};
+  double friction{0};                     // Coulomb's coefficient
+  std::array<double, 3> weight_newton{};  // what pulls it, along the world's axes
   bool operator==(const BlockConfig&) const = default;
 };
 

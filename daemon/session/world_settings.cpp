@@ -75,8 +75,13 @@ Result<std::unique_ptr<world::World>> make_shapes(const std::vector<config::Shap
 }
 
 Result<std::unique_ptr<world::World>> make_block(const config::BlockConfig& said) {
+  const auto& [x_newton, y_newton, z_newton] = said.weight_newton;
   Result<world::BlockWorld> block =
-      world::BlockWorld::create({said.room_m, said.edge_m, said.drag_newton_s_per_m});
+      world::BlockWorld::create({.room_m = said.room_m,
+                                 .edge_m = said.edge_m,
+                                 .drag_newton_s_per_m = said.drag_newton_s_per_m,
+                                 .friction = said.friction,
+                                 .weight = {x_newton, y_newton, z_newton}});
   if (!block) return tl::unexpected(block.error());
   return std::make_unique<world::BlockWorld>(*std::move(block));
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 namespace thimble::world {
@@ -40,7 +41,11 @@ Entry entry_of(Position3 from, Displacement3 way, Position3 low, Position3 high)
 BlockWorld::BlockWorld(const BlockScene& scene)
     : half_room_m_(scene.room_m / 2),
       half_m_(scene.edge_m / 2),
-      drag_newton_s_per_m_(scene.drag_newton_s_per_m) {
+      oil_{.stiffness_newton_per_m = kPush_newton_per_m,
+           .drag_newton_s_per_m = scene.drag_newton_s_per_m,
+           .friction = scene.friction,
+           .most_m = half_room_m_ - half_m_},
+      weight_(scene.weight) {
   info_.source = "block";
   info_.extent_m = {scene.room_m, scene.room_m, scene.room_m};
   info_.block = scene;
@@ -54,6 +59,9 @@ Result<BlockWorld> BlockWorld::create(const BlockScene& scene) {
                 "block: its edge, the room's and the drag must be above 0, and the block smaller "
                 "than its room");
   }
+  if (!(scene.friction >= 0 && scene.friction <= 1) || !is_finite(scene.weight)) {
+    return fail(Errc::InvalidArgument, "block: its friction must be 0 to 1, and its weight finite");
+  }
   return BlockWorld(scene);
 }
 
@@ -65,7 +73,8 @@ Result<ProbeId> BlockWorld::add_probe(Position3 hand) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       start[axis] = std::clamp(start[axis], -half_room_m_, half_room_m_);
     }
-    slot = Probe{{++last_id_}, out_of_block(start)};
+    slot = Probe{{++last_id_}, out_of_block(start), {}};
+    ++probe_count_;
     return slot->id;
   }
   return fail(Errc::Busy, info_.source + ": all " + std::to_string(kMaxProbes) +
@@ -73,17 +82,20 @@ Result<ProbeId> BlockWorld::add_probe(Position3 hand) {
 }
 
 void BlockWorld::remove_probe(ProbeId probe) noexcept {
-  if (auto* slot = find(probe)) slot->reset();
+  auto* slot = find(probe);
+  if (slot == nullptr) return;
+  slot->reset();
+  --probe_count_;
 }
 
 ProbeMotion BlockWorld::move_probe(ProbeId probe, Position3 hand, Duration dt) noexcept {
   auto* slot = find(probe);
   if (slot == nullptr) return {hand, {}, false};
-  Position3& ghost = (*slot)->ghost;
+  auto& [id, ghost, grip] = **slot;
   ProbeMotion motion;
   motion.ghost = ghost;
   if (!is_finite(hand)) return motion;
-  give_way(slide(ghost, hand), hand, dt);
+  give_way(**slot, slide(ghost, hand), hand, dt);
   const Held held = slide(ghost, hand);
   motion.ghost = ghost;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -92,6 +104,7 @@ ProbeMotion BlockWorld::move_probe(ProbeId probe, Position3 hand, Duration dt) n
     ContactPlane plane;
     plane.normal[axis] = sign;
     plane.offset_m = sign * ghost[axis];
+    if (held.by_block[axis] != 0) plane.friction = friction_of(grip);
     motion.planes.push_back(plane);
   }
   return motion;
@@ -149,27 +162,57 @@ BlockWorld::Held BlockWorld::slide(Position3& ghost, Position3 hand) const noexc
   return held;
 }
 
-void BlockWorld::give_way(const Held& held, Position3 hand, Duration dt) noexcept {
-  const double share =
-      1 - std::exp(-kPush_newton_per_m * std::max(0.0, seconds(dt)) / drag_newton_s_per_m_);
-  const double most_m = half_room_m_ - half_m_;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (held.by_block[axis] == 0) continue;
-    const double face_m = held.by_block[axis] > 0 ? low_m(axis) : high_m(axis);
-    const double before_m = center_[axis];
-    // No further than the hand reaches in the room: who pushes past it pushes the wall.
-    const double reach_m = std::clamp(hand[axis], -half_room_m_, half_room_m_) - face_m;
-    center_[axis] = std::clamp(before_m + share * reach_m, -most_m, most_m);
-    take_along(axis, center_[axis] - before_m);
+// What holds a ghost is one face of the block at most, for a point goes through one at a time.
+void BlockWorld::give_way(Probe& probe, const Held& held, Position3 hand, Duration dt) noexcept {
+  const double dt_s = std::max(0.0, seconds(dt));
+  const Force3 weight = (1.0 / probe_count_) * weight_;
+  std::size_t axis = 0;
+  while (axis < 3 && held.by_block[axis] == 0) ++axis;
+  if (axis == 3) {
+    probe.grip.reset();
+    go_to(sink_block(oil_, center_, weight, dt_s));
+    return;
   }
+  BlockHold hold{.axis = axis, .sign = held.by_block[axis]};
+  const double face_m = hold.sign > 0 ? low_m(axis) : high_m(axis);
+  // No further than the hand reaches in the room: who pushes past it pushes the wall.
+  hold.depth_m = hold.sign * (std::clamp(hand[axis], -half_room_m_, half_room_m_) - face_m);
+  // Along the face the ghost is where the hand is.
+  const bool sticks = probe.grip && probe.grip->axis == axis && probe.grip->sign == hold.sign;
+  if (sticks && oil_.friction > 0) hold.stretch = probe.ghost - center_ - probe.grip->foot;
+  hold.stretch[axis] = 0;
+  const BlockMotion motion = push_block(oil_, hold, center_, weight, dt_s);
+  probe.grip = Grip{axis, hold.sign, probe.ghost - motion.center - motion.hold.stretch, 0};
+  if (motion.hold.depth_m > 0) {
+    probe.grip->friction = std::min(oil_.friction, norm(motion.hold.stretch) / motion.hold.depth_m);
+  }
+  go_to(motion.center);
 }
 
-// Ghosts that it met on its way are on its face.
-void BlockWorld::take_along(std::size_t axis, double moved_m) noexcept {
-  if (moved_m == 0) return;
+// A world without friction leaves it to the arm.
+double BlockWorld::friction_of(const std::optional<Grip>& grip) const noexcept {
+  if (!(oil_.friction > 0)) return -1;
+  return grip ? grip->friction : 0;
+}
+
+// Ghosts that it met on its way are on its face: of those it went with, the one that came last.
+void BlockWorld::go_to(Position3 center) noexcept {
+  const Displacement3 way = center - center_;
+  center_ = center;
+  if (way == Displacement3{}) return;
   for (auto& slot : probes_) {
     if (!slot || !is_in_block(slot->ghost)) continue;
-    slot->ghost[axis] = moved_m > 0 ? high_m(axis) : low_m(axis);
+    std::size_t met = 0;
+    double least_share = std::numeric_limits<double>::infinity();
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (way[axis] == 0) continue;
+      const double face_m = way[axis] > 0 ? high_m(axis) : low_m(axis);
+      const double share = (face_m - slot->ghost[axis]) / way[axis];
+      if (share >= least_share) continue;
+      least_share = share;
+      met = axis;
+    }
+    slot->ghost[met] = way[met] > 0 ? high_m(met) : low_m(met);
   }
 }
 

@@ -99,5 +99,51 @@ TEST_P(TwoHands, EachHasAFrameAndAGhostOfItsOwn) {
   EXPECT_NEAR(sut.snapshot(1).felt.ghost.x, sut.frame(1).tip.x, 1e-3) << "in its own frame";
 }
 
+// Two that squeeze a block of 0.5 N that stands on the floor, and then go up (thesis 5.2).
+struct Lift {
+  double block_m{0};      // that it rose
+  double felt_newton{0};  // the most that pulled the left hand down
+  std::uint64_t faults{0};
+};
+
+Lift lift(const std::string& scheme, double friction, double delay_s) {
+  ClosedLoop sut({"arm.left.impairment.delay_s=" + std::to_string(delay_s),
+                  "arm.right.impairment.delay_s=" + std::to_string(delay_s)},
+                 with(hands_and_block(scheme) + "[world.block]\nedge_m = 0.05\nfriction = " +
+                      std::to_string(friction) + "\nweight_newton = [0, -0.5, 0]\n"));
+  sut.run_until_driven();
+  double push_newton = 0;  // gently: a hand that meets a late wall shifts its frame, and leans less
+  sut.run(2, [&] {
+    push_newton = std::min(4.0, push_newton + 0.004);
+    sut.sim_arm(0).backend().push_tip({push_newton, 0, 0});
+    sut.sim_arm(1).backend().push_tip({-push_newton, 0, 0});
+  });
+  const double before_m = sut.world().block_center()->y;
+  sut.sim_arm(0).backend().push_tip({4, 1, 0});
+  sut.sim_arm(1).backend().push_tip({-4, 1, 0});
+  Lift seen;
+  sut.run(2, [&] { seen.felt_newton = std::max(seen.felt_newton, -sut.frame(0).force.y); });
+  seen.block_m = sut.world().block_center()->y - before_m;
+  seen.faults = sut.snapshot(0).faults + sut.snapshot(1).faults;
+  return seen;
+}
+
+class TwoFingersLift : public TwoHands {};
+INSTANTIATE_TEST_SUITE_P(, TwoFingersLift, testing::Values("ghost-point", "constraint-plane"),
+                         [](const auto& of) {
+                           return std::string(of.param == "ghost-point" ? "GhostPoint"
+                                                                        : "ConstraintPlane");
+                         });
+
+TEST_P(TwoFingersLift, ABlockAgainstItsWeightAndFeelIt) {
+  for (const double delay_s : {0.0, 0.05}) {
+    const Lift both = lift(GetParam(), 0.6, delay_s);
+    EXPECT_GT(both.block_m, 3e-3) << delay_s;
+    EXPECT_GT(both.felt_newton, 0.1) << delay_s;
+    EXPECT_EQ(both.faults, 0U);
+  }
+  EXPECT_EQ(lift(GetParam(), 0, 0).block_m, 0) << "a smooth one stays where it is";
+}
+
 }  // namespace
 }  // namespace thimble

@@ -122,6 +122,13 @@ TEST(ConfigBlock, IsASmallOneInARoom) {
       parse_text(block + "[world.block]\nedge_m = 0.02\nroom_m = 0.1\ndrag_newton_s_per_m = 5\n");
   ASSERT_TRUE(sut);
   EXPECT_EQ(sut->worlds.at(0).block, (BlockConfig{0.1, 0.02, 5}));
+  const auto heavy =
+      parse_text(block + "[world.block]\nfriction = 0.5\nweight_newton = [0, -1, 0]\n");
+  ASSERT_TRUE(heavy);
+  EXPECT_EQ(heavy->worlds.at(0).block, (BlockConfig{.friction = 0.5, .weight_newton = {0, -1, 0}}));
+  EXPECT_THAT(mistakes(block + "block.friction = 1.5\n"), ElementsAre(HasSubstr("0 to 1")));
+  EXPECT_THAT(mistakes(block + "block.weight_newton = [0, -21, 0]\n"),
+              ElementsAre(HasSubstr("world.0.block.weight_newton")));
   EXPECT_THAT(mistakes(block + "block.edge_m = 0.09\n"),
               ElementsAre(AllOf(HasSubstr("world.0.block.edge_m"), HasSubstr("smaller than"))));
   EXPECT_THAT(mistakes(block + "block.drag_newton_s_per_m = 0\n"),

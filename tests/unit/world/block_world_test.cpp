@@ -25,7 +25,9 @@ TEST(BlockWorld, RefusesWhatCannotBe) {
   for (const BlockScene& scene :
        {BlockScene{0.03, 0.03, 40}, BlockScene{0.09, 0, 40}, BlockScene{0.09, 0.03, 0},
         BlockScene{nan, 0.03, 40}, BlockScene{0.09, 0.03, nan},
-        BlockScene{std::numeric_limits<double>::infinity(), 0.03, 40}}) {
+        BlockScene{std::numeric_limits<double>::infinity(), 0.03, 40}, BlockScene{.friction = -0.1},
+        BlockScene{.friction = 1.1}, BlockScene{.friction = nan},
+        BlockScene{.weight = {0, nan, 0}}}) {
     const auto sut = BlockWorld::create(scene);
     ASSERT_FALSE(sut);
     EXPECT_EQ(sut.error().code, Errc::InvalidArgument);
