@@ -137,6 +137,7 @@ struct CouplingConfig {
   std::optional<double> freeze_after_s;
   std::optional<double> fade_after_s;
   std::optional<double> impedance_newton_s_per_m{};
+  std::optional<double> master_mass_kg{};  // of the spring-damper, else none
   CouplingForceAt force_at{CouplingForceAt::World};
   CouplingLateWalls late_walls{CouplingLateWalls::Offset};
   std::optional<double> recovery_s{};  // only with LateWalls Recovery

@@ -46,6 +46,7 @@ constexpr std::array<Choice<CouplingZone>, 2> kZones{{
 constexpr Range kAge{0, 60, true};
 constexpr Range kImpedance{0.1, 40};
 constexpr Range kBuffer{0, 1, true};
+constexpr Range kMasterMass{0.02, 2};  // SpringDamperSettings::kLightestMaster_kg
 
 Range stiffness_range(Scheme scheme) {
   const bool is_far = scheme == Scheme::RemoteForce || scheme == Scheme::SpringDamper;
@@ -81,6 +82,7 @@ const std::vector<Tuning>& tunings() {
       {"recovery_s", {Scheme::ConstraintPlane}},
       {"impedance_newton_s_per_m", {Scheme::Wave}},
       {"force_at", {Scheme::SpringDamper}},
+      {"master_mass_kg", {Scheme::SpringDamper}},
       {"buffer_m", {Scheme::BufferZone}},
       {"zone", {Scheme::BufferZone}},
   };
@@ -207,6 +209,7 @@ CouplingConfig read_coupling(TableReader reader) {
   reader.read("stiffness_newton_per_m", stiffness_range(out.scheme), out.stiffness_newton_per_m);
   reader.read("damping_newton_s_per_m", damping_range(out.scheme), out.damping_newton_s_per_m);
   reader.read("impedance_newton_s_per_m", kImpedance, out.impedance_newton_s_per_m);
+  reader.read("master_mass_kg", kMasterMass, out.master_mass_kg);
   reader.read("buffer_m", kBuffer, out.buffer_m);
   reader.read("zone", std::span<const Choice<CouplingZone>>(kZones), out.zone);
   reader.read("coordinate_spring_newton_per_m", {0, 1000}, out.coordinate_spring_newton_per_m);

@@ -9,6 +9,9 @@ namespace {
 constexpr double kMargin = 1.05;  // teleop.md 3
 // The master's own steps: its grip stays stable at the slowest servo.
 constexpr Duration kLongestStep = std::chrono::microseconds(500);
+constexpr Duration kShortestStep = std::chrono::microseconds(10);
+// Of its velocity that dampers take in one of them: below 2, or they throw a light one.
+constexpr double kLargestShare = 0.5;
 
 }  // namespace
 
@@ -88,7 +91,10 @@ Force3 SpringDamperArm::pull(const Motion& master) const noexcept {
 
 // Returns what the hand feels of it.
 Force3 SpringDamperArm::move_master(const ArmInput& input) noexcept {
-  const auto steps = (input.dt + kLongestStep - Duration(1)) / kLongestStep;
+  const double drag = tool_.damping.newton_s_per_m + settings_.grip.damping.newton_s_per_m;
+  const double longest_s = kLargestShare * settings_.master_mass_kg / std::max(drag, 1.0);
+  const Duration longest = std::clamp(from_seconds(longest_s), kShortestStep, kLongestStep);
+  const auto steps = (input.dt + longest - Duration(1)) / longest;
   const double step_s = seconds(input.dt) / static_cast<double>(steps);
   Force3 grip{};
   for (auto i = steps; i > 0; --i) {

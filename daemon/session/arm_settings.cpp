@@ -211,6 +211,7 @@ Result<std::unique_ptr<coupling::ArmCoupling>> make_coupling(
   settings.spring_damper.tool = tool_of(said, settings.spring_damper.tool, most);
   settings.spring_damper.force_at = arm.peer ? coupling::ForceAt::Both : force_at(said);
   settings.spring_damper.is_between_arms = arm.peer.has_value();
+  settings.spring_damper.master_mass_kg = said.master_mass_kg.value_or(0);
   settings.buffer_zone.tool = tool_of(said, settings.buffer_zone.tool, most);
   settings.wave.impedance.newton_s_per_m =
       said.impedance_newton_s_per_m.value_or(settings.wave.impedance.newton_s_per_m);

@@ -82,6 +82,7 @@ TEST(ConfigCoupling, EachSchemeTakesItsOwnNumbersAndNoOthers) {
       {"zone = \"faces\"", "buffer-zone"},
       {"impedance_newton_s_per_m = 20", "wave"},
       {"force_at = \"both\"", "spring-damper"},
+      {"master_mass_kg = 0.1", "spring-damper"},
       {"hysteresis_m = 0.001", "auto ghost-point composite constraint-plane"},
       {"late_walls = \"offset\"", "constraint-plane"},
       {"coordinate_spring_newton_per_m = 10", "auto ghost-point composite"},
@@ -188,6 +189,8 @@ TEST(ConfigCoupling, NumbersOfAFarEndStayBelowItsCeilings) {
        {"coupling.scheme = \"remote-force\"\ncoupling.stiffness_newton_per_m = 3001\n",
         "coupling.scheme = \"remote-force\"\ncoupling.damping_newton_s_per_m = 21\n",
         "coupling.scheme = \"spring-damper\"\ncoupling.damping_newton_s_per_m = 0\n",
+        "coupling.scheme = \"spring-damper\"\ncoupling.master_mass_kg = 0\n",
+        "coupling.scheme = \"spring-damper\"\ncoupling.master_mass_kg = 2.1\n",
         "coupling.scheme = \"wave\"\ncoupling.impedance_newton_s_per_m = 41\n"}) {
     EXPECT_EQ(mistakes(hello_with_arm(lines)).size(), 1U) << lines;
   }

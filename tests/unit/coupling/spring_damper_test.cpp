@@ -64,13 +64,14 @@ bool is_stable(const SpringDamperSettings& settings, double delay_s, double half
   return swing_m_per_s[1] < swing_m_per_s[0] || swing_m_per_s[1] < 1e-9;
 }
 
-double least_stable_damping(double stiffness, double delay_s) {
+double least_stable_damping(double stiffness, double delay_s, double master_mass_kg = 0) {
   double unstable = 0.5;
   double stable = 200;
   while (stable - unstable > 0.01 * stable) {
     const double middle = (stable + unstable) / 2;
-    const bool is_good = is_stable(untuned(ForceAt::Both, stiffness, middle), delay_s, kFar_m);
-    (is_good ? stable : unstable) = middle;
+    SpringDamperSettings settings = untuned(ForceAt::Both, stiffness, middle);
+    settings.master_mass_kg = master_mass_kg;
+    (is_stable(settings, delay_s, kFar_m) ? stable : unstable) = middle;
   }
   return stable;
 }
@@ -98,9 +99,56 @@ TEST(SpringDamper, SoftenedPairsAreStableAtEveryDelayFreeAndAgainstAWall) {
   }
 }
 
+// A mass between hand and spring is one more thing that stores: what is passive stays so.
+TEST(SpringDamper, BoundOfTheTheoryIsSafeWithAMasterOfItsOwnMass) {
+  constexpr double kStiffness = 800;
+  for (const double mass_kg : {0.02, 0.2, 2.0}) {
+    for (const double one_way_s : {0.010, 0.050}) {
+      const double bound = kStiffness * one_way_s;
+      const double needed = least_stable_damping(kStiffness, 2 * one_way_s, mass_kg);
+      EXPECT_LT(needed, bound) << mass_kg << " kg, " << one_way_s;
+      if (mass_kg < 1 && one_way_s > 0.02) {
+        EXPECT_GT(needed, 0.1 * bound) << "what binds it to the hand does not damp it all away";
+      }
+      RecordProperty(
+          "needed_of_bound_" + std::to_string(mass_kg) + "_kg_" + std::to_string(one_way_s),
+          std::to_string(needed / bound));
+    }
+  }
+}
+
+TEST(SpringDamper, ALightMasterIsStableWithTheHardestDamperThatCanBeSaid) {
+  for (const ForceAt force_at : {ForceAt::World, ForceAt::Both}) {
+    SpringDamperSettings settings{.tool = {.stiffness = {3000}, .damping = {200}},
+                                  .force_at = force_at};
+    settings.master_mass_kg = SpringDamperSettings::kLightestMaster_kg;
+    for (const double half_m : {kFar_m, 0.0}) {
+      EXPECT_TRUE(is_stable(settings, 0.005, half_m)) << static_cast<int>(force_at) << half_m;
+    }
+  }
+}
+
+TEST(SpringDamper, SoftenedPairsAreStableWithAMasterOfAnyMass) {
+  for (const ForceAt force_at : {ForceAt::World, ForceAt::Both}) {
+    for (const double mass_kg : {0.02, 0.2, 2.0}) {
+      for (const double half_m : {kFar_m, 0.0}) {
+        for (const int delay_ms : {1, 5, 20, 100, 500}) {
+          EXPECT_TRUE(
+              is_stable({.force_at = force_at, .master_mass_kg = mass_kg}, 1e-3 * delay_ms, half_m))
+              << static_cast<int>(force_at) << ", " << mass_kg << " kg, " << delay_ms << " ms, box "
+              << half_m;
+        }
+      }
+    }
+  }
+}
+
 TEST(SpringDamper, WithoutSofteningALongDelaySwings) {
   EXPECT_FALSE(is_stable(untuned(ForceAt::World, 800, 5), 0.1, 0));
   EXPECT_FALSE(is_stable(untuned(ForceAt::Both, 800, 5), 0.1, kFar_m));
+  SpringDamperSettings heavy = untuned(ForceAt::World, 800, 5);
+  heavy.master_mass_kg = 0.1;
+  EXPECT_FALSE(is_stable(heavy, 0.1, 0));
 }
 
 double drag_newton(const SpringDamperSettings& settings, double delay_s, double v_m_per_s) {

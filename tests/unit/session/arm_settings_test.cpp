@@ -83,6 +83,22 @@ TEST(MakeCoupling, PutsAGuardAroundAnySchemeThatIsToHaveOne) {
   }
 }
 
+TEST(MakeCoupling, PutsAMassBetweenTheHandAndTheSpringWhereOneIsSaid) {
+  config::ArmConfig arm;
+  arm.coupling.scheme = config::CouplingScheme::SpringDamper;
+  const auto told_m = [&] {
+    const auto sut = make_coupling(arm, 0, arm_of(500)).value();
+    sut->reset({}, {});
+    const coupling::ArmInput moved{.now = {std::chrono::milliseconds(1)},
+                                   .dt = std::chrono::milliseconds(1),
+                                   .tip = {0.001, 0, 0}};
+    return sut->step(moved).sample.hand.x;
+  };
+  EXPECT_EQ(told_m(), 0.001) << "the hand is the master";
+  arm.coupling.master_mass_kg = 0.1;
+  EXPECT_LT(told_m(), 0.0005) << "the mass has yet to follow";
+}
+
 config::ArmConfig far_arm() {
   config::ArmConfig arm;
   arm.link = config::UdpEndpoint{"127.0.0.1", 5001};
