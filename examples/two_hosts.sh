@@ -43,20 +43,18 @@ done
 
 seconds=${1:-}
 place=udp://10.68.0.1:5001
-if [ "$scene" = block ]; then
-  # The datagrams of 1999 know no key: it is said to whom the host may speak, and that the guest may.
-  set -- --set world.listen=$place --set world.allow_unauthenticated=true --set world.peer=10.68.0.2
-  guest_key=arm.allow_unauthenticated=true
-else
-  (umask 077 && od -An -N32 -tx1 /dev/urandom | tr -d ' \n' >"$room/link.key")
-  set -- --set arm.listen=$place --set arm.key_file="$room/link.key"
-  guest_key=arm.key_file=$room/link.key
-fi
+key=$room/link.key
+rm -f "$key" # of a run before, perhaps with other rights
+(umask 077 && od -An -N32 -tx1 /dev/urandom | tr -d ' \n' >"$key")
+listener=arm
+if [ "$scene" = block ]; then listener=world; fi
 ip netns exec "$host" "$daemon" --config "$here/$scene-host.toml" \
-  --set daemon.socket="$room/host.sock" "$@" &
+  --set daemon.socket="$room/host.sock" --set $listener.listen=$place \
+  --set $listener.key_file="$key" &
 host_pid=$!
 ip netns exec "$guest" "$daemon" --config "$here/$scene-guest.toml" \
-  --set daemon.socket="$room/guest.sock" --set arm.link=$place --set "$guest_key" &
+  --set daemon.socket="$room/guest.sock" --set arm.link=$place \
+  --set arm.key_file="$key" &
 guest_pid=$!
 if [ -n "$seconds" ]; then
   sleep "$seconds" &

@@ -91,21 +91,36 @@ class TwoHosts:
 class Block(TwoHosts, rig.ProcessTest):
     scene = "block"
 
-    def test_what_one_pushes_the_other_feels(self):
+    def see_it_pushed(self, way):
+        """The block has gone 2 mm `way`, 1 or -1, along x, from the furthest that it was seen the other way."""
+        seen = []
+
+        def has_gone(status):
+            seen.append(way * status["worlds"][0]["block"]["center_m"][0])
+            return seen[-1] > min(seen) + 0.002
+        self.host.when(has_gone)
+
+    def test_each_pushes_the_block_and_the_other_feels_it(self):
         self.host.when(lambda s: s["arms"][0]["state"] == "active")
         self.guest.when(lambda s: s["arms"][0]["state"] == "active" and s["links"][0]["is_up"])
         with self.subTest("the way between them is as long as it was said"):
             link = self.guest.when(lambda s: s["links"][0]["round_trip_s"] > 0)["links"][0]
             self.assertGreaterEqual(link["round_trip_s"], 0.05)
-            self.assertEqual(link["peer"], "udp://10.68.0.1:5001")
-        with self.subTest("the host's arm pushes the block"):
-            self.host.when(lambda s: s["worlds"][0]["block"]["center_m"][0] > 0.002)
-        with self.subTest("the guest's arm, which only waits, is met by it"):
-            pushed = self.guest.when(lambda s: s["arms"][0]["is_in_contact"]
-                                     and s["arms"][0]["force_newton"][0] > 0.05)
+            self.assertEqual((link["peer"], link["scheme"]), ("udp://10.68.0.1:5001", "ghost-point"))
+        with self.subTest("with a key of their own"):
+            self.assertEqual(os.stat(self.folder / "link.key").st_mode & 0o777, 0o600)
+        # Each stands on one side of it, and can push it only away from itself.
+        with self.subTest("the host's arm, at the left, pushes it to the right"):
+            self.see_it_pushed(1)
+        with self.subTest("and with it the guest's, which feels its right face"):
+            pushed = self.guest.when(lambda s: s["arms"][0]["is_in_contact"] and s["arms"][0]["force_newton"][0] > 0.05)
             felt = pushed["arms"][0]["felt"]
             self.assertEqual(felt["planes"][0]["normal"], [-1, 0, 0])
             self.assertTrue(math.isfinite(felt["position_m"][0]))
+        with self.subTest("the guest's arm, at the right, pushes it to the left"):
+            self.see_it_pushed(-1)
+        with self.subTest("and with it the host's, whose frame gives way: no wall is late to it that another did not move"):
+            self.host.when(lambda s: s["arms"][0]["offset_m"][0] < -0.001)
         with self.subTest("nothing came to grief"):
             for side in (self.host, self.guest):
                 self.assertEqual(side.status()["arms"][0]["faults"], [])
