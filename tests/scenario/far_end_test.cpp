@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "daemon/config/load.hpp"
+#include "sim/time/virtual_clock.hpp"
 #include "tests/support/arm_watch.hpp"
 
 namespace thimble {
@@ -45,12 +47,22 @@ Displacement3 expect_felt(const std::vector<std::string>& said) {
 // A mesh, which becomes a field of distances.
 const std::string kStone = "world.source=" THIMBLE_EXAMPLES "/gem.obj";
 
+// As dense as is felt by the softest scheme.
+const std::vector<std::string> kCrystalInAPlane{
+    "world.source=crystal", "world.automaton.axes=2", "world.automaton.cells=32",
+    "world.automaton.fill_fraction=0.1", "world.automaton.steps_per_s=10"};
+const std::vector<std::string> kCrystalInSpace{
+    "world.source=crystal", "world.automaton.axes=3", "world.automaton.cells=32",
+    "world.automaton.fill_fraction=0.1", "world.automaton.steps_per_s=10"};
+
 const std::vector<std::vector<std::string>>& all_worlds() {
   static const std::vector<std::vector<std::string>> kWorlds{
       {"world.source=box:3"},
       {"world.source=sphere"},
       {"world.source=pieces", "world.pieces.cells=32", "world.pieces.count=3"},
       {"world.source=life", "world.automaton.cells=32", "world.automaton.steps_per_s=2"},
+      kCrystalInAPlane,
+      kCrystalInSpace,
       // Felt from within: its room.
       {"world.source=block", "world.block.room_m=0.05", "world.block.edge_m=0.01"},
       {kStone, "world.field.longest_m=0.04", "world.field.center_m=[0.03, 0, 0]"}};
@@ -60,8 +72,34 @@ const std::vector<std::vector<std::string>>& all_worlds() {
 TEST(FarEnd, EveryWorldIsFeltThroughEverySchemeWithinTheLimits) {
   for (const auto& scheme : schemes()) {
     for (const auto& world : all_worlds()) {
-      SCOPED_TRACE(scheme.front() + " " + scheme.back() + ", " + world.front());
+      SCOPED_TRACE(scheme.front() + " " + scheme.back() + ", " + world.front() + ", " +
+                   world.back());
       EXPECT_EQ(expect_felt(with(with(scheme, world), {"arm.hand.reach_m=0.03"})), Displacement3{});
+    }
+  }
+}
+
+// What a whole session says that cannot be; empty where it can.
+std::string refusal_of(const std::vector<std::string>& said) {
+  const auto config = config::parse(test::hello_text(), "refused.toml", said);
+  if (!config) return to_string(config.error().front());
+  session::Plugins plugins;
+  const sim::VirtualClock clock;
+  session::RigParts parts{plugins.models, plugins.drivers};
+  parts.world_clock = &clock;
+  const auto made = session::Runtime::create(*config, parts);
+  return made ? "" : made.error().message;
+}
+
+// The column of the model `simple`: it works on cells in three dimensions.
+TEST(ModelSimple, IsFeltInWorldsOfCellsAndRefusedInTheOthers) {
+  const std::string simple = "world.constraint_model=simple";
+  for (const auto& world : all_worlds()) {
+    SCOPED_TRACE(world.front());
+    if (world.front() == "world.source=box:3" || world == kCrystalInSpace) {
+      (void)expect_felt(with(world, {simple, "arm.hand.reach_m=0.03"}));
+    } else {
+      EXPECT_NE(refusal_of(with(world, {simple})).find("works on cells"), std::string::npos);
     }
   }
 }
@@ -72,40 +110,43 @@ TEST(NearEnd, EveryWorldIsFeltThroughEverySchemeThatGoesWithItWithinTheLimits) {
     for (const auto& world : all_worlds()) {
       const bool lies_any_way = world.front() == "world.source=sphere" || world.front() == kStone;
       if (scheme == "thesis-literal" && lies_any_way) continue;  // refused: Combination
-      SCOPED_TRACE(scheme + ", " + world.front());
+      SCOPED_TRACE(scheme + ", " + world.front() + ", " + world.back());
       (void)expect_felt(with(world, {"arm.coupling.scheme=" + scheme, "arm.hand.reach_m=0.03"}));
     }
   }
 }
 
+// That the daemon has, and can tell.
+std::vector<std::vector<std::string>> worlds_of_cells() {
+  std::vector<std::vector<std::string>> out;
+  for (const auto& world : all_worlds()) {
+    const std::string source = world.front().substr(world.front().find('=') + 1);
+    if (source == "box:3" || source == "life" || source == "crystal") out.push_back(world);
+  }
+  return out;
+}
+
 // Thesis 3.6, in whole sessions; a zone is of what has cells that the daemon knows.
 TEST(BufferZone, IsFeltInEveryWorldOfCellsWithinTheLimits) {
   for (const std::string zone : {"cells", "faces"}) {
-    for (const std::string world : {"box:3", "life", "crystal"}) {
-      std::vector<std::string> said{"arm.coupling.scheme=buffer-zone", "arm.coupling.zone=" + zone,
-                                    "world.source=" + world, "arm.impairment.delay_s=0.05",
-                                    "arm.hand.reach_m=0.03"};
-      if (world != "box:3") {
-        said.insert(said.end(), {"world.automaton.cells=32", "world.automaton.steps_per_s=2"});
-      }
-      SCOPED_TRACE(zone + ", " + world);
-      EXPECT_EQ(expect_felt(said), Displacement3{});
+    for (const auto& world : worlds_of_cells()) {
+      SCOPED_TRACE(zone + ", " + world.front() + ", " + world.back());
+      EXPECT_EQ(
+          expect_felt(with(world, {"arm.coupling.scheme=buffer-zone", "arm.coupling.zone=" + zone,
+                                   "arm.impairment.delay_s=0.05", "arm.hand.reach_m=0.03"})),
+          Displacement3{});
     }
   }
 }
 
 // Our own, in whole sessions, with delay on both worlds that stay and worlds that do not.
 TEST(Composite, IsFeltInEveryWorldOfCellsWithinTheLimits) {
-  for (const std::string world : {"box:3", "life", "crystal"}) {
-    std::vector<std::string> said{"arm.coupling.scheme=composite", "world.source=" + world,
-                                  "arm.impairment.delay_s=0.1", "arm.impairment.loss=0.05",
-                                  "arm.hand.reach_m=0.03"};
-    if (world != "box:3") {
-      said.insert(said.end(), {"world.automaton.cells=32", "world.automaton.steps_per_s=2"});
-    }
-    SCOPED_TRACE(world);
-    const Displacement3 offset = expect_felt(said);
-    if (world == "box:3") {
+  for (const auto& world : worlds_of_cells()) {
+    SCOPED_TRACE(world.front() + ", " + world.back());
+    const Displacement3 offset =
+        expect_felt(with(world, {"arm.coupling.scheme=composite", "arm.impairment.delay_s=0.1",
+                                 "arm.impairment.loss=0.05", "arm.hand.reach_m=0.03"}));
+    if (world.front() == "world.source=box:3") {
       EXPECT_EQ(offset, Displacement3{});
     }
   }

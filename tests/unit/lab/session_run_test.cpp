@@ -146,6 +146,40 @@ TEST(SessionRun, AnArmFeelsTheWorldOfAnotherFile) {
   }
 }
 
+// The column `listen` of docs/worlds-and-schemes.md, by our own datagrams.
+TEST(SessionRun, AnArmFeelsEachWorldThatListens) {
+  const std::string of_world = "world-host:world.";
+  const std::string cells = of_world + "automaton.cells=32";
+  const std::string pace = of_world + "automaton.steps_per_s=2";
+  const std::vector<std::vector<std::string>> worlds{
+      {of_world + "source='box:3'"},
+      {of_world + "source='sphere'"},
+      {of_world + "source='block'", of_world + "block.room_m=0.05", of_world + "block.edge_m=0.01"},
+      {of_world + "source='pieces'", of_world + "pieces.cells=32", of_world + "pieces.count=3"},
+      {of_world + "source='life'", cells, pace},
+      {of_world + "source='crystal'", cells, pace},
+      {of_world + "source='crystal'", cells, of_world + "automaton.axes=3",
+       of_world + "automaton.fill_fraction=0.1", of_world + "automaton.steps_per_s=10"},
+      {of_world + "source='" THIMBLE_SOURCE_DIR "/examples/gem.obj'",
+       of_world + "field.longest_m=0.04", of_world + "field.center_m=[0.03, 0, 0]"}};
+  for (const auto& world : worlds) {
+    SCOPED_TRACE(world.front() + ", " + world.back());
+    std::vector<std::string> said{"arm-host:arm.protocol='thimble'",
+                                  "arm-host:arm.hand.reach_m=0.03"};
+    said.insert(said.end(), world.begin(), world.end());
+    const auto run = played_examples({"world-host", "arm-host"}, 8, said);
+    ASSERT_NE(run, nullptr);
+    EXPECT_TRUE(run->findings().is_met());
+    EXPECT_GT(run->session().arm(0).session().snapshot().total_contacts, 0U);
+  }
+  const auto shapes = played_examples(
+      {"shapes", "arm-host"}, 8,
+      {"shapes:world.listen='udp://127.0.0.1:5001'", "arm-host:arm.protocol='thimble'"});
+  ASSERT_NE(shapes, nullptr);
+  EXPECT_TRUE(shapes->findings().is_met());
+  EXPECT_GT(shapes->session().arm(1).session().snapshot().total_contacts, 0U);
+}
+
 TEST(SessionRun, WhoIsMeantByAChangeHasToBeThere) {
   const auto load = [](std::vector<std::string> files, std::vector<std::string> overrides) {
     const auto run = SessionRun::load(

@@ -4,6 +4,7 @@
 
 #include <fstream>
 #include <map>
+#include <memory>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -73,6 +74,13 @@ void expect_as_on_page(const std::string& world, const std::string& column,
   EXPECT_NE(result.error().message.find(reason), std::string::npos) << result.error().message;
 }
 
+std::unique_ptr<world::World> live_world(const std::string& source, int axes) {
+  config::WorldConfig said;
+  said.source = source;
+  said.automaton = config::AutomatonConfig{.axes = axes, .cells = 32};
+  return make_live_world(said).value();
+}
+
 TEST(Combination, IsAcceptedOrRefusedWithItsReasonAsTheMatrixSays) {
   const world::VoxelWorld with_cells(world::make_box(3).value(), "box:3");
   const auto sphere = world::SphereWorld::create({{}, 0.02, -0.02});
@@ -90,15 +98,18 @@ TEST(Combination, IsAcceptedOrRefusedWithItsReasonAsTheMatrixSays) {
   of_pieces.pieces = config::PiecesConfig{.cells = 32, .count = 3};
   const auto pieces = make_piece_world(of_pieces, &clock);
   ASSERT_TRUE(pieces) << pieces.error().message;
-  config::WorldConfig of_life;
-  of_life.source = "life";
-  of_life.automaton = config::AutomatonConfig{.cells = 32};
-  const auto life = make_live_world(of_life);
-  ASSERT_TRUE(life) << life.error().message;
-  const std::map<std::string, const world::World*> worlds{
-      {"with cells", &with_cells}, {"`sphere`", &*sphere}, {"`shapes`", &*shapes},
-      {"of a field", &field},      {"`block`", &*block},   {"`pieces`", pieces->world.get()},
-      {"`life`", life->get()}};
+  const auto life = live_world("life", 2);
+  const auto flat = live_world("crystal", 2);
+  const auto crystal = live_world("crystal", 3);
+  const std::map<std::string, const world::World*> worlds{{"with cells", &with_cells},
+                                                          {"`sphere`", &*sphere},
+                                                          {"`shapes`", &*shapes},
+                                                          {"of a field", &field},
+                                                          {"`block`", &*block},
+                                                          {"`pieces`", pieces->world.get()},
+                                                          {"`life`", life.get()},
+                                                          {"`crystal` in a plane", flat.get()},
+                                                          {"`crystal` in space", crystal.get()}};
   ASSERT_EQ(page().at("world").size(), 12U) << "a new column needs a line here";
   ASSERT_EQ(page().size(), 1 + 1 + worlds.size()) << "a new row needs a world here";
   for (const auto& [name, world] : worlds) {
