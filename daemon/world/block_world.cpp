@@ -104,7 +104,7 @@ ProbeMotion BlockWorld::move_probe(ProbeId probe, Position3 hand, Duration dt) n
     ContactPlane plane;
     plane.normal[axis] = sign;
     plane.offset_m = sign * ghost[axis];
-    if (held.by_block[axis] != 0) plane.friction = friction_of(grip);
+    if (held.by_block[axis] != 0) plane.friction = told_friction(grip);
     motion.planes.push_back(plane);
   }
   return motion;
@@ -190,7 +190,7 @@ void BlockWorld::give_way(Probe& probe, const Held& held, Position3 hand, Durati
 }
 
 // A world without friction leaves it to the arm.
-double BlockWorld::friction_of(const std::optional<Grip>& grip) const noexcept {
+double BlockWorld::told_friction(const std::optional<Grip>& grip) const noexcept {
   if (!(oil_.friction > 0)) return -1;
   return grip ? grip->friction : 0;
 }

@@ -78,7 +78,7 @@ class BlockWorld final : public World {
   [[nodiscard]] Position3 out_of_block(Position3 p) const noexcept;
   Held slide(Position3& ghost, Position3 hand) const noexcept;
   void give_way(Probe& probe, const Held& held, Position3 hand, Duration dt) noexcept;
-  [[nodiscard]] double friction_of(const std::optional<Grip>& grip) const noexcept;
+  [[nodiscard]] double told_friction(const std::optional<Grip>& grip) const noexcept;
   void go_to(Position3 center) noexcept;
 
   WorldInfo info_;
