@@ -9,6 +9,7 @@ import simdev
 
 SERIAL = "VM-ARM-1"
 FIRMWARE = "/etc/thimble/falcon.bin"
+NEWTON_PER_COUNT = 0.00244  # nearly what the model has
 PLUGIN = "/usr/local/lib/thimble/falcon_plugin.so"
 BOX = """
 world = "box"
@@ -140,7 +141,7 @@ class Falcon(Arm):
         image = firmware()
         guest.run(f"python3 -c 'import sys; open(sys.argv[1], \"wb\").write(bytes.fromhex(sys.argv[2]))' {FIRMWARE} {image.hex()}")
         self.words = (f'device = "{self.address}"\nfirmware = "{FIRMWARE}"\nfirmware_sha256 = "{hashlib.sha256(image).hexdigest()}"\n'
-                      "newton_per_count = 0.00244")
+                      f"newton_per_count = {NEWTON_PER_COUNT}")
         if is_named:
             self.configure()
 

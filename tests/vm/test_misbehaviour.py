@@ -1,21 +1,28 @@
 """Devices that do what no device may: they stall, say nothing, send bits turned over, too little, too much, or lie about what they are.
 
-A Falcon on usbfs and a HID arm on hidraw, both over USB/IP, each pressing on a wall; and an arm on a serial port beside one on hidraw. Whatever one of them does, its own force stays within its
-limit, the other one notices nothing, the daemon goes on, and when a person has seen to it the arm works again.
+A Falcon on usbfs and a HID arm on hidraw, both over USB/IP, each pressing on a wall so hard that its limit binds; and an arm on a serial port beside one on hidraw. Whatever one of them
+does, what it is commanded stays within its limit in the pose that it told, the other one notices nothing, the daemon goes on, and when a person has seen to it the arm works again.
 """
 
 import json
 
 import arms
+import commanded
 import guest
 import simdev
 import two_arms
 
-LIMIT_NEWTON = 3.0
-# A Falcon pressed on the wall feels 0.29 N, and nothing when it lets go.
+# Half of what the wall would push back with, 7 mm behind its face.
+LIMIT_NEWTON = 0.5
+DEEP = "move 0.022 0 0 0.1"
+# The ramp after an activation may not be over yet.
+BOUND_NEWTON = 0.8 * LIMIT_NEWTON
 PRESSED_NEWTON = 0.2
-# The driver turns a force into currents for the pose that it was told: where that was a lie, the motors push elsewhere.
-SLACK = 1.5
+# Half a count of each of a Falcon's motors; those of the others are finer.
+ROUNDING_NEWTON = 0.003
+# Of what is felt, where nothing told a lie: the arm moves on while a command is under way. Where a pose was a lie the motors push elsewhere, and may push harder.
+SLACK = 1.02
+LIES_OF_ITS_POSE = "corrupt 50"
 # What the device is told, and what of it it counts.
 TROUBLES = {"nak 0.3": "unanswered", "stall 0.3": "refused", "corrupt 50": "corrupted", "short 50": "shortened", "babble 50": "babbled"}
 LIMIT = f"limits.force_newton = {LIMIT_NEWTON}\n"
@@ -31,8 +38,8 @@ def arm_beside(one, *way):
 
 
 class Misbehaviour:
-    """Numbered: each test goes on where the one before it ended. `plug_in()`: makes the right arm, and the HID arm beside it; `seen`: of an
-    arm, that nothing of the other one may change."""
+    """Numbered: each test goes on where the one before it ended. `plug_in()`: makes the right arm, and the HID arm beside it; `judge`: of the right one, of
+    commanded.py; `seen`: of an arm, that nothing of the other one may change."""
 
     pace = guest.COUNTED
     seen = ("state", "is_in_contact", "contacts", "faults")
@@ -44,6 +51,7 @@ class Misbehaviour:
         cls.guest.wait_for(f"thimble devices | grep -q {two_arms.BESIDE}")
         right.words = f"{right.words}\nworld = \"box\"\n{LIMIT}{two_arms.LEFT}{LIMIT}"
         right.configure()
+        cls.judges = cls.judge, commanded.Phantom("phantom-vintage")
         cls.pid = cls.properties("MainPID")
 
     def status(self, arm):
@@ -53,7 +61,7 @@ class Misbehaviour:
                 "malformed_reports": status["servos"][arm]["malformed_reports"]}
 
     def recover(self, arm):
-        """As a person does, until it is active and presses on the wall."""
+        """As a person does, until it is active and presses on the wall with all that its limit allows."""
         for _ in range(8):
             state = json.loads(simdev.wait_for_state(self.guest, "fault", "calibrating", "active", arm=arm))["state"]
             if state == "active":
@@ -63,11 +71,16 @@ class Misbehaviour:
                 self.guest.run("sleep 0.2")
             else:
                 self.arms[arm].calibrate()
-        self.arms[arm].say("move 0 0 0 0.1", "move 0.018 0 0 0.15")
-        self.guest.run("sleep 0.3")
+        device = self.arms[arm]
+        # From outside: a wall that an arm is in when it becomes active does not push it out.
+        self.guest.run(f"{device.command('move 0 0 0 0.1')} && sleep 0.12 && {device.command(DEEP)} && sleep 0.3")
         status = self.status(arm)
         self.assertEqual((status["state"], status["is_in_contact"]), ("active", True), status)
-        self.assertGreater(simdev.norm(self.arms[arm].felt(0.1)), PRESSED_NEWTON)
+        log = device.log(0.1)
+        felt = [force for _, force in two_arms.forces(log)]
+        self.assertGreater(min(felt), BOUND_NEWTON)
+        # Who judges commands agrees with what the motors did.
+        self.assertAlmostEqual(max(commanded.forces(self.judges[arm], log)), max(felt), delta=(SLACK - 1) * LIMIT_NEWTON)
 
     def assert_bounded(self, arm, verb):
         before = self.status(1 - arm)
@@ -76,10 +89,14 @@ class Misbehaviour:
         done = device.status()["trouble"][TROUBLES[verb]]
         device.say(verb)
         self.guest.run("sleep 0.4")
-        felt, beside = ([force for _, force in two_arms.forces(one.log(0.5))] for one in (device, self.arms[1 - arm]))
+        log = device.log(0.5)
+        felt, beside = ([force for _, force in two_arms.forces(one)] for one in (log, self.arms[1 - arm].log(0.5)))
         self.assertGreater(device.status()["trouble"][TROUBLES[verb]], done)
-        self.assertLess(max(felt), SLACK * LIMIT_NEWTON)
+        self.assertLess(max(commanded.forces(self.judges[arm], log), default=0), LIMIT_NEWTON + ROUNDING_NEWTON)
+        if verb != LIES_OF_ITS_POSE:
+            self.assertLess(max(felt), SLACK * LIMIT_NEWTON)
         self.assertGreater(min(beside), PRESSED_NEWTON)
+        self.assertLess(max(beside), SLACK * LIMIT_NEWTON)
         self.recover(arm)
         self.assertEqual(self.status(1 - arm), before)
 
@@ -92,12 +109,32 @@ class Misbehaviour:
             with self.subTest(verb):
                 self.assert_bounded(RIGHT, verb)
 
+    def lie_in_place_of_the_right_arm(self, ids, lies):
+        """Each lie in turn: none is taken for the arm, which works afterwards."""
+        # Not its contacts: devices that come keep the guest's only processor at work, where the thread of the worlds waits for its
+        # turn as every ordinary process does; answers that come late let the wall go for a moment.
+        before = {**self.status(HID), "contacts": None}
+        serial = self.arms[RIGHT].status()["serial_number"]
+        self.arms[RIGHT].say("unplug")
+        simdev.wait_for_state(self.guest, "lost")
+        asked = dict(line.split() for line in self.guest.call("lying_usb", *ids.split(), serial, *lies.split(), timeout_s=600).splitlines())
+        self.assertEqual(list(asked), lies.split())
+        self.assertGreater(min(int(requests) for requests in asked.values()), 0, asked)
+        json.loads(self.guest.run("thimble devices --json"))
+        simdev.wait_for_state(self.guest, "lost")
+        self.arms[RIGHT].say("plug")
+        self.arms[RIGHT].plug()
+        self.recover(RIGHT)
+        self.assertEqual({**self.status(HID), "contacts": None}, before)
+
     def test_5_the_daemon_is_the_one_that_it_was(self):
         self.assertEqual(self.properties("MainPID"), self.pid)
         self.assertEqual(self.properties("NRestarts"), {"NRestarts": "0"})
 
 
 class Falcon(Misbehaviour, guest.GuestTest):
+    judge = commanded.Falcon(arms.NEWTON_PER_COUNT)
+
     @classmethod
     def plug_in(cls):
         falcon = arms.Falcon(cls.guest, is_named=False)
@@ -111,21 +148,7 @@ class Falcon(Misbehaviour, guest.GuestTest):
                 self.assert_bounded(HID, verb)
 
     def test_4_devices_that_lie_in_place_of_the_falcon(self):
-        # Not its contacts: devices that come keep the guest's only processor at work, where the thread of the worlds waits for its
-        # turn as every ordinary process does; answers that come late let the wall go for a moment.
-        before = {**self.status(HID), "contacts": None}
-        serial = self.arms[RIGHT].status()["serial_number"]
-        self.arms[RIGHT].say("unplug")
-        simdev.wait_for_state(self.guest, "lost")
-        asked = dict(line.split() for line in self.guest.call("lying_usb", *FALCON_IDS.split(), serial, *LIES.split(), timeout_s=600).splitlines())
-        self.assertEqual(list(asked), LIES.split())
-        self.assertGreater(min(int(requests) for requests in asked.values()), 0, asked)
-        json.loads(self.guest.run("thimble devices --json"))
-        simdev.wait_for_state(self.guest, "lost")
-        self.arms[RIGHT].say("plug")
-        self.arms[RIGHT].attach()
-        self.recover(RIGHT)
-        self.assertEqual({**self.status(HID), "contacts": None}, before)
+        self.lie_in_place_of_the_right_arm(FALCON_IDS, LIES)
 
 
 class TextArmThatIsSwitchedOff(arms.TextArm):
@@ -145,6 +168,7 @@ class TextArmThatIsSwitchedOff(arms.TextArm):
 class TextArm(Misbehaviour, guest.GuestTest):
     """On the kernel's cdc_acm; beside an arm on uhid, which is the cheapest to emulate."""
 
+    judge = commanded.Text("phantom-vintage")
     seen = ("state", "is_in_contact", "faults")  # a device comes after each fault: as with those that lie
 
     @classmethod
