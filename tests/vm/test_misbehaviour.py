@@ -31,6 +31,8 @@ RIGHT, HID = 0, 1
 FALCON_IDS = "0403 cb48"
 # As guest/lying_usb.py has them; "none" is last: a Falcon in all that it says, which does nothing.
 LIES = "longer shorter no-endpoints more-endpoints long-length large-packets both-in interrupts no-serial strange-serial none"
+TEXT_IDS = "16c0 0483"
+SERIAL_LIES = "serial-no-union serial-union-with-none serial-union-with-itself serial-short-union serial-endless-union serial-no-data serial-no-pair serial-half-a-pair serial-no-notices serial"
 
 
 def arm_beside(one, *way):
@@ -110,7 +112,7 @@ class Misbehaviour:
                 self.assert_bounded(RIGHT, verb)
 
     def lie_in_place_of_the_right_arm(self, ids, lies):
-        """Each lie in turn: none is taken for the arm, which works afterwards."""
+        """Each lie in turn; after them the arm is lost as before, and works when it is back."""
         # Not its contacts: devices that come keep the guest's only processor at work, where the thread of the worlds waits for its
         # turn as every ordinary process does; answers that come late let the wall go for a moment.
         before = {**self.status(HID), "contacts": None}
@@ -174,3 +176,6 @@ class TextArm(Misbehaviour, guest.GuestTest):
     @classmethod
     def plug_in(cls):
         return TextArmThatIsSwitchedOff(cls.guest, is_named=False), arm_beside(cls.guest, "--uhid")
+
+    def test_4_serial_ports_that_lie_in_place_of_it(self):
+        self.lie_in_place_of_the_right_arm(TEXT_IDS, SERIAL_LIES)

@@ -28,8 +28,9 @@ def endpoint(address=0x81, attributes=2, packet=64, interval=0):
     return struct.pack("<BBBBHB", 7, ENDPOINT, address, attributes, packet, interval)
 
 
-def interface(endpoints, number=0, count=None, kind=0xFF):
-    return struct.pack("<9B", 9, INTERFACE, number, 0, len(endpoints) if count is None else count, kind, 0, 0, 0) + b"".join(endpoints)
+def interface(endpoints, number=0, count=None, kind=0xFF, subclass=0, functions=()):
+    head = struct.pack("<9B", 9, INTERFACE, number, 0, len(endpoints) if count is None else count, kind, subclass, 0, 0)
+    return head + b"".join(functions) + b"".join(endpoints)
 
 
 def configuration(body, total=None, interfaces=1):
@@ -57,6 +58,29 @@ LIES = {
     "strange-serial": {"serial": bytes([12, STRING]) + b"\n\0\x00\xd8\x1b\0\"\0/\0"},
     "none": {},  # but it never answers a transfer
 }
+
+# Of a serial port, CDC 1.2, section 5.2.3: header, ACM, and the union of its two interfaces.
+HEADER, ACM, UNION = bytes([5, 0x24, 0, 0x10, 1]), bytes([4, 0x24, 2, 2]), bytes([5, 0x24, 6, 0, 1])
+NOTICES = [endpoint(0x83, 3, 16, 16)]
+
+
+def serial_port(functions=(HEADER, ACM, UNION), notices=NOTICES, data=interface(PAIR, 1, kind=0x0A)):
+    port = interface(notices, kind=2, subclass=2, functions=functions)
+    return {"configuration": configuration(port + data, interfaces=2 if data else 1)}
+
+
+LIES.update({
+    "serial": serial_port(),  # in all that it says
+    "serial-no-union": serial_port((HEADER, ACM)),
+    "serial-union-with-none": serial_port((HEADER, ACM, bytes([5, 0x24, 6, 0, 7]))),
+    "serial-union-with-itself": serial_port((HEADER, ACM, bytes([5, 0x24, 6, 0, 0]))),
+    "serial-short-union": serial_port((HEADER, ACM, bytes([3, 0x24, 6]))),
+    "serial-endless-union": serial_port((HEADER, ACM, bytes([255, 0x24, 6, 0, 1]))),
+    "serial-no-data": serial_port(data=b""),
+    "serial-no-pair": serial_port(data=interface([], 1, kind=0x0A)),
+    "serial-half-a-pair": serial_port(data=interface(PAIR[:1], 1, kind=0x0A)),
+    "serial-no-notices": serial_port(notices=[]),
+})
 
 
 def descriptors_of(vendor, product, serial, lie):
