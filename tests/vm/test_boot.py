@@ -1,10 +1,32 @@
 """The package, after a boot: the service runs, in its sandbox and with real-time rights, and talks to whom it shall."""
 
+import json
+
 import guest
 import simdev
 
 # The servo thread's name is "servo-" and the arm's.
 SERVO = "$(ps -L -o lwp=,comm= -p $(systemctl show thimbled -p MainPID --value) | awk '$2 ~ /^servo-/ {print $1}')"
+
+# A device that its unit does not name, with rights that let everybody read it.
+NODE = "/dev/thimble-probe"
+PROBE = f"/usr/bin/python3 -B /run/tests/sandbox.py {NODE}"
+DROP_IN = "/run/systemd/system/thimbled.service.d/probe.conf"
+# What the unit, with all that it says, runs in place of the daemon.
+IN_ITS_PLACE = f"[Service]\nType=oneshot\nRestart=no\nWatchdogSec=0\nExecStart=\nExecStart={PROBE}\nStandardOutput=truncate:/run/probed"
+# In the sandbox, and without it: /boot and /usr are seen as read-only before anybody asks for rights.
+TRIES = {
+    "new /usr/lib/thimble-probe": ("EROFS", "EACCES"),
+    "new /etc/thimble-probe": ("EROFS", "EACCES"),
+    "new /boot/thimble-probe": ("EROFS", "EACCES"),
+    "new /var/lib/thimble/probe": ("done", "done"),
+    "device": ("EPERM", "done"),
+    "packet": ("EAFNOSUPPORT", "EPERM"),
+    "unix": ("done", "done"),
+    "executable memory": ("EPERM", "done"),
+    "others' processes": ("ENOENT", "done"),
+    "homes": ("EACCES", "done"),
+}
 
 
 class Boot(guest.GuestTest):
@@ -47,6 +69,14 @@ class Boot(guest.GuestTest):
         self.assertEqual(int(status["CapBnd"], 16), 0)
         self.assertEqual(status["NoNewPrivs"].strip(), "1")
         self.assertEqual(status["Seccomp"].strip(), "2")
+
+    def test_its_sandbox_refuses_what_its_user_may_do(self):
+        self.guest.run(f"mknod -m 666 {NODE} b $(stat -c '0x%t 0x%T' /dev/vda); mkdir -p $(dirname {DROP_IN}); printf '{IN_ITS_PLACE}\n' > {DROP_IN}; "
+                       "systemctl daemon-reload; systemctl restart thimbled")
+        inside = json.loads(self.guest.run("cat /run/probed"))
+        outside = json.loads(self.guest.run(f"runuser -u thimble -g thimble-users -- {PROBE}"))
+        self.guest.run(f"rm {NODE} {DROP_IN}; systemctl daemon-reload; systemctl reset-failed thimbled; systemctl restart thimbled")
+        self.assertEqual({name: (inside[name], outside[name]) for name in inside}, TRIES)
 
     def test_its_servo_has_real_time_rights_within_it(self):
         self.assertRegex(self.guest.run(f"chrt -p {SERVO}"), r"policy: SCHED_FIFO[^\n]*\n[^\n]*priority: 80")
