@@ -14,6 +14,8 @@ PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "safety-wiring.md"
 # As the page says that it is wired.
 SAFETY = re.search(r"```toml\n(\[safety\]\n.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)[1]
 
+# That page's 200 ms since its last answer, the 20 ms between two looks at it, and the tick.
+SILENT_S = 0.23
 # In a second, of 50: one in two may be late before the relay of that page falls off.
 BEATS = 40
 
@@ -146,6 +148,46 @@ class Estop(guest.GuestTest):
         self.adapter.say("unplug")
         self.wait_until("safety.trouble", "no-lines")
         self.assert_no_force()
+        self.adapter.say("plug")
+        self.start_again()
+
+    def assert_silence_is_a_stop(self, adapter, verb):
+        """One that does not answer, until a person looks at its cable: `adapter` is told so by the verb."""
+        self.arm.say("move 0 0 0 0.1")  # out of the wall, where one that became active in it is not pushed
+        self.guest.run("sleep 0.2")
+        self.lean()
+        # In one go, for between two commands the guest's clock runs ahead.
+        before, _ = self.guest.run(f"{adapter.command('status', f'{verb} 600')}; sleep 0.5").splitlines()
+        fell_s = json.loads(before)["machine_s"]
+        samples = [(entry["machine_s"], simdev.norm(entry["force_newton"])) for entry in self.arm.samples(2)]
+        self.assertGreater(min(force for at_s, force in samples if fell_s - 0.05 < at_s < fell_s), 0.3)
+        self.assertLess(max(at_s for at_s, force in samples if force > simdev.NOTHING_NEWTON) - fell_s, SILENT_S)
+        self.assertEqual(self.wait_until("safety.trouble", "silent")["state"], "stopped")
+        changes = adapter.status()["readings"]["changes_3"]
+        code, printed = self.clear()
+        self.assertNotEqual(code, 0)
+        self.assertIn("does not answer", printed)
+        adapter.say(f"{verb} 0")
+        self.wait_for("waiting")
+        self.assertEqual(self.status()["arms"][0]["state"], "fault")
+        self.assert_no_force()
+        self.assertLessEqual(adapter.status()["readings"]["changes_3"], changes + 1)  # one beat was under way
+
+    def test_7b_an_adapter_that_refuses_to_answer_is_a_stop_and_its_next_answer_does_not_resume(self):
+        self.assert_silence_is_a_stop(self.adapter, "stall")
+        self.start_again()
+
+    def test_7c_so_is_one_that_never_answers_the_kernel(self):
+        """On USB, where who asks it waits; through uhid it could refuse only."""
+        self.adapter.say("unplug")
+        self.wait_until("safety.trouble", "no-lines")
+        adapter = simdev.Simdev(self.guest, "cp2112-usb", "--usbip", simdev.PORT, "cp2112")
+        adapter.attach()
+        self.start_again()
+        self.assert_silence_is_a_stop(adapter, "nak")
+        self.start_again()
+        adapter.stop()
+        self.wait_until("safety.trouble", "no-lines")
         self.adapter.say("plug")
         self.start_again()
 
