@@ -42,12 +42,13 @@ class Arm(simdev.Simdev):
 
     words = ""
     daemon_words = ""
+    box = BOX
     rate_hz = QUIET_HZ
 
     def configure(self, rate_hz=None):
         """The daemon starts anew with it alone."""
         text = (f'{self.daemon_words}\n[servo]\nrate_hz = {rate_hz or self.rate_hz}\nrealtime = "best-effort"\n\n'
-                f'[[arm]]\nname = "right"\n{self.words}{BOX}')
+                f'[[arm]]\nname = "right"\n{self.words}{self.box}')
         self.guest.run(f"cat > /etc/thimble/thimble.toml <<'E'\n{text}E\nudevadm settle; systemctl restart thimbled")
 
     def plug(self):
@@ -61,12 +62,14 @@ class Arm(simdev.Simdev):
 
 
 class HidArm(Arm):
-    """Of the PHANToM family; `way`: of WAYS. `is_named`: in the daemon's configuration, or its caller does that."""
+    """Of the PHANToM family; `way`: of WAYS. `is_named`: in the daemon's configuration, or its caller does that. `model`, and `ids`: what its controller says that it is."""
 
-    words = f'device = "hid:{SERIAL}"\nmodel = "phantom-vintage"\namplifier_max_a = 3.0'
+    model = "phantom-vintage"
+    ids = "1234:0006"
 
     def __init__(self, guest, way="uhid", rate_hz=QUIET_HZ, *, is_named=True):
-        super().__init__(guest, "arm", *WAYS[way], *frames_at_once(guest, rate_hz), "--serial", SERIAL, "phantom-vintage")
+        super().__init__(guest, "arm", *WAYS[way], *frames_at_once(guest, rate_hz), "--serial", SERIAL, self.model)
+        self.words = f'device = "hid:{SERIAL}"\nmodel = "{self.model}"\namplifier_max_a = 3.0'
         self.way = way
         self.rate_hz = rate_hz
         self.plug()
@@ -77,7 +80,15 @@ class HidArm(Arm):
         if self.way == "usbip":
             self.attach()
         # The node, and its rule, which may come a little later.
-        self.guest.wait_for("stat -c %G /dev/$(basename /sys/bus/hid/devices/0003:1234:0006.*/hidraw/hidraw*) | grep -qx thimble")
+        self.guest.wait_for(f"stat -c %G /dev/$(basename /sys/bus/hid/devices/0003:{self.ids}.*/hidraw/hidraw*) | grep -qx thimble")
+
+
+class TeensyArm(HidArm):
+    """Of the same family, its controller a Teensy: reports of 64 bytes. Its home is 60 mm from its origin, so it has a box of +-60 mm about that."""
+
+    model = "polhem-1"
+    ids = "16C0:0486"
+    box = BOX.replace("0.09", "0.36")
 
 
 class TextArm(Arm):

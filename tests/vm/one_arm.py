@@ -15,7 +15,9 @@ class OneArm(guest.GuestTest):
     """Numbered: each test goes on where the one before it ended. `plug_in()` makes the arm; it shows the first test, of its node."""
 
     pace = guest.COUNTED
-    walls = ((0, 1), (1, -1), (2, 1))  # axis and side
+    walls = ((0, 1), (1, -1), (2, 1))  # axis and side, as the hand comes from there:
+    rest_m = (0.0, 0.0, 0.0)
+    to_wall_m = 0.018  # 3 mm of it behind its face
 
     @classmethod
     def setUpClass(cls):
@@ -33,11 +35,16 @@ class OneArm(guest.GuestTest):
         self.daemon_has_open(node)
         self.assertEqual(self.arm.status()["counters"]["malformed"], 0)
 
-    def press(self, axis=0, sign=1):
-        """On that wall, from wherever the hand is: what is felt."""
-        point = [0.0, 0.0, 0.0]
-        point[axis] = sign * 0.018
-        self.arm.say("move {} {} {} 0.15".format(*point))
+    def move(self, point_m, within_s):
+        self.arm.say("move {} {} {} {}".format(*point_m, within_s))
+
+    def press(self, axis=None, sign=1):
+        """On that wall, or the first, from wherever the hand is: what is felt."""
+        if axis is None:
+            axis, sign = self.walls[0]
+        point_m = list(self.rest_m)
+        point_m[axis] += sign * self.to_wall_m
+        self.move(point_m, 0.15)
         self.guest.run("sleep 0.3")
         return self.arm.felt(0.1)
 
@@ -49,8 +56,8 @@ class OneArm(guest.GuestTest):
         self.assertEqual(self.guest.run("ps -L -o comm=,cls=,rtprio= -p $(systemctl show thimbled -p MainPID --value) | grep ^servo").split(),
                          ["servo-right", "FF", "80"])
 
-    def test_3_in_the_middle_of_the_box_nothing_is_felt(self):
-        self.arm.say("move 0 0 0 0.15")
+    def test_3_where_no_wall_is_nothing_is_felt(self):
+        self.move(self.rest_m, 0.15)
         self.guest.run("sleep 0.3")
         self.assertLess(simdev.norm(self.arm.felt(0.1)), 0.1)
 
@@ -59,7 +66,7 @@ class OneArm(guest.GuestTest):
             with self.subTest(axis=axis, sign=sign):
                 force = self.press(axis, sign)
                 self.assertLess(sign * force[axis], -WALL_NEWTON, force)
-                self.arm.say("move 0 0 0 0.1")
+                self.move(self.rest_m, 0.1)
                 self.guest.run("sleep 0.1")
 
     def test_5_pulled_out_while_the_hand_pushes_it_is_lost_and_comes_back(self):
@@ -73,7 +80,7 @@ class OneArm(guest.GuestTest):
         simdev.wait_for_state(self.guest, "calibrating")
         self.assertLess(max(self.arm.forces(0.2)), simdev.NOTHING_NEWTON)
         self.arm.activate()
-        self.arm.say("move 0 0 0 0.1")
+        self.move(self.rest_m, 0.1)
         self.guest.run("sleep 0.2")
 
     def test_6_stopped_while_the_hand_pushes_the_daemon_leaves_no_force(self):

@@ -14,7 +14,7 @@ class Uhid(one_arm.OneArm):
         return arms.HidArm(cls.guest, cls.way)
 
     def test_1_its_node_is_the_daemons_and_the_daemon_has_it_open(self):
-        node = self.guest.run("ls -d /sys/bus/hid/devices/0003:1234:0006.*/hidraw/hidraw*").strip().rsplit("/", 1)[1]
+        node = self.guest.run(f"ls -d /sys/bus/hid/devices/0003:{self.arm.ids}.*/hidraw/hidraw*").strip().rsplit("/", 1)[1]
         self.assert_node(f"/dev/{node}")
         self.assertTrue(self.arm.status()["open"])
         # Of those on USB: it never sleeps.
@@ -35,6 +35,24 @@ class Uhid(one_arm.OneArm):
     def test_6_stopped_while_the_hand_pushes_the_daemon_leaves_no_force(self):
         super().test_6_stopped_while_the_hand_pushes_the_daemon_leaves_no_force()
         self.guest.wait_for("! ls -l /proc/*/fd 2>/dev/null | grep -q /dev/hidraw")
+
+
+class Teensy(Uhid):
+    """The form of the family that reports 64 bytes."""
+
+    walls = ((2, 1),)
+    rest_m = (0.0, -0.034, 0.0495)  # its home
+    to_wall_m = 0.0145
+    test_5b_upgraded_while_the_hand_pushes_it_is_let_go_and_comes_back = None  # of the daemon, whatever the arm
+
+    @classmethod
+    def plug_in(cls):
+        return arms.TeensyArm(cls.guest, cls.way)
+
+    def test_2b_its_reports_are_those_of_that_form(self):
+        log = self.arm.log(0.1)
+        for way in ("in", "out"):
+            self.assertEqual({len(entry[way]) // 2 for entry in log if way in entry}, {64}, way)
 
 
 class Usbip(Uhid):
