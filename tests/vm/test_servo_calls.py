@@ -1,7 +1,7 @@
 """What the servo thread of the packaged daemon asks of a stock kernel and of the C library while it drives a real bus: hidraw, usbfs.
 
 strace tells the system calls, probes of the kernel in the C library the allocations. Both see the threads of the bus, too, whose calls
-may block and allocate: that is how the tests know that they see.
+may block and allocate: that is how the tests know that they see. Beside the arm on hidraw the daemon has safety lines on a CP2112, whose every read blocks.
 """
 
 import json
@@ -10,14 +10,27 @@ import sys
 
 import arms
 import guest
+import simdev
+import test_estop
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 import servo_calls  # noqa: E402
 
 SERVO = "servo-right"
 BUS = "bus"
+LINES = "gpio"
 LIBRARIES = ("libusb-1.0.so.", "libhidapi-hidraw.so.")  # theirs is no memory of ours
 CALLS = 500  # of each kind, at least; strace slows the servo down
+READS = 20  # of three lines, every 20 ms
+
+
+class ArmWithLines(arms.HidArm):
+    daemon_words = test_estop.SAFETY
+
+    def activate(self):
+        self.guest.wait_for_module("status_until", "safety.state", "waiting")
+        self.guest.run("thimble clear-fault right")
+        super().activate()
 
 
 class Hidraw(guest.GuestTest):
@@ -34,7 +47,9 @@ class Hidraw(guest.GuestTest):
 
     @classmethod
     def plug_in(cls):
-        return arms.HidArm(cls.guest, "usbip", arms.FULL_HZ)
+        cls.adapter = simdev.Simdev(cls.guest, "cp2112", "--uhid", "cp2112")
+        cls.guest.wait_for("ls -d /sys/bus/gpio/devices/gpiochip*/")
+        return ArmWithLines(cls.guest, "usbip", arms.FULL_HZ)
 
     def lean(self):
         """A hand leans on a wall, and feels it."""
@@ -63,12 +78,17 @@ class Hidraw(guest.GuestTest):
         seen = [call for call in servo_calls.forbidden(self.trace(BUS)) if all(word in call for word in self.blocking_call)]
         self.assertGreater(len(seen), CALLS)
 
+    def test_its_safety_lines_are_read_by_a_thread_of_their_own(self):
+        seen = [call for call in servo_calls.forbidden(self.trace(LINES)) if call.startswith("ioctl(") and "gpio" in call]
+        self.assertGreater(len(seen), READS)
+
     def test_its_memory_comes_from_nowhere(self):
         self.lean()
         asked = "(sleep 0.5; thimble status > /dev/null)&"
         calls = json.loads(self.run_for_daemon(f"{asked} python3 -B /run/tests/allocations.py $pid 2 || exit 1; wait"))
         names = [name.split("/")[0] for name in calls]
         self.assertEqual(names.count(SERVO), 1, names)
+        self.assertTrue(any(name.startswith(BUS) for name in names), names)
         for name, counts in calls.items():
             print(f"{type(self).__name__}: {name}: {counts}", file=sys.stderr)
             if name.startswith(SERVO):
@@ -82,6 +102,7 @@ class Hidraw(guest.GuestTest):
 class Usbfs(Hidraw):
     pace = guest.COUNTED
     blocking_call = "ioctl(", "USBDEVFS_SUBMITURB"
+    test_its_safety_lines_are_read_by_a_thread_of_their_own = None  # it has none
 
     @classmethod
     def plug_in(cls):
