@@ -108,9 +108,8 @@ static bool carry(ByteReader& b, ThimbleRefusal& m) noexcept { return carry_refu
 static Reason check(const ThimbleHello& m) noexcept {
   const ThimbleHalf& half = m.half;
   return first_of(check_timing(m.timing), check_name(half.scheme),
-                   unless(half.force_at <= 1 && half.zone_names <= 1, RejectReason::Malformed),
-                   check_reach(half.buffer_m),
-                   unless(half.buffer_m >= 0, RejectReason::OutOfRange));
+                  unless(half.force_at <= 1 && half.zone_names <= 1, RejectReason::Malformed),
+                  check_reach(half.buffer_m), unless(half.buffer_m >= 0, RejectReason::OutOfRange));
 }
 
 static Reason check(const ThimbleChallenge& m) noexcept { return check_timing(m.timing); }
@@ -119,14 +118,14 @@ static Reason check(const ThimbleWelcome& m) noexcept {
                                      [](std::uint32_t edge) { return edge <= kMaxCells; });
   const bool is_cell = m.cell_m >= 0 && m.cell_m <= kMaxCell_m;  // NaN is not
   return first_of(check_timing(m.timing), check_name(m.world), check_finite(m.cell_m),
-                   unless(are_cells && is_cell, RejectReason::OutOfRange));
+                  unless(are_cells && is_cell, RejectReason::OutOfRange));
 }
 
 static Reason check(const ThimbleRefusal& m) noexcept {
   const bool is_known =
       m.reason >= ThimbleRefusalReason::Busy && m.reason <= ThimbleRefusalReason::Arm;
-  return first_of(
-      check_timing(m.timing), check_name(m.scheme), unless(is_known, RejectReason::Malformed));
+  return first_of(check_timing(m.timing), check_name(m.scheme),
+                  unless(is_known, RejectReason::Malformed));
 }
 
 ShortName ShortName::of(std::string_view text) noexcept {
