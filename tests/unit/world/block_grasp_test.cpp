@@ -211,41 +211,5 @@ TEST(BlockGrasp, NoGhostIsInItWhateverPullsAndRubs) {
   }
 }
 
-TEST(BlockGrasp, MirroredAndPermutedHandsAndWeightsGiveAMirroredAndPermutedBlock) {
-  const auto trace = [](std::size_t shift, double sign) {
-    std::mt19937_64 random(422);
-    const auto turned = [&](auto p) {
-      auto out = p;
-      for (std::size_t axis = 0; axis < 3; ++axis) out[(axis + shift) % 3] = sign * p[axis];
-      return out;
-    };
-    BlockWorld sut = rough_block(0.6, turned(Force3{0.1, -0.7, 0.3}));
-    std::array<Position3, 2> hands{Position3{-0.03, 0, 0}, Position3{0.03, 0.001, 0}};
-    std::array<ProbeId, 2> probes{};
-    for (std::size_t i = 0; i < 2; ++i) probes[i] = sut.add_probe(turned(hands[i])).value();
-    std::vector<Position3> rows;
-    for (int step = 0; step < 3000; ++step) {
-      const std::size_t who = random() % 2;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        hands[who][axis] += std::uniform_real_distribution<double>(-0.002, 0.002)(random);
-        hands[who][axis] = std::clamp(hands[who][axis], -0.044, 0.044);
-      }
-      (void)sut.move_probe(probes[who], turned(hands[who]), kGraspTick);
-      Position3 row;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        row[axis] = sign * (*sut.block_center())[(axis + shift) % 3];
-      }
-      rows.push_back(row);
-    }
-    return rows;
-  };
-  const auto reference = trace(0, 1);
-  EXPECT_NE(reference.back(), Position3{});
-  for (const std::size_t shift : {0U, 1U, 2U}) {
-    EXPECT_EQ(trace(shift, -1), reference);
-    EXPECT_EQ(trace(shift, 1), reference);
-  }
-}
-
 }  // namespace
 }  // namespace thimble::world

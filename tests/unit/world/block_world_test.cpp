@@ -8,6 +8,8 @@
 #include <random>
 #include <vector>
 
+#include "tests/unit/world/block_trace.hpp"
+
 namespace thimble::world {
 namespace {
 
@@ -191,39 +193,16 @@ TEST(BlockWorld, NoGhostIsInItAndItIsInTheRoomWhateverHandsDo) {
   }
 }
 
+// Plain, and with all that it may have: what rubs and what pulls is turned, too.
 TEST(BlockWorld, MirroredAndPermutedHandsGiveAMirroredAndPermutedBlock) {
-  const auto trace = [](std::size_t shift, double sign) {
-    std::mt19937_64 random(420);
-    BlockWorld sut = make_block();
-    const auto turned = [&](Position3 p) {
-      Position3 out;
-      for (std::size_t axis = 0; axis < 3; ++axis) out[(axis + shift) % 3] = sign * p[axis];
-      return out;
-    };
-    std::array<Position3, 2> hands{Position3{-0.03, 0, 0}, Position3{0.03, 0.001, 0}};
-    std::array<ProbeId, 2> probes{};
-    for (std::size_t i = 0; i < 2; ++i) probes[i] = sut.add_probe(turned(hands[i])).value();
-    std::vector<Position3> rows;
-    for (int step = 0; step < 2000; ++step) {
-      const std::size_t who = random() % 2;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        hands[who][axis] += std::uniform_real_distribution<double>(-0.003, 0.003)(random);
-        hands[who][axis] = std::clamp(hands[who][axis], -0.044, 0.044);
-      }
-      (void)sut.move_probe(probes[who], turned(hands[who]), kBlockTick);
-      Position3 row;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        row[axis] = sign * (*sut.block_center())[(axis + shift) % 3];
-      }
-      rows.push_back(row);
+  for (const BlockScene& kind :
+       {BlockScene{}, BlockScene{.friction = 0.6, .weight = {0.1, -0.7, 0.3}}}) {
+    const auto reference = wander_about_block(kind, 0, 1);
+    EXPECT_NE(reference.back(), Position3{});
+    for (const std::size_t shift : {0U, 1U, 2U}) {
+      EXPECT_EQ(wander_about_block(kind, shift, -1), reference);
+      EXPECT_EQ(wander_about_block(kind, shift, 1), reference);
     }
-    return rows;
-  };
-  const auto reference = trace(0, 1);
-  EXPECT_NE(reference.back(), Position3{});
-  for (const std::size_t shift : {0U, 1U, 2U}) {
-    EXPECT_EQ(trace(shift, -1), reference);
-    EXPECT_EQ(trace(shift, 1), reference);
   }
 }
 
