@@ -74,7 +74,6 @@ Result<ProbeId> BlockWorld::add_probe(Position3 hand) {
       start[axis] = std::clamp(start[axis], -half_room_m_, half_room_m_);
     }
     slot = Probe{{++last_id_}, out_of_block(start), {}};
-    ++probe_count_;
     return slot->id;
   }
   return fail(Errc::Busy, info_.source + ": all " + std::to_string(kMaxProbes) +
@@ -82,10 +81,7 @@ Result<ProbeId> BlockWorld::add_probe(Position3 hand) {
 }
 
 void BlockWorld::remove_probe(ProbeId probe) noexcept {
-  auto* slot = find(probe);
-  if (slot == nullptr) return;
-  slot->reset();
-  --probe_count_;
+  if (auto* slot = find(probe)) slot->reset();
 }
 
 ProbeMotion BlockWorld::move_probe(ProbeId probe, Position3 hand, Duration dt) noexcept {
@@ -165,7 +161,9 @@ BlockWorld::Held BlockWorld::slide(Position3& ghost, Position3 hand) const noexc
 // What holds a ghost is one face of the block at most, for a point goes through one at a time.
 void BlockWorld::give_way(Probe& probe, const Held& held, Position3 hand, Duration dt) noexcept {
   const double dt_s = std::max(0.0, seconds(dt));
-  const Force3 weight = (1.0 / probe_count_) * weight_;
+  const auto probes = std::count_if(probes_.begin(), probes_.end(),
+                                    [](const auto& slot) { return slot.has_value(); });
+  const Force3 weight = (1.0 / static_cast<double>(probes)) * weight_;
   std::size_t axis = 0;
   while (axis < 3 && held.by_block[axis] == 0) ++axis;
   if (axis == 3) {

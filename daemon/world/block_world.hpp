@@ -88,7 +88,6 @@ class BlockWorld final : public World {
   Force3 weight_;
   Position3 center_{};
   std::array<std::optional<Probe>, kMaxProbes> probes_{};
-  int probe_count_{0};
   std::uint32_t last_id_{0};
 };
 
