@@ -3,16 +3,11 @@ libgpiod, the packaged daemon. The arm hangs on uhid and presses on a wall; what
 """
 
 import json
-import pathlib
-import re
 
 import arms
 import guest
+import lines
 import simdev
-
-PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "safety-wiring.md"
-# As the page says that it is wired.
-SAFETY = re.search(r"```toml\n(\[safety\]\n.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)[1]
 
 # That page's 200 ms since its last answer, the 20 ms between two looks at it, and the tick.
 SILENT_S = 0.23
@@ -21,7 +16,7 @@ BEATS = 40
 
 
 class Arm(arms.HidArm):
-    daemon_words = SAFETY
+    daemon_words = lines.SAFETY
 
 
 class Estop(guest.GuestTest):
@@ -32,8 +27,7 @@ class Estop(guest.GuestTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.adapter = simdev.Simdev(cls.guest, "cp2112", "--uhid", "cp2112")
-        cls.guest.wait_for("ls -d /sys/bus/gpio/devices/gpiochip*/")
+        cls.adapter = lines.plug_in(cls.guest)
         cls.arm = Arm(cls.guest)
 
     def status(self):

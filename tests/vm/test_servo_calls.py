@@ -10,8 +10,7 @@ import sys
 
 import arms
 import guest
-import simdev
-import test_estop
+import lines
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 import servo_calls  # noqa: E402
@@ -25,7 +24,7 @@ READS = 20  # of three lines, every 20 ms
 
 
 class ArmWithLines(arms.HidArm):
-    daemon_words = test_estop.SAFETY
+    daemon_words = lines.SAFETY
 
     def activate(self):
         self.guest.wait_for_module("status_until", "safety.state", "waiting")
@@ -47,8 +46,7 @@ class Hidraw(guest.GuestTest):
 
     @classmethod
     def plug_in(cls):
-        cls.adapter = simdev.Simdev(cls.guest, "cp2112", "--uhid", "cp2112")
-        cls.guest.wait_for("ls -d /sys/bus/gpio/devices/gpiochip*/")
+        cls.adapter = lines.plug_in(cls.guest)
         return ArmWithLines(cls.guest, "usbip", arms.FULL_HZ)
 
     def lean(self):
