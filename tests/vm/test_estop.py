@@ -47,7 +47,14 @@ class Estop(guest.GuestTest):
         self.adapter.say("press 0", "press 1")
 
     def release(self):
-        self.adapter.say("release 0", "release 1")
+        """Again, as the daemon asks for, where a look of the kernel's fell between the two: the next is more than 50 ms later, and they disagree."""
+        for _ in range(5):
+            self.adapter.say("release 0", "release 1")
+            self.guest.run("sleep 0.3")
+            if self.status()["safety"]["trouble"] != "disagree":
+                return
+            self.press()
+            self.wait_until("safety.trouble", "open")
 
     def clear(self):
         return self.guest.ask("thimble clear-fault right")
