@@ -1,0 +1,87 @@
+#pragma once
+
+#include <boost/asio/generic/stream_protocol.hpp>
+#include <boost/asio/io_context.hpp>
+#include <cstdint>
+#include <list>
+#include <vector>
+
+#include "hal/base/result.hpp"
+#include "hal/plugin/sim_usb_model.hpp"
+#include "sim/export/plug.hpp"
+#include "sim/export/usbip_session.hpp"
+#include "sim/time/event_queue.hpp"
+
+namespace thimble::sim {
+
+// A simulated USB device that hosts have over sockets which carry USB/IP, however they came by
+// them: what UsbipPlug and VhciPlug have in common.
+//
+// Runs the rounds of the device's bus on the model's clock, and looks at its sockets there, without
+// waiting. One host has the device at a time. Unplugged the connections close, which pulls the
+// cable on the other side. A device with bulk pipes has eight rounds in a frame, as SimUsbPort; one
+// with interrupt pipes alone needs but one.
+//
+// Thread, Errors: as Plug. RT: none of it. Ownership: model and surroundings must outlive it, and
+// the io_context of its sockets.
+class UsbipBus : public Plug, private Event {
+ public:
+  static constexpr std::size_t kMostConnections = 4;  // ours: one host, and `usbip list` beside it
+  // Who asks nothing for so long, or takes the device and makes no request of it, holds a place
+  // that others want, and is hung up on. Ours: a kernel asks for descriptors within 1 s. A host
+  // that has it may be idle for ever.
+  static constexpr Duration kPatience = std::chrono::seconds(10);
+
+  // A host has it; whether somebody there uses it, is_open() says.
+  [[nodiscard]] bool is_attached() const noexcept;
+
+  Result<void> unplug() override;
+  [[nodiscard]] bool is_plugged() const noexcept override { return is_plugged_; }
+  [[nodiscard]] bool is_open() const noexcept override;
+  [[nodiscard]] bool is_broken() const noexcept override { return false; }
+  [[nodiscard]] PlugCounters counters() const noexcept override;
+  [[nodiscard]] Duration round_period() const noexcept override;
+  [[nodiscard]] MonotonicTime next_needed() const noexcept override;
+  [[nodiscard]] bool wait_for_kernel(MonotonicTime until) noexcept override;
+  void leave_out_until(MonotonicTime t) noexcept override { left_out_until_ = t; }
+
+ protected:
+  using Socket = boost::asio::generic::stream_protocol::socket;  // of any family
+  UsbipBus(plugin::SimUsbModel& model, UsbPersona persona, const PlugSurroundings& surroundings);
+  // Errors: Busy when it is plugged in already.
+  Result<void> switch_on();
+  // `socket`: does not block.
+  UsbipSession& connect(Socket socket);
+  [[nodiscard]] bool has_room() const noexcept { return connections_.size() < kMostConnections; }
+  // The rounds of a frame are over, the number of it.
+  virtual void end_frame(std::uint64_t frame) noexcept = 0;
+
+ private:
+  struct Connection {
+    Socket socket;
+    UsbipSession session;
+    MonotonicTime answered_at{};  // or accepted; a byte now and then is no question
+    std::size_t sent{0};          // of the session's outbox
+  };
+  void fire(MonotonicTime now) noexcept override;
+  // False: the connection has to be dropped.
+  [[nodiscard]] static bool run_round(Connection& connection, MonotonicTime now);
+  [[nodiscard]] static bool is_idle(const Connection& connection, MonotonicTime now) noexcept;
+  [[nodiscard]] static bool is_over(Connection& connection) noexcept;
+  [[nodiscard]] static bool receive(Connection& connection);
+  [[nodiscard]] static bool send(Connection& connection);
+  void drop(std::list<Connection>::iterator connection);
+
+  plugin::SimUsbModel* model_;
+  UsbPersona persona_;
+  PlugSurroundings around_;
+  unsigned rounds_per_frame_;
+  std::uint64_t round_{0};
+  MonotonicTime left_out_until_{};
+  bool is_plugged_{false};
+  bool was_unplugged_{false};
+  std::list<Connection> connections_;
+  PlugCounters closed_{};  // of connections that are gone
+};
+
+}  // namespace thimble::sim
