@@ -7,7 +7,7 @@ _thimble_simdev() {
     --socket) mapfile -t COMPREPLY < <(compgen -f -- "$word"); return ;;
     --usbip | --serial | --amplifier-max-a | --frames-at-once | --seed) return ;;
   esac
-  mapfile -t COMPREPLY < <(compgen -W "--help --version --uhid --usbip --socket --serial --amplifier-max-a --frames-at-once --seed" -- "$word")
+  mapfile -t COMPREPLY < <(compgen -W "--help --version --uhid --vhci --usbip --socket --serial --amplifier-max-a --frames-at-once --seed" -- "$word")
 }
 
 complete -o filenames -F _thimble_simdev thimble-simdev

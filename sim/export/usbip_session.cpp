@@ -15,11 +15,10 @@ using bus::UsbTransferKind;
 using plugin::UsbAnswer;
 using plugin::UsbHandshake;
 
-constexpr std::size_t kBytesPerFrame = 1500;         // 12 Mbit/s for 1 ms
-constexpr std::uint32_t kShortNotOk = 1;             // USBIP_URB_SHORT_NOT_OK, linux/usbip.h
-constexpr std::uint32_t kZeroPacket = 0x40;          // USBIP_URB_ZERO_PACKET, there
-constexpr std::uint32_t kDeviceId = 1U << 16U | 1U;  // bus 1, device 1, as record() says
-constexpr std::size_t kAddresses = 32;               // 16 numbers, two directions
+constexpr std::size_t kBytesPerFrame = 1500;  // 12 Mbit/s for 1 ms
+constexpr std::uint32_t kShortNotOk = 1;      // USBIP_URB_SHORT_NOT_OK, linux/usbip.h
+constexpr std::uint32_t kZeroPacket = 0x40;   // USBIP_URB_ZERO_PACKET, there
+constexpr std::size_t kAddresses = 32;        // 16 numbers, two directions
 
 std::size_t slot_of(const usbip::Submit& submit) noexcept {
   // Endpoint 0 is one for both directions.

@@ -40,6 +40,7 @@ class UsbipSession {
   // 64 of the longest transfers.
   static constexpr std::size_t kMaxOutboxBytes = 4U << 20U;
   static constexpr const char* kBusId = "1-1";
+  static constexpr std::uint32_t kDeviceId = 1U << 16U | 1U;  // bus 1, device 1, as it is listed
 
   // Full speed has 1500 bytes in a frame of 1 ms: they are divided among its rounds.
   UsbipSession(plugin::SimUsbModel& model, const UsbPersona& persona, unsigned rounds_per_frame,
@@ -47,6 +48,8 @@ class UsbipSession {
 
   // Whether a host may attach the device now, and sees it listed; it may not at first.
   void set_available(bool is_available) noexcept { is_available_ = is_available; }
+  // In place of its request: the host has the device from now on, whoever gave it to it.
+  void attach() noexcept { is_attached_ = true; }
   // False: the connection has to end.
   [[nodiscard]] bool take(std::span<const std::uint8_t> bytes);
   void serve(MonotonicTime now);

@@ -149,6 +149,7 @@ class Simdev(ProcessTest):
     def test_what_cannot_be_offered_is_refused_with_a_sentence(self):
         for words, code, sentence in ((("nobody", "--usbip", "0"), 2, "there are: phantom-vintage"),
                                       (("falcon",), 2, "say how it is to be offered"),
+                                      (("falcon", "--vhci", "--usbip", "0"), 2, "say how it is to be offered"),
                                       (("falcon", "--uhid"), 2, "is no HID device"),
                                       (("phantom-vintage-serial", "--uhid"), 2, "is no HID device"),
                                       (("falcon", "--usbip", "0", "--socket", "/nowhere/s"), 1, "No such file")):

@@ -23,6 +23,8 @@ tl::expected<SimdevOptions, int> parse_simdev_options(int argc, const char* cons
       ->required()
       ->type_name("MODEL");
   cli.add_flag("--uhid", options.is_uhid, "through /dev/uhid, as a HID device (needs root)");
+  cli.add_flag("--vhci", options.is_vhci,
+               "as a USB device of this machine (needs root, and the module vhci-hcd)");
   cli.add_option(
          "--usbip", options.usbip_port,
          "as a USB/IP server on this port of the loopback: usbip attach -r 127.0.0.1 -b 1-1")

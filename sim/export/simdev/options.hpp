@@ -12,6 +12,7 @@ inline constexpr int kExitUsage = 2;  // the command line is a mistake
 struct SimdevOptions {
   std::string model;  // "phantom-vintage"; "sim:" in front is taken off
   bool is_uhid{false};
+  bool is_vhci{false};
   // 0: one that is free, which is then printed.
   std::optional<std::uint16_t> usbip_port;
   std::string socket;          // of the verbs; empty: none

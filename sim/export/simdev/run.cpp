@@ -22,6 +22,8 @@
 #include "sim/export/uhid_plug.hpp"
 #include "sim/export/usbip_plug.hpp"
 #include "sim/export/verb_server.hpp"
+#include "sim/export/vhci_controller.hpp"
+#include "sim/export/vhci_plug.hpp"
 #include "sim/model/arm/register_arm_models.hpp"
 #include "sim/model/arm/text_arm_model.hpp"
 #include "sim/model/cam/register_cam_model.hpp"
@@ -79,7 +81,7 @@ class Simdev {
     plugin::SimHidModel* hid = face<plugin::SimHidModel>();
     if (hid != nullptr) panel_ = hid->panel();
     if (auto* usb = face<plugin::SimUsbModel>()) panel_ = usb->panel();
-    return options.usbip_port ? offer_by_usbip(*options.usbip_port) : offer_through_uhid(hid);
+    return options.is_uhid ? offer_through_uhid(hid) : offer_as_usb(options);
   }
   Result<void> take_verbs_at(const std::string& path) {
     verbs_ = std::make_unique<DeviceVerbs>(
@@ -117,7 +119,7 @@ class Simdev {
     plug_ = std::make_unique<UhidPlug>(*std::move(node), *hid, info_, surroundings());
     return plug_->plug();
   }
-  Result<void> offer_by_usbip(std::uint16_t port) {
+  Result<void> offer_as_usb(const SimdevOptions& options) {
     UsbPersona persona{info_, {}};
     plugin::SimUsbModel* usb = face<plugin::SimUsbModel>();
     const auto wrap = [&](auto wrapped) {
@@ -127,7 +129,18 @@ class Simdev {
     };
     if (auto* hid = face<plugin::SimHidModel>()) wrap(std::make_unique<HidOnUsb>(*hid));
     if (auto* serial = face<plugin::SimSerialModel>()) wrap(std::make_unique<AcmOnUsb>(*serial));
-    auto plug = UsbipPlug::listen(io_, port, *usb, std::move(persona), surroundings());
+    return options.usbip_port ? listen_for_usbip(*options.usbip_port, *usb, std::move(persona))
+                              : plug_into_vhci(*usb, std::move(persona));
+  }
+  Result<void> plug_into_vhci(plugin::SimUsbModel& usb, UsbPersona persona) {
+    way_ = "as a USB device";
+    plug_ = std::make_unique<VhciPlug>(
+        io_, usb, std::move(persona), surroundings(),
+        [](int socket, std::uint32_t id) { return VhciController().attach(socket, id); });
+    return plug_->plug();
+  }
+  Result<void> listen_for_usbip(std::uint16_t port, plugin::SimUsbModel& usb, UsbPersona persona) {
+    auto plug = UsbipPlug::listen(io_, port, usb, std::move(persona), surroundings());
     if (!plug) return tl::unexpected(plug.error());
     way_ = "over USB/IP at port " + std::to_string((*plug)->port());
     plug_ = *std::move(plug);
@@ -164,8 +177,9 @@ class Simdev {
 }  // namespace
 
 Result<void> run_simdev(const SimdevOptions& options) {
-  if (options.is_uhid == options.usbip_port.has_value()) {
-    return fail(Errc::InvalidArgument, "say how it is to be offered: --uhid, or --usbip PORT");
+  if (int{options.is_uhid} + int{options.is_vhci} + int{options.usbip_port.has_value()} != 1) {
+    return fail(Errc::InvalidArgument,
+                "say how it is to be offered: --uhid, --vhci, or --usbip PORT");
   }
   Result<plugin::SimModel> model = make_model(options);
   if (!model) return tl::unexpected(model.error());
