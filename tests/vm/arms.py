@@ -34,7 +34,7 @@ def frames_at_once(guest, rate_hz):
 
 
 # How a HID arm comes to the kernel.
-WAYS = {"uhid": ("--uhid",), "usbip": ("--usbip", simdev.PORT)}
+WAYS = {"uhid": ("--uhid",), "usb": ("--vhci",), "usbip": ("--usbip", simdev.PORT)}
 
 
 class Arm(simdev.Simdev):
@@ -77,7 +77,7 @@ class HidArm(Arm):
             self.configure()
 
     def plug(self):
-        if self.way == "usbip":
+        if self.way != "uhid":
             self.attach()
         # The node, and its rule, which may come a little later.
         self.guest.wait_for(f"stat -c %G /dev/$(basename /sys/bus/hid/devices/0003:{self.ids}.*/hidraw/hidraw*) | grep -qx thimble")
@@ -97,7 +97,7 @@ class TextArm(Arm):
     words = f'device = "serial:{SERIAL}"\nmodel = "phantom-vintage"\namplifier_max_a = 3.0'
 
     def __init__(self, guest, rate_hz=QUIET_HZ, *, is_named=True):
-        super().__init__(guest, "text-arm", "--usbip", simdev.PORT, "--serial", SERIAL, "--amplifier-max-a", "3", "phantom-vintage-serial")
+        super().__init__(guest, "text-arm", *WAYS["usb"], "--serial", SERIAL, "--amplifier-max-a", "3", "phantom-vintage-serial")
         self.rate_hz = rate_hz
         self.plug()
         if is_named:
@@ -115,7 +115,7 @@ class Puck(Arm):
     """A SpaceMouse; `node`: its hidraw node."""
 
     def __init__(self, guest):
-        super().__init__(guest, "puck", "--usbip", simdev.PORT, "--serial", SERIAL, "spacemouse")
+        super().__init__(guest, "puck", *WAYS["usb"], "--serial", SERIAL, "spacemouse")
         self.plug()
         address = guest.wait_for("thimble devices | grep -o 'hid:[^ ]*'").split()[0]
         self.words = f'device = "{address}"'
@@ -141,10 +141,10 @@ def plugin(guest):
 class Falcon(Arm):
     """Nothing is in its memory yet; `address`: how the configuration names it. `plugin`: a driver from outside, a file of the guest. `is_named`: as above."""
 
-    def __init__(self, guest, plugin=None, rate_hz=QUIET_HZ, *, is_named=True):
+    def __init__(self, guest, plugin=None, rate_hz=QUIET_HZ, *, way="usb", is_named=True):
         if plugin is not None:
             self.daemon_words = f'[daemon]\nplugins = ["{plugin}"]\n'
-        super().__init__(guest, "falcon", "--usbip", simdev.PORT, "falcon")
+        super().__init__(guest, "falcon", *WAYS[way], "falcon")
         self.rate_hz = rate_hz
         self.plug()
         port = guest.wait_for("basename $(dirname $(grep -lx cb48 /sys/bus/usb/devices/*/idProduct))").strip()

@@ -6,13 +6,15 @@ import statistics
 
 
 PORT = "3240"  # that of USB/IP
-SECOND_PORT = "3241"  # of another device beside it
 NOTHING_NEWTON = 1e-6  # a force below it is none
 
 
-def attach_command(port=PORT):
-    # The kernel's threads that carry USB/IP are a part of the hardware here, too, and wait for no program.
-    return f"usbip --tcp-port {port} attach -r 127.0.0.1 -b 1-1 && for thread in $(pgrep ^vhci_); do chrt -f -p 86 $thread; done"
+# The kernel's threads that carry USB/IP are a part of the hardware here, too, and wait for no program.
+RAISE_CARRIERS = "for thread in $(pgrep ^vhci_); do chrt -f -p 86 $thread; done"
+
+
+def attach_command():
+    return f"usbip --tcp-port {PORT} attach -r 127.0.0.1 -b 1-1 && {RAISE_CARRIERS}"
 
 
 def norm(vector):
@@ -44,9 +46,9 @@ class Simdev:
                        f"until [ -S {self.socket} ] || ! systemctl is-active --quiet {self.unit}; do sleep 0.05; done")
         self.status()
 
-    def attach(self, port=PORT):
-        """To the guest's kernel, where it is offered over USB/IP at that port."""
-        self.guest.run(attach_command(port))
+    def attach(self):
+        """To the guest's kernel, where it is offered over USB/IP; what plugs itself into it is there."""
+        self.guest.run(RAISE_CARRIERS if "--vhci" in self.options else attach_command())
 
     def command(self, *verbs):
         words = " ".join(f"'{verb}'" for verb in verbs)

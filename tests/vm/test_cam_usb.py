@@ -20,8 +20,8 @@ class CamUsb(pieces.Pieces):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.board = Board(cls.guest, "board", "--usbip", simdev.SECOND_PORT, "cam-8")
-        cls.board.attach(simdev.SECOND_PORT)
+        cls.board = Board(cls.guest, "board", "--vhci", "cam-8")
+        cls.board.attach()
         cls.guest.wait_for("thimble devices | grep -q 'CAM-8 board'")
 
     def pull(self, before=":"):
@@ -32,7 +32,7 @@ class CamUsb(pieces.Pieces):
 
     def plug(self):
         self.board.say("plug")
-        self.board.attach(simdev.SECOND_PORT)
+        self.board.attach()
         self.wait_for_board(is_there=True)
         self.assertEqual(self.pieces()["held"], 0, "its memory had no power: all begins anew")
 

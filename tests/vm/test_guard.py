@@ -93,7 +93,7 @@ class HidArm(LetsGoWhateverHappens, guest.GuestTest):
 
     @classmethod
     def plug_in(cls):
-        return arms.HidArm(cls.guest, "usbip")
+        return arms.HidArm(cls.guest, "usb")
 
     def test_a_servo_that_hangs_for_good_costs_the_daemon_its_life(self):
         """All else in it runs on, so that nobody but the servo could have petted the watchdog."""

@@ -140,8 +140,8 @@ class Falcon(Misbehaviour, guest.GuestTest):
     @classmethod
     def plug_in(cls):
         falcon = arms.Falcon(cls.guest, is_named=False)
-        beside = arm_beside(cls.guest, "--usbip", simdev.SECOND_PORT)
-        beside.attach(simdev.SECOND_PORT)
+        beside = arm_beside(cls.guest, "--vhci")
+        beside.attach()
         return falcon, beside
 
     def test_3_the_hid_arm_misbehaves(self):

@@ -84,7 +84,7 @@ class Paced(guest.GuestTest):
 class HidArm(Paced):
     @classmethod
     def plug_in(cls):
-        return arms.HidArm(cls.guest, "usbip", arms.FULL_HZ, is_named=False)
+        return arms.HidArm(cls.guest, "usb", arms.FULL_HZ, is_named=False)
 
     def test_1_kHz(self):
         self.assert_in_time(1000, exchanges_hz=1000)

@@ -22,9 +22,9 @@ class SecondWay(guest.GuestTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.arm = arms.HidArm(cls.guest, "usbip", is_named=False)
-        cls.hung = simdev.Simdev(cls.guest, "hung", "--usbip", simdev.SECOND_PORT, "--serial", HUNG, "phantom-vintage")
-        cls.hung.attach(simdev.SECOND_PORT)
+        cls.arm = arms.HidArm(cls.guest, "usb", is_named=False)
+        cls.hung = simdev.Simdev(cls.guest, "hung", "--vhci", "--serial", HUNG, "phantom-vintage")
+        cls.hung.attach()
         cls.guest.wait_for(f"thimble devices | grep -q {HUNG}")
         # Not before: its coming takes the only processor for longer than a servo waits.
         cls.arm.configure()

@@ -47,7 +47,7 @@ class Hidraw(guest.GuestTest):
     @classmethod
     def plug_in(cls):
         cls.adapter = lines.plug_in(cls.guest)
-        return ArmWithLines(cls.guest, "usbip", arms.FULL_HZ)
+        return ArmWithLines(cls.guest, "usb", arms.FULL_HZ)
 
     def lean(self):
         """A hand leans on a wall, and feels it."""

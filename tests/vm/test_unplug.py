@@ -54,7 +54,7 @@ class Unplugged(two_arms.TwoArms):
 
 
 class UnpluggedFromUsb(Unplugged):
-    way = "usbip"
+    way = "usb"
 
     def plug(self):
-        return f"{super().plug()} && {simdev.attach_command()}"
+        return f"{super().plug()} && {simdev.RAISE_CARRIERS}"

@@ -27,7 +27,7 @@ def forces(log):
 
 
 class TwoArms(guest.GuestTest):
-    """Both by `way`, one of arms.WAYS. Each test goes on where the one before it ended."""
+    """Both by `way`, uhid or usb of arms.WAYS. Each test goes on where the one before it ended."""
 
     way = "uhid"
 
@@ -38,10 +38,9 @@ class TwoArms(guest.GuestTest):
     def setUpClass(cls):
         super().setUpClass()
         cls.right = arms.HidArm(cls.guest, cls.way, arms.FULL_HZ, is_named=False)
-        beside = {"uhid": ("--uhid",), "usbip": ("--usbip", simdev.SECOND_PORT)}
-        cls.left = simdev.Simdev(cls.guest, "left", *beside[cls.way], "--serial", BESIDE, "phantom-vintage")
-        if cls.way == "usbip":
-            cls.left.attach(simdev.SECOND_PORT)
+        cls.left = simdev.Simdev(cls.guest, "left", *arms.WAYS[cls.way], "--serial", BESIDE, "phantom-vintage")
+        if cls.way == "usb":
+            cls.left.attach()
         cls.guest.wait_for(f"thimble devices | grep -q {BESIDE}")
         cls.right.words = f"{cls.right.words}\nworld = \"box\"\n{LEFT}"
         cls.right.configure()

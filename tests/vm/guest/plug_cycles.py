@@ -3,6 +3,7 @@
 usage: plug_cycles.py uhid COUNT HOLD SERIAL    a HID arm; each HOLD-th stays until somebody has opened its node
        plug_cycles.py lies COUNT SERIAL         the same, with report descriptors that are cut, longer, or have bits turned over
        plug_cycles.py usbip COUNT SOCKET        what the thimble-simdev at SOCKET offers at the usual port, each until somebody uses it
+       plug_cycles.py usb COUNT SOCKET          the same of one that plugs itself in
 
 Prints how many were opened; of the lies, how many the kernel took for devices. All waits are bounded.
 """
@@ -22,6 +23,7 @@ PATIENCE_S = 20
 LIE_S = 0.2  # a lie that the kernel refuses is not told of
 UHID_OPEN = 4
 UHID_DESTROY = 1
+ATTACH = {"usbip": ["usbip", "attach", "-r", "127.0.0.1", "-b", "1-1"], "usb": None}
 
 
 def await_event(device, wanted, patience_s=PATIENCE_S):
@@ -71,13 +73,14 @@ def cycle_lies(count, serial):
     return taken
 
 
-def cycle_usbip(count, path):
+def cycle_usb(count, path, attach):
     used = 0
     with simdev.Verbs(path) as verbs:
         for turn in range(count):
             if turn:
                 verbs.say("plug")
-            subprocess.run(["usbip", "attach", "-r", "127.0.0.1", "-b", "1-1"], check=True)
+            if attach:
+                subprocess.run(attach, check=True)
             end = time.monotonic() + PATIENCE_S
             while not (is_used := verbs.say("status")["open"]) and time.monotonic() < end:
                 time.sleep(0.03)
@@ -92,7 +95,7 @@ def main(way, count, *words):
     elif way == "lies":
         print(cycle_lies(int(count), words[0]))
     else:
-        print(cycle_usbip(int(count), words[0]))
+        print(cycle_usb(int(count), words[0], ATTACH[way]))
 
 
 if __name__ == "__main__":
