@@ -24,6 +24,7 @@ ServoLoop::ServoLoop(const ServoParts& parts, const ServoSettings& settings)
       gain_(settings.activation_ramp, settings.release_ramp),
       recorder_(frames_for(settings)),
       has_watchdog_(parts.device.capabilities().device_watchdog > Duration::zero()),
+      has_motors_(parts.device.capabilities().is_actuated),
       state_(parts.is_lost ? OperatingState::Lost : OperatingState::Configured) {
   previous_now_ = parts_.clock.now() - settings_.period();
   snapshot_.clear_answered = parts_.controls.clear_request.load(std::memory_order_relaxed).id;
@@ -164,27 +165,13 @@ void ServoLoop::answer_clear_request(bool is_healthy) noexcept {
       is_known ? latch_.clear(request.fault, is_healthy) : ClearOutcome::NotLatched;
   if (snapshot_.clear_outcome != ClearOutcome::Cleared) return;
   is_driven_ = false;  // whoever cleared it has seen the arm
-  was_driven_when_lost_ = false;
   apply(LifecycleEvent::ClearFault);
 }
 
 void ServoLoop::advance_lifecycle(ServoFrame& frame) noexcept {
-  if (frame.read_status == IoStatus::Disconnected && state_ != OperatingState::Lost) {
-    snapshot_.fault = {FaultCode::Disconnected, frame.now, frame.tick};
-    // Who was never driven stopped nothing: an arm that comes and goes as it likes fills no disk.
-    if (was_active_) stops_.push_back(snapshot_.fault);
-    was_driven_when_lost_ = was_driven_when_lost_ || state_ == OperatingState::Active;
-    was_active_ = false;
-    gain_.cut();
-    arm_.calibration = CalibrationState::Unknown;
-    apply(LifecycleEvent::Unplug);
-  }
-  if (state_ == OperatingState::Lost && frame.read_status != IoStatus::Disconnected) {
-    apply(LifecycleEvent::Return);
-    apply(LifecycleEvent::Open);
-    apply(LifecycleEvent::Configure);
-    if (latch_.is_latched()) apply(LifecycleEvent::Fail);
-  }
+  const bool is_gone = frame.read_status == IoStatus::Disconnected;
+  if (is_gone && state_ != OperatingState::Lost) lose_arm(frame);
+  if (!is_gone && state_ == OperatingState::Lost) take_arm_back();
   const bool wants_active = parts_.controls.want_active.load(std::memory_order_relaxed) &&
                             parts_.controls.is_guarded.load(std::memory_order_relaxed);
   const bool is_homed = arm_.calibration == CalibrationState::Ok;
@@ -193,18 +180,14 @@ void ServoLoop::advance_lifecycle(ServoFrame& frame) noexcept {
       if (frame.read_status != IoStatus::Ok) break;
       freshness_.restart(frame.now);
       velocity_filter_.reset();
-      calibrating_since_ = frame.now;
       apply(LifecycleEvent::Calibrate);
       break;
     case OperatingState::Calibrating:
       if (!is_homed) break;
       velocity_filter_.reset();
-      if (has_returned_unasked(frame.now)) {
-        fail(FaultCode::Disconnected, frame);
-      } else {
-        apply(LifecycleEvent::Homed);
-      }
-      was_driven_when_lost_ = false;
+      // One that was pulled while it was driven is calibrated first, and cleared last.
+      is_back_and_calibrated_ = latch_.is_latched();
+      apply(latch_.is_latched() ? LifecycleEvent::Fail : LifecycleEvent::Homed);
       break;
     case OperatingState::Inactive:
       if (!is_homed) {
@@ -225,11 +208,28 @@ void ServoLoop::advance_lifecycle(ServoFrame& frame) noexcept {
   }
 }
 
-// It pushed when its plug was pulled, and comes back with its reference sooner than anybody can
-// have been at it: nobody may be there, and a loose plug would let it push again by itself.
-bool ServoLoop::has_returned_unasked(MonotonicTime now) const noexcept {
-  constexpr Duration kNobodyIsSooner = std::chrono::milliseconds(50);  // ours; a reaction takes 150
-  return was_driven_when_lost_ && now - calibrating_since_ < kNobodyIsSooner;
+// A stop as any other where it may have pushed.
+void ServoLoop::lose_arm(const ServoFrame& frame) noexcept {
+  snapshot_.fault = {FaultCode::Disconnected, frame.now, frame.tick};
+  if (state_ == OperatingState::Active && has_motors_) {
+    fail(FaultCode::Disconnected, frame);
+  } else if (was_active_) {
+    // Who was never driven stopped nothing: an arm that comes and goes as it likes fills no disk.
+    stops_.push_back(snapshot_.fault);
+  }
+  was_active_ = false;
+  is_back_and_calibrated_ = false;
+  gain_.cut();
+  arm_.calibration = CalibrationState::Unknown;
+  apply(LifecycleEvent::Unplug);
+}
+
+void ServoLoop::take_arm_back() noexcept {
+  apply(LifecycleEvent::Return);
+  apply(LifecycleEvent::Open);
+  apply(LifecycleEvent::Configure);
+  const bool is_unplug_latched = latch_.fault().code == FaultCode::Disconnected;
+  if (latch_.is_latched() && !is_unplug_latched) apply(LifecycleEvent::Fail);
 }
 
 void ServoLoop::enter_active(const ServoFrame& frame) noexcept {
@@ -326,7 +326,9 @@ void ServoLoop::observe_energy(ServoFrame& frame) noexcept {
 }
 
 bool ServoLoop::is_silent(MonotonicTime now) const noexcept {
-  if (!latch_.is_latched() || !zero_since_ || !has_watchdog_) return false;
+  if (state_ != OperatingState::Fault || !zero_since_ || !has_watchdog_) return false;
+  // Its watchdog had its turn while the plug was out; another would cost the new reference.
+  if (is_back_and_calibrated_) return false;
   return now - std::max(latched_at_, *zero_since_) > settings_.zero_before_silence;
 }
 
@@ -377,15 +379,15 @@ void ServoLoop::publish(const ServoFrame& frame) noexcept {
 }
 
 void ServoLoop::fail(FaultCode code, const ServoFrame& frame) noexcept {
+  gain_.cut();
+  is_back_and_calibrated_ = false;
+  apply(LifecycleEvent::Fail);
   if (!latch_.latch(code, frame.now, frame.tick)) return;
   ++snapshot_.faults;
   latched_at_ = frame.now;
   // Who was never driven stopped nothing: with safety lines each start waits for a person.
-  const bool is_told_by_others = code == FaultCode::Estop || code == FaultCode::Disconnected;
-  const bool is_worth_a_recording = !is_told_by_others || was_active_;
+  const bool is_worth_a_recording = code != FaultCode::Estop || was_active_;
   if (is_worth_a_recording) stops_.push_back(latch_.fault());
-  gain_.cut();
-  apply(LifecycleEvent::Fail);
 }
 
 void ServoLoop::apply(LifecycleEvent event) noexcept {

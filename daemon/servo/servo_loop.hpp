@@ -40,7 +40,8 @@ struct ServoSettings {
   Duration command_gap_limit{std::chrono::milliseconds(20)};
   // After a latched fault zero is still written until the arm has taken it for this long (so that
   // it surely arrives); then it hears nothing and its own watchdog takes the power away. One
-  // without a watchdog hears zero for good.
+  // without a watchdog hears zero for good, and so does one that was unplugged and is calibrated
+  // again.
   Duration zero_before_silence{std::chrono::milliseconds(100)};
   bool is_realtime_required{false};
   Duration recording{std::chrono::seconds(2)};
@@ -99,6 +100,8 @@ class ServoLoop {
   void check_safety_inputs(ServoFrame& frame) noexcept;
   void answer_clear_request(bool is_healthy) noexcept;
   void advance_lifecycle(ServoFrame& frame) noexcept;
+  void lose_arm(const ServoFrame& frame) noexcept;
+  void take_arm_back() noexcept;
   void enter_active(const ServoFrame& frame) noexcept;
   void estimate_velocity(ServoFrame& frame) noexcept;
   void couple(ServoFrame& frame) noexcept;
@@ -114,7 +117,6 @@ class ServoLoop {
   [[nodiscard]] bool is_driving() const noexcept;
   [[nodiscard]] bool is_silent(MonotonicTime now) const noexcept;
   [[nodiscard]] bool may_drive() const noexcept;
-  [[nodiscard]] bool has_returned_unasked(MonotonicTime now) const noexcept;
 
   ServoParts parts_;
   ServoSettings settings_;
@@ -133,6 +135,7 @@ class ServoLoop {
   rt::WordSeqlock<ServoSnapshot> published_;
 
   const bool has_watchdog_;  // the arm's own
+  const bool has_motors_;
   OperatingState state_;
   HapticState arm_{};                // the newest sample
   coupling::ConstraintSet reply_{};  // scratch of one tick: clearing half a kilobyte costs time
@@ -148,8 +151,7 @@ class ServoLoop {
   std::uint64_t zeros_taken_{0};             // since then
   bool is_driven_{false};                    // it may hold a force, as far as is known
   bool was_active_{false};                   // since the arm came
-  bool was_driven_when_lost_{false};         // and no person has been at it since
-  MonotonicTime calibrating_since_{};
+  bool is_back_and_calibrated_{false};       // after an unplug that latched; nothing failed since
   // Of this tick: what latched, what was unplugged, and what latched again after a clear.
   rt::StaticVector<Fault, 3> stops_;
   bool is_outage_over_{false};

@@ -29,7 +29,7 @@ enum class LifecycleEvent : std::uint8_t {
   Activate,   // needs is_homed
   Deactivate,
   LoseHome,    // the reference is gone (device reset): calibrate again
-  Fail,        // a fault latched
+  Fail,        // a fault is latched
   ClearFault,  // explicit, by a person; the latch has agreed
   Unplug,
   Return,  // the same device is back

@@ -217,6 +217,35 @@ TEST(Latch, SeesFaultAndStateThatDisagree) {
   EXPECT_THAT(groundless.broken(), HasSubstr("Fault means a fault"));
 }
 
+TEST(Latch, LetsAnArmThatWasUnpluggedComeBackAndBeCalibratedBeforeItsClear) {
+  GoodCourse course(&make_latch);
+  course.stop(OperatingState::Lost, FaultCode::Disconnected);
+  for (const OperatingState state : {OperatingState::Lost, OperatingState::Configured,
+                                     OperatingState::Calibrating, OperatingState::Fault}) {
+    course.now.servo.frame.state = state;
+    course.run(3);
+  }
+  course.run(1, clear);
+  EXPECT_EQ(course.broken(), "");
+}
+
+TEST(Latch, SeesAnUnplugThatDrivesAgainUnasked) {
+  GoodCourse unlatched(&make_latch);
+  unlatched.run(1, [](Observation& now) { now.servo.frame.state = OperatingState::Lost; });
+  EXPECT_THAT(unlatched.broken(), HasSubstr("lost while it is driven"));
+  for (const OperatingState state : {OperatingState::Inactive, OperatingState::Active}) {
+    GoodCourse uncleared(&make_latch);
+    uncleared.stop(OperatingState::Lost, FaultCode::Disconnected);
+    uncleared.run(1);
+    uncleared.run(1, [&](Observation& now) { now.servo.frame.state = state; });
+    EXPECT_THAT(uncleared.broken(), HasSubstr("means Fault or Lost"));
+  }
+  GoodCourse other(&make_latch);
+  other.stop(OperatingState::Calibrating, FaultCode::Estop);
+  other.run(1);
+  EXPECT_THAT(other.broken(), HasSubstr("means Fault or Lost")) << "of an unplug only";
+}
+
 TEST(Latch, SeesAnEstopThatStopsNothingAndARequestWithoutAnswer) {
   GoodCourse estop(&make_latch);
   estop.run(1, [](Observation& now) { now.is_estop_healthy = false; });

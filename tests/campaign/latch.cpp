@@ -28,7 +28,11 @@ class Latch final : public Invariant {
                      frame.fault != FaultCode::NonFiniteForce);
     findings.require("every latched fault is counted once", servo.faults == faults_);
     if (is_cleared) see_clear(now, was_latched, findings);
-    findings.require("a fault means Fault or Lost", !is_latched || is_stopped(frame.state));
+    findings.require("a fault means Fault or Lost",
+                     !is_latched || is_stopped(frame.state) || is_coming_back(frame));
+    findings.require("an arm that is lost while it is driven latches",
+                     !was_active_ || frame.state != OperatingState::Lost || is_latched);
+    was_active_ = frame.state == OperatingState::Active;
     findings.require("Fault means a fault", frame.state != OperatingState::Fault || is_latched);
     // An arm that returns in this very tick gives no force yet: the next tick stops it.
     findings.require("an open e-stop stops in the tick that sees it",
@@ -43,6 +47,11 @@ class Latch final : public Invariant {
   static bool is_stopped(OperatingState state) noexcept {
     return state == OperatingState::Fault || state == OperatingState::Lost;
   }
+  // What an unplug latched is cleared last: the arm is calibrated before.
+  static bool is_coming_back(const servo::ServoFrame& frame) noexcept {
+    return frame.fault == FaultCode::Disconnected && (frame.state == OperatingState::Configured ||
+                                                      frame.state == OperatingState::Calibrating);
+  }
   static void see_clear(const Observation& now, bool was_latched, Findings& findings) {
     findings.require("only a latched fault is cleared", was_latched);
     findings.require("no fault is cleared by a request for another one", !now.is_clear_for_other);
@@ -53,6 +62,7 @@ class Latch final : public Invariant {
   std::uint64_t faults_{0};
   std::uint32_t answered_{0};
   bool was_lost_{false};
+  bool was_active_{false};
 };
 
 }  // namespace

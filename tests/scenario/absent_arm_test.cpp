@@ -103,6 +103,9 @@ TEST_F(AbsentArm, ThatCameAndLeavesIsLostAndReturnsAsAnyOther) {
   EXPECT_EQ(rig(kRight).session().snapshot().fault.code, FaultCode::Disconnected);
   plug(kRight);
   run(5);
+  EXPECT_EQ(state(kRight), OperatingState::Fault);
+  clear(kRight);
+  run(0.1);
   EXPECT_EQ(state(kRight), OperatingState::Active);
   EXPECT_EQ(forces_unasked_, 0);
 }

@@ -64,6 +64,8 @@ TEST_F(HangingArm, IsToldOfAsThatAndNotAsGone) {
       work_[kRight].do_all();
       run(0.01);
     }
+    clear(kRight);  // it was driven when it was pulled
+    run(0.1);
     EXPECT_EQ(state(kRight), OperatingState::Active) << has_been_there;
     EXPECT_EQ(session::instruction_for(rig(kRight)), "");
   }

@@ -41,7 +41,8 @@ TEST(PuckSession, UnpluggedItIsLostAndComesBack) {
   ASSERT_TRUE(sut.run_until(0.1, [&] { return sut.frame().state == OperatingState::Lost; }));
   sut.replug();
   ASSERT_TRUE(sut.run_until(5, [&] { return sut.frame().gain >= 1; }))
-      << to_string(sut.frame().state);
+      << to_string(sut.frame().state) << ": what has no motors needs no clear";
+  EXPECT_EQ(sut.snapshot().faults, 0U);
   EXPECT_EQ(sut.troubles().size(), 0U);
 }
 

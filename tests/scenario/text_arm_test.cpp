@@ -105,7 +105,7 @@ TEST_P(TextArm, CountersThatAreMadeUpAreNoReference) {
   EXPECT_NE(sut.instruction().find("press the calibration button"), std::string::npos);
 }
 
-TEST_P(TextArm, UnpluggedItStopsAndOnReturnIsCalibratedAgain) {
+TEST_P(TextArm, UnpluggedItStopsAndOnReturnIsCalibratedAgainAndCleared) {
   ClosedLoop sut(with(kStill));
   sut.run_until_leaning();
   ArmWatch watch(sut);
@@ -117,6 +117,13 @@ TEST_P(TextArm, UnpluggedItStopsAndOnReturnIsCalibratedAgain) {
   EXPECT_EQ(norm(sut.truth().motor_force), 0);
   sut.sim_arm().backend().push_tip({});
   sut.replug();
+  ASSERT_TRUE(sut.run_until(6,
+                            [&] {
+                              watch.see();
+                              return sut.frame().state == OperatingState::Fault;
+                            }))
+      << to_string(sut.frame().state) << ": " << sut.instruction();
+  sut.controls().request_clear(sut.snapshot().fault.number);
   ASSERT_TRUE(becomes_active(sut, watch))
       << to_string(sut.frame().state) << ": " << sut.instruction();
   EXPECT_LT(norm(sut.frame().tip - sut.truth().tip), 1e-3) << "the new reference is right";

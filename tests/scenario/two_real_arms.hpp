@@ -143,6 +143,10 @@ class TwoRealArms {
     people_[arm] = std::make_unique<sim::Person>(*plugs_.arm_backend(address), hand);
   }
   void unplug(std::size_t arm) { static_cast<void>(plugs_.unplug({kAddresses[arm]})); }
+  void clear(std::size_t arm) {
+    session::ArmSession& session = rig(arm).session();
+    session.controls().request_clear(session.snapshot().fault.number);
+  }
   // As the daemon: the servos, and then what came of the buses.
   void tick() {
     static_cast<void>(clock_.sleep_until(clock_.now() + std::chrono::milliseconds(1)));

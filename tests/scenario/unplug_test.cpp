@@ -15,6 +15,21 @@ const std::vector<std::string> kStill{"arm.hand.motion=still"};
 
 class Unplug : public test::AtEachRate {
  protected:
+  // Its person has calibrated it, and it waits for a clear.
+  static void run_until_calibrated(ClosedLoop& loop, ArmWatch& watch) {
+    ASSERT_TRUE(loop.run_until(8,
+                               [&] {
+                                 watch.see();
+                                 EXPECT_EQ(norm(loop.frame().force), 0);
+                                 return loop.frame().state == OperatingState::Fault;
+                               }))
+        << "state " << to_string(loop.frame().state) << ": " << loop.instruction();
+    EXPECT_EQ(loop.frame().calibration, CalibrationState::Ok);
+    EXPECT_EQ(loop.snapshot().fault.code, FaultCode::Disconnected);
+  }
+  static void clear(ClosedLoop& loop) {
+    loop.controls().request_clear(loop.snapshot().fault.number);
+  }
   static void run_until_active(ClosedLoop& loop, ArmWatch& watch) {
     ASSERT_TRUE(loop.run_until(4,
                                [&] {
@@ -51,9 +66,11 @@ TEST_P(Unplug, WhileTheWallPressesTheMotorsStopAndTheStopIsRecorded) {
   const std::optional<session::Recording> recording = sut.arm().session().take_recording();
   ASSERT_TRUE(recording.has_value());
   EXPECT_EQ(recording->header.fault.code, FaultCode::Disconnected);
+  EXPECT_EQ(recording->header.fault.number, sut.snapshot().fault.number);
+  EXPECT_EQ(recording->frames.back().fault, FaultCode::Disconnected);
 }
 
-TEST_P(Unplug, AReturnedArmIsCalibratedAgainAndDrivenFromZeroWithoutAJump) {
+TEST_P(Unplug, AReturnedArmIsCalibratedThenClearedAndDrivenFromZeroWithoutAJump) {
   ClosedLoop sut(with(kStill));
   sut.run_until_leaning();
   ArmWatch watch(sut);
@@ -66,6 +83,8 @@ TEST_P(Unplug, AReturnedArmIsCalibratedAgainAndDrivenFromZeroWithoutAJump) {
     EXPECT_NE(sut.frame().state, OperatingState::Active);
     EXPECT_NE(sut.instruction(), "");
   });
+  run_until_calibrated(sut, watch);
+  clear(sut);
   run_until_active(sut, watch);
   EXPECT_EQ(sut.instruction(), "");
   EXPECT_LT(sut.frame().gain, 0.01);
@@ -92,6 +111,8 @@ TEST_P(Unplug, ACableThatIsBackBeforeTheNextTickLosesTheArmAllTheSame) {
   watch.see();
   EXPECT_NE(sut.frame().state, OperatingState::Active);
   EXPECT_EQ(norm(sut.frame().force), 0);
+  run_until_calibrated(sut, watch);
+  clear(sut);
   run_until_active(sut, watch);
   sut.run(0.6, [&] { watch.see(); });
   EXPECT_LT(norm(sut.frame().tip - sut.truth().tip), 0.5e-3);

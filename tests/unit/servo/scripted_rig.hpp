@@ -28,17 +28,15 @@ class HandClock final : public Clock {
 class ScriptedDevice final : public HapticDevice {
  public:
   explicit ScriptedDevice(const Clock& clock) : clock_(clock) {
-    capabilities_.model = "scripted";
-    capabilities_.peak_force_newton = 8;
-    capabilities_.device_watchdog = std::chrono::milliseconds(500);
-    capabilities_.peak_current_a = {3, 3, 3};
-    capabilities_.continuous_current_a = {1, 1, 1};
+    able.model = "scripted";
+    able.peak_force_newton = 8;
+    able.device_watchdog = std::chrono::milliseconds(500);
+    able.peak_current_a = {3, 3, 3};
+    able.continuous_current_a = {1, 1, 1};
     state.calibration = CalibrationState::Ok;
     for (std::size_t i = 0; i < 3; ++i) state.motor_current_per_force.row[i][i] = 0.1;
   }
-  [[nodiscard]] const HapticCapabilities& capabilities() const noexcept override {
-    return capabilities_;
-  }
+  [[nodiscard]] const HapticCapabilities& capabilities() const noexcept override { return able; }
   [[nodiscard]] std::string_view calibration_instruction() const noexcept override { return ""; }
   [[nodiscard]] DeviceCounters counters() const noexcept override { return {}; }
   [[nodiscard]] std::optional<ZeroCommand> zero_command() const noexcept override { return {}; }
@@ -61,10 +59,10 @@ class ScriptedDevice final : public HapticDevice {
   IoStatus write_status{IoStatus::Ok};
   std::function<void()> on_write;
   std::vector<Force3> written;
+  HapticCapabilities able;  // a servo looks at them once, when it is made
 
  private:
   const Clock& clock_;
-  HapticCapabilities capabilities_;
 };
 
 class ScriptedCoupling final : public coupling::ArmCoupling {

@@ -36,24 +36,30 @@ TEST(ServoInputs, AReportThatIsNoneIsCountedAndIsNoSample) {
   EXPECT_EQ(rig.state(), OperatingState::Active);
 }
 
-TEST(ServoInputs, AnEstopWhileTheArmIsAwayIsLatchedWhenItIsBack) {
-  ServoRig rig;
-  rig.coupling.wish = {4, 0, 0};
-  rig.activate_fully();
-  rig.device.next_status = IoStatus::Disconnected;
-  rig.tick();
-  rig.controls.is_estop_healthy = false;
-  rig.tick(5);
-  EXPECT_EQ(rig.state(), OperatingState::Lost);
-  EXPECT_EQ(rig.snapshot().fault.code, FaultCode::Disconnected);
+TEST(ServoInputs, AnEstopWhileTheArmIsAwayIsLatchedWhenItIsBackUnlessTheUnplugIs) {
+  for (const bool is_driven : {false, true}) {
+    ServoRig rig;
+    rig.coupling.wish = {4, 0, 0};
+    rig.controls.want_active = is_driven;
+    rig.tick(600);
+    rig.device.next_status = IoStatus::Disconnected;
+    rig.tick();
+    rig.controls.is_estop_healthy = false;
+    rig.tick(5);
+    EXPECT_EQ(rig.state(), OperatingState::Lost);
+    EXPECT_EQ(rig.snapshot().fault.code, FaultCode::Disconnected);
 
-  rig.device.next_status = IoStatus::Ok;
-  rig.device.written.clear();
-  rig.tick(50);
+    rig.device.next_status = IoStatus::Ok;
+    rig.device.written.clear();
+    rig.tick(50);
 
-  EXPECT_EQ(rig.state(), OperatingState::Fault);
-  EXPECT_EQ(rig.snapshot().fault.code, FaultCode::Estop);
-  for (const Force3& force : rig.device.written) ASSERT_EQ(force, Force3{});
+    EXPECT_EQ(rig.state(), OperatingState::Fault);
+    EXPECT_EQ(rig.snapshot().fault.code, is_driven ? FaultCode::Disconnected : FaultCode::Estop);
+    rig.controls.request_clear(rig.snapshot().fault.number);
+    rig.tick(50);
+    EXPECT_EQ(rig.state(), OperatingState::Fault) << "it is still pressed";
+    for (const Force3& force : rig.device.written) ASSERT_EQ(force, Force3{});
+  }
 }
 
 TEST(ServoInputs, AnEstopBeforeTheArmWasEverDrivenIsLatchedAndFreezesNothing) {

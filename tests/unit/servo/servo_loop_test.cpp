@@ -251,26 +251,6 @@ TEST(ServoLoop, UnplugMeansLostAndNoFurtherWrites) {
   EXPECT_TRUE(rig.sut.recorder().is_frozen());
 }
 
-TEST(ServoLoop, AReturnedArmIsCalibratedAgainBeforeItIsDriven) {
-  ServoRig rig;
-  rig.coupling.wish = {1, 0, 0};
-  rig.activate_fully();
-  rig.device.next_status = IoStatus::Disconnected;
-  rig.tick(5);
-  rig.device.next_status = IoStatus::Ok;
-  rig.device.state.calibration = CalibrationState::NeedsUser;
-  rig.device.written.clear();
-
-  rig.tick(100);
-  EXPECT_EQ(rig.state(), OperatingState::Calibrating);
-  for (const Force3& force : rig.device.written) ASSERT_EQ(force, Force3{});
-
-  rig.device.state.calibration = CalibrationState::Ok;
-  rig.tick(700);
-  EXPECT_EQ(rig.state(), OperatingState::Active);
-  EXPECT_EQ(rig.device.written.back(), (Force3{1, 0, 0}));
-}
-
 TEST(ServoLoop, AFaultOutlivesAnUnplug) {
   ServoRig rig;
   rig.activate_fully();
