@@ -155,6 +155,12 @@ TEST_F(FallBack, ARealArmTakesOverOnceTheStandInRestsAndIsNotActivatedUnasked) {
   run(1);
   EXPECT_EQ(state(), OperatingState::Active);
   EXPECT_TRUE(troubles_.empty());
+
+  ASSERT_TRUE(plugs_.unplug({"hid:right"}));
+  run(3);
+  EXPECT_EQ(state(), OperatingState::Lost);
+  EXPECT_EQ(device(), "hid:right") << "nothing stands in for an arm that was driven";
+  EXPECT_EQ(rig().session().snapshot().fault.number, 1U);
 }
 
 TEST_F(FallBack, AStandInThatRestsGivesWayWhenTheRealArmComes) {

@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <functional>
+#include <string>
+#include <vector>
 
 #include "tests/scenario/at_each_rate.hpp"
 #include "tests/support/arm_watch.hpp"
@@ -132,6 +135,177 @@ TEST_P(Unplug, AtAnyMomentOfTheCalibrationNothingMovesBeforeItIsDone) {
   sut.run(2, [&] { watch.see(); });
   EXPECT_LT(norm(sut.frame().tip - sut.truth().tip), 1e-3);
   EXPECT_EQ(watch.breach(), "");
+}
+
+// A person takes as long as it takes to come back from the arm: nothing moves, and what was
+// calibrated stays so. An arm of this family forgets where it is when it hears nothing.
+TEST_P(Unplug, ACalibratedArmWaitsForItsClearAndForgetsNothing) {
+  for (const char* device : {"sim:phantom-vintage", "sim:phantom-vintage-serial"}) {
+    SCOPED_TRACE(device);
+    ClosedLoop sut(with({std::string("arm.0.device=") + device, "arm.hand.motion=still"}));
+    sut.run_until_driven();
+    ArmWatch watch(sut);
+    sut.unplug();
+    sut.run(0.1, [&] { watch.see(); });
+    sut.replug();
+    run_until_calibrated(sut, watch);
+    EXPECT_FALSE(sut.run_until(5, [&] {
+      watch.see();
+      return sut.frame().state != OperatingState::Fault ||
+             sut.frame().calibration != CalibrationState::Ok;
+    }));
+    clear(sut);
+    EXPECT_TRUE(sut.run_until(0.05, [&] {
+      watch.see();
+      return sut.frame().state == OperatingState::Active;
+    })) << to_string(sut.frame().state);
+    EXPECT_LT(norm(sut.frame().tip - sut.truth().tip), 1e-3);
+    EXPECT_EQ(watch.breach(), "");
+  }
+}
+
+// A handle that dies costs a Falcon nothing: its firmware runs on and knows where it is, and would
+// push again with nobody there.
+TEST_P(Unplug, AFalconThatComesBackByItselfWaitsForItsClear) {
+  ClosedLoop::Setup setup;
+  sim::ScriptedFault death;
+  death.kind = sim::FaultKind::Disconnect;
+  death.from = MonotonicTime{std::chrono::seconds(6)};
+  death.lasts = std::chrono::milliseconds(100);
+  setup.cables.script.push_back(death);
+  ClosedLoop sut(with({"arm.0.device=sim:falcon-loaded", "arm.hand.motion=still"}), setup);
+  sut.run_until_driven();
+  ArmWatch watch(sut);
+  ASSERT_TRUE(sut.run_until(6, [&] { return sut.frame().state == OperatingState::Lost; }));
+  run_until_calibrated(sut, watch);
+  EXPECT_FALSE(sut.run_until(3, [&] {
+    watch.see();
+    return sut.frame().state != OperatingState::Fault;
+  }));
+  clear(sut);
+  run_until_active(sut, watch);
+  EXPECT_EQ(watch.breach(), "");
+}
+
+TEST_P(Unplug, AClearThatComesTooSoonIsRefusedAtAnyMomentOfTheCalibration) {
+  ClosedLoop sut(with(kStill));
+  sut.run_until_leaning();
+  ArmWatch watch(sut);
+  sut.unplug();
+  sut.sim_arm().backend().push_tip({});
+  int asked = 0;
+  const auto ask = [&] {
+    watch.see();
+    if (sut.frame().state == OperatingState::Fault) return;
+    clear(sut);  // judged by the tick after
+    ++asked;
+    EXPECT_NE(sut.snapshot().clear_outcome, ClearOutcome::Cleared);
+  };
+  sut.run(0.2, ask);
+  sut.replug();
+  ASSERT_TRUE(sut.run_until(8, [&] {
+    ask();
+    return sut.frame().state == OperatingState::Fault;
+  }));
+  EXPECT_GT(asked, GetParam()) << "a second of its absence, its start and its calibration";
+  sut.run(0.5, [&] {
+    watch.see();
+    EXPECT_EQ(sut.frame().state, OperatingState::Fault);
+  });
+  EXPECT_EQ(watch.breach(), "");
+}
+
+TEST_P(Unplug, PulledAgainAtAnyMomentOfTheCalibrationItIsOneFaultAndOneClear) {
+  ClosedLoop sut(with(kStill));
+  sut.run_until_driven();
+  ArmWatch watch(sut);
+  for (const double s : {0.0, 0.1, 0.57, 1.1, 1.3, 3.0}) {
+    sut.run(s, [&] { watch.see(); });
+    EXPECT_NE(sut.frame().state == OperatingState::Active, s > 0);
+    sut.unplug();
+    sut.run(0.05, [&] { watch.see(); });
+    sut.replug();
+  }
+  run_until_calibrated(sut, watch);
+  EXPECT_EQ(sut.snapshot().faults, 1U);
+  clear(sut);
+  run_until_active(sut, watch);
+  EXPECT_EQ(watch.breach(), "");
+}
+
+TEST_P(Unplug, AnArmThatRestsWhenItIsPulledNeedsNoClear) {
+  ClosedLoop sut(with(kStill));
+  sut.run_until_driven();
+  ArmWatch watch(sut);
+  sut.controls().want_active = false;
+  sut.run(0.1, [&] { watch.see(); });
+  ASSERT_EQ(sut.frame().state, OperatingState::Inactive);
+  sut.unplug();
+  sut.run(0.1, [&] { watch.see(); });
+  sut.replug();
+  sut.controls().want_active = true;
+  run_until_active(sut, watch);
+  EXPECT_EQ(sut.snapshot().faults, 0U);
+  EXPECT_EQ(watch.breach(), "");
+}
+
+constexpr const char* kTwoArms = R"(
+[[arm]]
+name = "right"
+device = "sim:phantom-vintage"
+amplifier_max_a = 3.0
+world = "box"
+[arm.hand]
+motion = "explore"
+seed = 1
+[[arm]]
+name = "left"
+device = "sim:phantom-vintage"
+amplifier_max_a = 3.0
+world = "box"
+[arm.hand]
+motion = "explore"
+seed = 2
+[[world]]
+name = "box"
+source = "box:3"
+)";
+
+// The forces of the left arm, tick by tick, while `happening` befalls the right one.
+std::vector<Force3> felt_beside(const std::vector<std::string>& overrides,
+                                const std::function<void(ClosedLoop&, int tick)>& happening) {
+  ClosedLoop::Setup setup;
+  setup.text = kTwoArms;
+  ClosedLoop sut(overrides, setup);
+  ArmWatch beside(sut, 1);
+  std::vector<Force3> forces;
+  int tick = 0;
+  sut.run(9, [&] {
+    beside.see();
+    forces.push_back(sut.frame(1).force);
+    happening(sut, ++tick);
+  });
+  EXPECT_EQ(beside.breach(), "");
+  EXPECT_EQ(sut.frame(1).state, OperatingState::Active);
+  EXPECT_EQ(sut.snapshot(1).faults, 0U);
+  return forces;
+}
+
+TEST_P(Unplug, TheArmBesideFeelsTheSameToTheBitUntilAllIsWellAgain) {
+  const std::vector<Force3> alone = felt_beside(with(), [](ClosedLoop&, int) {});
+  bool was_cleared = false;
+  const auto pulled_and_cleared = [&](ClosedLoop& loop, int tick) {
+    if (tick == 3 * GetParam()) loop.unplug();
+    if (tick == 4 * GetParam()) loop.replug();
+    const bool is_calibrated = loop.frame().state == OperatingState::Fault;
+    if (is_calibrated && !was_cleared) clear(loop);
+    was_cleared = was_cleared || is_calibrated;
+    if (tick == 9 * GetParam()) {
+      EXPECT_EQ(loop.frame().state, OperatingState::Active);
+    }
+  };
+  EXPECT_TRUE(felt_beside(with(), pulled_and_cleared) == alone);
+  EXPECT_TRUE(was_cleared);
 }
 
 TEST_P(Unplug, AFaultThatLatchedBeforeOutlivesTheReturn) {
