@@ -19,11 +19,16 @@ std::string instruction_for(ArmRig& rig) {
   const std::string trouble = rig.trouble();
   if (!trouble.empty()) return trouble + "; trying again";
   ArmSession& session = rig.session();
-  if (session.snapshot().frame.state == OperatingState::Lost) {
+  const servo::ServoSnapshot& seen = session.snapshot();
+  const std::string& name = session.config().name;
+  if (seen.frame.state == OperatingState::Lost) {
     return session.config().device + " is gone: plug it in again, then calibrate it";
   }
-  if (session.snapshot().frame.state == OperatingState::Fault) {
-    return "see to what the fault says, then: thimble clear-fault " + session.config().name;
+  if (seen.frame.state == OperatingState::Fault) {
+    const bool is_back = seen.fault.code == FaultCode::Disconnected &&
+                         seen.frame.calibration == CalibrationState::Ok;
+    if (is_back) return "it is calibrated again; to go on: thimble clear-fault " + name;
+    return "see to what the fault says, then: thimble clear-fault " + name;
   }
   return std::string(session.device().calibration_instruction());
 }

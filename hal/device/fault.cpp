@@ -52,7 +52,7 @@ std::string_view explain(FaultCode code) noexcept {
              "machine, then clear the fault";
     case FaultCode::Disconnected:
       return "the arm was unplugged; plug it in again and calibrate it; "
-             "if it comes back calibrated, clear the fault";
+             "if it was driven, clear the fault then";
     case FaultCode::ServoLate:
       return "the servo did not run in time; reduce the load of this machine or grant real-time "
              "rights, then clear the fault";

@@ -101,12 +101,17 @@ TEST_F(AbsentArm, ThatCameAndLeavesIsLostAndReturnsAsAnyOther) {
   run(1);
   EXPECT_EQ(state(kRight), OperatingState::Lost);
   EXPECT_EQ(rig(kRight).session().snapshot().fault.code, FaultCode::Disconnected);
+  EXPECT_EQ(session::instruction_for(rig(kRight)),
+            "hid:right is gone: plug it in again, then calibrate it");
   plug(kRight);
   run(5);
   EXPECT_EQ(state(kRight), OperatingState::Fault);
+  EXPECT_EQ(session::instruction_for(rig(kRight)),
+            "it is calibrated again; to go on: thimble clear-fault right");
   clear(kRight);
   run(0.1);
   EXPECT_EQ(state(kRight), OperatingState::Active);
+  EXPECT_EQ(session::instruction_for(rig(kRight)), "");
   EXPECT_EQ(forces_unasked_, 0);
 }
 
