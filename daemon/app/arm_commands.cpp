@@ -16,9 +16,20 @@ std::string told(const Fault& fault) {
   return std::string(to_string(fault.code)) + ": " + std::string(explain(fault.code));
 }
 
-tl::unexpected<Error> still_lost(const session::ArmSession& session, const Fault& fault) {
-  return fail(Errc::Disconnected, named(session) + " is lost (" + told(fault) +
-                                      "); what is latched can be cleared when it is back");
+// An unplug that stopped nothing is told as a fault, but has no number.
+bool is_latched(const servo::ServoSnapshot& seen) { return seen.fault.number != 0; }
+
+// Why the fault of an arm in this state cannot be cleared now; success: it can.
+Result<void> check_clearable(const session::ArmSession& session, const servo::ServoSnapshot& seen) {
+  const std::string arm = named(session);
+  if (seen.frame.state == OperatingState::Fault) return {};
+  // One that was never there has nothing latched, either.
+  if (seen.frame.state == OperatingState::Lost && seen.fault.code != FaultCode::None) {
+    return fail(Errc::Disconnected, arm + " is lost (" + told(seen.fault) +
+                                        "); what is latched can be cleared when it is back");
+  }
+  if (!is_latched(seen)) return fail(Errc::Busy, arm + " has no latched fault");
+  return fail(Errc::Busy, arm + " is not calibrated yet (" + told(seen.fault) + ")");
 }
 
 tl::unexpected<Error> has_no_world(std::string_view world) {
@@ -29,14 +40,15 @@ tl::unexpected<Error> has_no_world(std::string_view world) {
 Result<void> check_drivable(session::ArmRig& rig) {
   session::ArmSession& session = rig.session();
   const servo::ServoSnapshot& seen = session.snapshot();
-  if (seen.frame.state == OperatingState::Fault) {
-    return fail(Errc::Busy, named(session) + " stands still after a fault (" + told(seen.fault) +
-                                "); nothing moves it before that fault is cleared");
-  }
   if (seen.frame.state == OperatingState::Lost) {
     const std::string trouble = rig.trouble();
     const std::string why = trouble.empty() ? told(seen.fault) : trouble;
     return fail(Errc::Disconnected, named(session) + " is lost (" + why + ")");
+  }
+  // Also while it is calibrated again before that.
+  if (is_latched(seen)) {
+    return fail(Errc::Busy, named(session) + " stands still after a fault (" + told(seen.fault) +
+                                "); nothing moves it before that fault is cleared");
   }
   return {};
 }
@@ -79,12 +91,8 @@ void ArmCommands::clear_fault(std::string_view arm, std::optional<std::uint32_t>
   if (!index) return answer(tl::unexpected(index.error()));
   session::ArmSession& asked = session(*index);
   const servo::ServoSnapshot& seen = asked.snapshot();
-  // One that was never there has nothing latched, either.
-  if (seen.frame.state == OperatingState::Lost && seen.fault.code != FaultCode::None) {
-    return answer(still_lost(asked, seen.fault));
-  }
-  if (seen.frame.state != OperatingState::Fault) {
-    return answer(fail(Errc::Busy, named(asked) + " has no latched fault"));
+  if (const Result<void> possible = check_clearable(asked, seen); !possible) {
+    return answer(tl::unexpected(possible.error()));
   }
   // Whoever names another has not seen this one: it may be newer than what they looked at.
   if (fault.value_or(seen.fault.number) != seen.fault.number) {
@@ -268,7 +276,9 @@ ArmCommands::Verdict ArmCommands::judge_clearing(const Wait& wait,
     if (seen.frame.state != OperatingState::Fault) return done(wait.arm);
     return fail(Errc::Busy, name + " was cleared, and stopped again (" + told(seen.fault) + ")");
   }
-  if (seen.frame.state == OperatingState::Lost) return still_lost(session(wait.arm), seen.fault);
+  if (const Result<void> possible = check_clearable(session(wait.arm), seen); !possible) {
+    return tl::unexpected(possible.error());
+  }
   const std::string why(seen.clear_outcome == ClearOutcome::InputUnhealthy
                             ? explain(FaultCode::Estop)
                             : "the wish to clear it was taken back; ask again");

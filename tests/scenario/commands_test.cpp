@@ -51,6 +51,19 @@ class Commands : public testing::Test {
     loop_.tick();
     ASSERT_EQ(loop_.frame().state, OperatingState::Fault);
   }
+  // The plug of an arm that leans on a wall is out, as her lease is still hers.
+  void lose_while_driven() {
+    calibrate();
+    ASSERT_TRUE(activate(kHer));
+    loop_.run_until_leaning();
+    loop_.sim_arm().backend().push_tip({});
+    loop_.unplug();
+    loop_.tick();
+    ASSERT_EQ(state(), OperatingState::Lost);
+  }
+  void run_until(OperatingState wanted) {
+    ASSERT_TRUE(loop_.run_until(5, [&] { return state() == wanted; })) << to_string(state());
+  }
   void calibrate() {
     ASSERT_TRUE(loop_.run_until(2, [&] { return state() == OperatingState::Inactive; }));
   }
@@ -276,6 +289,45 @@ TEST_F(Commands, AnArmThatIsLostMeanwhileKeepsItsFaultAndSaysSo) {
   ASSERT_FALSE(done) << "told as cleared: " << done->state;
   EXPECT_EQ(done.error().code, Errc::Disconnected);
   EXPECT_THAT(done.error().message, HasSubstr("can be cleared when it is back"));
+}
+
+TEST_F(Commands, AnArmThatWasPulledWhileItWasDrivenIsCalibratedThenClearedAndThenGoesOn) {
+  lose_while_driven();
+  EXPECT_EQ(clear().error().code, Errc::Disconnected);
+  loop_.replug();
+  for (const OperatingState early : {OperatingState::Configured, OperatingState::Calibrating}) {
+    run_until(early);
+    EXPECT_EQ(clear().error().code, Errc::Busy);
+    EXPECT_THAT(clear().error().message, AllOf(HasSubstr("not calibrated yet"),
+                                               HasSubstr("calibrate it; if it was driven, clear")));
+    const Result<api::Done> refused = activate(kHer);
+    ASSERT_FALSE(refused) << "it would not become active by being calibrated";
+    EXPECT_THAT(refused.error().message, HasSubstr("disconnected"));
+  }
+  run_until(OperatingState::Fault);
+  loop_.run(3);
+  EXPECT_EQ(state(), OperatingState::Fault);
+  const Result<api::Done> done = clear(1);
+  ASSERT_TRUE(done) << done.error().message;
+  run_until(OperatingState::Active);
+  EXPECT_TRUE(leases_.is_held_for(0, kHer.value)) << "as before";
+}
+
+TEST_F(Commands, AnArmThatIsPulledWhileItIsClearedIsToldAsItIs) {
+  lose_while_driven();
+  loop_.replug();
+  run_until(OperatingState::Fault);
+  loop_.unplug();
+  Told told;
+  sut_.clear_fault("right", {}, kHer, keep(told));
+  loop_.controls().is_estop_healthy = false;  // so that it is not cleared just before
+  loop_.tick();
+  loop_.controls().is_estop_healthy = true;
+  ASSERT_EQ(state(), OperatingState::Lost);
+  EXPECT_EQ(answer_in(told).error().code, Errc::Disconnected);
+  loop_.replug();
+  run_until(OperatingState::Fault);
+  EXPECT_TRUE(clear());
 }
 
 TEST_F(Commands, NoPressedStopIsBlamedForAWishThatWasTakenBack) {
