@@ -1,6 +1,7 @@
 """Simulated arms as the packaged daemon has them: plugged into the guest, named in its configuration, with a box to feel."""
 
 import hashlib
+import json
 import random
 import struct
 
@@ -59,6 +60,20 @@ class Arm(simdev.Simdev):
         simdev.wait_for_state(self.guest, "calibrating")
         self.calibrate()
         simdev.wait_for_state(self.guest, "active")
+
+    def bring_back(self):
+        """Plugged in again after it was driven: calibrated, it waits for a clear. What the status says of it then."""
+        simdev.wait_for_state(self.guest, "calibrating")
+        self.calibrate()
+        return json.loads(simdev.wait_for_state(self.guest, "fault"))
+
+    def clear(self):
+        self.guest.run("thimble clear-fault right")
+        simdev.wait_for_state(self.guest, "active")
+
+    def resume(self):
+        self.bring_back()
+        self.clear()
 
 
 class HidArm(Arm):

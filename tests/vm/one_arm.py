@@ -69,7 +69,7 @@ class OneArm(guest.GuestTest):
                 self.move(self.rest_m, 0.1)
                 self.guest.run("sleep 0.1")
 
-    def test_5_pulled_out_while_the_hand_pushes_it_is_lost_and_comes_back(self):
+    def test_5_pulled_out_while_the_hand_pushes_it_is_lost_and_comes_back_when_it_is_cleared(self):
         self.assertGreater(simdev.norm(self.press()), WALL_NEWTON)
         self.arm.say("unplug")
         arm = json.loads(simdev.wait_for_state(self.guest, "lost"))
@@ -79,7 +79,10 @@ class OneArm(guest.GuestTest):
         self.arm.plug()
         simdev.wait_for_state(self.guest, "calibrating")
         self.assertLess(max(self.arm.forces(0.2)), simdev.NOTHING_NEWTON)
-        self.arm.activate()
+        back = self.arm.bring_back()
+        self.assertEqual([fault["number"] for fault in back["faults"]], [fault["number"] for fault in arm["faults"]])
+        self.assertEqual((back["faults"][0]["code"], back["force_newton"]), ("disconnected", [0, 0, 0]))
+        self.arm.clear()
         self.move(self.rest_m, 0.1)
         self.guest.run("sleep 0.2")
 

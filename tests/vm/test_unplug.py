@@ -1,5 +1,5 @@
 """The plug of an arm is pulled while a hand presses on a wall: it stops, says why and has recorded it; plugged in again and calibrated it
-goes on. The arm beside it notices nothing of all this.
+waits for a clear, and then goes on. The arm beside it notices nothing of all this.
 
 HID arms through uhid, and over USB/IP, where an arm that comes has a USB device to be configured and opened, too.
 """
@@ -17,6 +17,11 @@ class Unplugged(two_arms.TwoArms):
         """A script of the guest."""
         return self.right.command("plug")
 
+    def assert_not_cleared(self, why):
+        code, printed = self.guest.ask("thimble clear-fault right")
+        self.assertNotEqual(code, 0)
+        self.assertIn(why, printed)
+
     def test_1_both_arms_press_on_a_wall(self):
         self.press_both()
 
@@ -25,11 +30,13 @@ class Unplugged(two_arms.TwoArms):
         self.assertGreater(min(force for when_s, force in two_arms.forces(right) if when_s < at_s), two_arms.WALL_NEWTON)
         self.assert_pressed_without_a_gap(left)
 
-    def test_3_it_says_why_and_shows_what_it_recorded(self):
+    def test_3_its_fault_is_latched_and_says_why_and_shows_what_it_recorded(self):
         arm = json.loads(simdev.wait_for_state(self.guest, "lost"))
         self.assertEqual(arm["force_newton"], [0, 0, 0])
         self.assertEqual([fault["code"] for fault in arm["faults"]], ["disconnected"])
         self.assertIn("the arm was unplugged", arm["faults"][0]["message"])
+        self.assertGreater(arm["faults"][0]["number"], 0)
+        self.assert_not_cleared("can be cleared when it is back")
         shown = self.guest.wait_for("file=$(thimble status --json | python3 -c 'import json, sys; "
                                     "print(json.load(sys.stdin)[\"arms\"][0][\"faults\"][0][\"recording\"])'); "
                                     "test -f \"$file\" && thimble flight show $file")
@@ -41,13 +48,24 @@ class Unplugged(two_arms.TwoArms):
         _, left, _ = self.log_around(self.plug())
         self.assert_pressed_without_a_gap(left)
         arm = json.loads(simdev.wait_for_state(self.guest, "calibrating"))
-        self.assertEqual([fault["code"] for fault in arm["faults"]], [])
+        self.assertEqual([fault["code"] for fault in arm["faults"]], ["disconnected"])
+        self.assert_not_cleared("is not calibrated yet")
         self.assertLess(max(self.right.forces(0.5)), simdev.NOTHING_NEWTON)
         self.assert_nothing_happened_beside(before)
 
-    def test_5_calibrated_it_resumes(self):
+    def test_5_calibrated_it_waits_for_its_clear_and_forgets_nothing(self):
         before = self.of_the_arm_beside()
-        self.right.activate()
+        self.assertIn("thimble clear-fault right", self.right.bring_back()["instruction"])
+        # For longer than its own watchdog waits for a word.
+        self.guest.run("sleep 1")
+        arm = json.loads(simdev.wait_for_state(self.guest, "fault"))
+        self.assertEqual((arm["calibration"], [fault["code"] for fault in arm["faults"]]), ("ok", ["disconnected"]))
+        self.assertLess(max(self.right.forces(1)), simdev.NOTHING_NEWTON)
+        self.assert_nothing_happened_beside(before)
+
+    def test_6_cleared_it_resumes(self):
+        before = self.of_the_arm_beside()
+        self.right.clear()
         self.press(self.right)
         self.assert_nothing_happened_beside(before)
         self.assertLess(self.left.felt(0.2)[0], -two_arms.WALL_NEWTON)
