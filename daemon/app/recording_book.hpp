@@ -11,8 +11,8 @@ namespace thimble::app {
 
 // What became of the recordings of the latest stops. A slow disk may finish the one of an earlier
 // stop when a later one of the same code is shown already, so a stop is known by its number and its
-// tick, not by its code. The number alone would not do: an arm that is lost latches nothing, and
-// all such stops have number 0.
+// tick, not by its code. The number alone would not do: an arm that is lost while it rests latches
+// nothing, and all such stops have number 0.
 //
 // Thread: one. Not RT.
 class RecordingBook {
