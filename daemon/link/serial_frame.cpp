@@ -77,19 +77,25 @@ SerialFrame frame(std::span<const std::byte> datagram) noexcept {
 
 std::optional<std::span<const std::byte>> Deframer::push(std::byte byte) noexcept {
   if (byte == std::byte{0}) return end_of_frame();
-  is_too_long_ = is_too_long_ || size_ == stuffed_.size();
-  if (!is_too_long_) stuffed_[size_++] = byte;
+  if (size_ == stuffed_.size()) {
+    // Counted here, for its end may never come: a receiver that is slower than the sender finds no
+    // zero in what it hears.
+    ++counters_.damaged;
+    is_too_long_ = true;
+    size_ = 0;
+  }
+  stuffed_[size_++] = byte;
   return std::nullopt;
 }
 
 std::optional<std::span<const std::byte>> Deframer::end_of_frame() noexcept {
   const auto stuffed = std::span(stuffed_).first(size_);
-  const bool is_nothing = size_ == 0 && !is_too_long_;  // two zeros between two frames
-  const bool is_long = is_too_long_;
+  const bool is_counted = is_too_long_;
+  const bool is_nothing = size_ == 0;  // two zeros between two frames
   size_ = 0;
   is_too_long_ = false;
-  if (is_nothing) return std::nullopt;
-  const std::optional<std::size_t> size = is_long ? std::nullopt : unstuff(stuffed, plain_);
+  if (is_nothing || is_counted) return std::nullopt;
+  const std::optional<std::size_t> size = unstuff(stuffed, plain_);
   if (size && *size > kSerialChecksum && *size <= kMaxFramed) {
     const auto datagram = std::span<const std::byte>(plain_).first(*size - kSerialChecksum);
     std::uint32_t sum = 0;

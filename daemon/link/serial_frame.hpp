@@ -40,7 +40,9 @@ class Deframer {
  public:
   struct Counters {
     std::uint64_t frames{0};
-    std::uint64_t damaged{0};  // too long, wrongly stuffed, of no length, or with another checksum
+    // Wrongly stuffed, of no length, with another checksum, or too long: once for each
+    // kMaxSerialFrame bytes without an end.
+    std::uint64_t damaged{0};
   };
 
   // The next byte of the line. Where it ends a whole frame, its datagram, until the next call.

@@ -107,6 +107,16 @@ TEST(SerialFrame, NoiseIsCountedAndNeverADatagram) {
   EXPECT_EQ(sut.counters().frames, 0U);
 }
 
+TEST(SerialFrame, WhatNeverEndsIsCountedWhileItGoesOn) {
+  Deframer sut;
+  const LineBytes endless(3 * kMaxSerialFrame + 1, std::byte{0x55});
+  EXPECT_TRUE(datagrams_in(sut, endless).empty());
+  EXPECT_EQ(sut.counters().damaged, 3U);
+  EXPECT_TRUE(datagrams_in(sut, LineBytes{std::byte{0}}).empty());
+  EXPECT_EQ(sut.counters().damaged, 3U) << "its end is no further frame";
+  EXPECT_EQ(datagrams_in(sut, frame(LineBytes{std::byte{7}}).view()).size(), 1U);
+}
+
 TEST(LinePaceTest, KeepsTheRateOfTheLine) {
   for (const std::uint32_t rate : {38'400U, 115'200U, 3'000'000U}) {
     LinePace sut(rate);
