@@ -1,6 +1,7 @@
 #include "daemon/link/serial_frame.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "daemon/link/network_bytes.hpp"
 
@@ -77,6 +78,7 @@ SerialFrame frame(std::span<const std::byte> datagram) noexcept {
 
 std::optional<std::span<const std::byte>> Deframer::push(std::byte byte) noexcept {
   if (byte == std::byte{0}) return end_of_frame();
+  is_behind_two_zeros_ = false;
   if (size_ == stuffed_.size()) {
     // Counted here, for its end may never come: a receiver that is slower than the sender finds no
     // zero in what it hears.
@@ -94,6 +96,8 @@ std::optional<std::span<const std::byte>> Deframer::end_of_frame() noexcept {
   const bool is_nothing = size_ == 0;  // two zeros between two frames
   size_ = 0;
   is_too_long_ = false;
+  // A receiver that is ten times as fast as the sender hears nothing else.
+  if (is_nothing && std::exchange(is_behind_two_zeros_, true)) ++counters_.damaged;
   if (is_nothing || is_counted) return std::nullopt;
   const std::optional<std::size_t> size = unstuff(stuffed, plain_);
   if (size && *size > kSerialChecksum && *size <= kMaxFramed) {

@@ -41,7 +41,7 @@ class Deframer {
   struct Counters {
     std::uint64_t frames{0};
     // Wrongly stuffed, of no length, with another checksum, or too long: once for each
-    // kMaxSerialFrame bytes without an end.
+    // kMaxSerialFrame bytes without an end. Also each zero that can be no end, behind two others.
     std::uint64_t damaged{0};
   };
 
@@ -55,6 +55,7 @@ class Deframer {
   std::array<std::byte, kMaxSerialFrame> stuffed_{};
   std::size_t size_{0};
   bool is_too_long_{false};
+  bool is_behind_two_zeros_{false};
   std::array<std::byte, kMaxSerialFrame> plain_{};
   Counters counters_{};
 };

@@ -117,6 +117,16 @@ TEST(SerialFrame, WhatNeverEndsIsCountedWhileItGoesOn) {
   EXPECT_EQ(datagrams_in(sut, frame(LineBytes{std::byte{7}}).view()).size(), 1U);
 }
 
+TEST(SerialFrame, ZerosThatCanBeNoEndAreCounted) {
+  Deframer sut;
+  const SerialFrame whole = frame(LineBytes{std::byte{7}});
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(datagrams_in(sut, whole.view()).size(), 1U);
+  EXPECT_EQ(sut.counters().damaged, 0U) << "two of them are between two frames";
+  EXPECT_TRUE(datagrams_in(sut, LineBytes(10)).empty());
+  EXPECT_EQ(sut.counters().damaged, 9U);
+  EXPECT_EQ(datagrams_in(sut, whole.view()).size(), 1U);
+}
+
 TEST(LinePaceTest, KeepsTheRateOfTheLine) {
   for (const std::uint32_t rate : {38'400U, 115'200U, 3'000'000U}) {
     LinePace sut(rate);
