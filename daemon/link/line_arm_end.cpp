@@ -18,6 +18,7 @@ class LineArmEndOf final : public LineArmEnd {
   void offer(const coupling::HandSample& sample) noexcept override { end_.offer(sample); }
 
   void on_bytes(std::span<const std::byte> bytes, MonotonicTime now) override {
+    deframer_.on_read(now);
     for (const std::byte byte : bytes) {
       if (const auto datagram = deframer_.push(byte)) end_.on_datagram(*datagram, now);
     }

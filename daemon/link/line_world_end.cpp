@@ -16,6 +16,7 @@ LineWorldEnd::LineWorldEnd(const ThimbleWorldEnd::Settings& settings,
 }
 
 void LineWorldEnd::on_bytes(std::span<const std::byte> bytes, MonotonicTime now) {
+  deframer_.on_read(now);
   for (const std::byte byte : bytes) {
     if (const auto datagram = deframer_.push(byte)) on_datagram(*datagram, now);
   }

@@ -76,6 +76,14 @@ SerialFrame frame(std::span<const std::byte> datagram) noexcept {
   return out;
 }
 
+void Deframer::on_read(MonotonicTime now) noexcept {
+  const bool was_silent = now - std::exchange(read_at_, now) > kLineSilence;
+  if (!was_silent || size_ == 0) return;
+  ++counters_.damaged;
+  size_ = 0;
+  is_too_long_ = false;
+}
+
 std::optional<std::span<const std::byte>> Deframer::push(std::byte byte) noexcept {
   if (byte == std::byte{0}) return end_of_frame();
   is_behind_two_zeros_ = false;

@@ -35,16 +35,22 @@ struct SerialFrame {
 
 [[nodiscard]] std::uint32_t crc32(std::span<const std::byte> bytes) noexcept;
 
+// Ours: later than any machine reads, and sooner than who hears no answer asks again.
+inline constexpr Duration kLineSilence = std::chrono::milliseconds(100);
+
 // Finds the datagrams in a stream of bytes, however it is cut.
 class Deframer {
  public:
   struct Counters {
     std::uint64_t frames{0};
     // Wrongly stuffed, of no length, with another checksum, or too long: once for each
-    // kMaxSerialFrame bytes without an end. Also each zero that can be no end, behind two others.
+    // kMaxSerialFrame bytes without an end. Also each zero that can be no end, behind two others,
+    // and what the line fell silent in.
     std::uint64_t damaged{0};
   };
 
+  // Before the bytes of each read: after a silence of kLineSilence nothing is the rest of a frame.
+  void on_read(MonotonicTime now) noexcept;
   // The next byte of the line. Where it ends a whole frame, its datagram, until the next call.
   [[nodiscard]] std::optional<std::span<const std::byte>> push(std::byte byte) noexcept;
   [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
@@ -56,6 +62,7 @@ class Deframer {
   std::size_t size_{0};
   bool is_too_long_{false};
   bool is_behind_two_zeros_{false};
+  MonotonicTime read_at_{};
   std::array<std::byte, kMaxSerialFrame> plain_{};
   Counters counters_{};
 };

@@ -127,6 +127,23 @@ TEST(SerialFrame, ZerosThatCanBeNoEndAreCounted) {
   EXPECT_EQ(datagrams_in(sut, whole.view()).size(), 1U);
 }
 
+TEST(SerialFrame, WhatTheLineFellSilentInIsCountedAndNotGoneOnWith) {
+  Deframer sut;
+  const LineBytes datagram{std::byte{7}, std::byte{8}};
+  const SerialFrame whole = frame(datagram);
+  const MonotonicTime begin{std::chrono::seconds(1)};
+  sut.on_read(begin);
+  EXPECT_TRUE(datagrams_in(sut, whole.view().first(4)).empty());
+  sut.on_read(begin + kLineSilence);
+  EXPECT_EQ(datagrams_in(sut, whole.view().subspan(4)).size(), 1U) << "a reader may be late";
+  EXPECT_TRUE(datagrams_in(sut, whole.view().first(4)).empty());
+  sut.on_read(begin + 3 * kLineSilence);
+  EXPECT_EQ(sut.counters().damaged, 1U);
+  EXPECT_EQ(datagrams_in(sut, whole.view()).size(), 1U);
+  sut.on_read(begin + 5 * kLineSilence);
+  EXPECT_EQ(sut.counters().damaged, 1U) << "silence between frames is none";
+}
+
 TEST(LinePaceTest, KeepsTheRateOfTheLine) {
   for (const std::uint32_t rate : {38'400U, 115'200U, 3'000'000U}) {
     LinePace sut(rate);
