@@ -13,7 +13,6 @@
 #include "daemon/world/cam/automaton_file.hpp"
 #include "hal/linux/background_worker.hpp"
 #include "hal/linux/board_window.hpp"
-#include "hal/linux/serial_line.hpp"
 
 namespace thimble::app {
 namespace {
@@ -80,11 +79,10 @@ Result<void> Daemon::start(const linux::RealtimeProcess& process) {
   parts.open_board_window = [] {
     return linux::open_board_window("/run/thimble-board.sock", kBoardHelperPatience);
   };
-  parts.open_line = linux::share_serial_line;
   parts.stopwatch = parts.real_clock = &clock_;
   parts.wake = wake_.get();
-  parts.io = &io_;
   parts.network = &network_;
+  parts.lines = &lines_;
   parts.on_wait = [this](const Error& why) {
     spdlog::warn("waiting: {}", why.message);
     notifier_.status("waiting: " + why.message);

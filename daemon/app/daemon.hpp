@@ -24,12 +24,14 @@
 #include "daemon/app/servo_threads.hpp"
 #include "daemon/app/status_source.hpp"
 #include "daemon/config/config.hpp"
+#include "daemon/link/tty_ports.hpp"
 #include "daemon/link/udp_network.hpp"
 #include "daemon/session/plugins.hpp"
 #include "daemon/session/runtime.hpp"
 #include "hal/linux/bus_enumerator.hpp"
 #include "hal/linux/event_fd.hpp"
 #include "hal/linux/monotonic_clock.hpp"
+#include "hal/linux/serial_line.hpp"
 
 namespace thimble::app {
 
@@ -88,6 +90,7 @@ class Daemon final : private api::StatusView {
 
   boost::asio::io_context io_{1};
   link::UdpNetwork network_{io_};
+  link::TtyPorts lines_{io_, linux::share_serial_line};
   boost::asio::signal_set signals_{io_};
   boost::asio::steady_timer pump_timer_{io_};
   boost::asio::steady_timer supervise_timer_{io_};

@@ -1,75 +1,55 @@
 #pragma once
 
-#include <array>
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/posix/stream_descriptor.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 
 #include "daemon/link/serial_frame.hpp"
-#include "daemon/link/serial_line.hpp"
 #include "hal/base/time.hpp"
 
 namespace thimble::link {
 
-// A serial port and a timer on the net plane, for the two ends that speak along it. Includes Asio:
-// only for .cpp files of this folder.
+// One end of a serial line with a timer, for the two ends of a protocol that speak along it.
+// TtyPort is that of the system; another line, in another time, has ports of its own.
 //
 // A port that cannot be opened, or is gone, is no error of the link: it is opened again each
-// kOpenAgain. The handlers given to start() run until this is destroyed and never after.
+// kOpenAgain. The handlers given to start() run until the port is destroyed and never after.
 //
-// Thread: the one that runs the io_context. RT: not. Ownership: the io_context must outlive it.
+// Thread: the one that its LinePorts run on. RT: not. Ownership: its LinePorts must outlive it.
 // Errors: none; the newest is in last_error(), nothing while all is well.
 class LinePort {
  public:
   static constexpr Duration kOpenAgain = std::chrono::seconds(1);  // ours
   struct Handlers {
-    std::function<void(std::span<const std::byte>)> on_bytes;
-    std::function<void()> on_timer;  // also when there is room again
+    std::function<void(std::span<const std::byte>)> on_bytes;  // they live until it returns
+    std::function<void()> on_timer;                            // also when there is room again
   };
 
-  LinePort(boost::asio::io_context& io, OpenLine open);
-  ~LinePort();
+  LinePort() = default;
+  virtual ~LinePort() = default;
   LinePort(const LinePort&) = delete;
   LinePort& operator=(const LinePort&) = delete;
 
-  void start(Handlers handlers);
-  // Open, and the kernel has taken all of the last frame.
-  [[nodiscard]] bool has_room() const noexcept { return node_ != nullptr && !is_writing_; }
+  virtual void start(Handlers handlers) = 0;  // once
+  // Open, and all of the last frame is taken.
+  [[nodiscard]] virtual bool has_room() const noexcept = 0;
   // Only while has_room().
-  void send(const SerialFrame& frame);
+  virtual void send(const SerialFrame& frame) = 0;
   // on_timer runs after `wait`, or earlier when that was asked for before.
-  void wake_after(MonotonicTime now, Duration wait);
-  [[nodiscard]] const std::string& last_error() const noexcept { return last_error_; }
+  virtual void wake_after(MonotonicTime now, Duration wait) = 0;
+  [[nodiscard]] virtual const std::string& last_error() const noexcept = 0;
+};
 
- private:
-  // As of UdpPort.
-  struct Alive {
-    Handlers handlers;
-  };
-
-  void open();
-  void close(const std::string& why);
-  void open_later();
-  void receive_next();
-
-  boost::asio::posix::stream_descriptor line_;
-  boost::asio::steady_timer timer_;
-  boost::asio::steady_timer open_timer_;
-  OpenLine open_;
-  LineNode node_;  // none: closed
-  std::optional<MonotonicTime> wakes_at_;
-  std::shared_ptr<Alive> alive_;
-  std::array<std::byte, 4096> buffer_{};
-  // What Asio still writes when the port is closed and opened again.
-  std::shared_ptr<const SerialFrame> leaving_;
-  bool is_writing_{false};
-  std::string last_error_;
+// The serial ports of a machine. Thread: one. Ownership: outlives its ports.
+class LinePorts {
+ public:
+  virtual ~LinePorts() = default;
+  // That of the device `node`, whether it is there or not; not open yet.
+  [[nodiscard]] virtual std::unique_ptr<LinePort> make_port(const std::string& node,
+                                                            std::uint32_t bit_per_s) = 0;
 };
 
 }  // namespace thimble::link

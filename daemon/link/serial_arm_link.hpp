@@ -6,14 +6,11 @@
 
 #include "daemon/coupling/arm_link.hpp"
 #include "daemon/link/arm_end_settings.hpp"
+#include "daemon/link/line_port.hpp"
 #include "daemon/link/link_counters.hpp"
 #include "daemon/link/serial_line.hpp"
 #include "hal/base/time.hpp"
 #include "hal/rt/wake_signal.hpp"
-
-namespace boost::asio {
-class io_context;
-}
 
 namespace thimble::link {
 
@@ -21,8 +18,8 @@ namespace thimble::link {
 // that a line or a peer does ends it; a port that is gone, or held by somebody else, is asked for
 // again each second, and its trouble is in status().
 //
-// Thread: arm_end() is for the servo; everything else for the thread that runs the io_context.
-// RT: not, but for the arm end. Ownership: io_context, clock and wake signal must outlive it.
+// Thread: arm_end() is for the servo; everything else for the thread that the ports run on.
+// RT: not, but for the arm end. Ownership: ports, clock and wake signal must outlive it.
 // Errors: none.
 class SerialArmLink {
  public:
@@ -32,7 +29,7 @@ class SerialArmLink {
   };
 
   // `wake`: as UdpArmLink::open().
-  SerialArmLink(boost::asio::io_context& io, const Clock& clock, const Settings& settings,
+  SerialArmLink(LinePorts& ports, const Clock& clock, const Settings& settings,
                 rt::WakeSignal* wake);
   ~SerialArmLink();
 

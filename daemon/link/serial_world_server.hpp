@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "daemon/link/line_port.hpp"
 #include "daemon/link/link_counters.hpp"
 #include "daemon/link/serial_line.hpp"
 #include "daemon/link/udp_world_server.hpp"
@@ -13,8 +14,8 @@ namespace thimble::link {
 // The world's end of both protocols along a serial line: LineWorldEnd behind a port. Errors of the
 // line end nothing: SerialArmLink.
 //
-// Thread: the one that runs the io_context. RT: not. Ownership: io_context, clock and worlds must
-// outlive it. Errors: none.
+// Thread: the one that the ports run on. RT: not. Ownership: ports, clock and worlds must outlive
+// it. Errors: none.
 class SerialWorldServer {
  public:
   struct Settings {
@@ -22,7 +23,7 @@ class SerialWorldServer {
     ThimbleWorldEnd::Settings end{};
   };
 
-  SerialWorldServer(boost::asio::io_context& io, const Clock& clock, const Settings& settings,
+  SerialWorldServer(LinePorts& ports, const Clock& clock, const Settings& settings,
                     const UdpWorldServer::Worlds& worlds);
   ~SerialWorldServer();
 

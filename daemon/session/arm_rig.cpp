@@ -19,14 +19,13 @@ bool must_fall_back(const config::ArmConfig& arm, const RigParts& parts) {
 // Errors: Unsupported, `parts` has no way there; the link's.
 Result<std::unique_ptr<RigLink>> link_to_other_host(const config::ArmConfig& arm,
                                                     const RigParts& parts) {
-  if (arm.line) {
-    if (parts.io == nullptr || parts.real_clock == nullptr) {
-      return fail(Errc::Unsupported, "line: a serial line keeps real time; name a world");
-    }
-    return make_serial_link(arm, serial_line(*arm.line, parts), *parts.io, *parts.real_clock,
-                            parts.wake);
-  }
   const Clock* const clock = network_clock(parts);
+  if (arm.line) {
+    if (parts.lines == nullptr || clock == nullptr) {
+      return fail(Errc::Unsupported, "line: this program has no serial ports; name a world");
+    }
+    return make_serial_link(arm, *parts.lines, *clock, parts.wake);
+  }
   if (parts.network == nullptr || clock == nullptr) {
     return fail(Errc::Unsupported, "link: there is no network to another host; name a world");
   }

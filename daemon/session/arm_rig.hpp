@@ -32,14 +32,10 @@ struct RigParts {
   const Clock* world_clock{nullptr};        // of worlds that take their time; nullptr: real_clock
   const Clock* stopwatch{nullptr};          // nullptr: the arm's own clock
   rt::WakeSignal* wake{nullptr};            // of the net plane
-  boost::asio::io_context* io{nullptr};     // for serial lines to other hosts
   link::DatagramNetwork* network{nullptr};  // to other hosts; nullptr: there is none
-  const Clock* network_clock{nullptr};      // of its links; nullptr: real_clock
-  // Opens a serial port of this machine for a link: link::OpenLine; nothing: there is none.
-  std::function<Result<std::shared_ptr<const int>>(const std::string& node,
-                                                   std::uint32_t bit_per_s)>
-      open_line{};
-  std::uint32_t first_session{1};  // of the world halves: see GhostPointWorld
+  link::LinePorts* lines{nullptr};          // likewise, serial ones
+  const Clock* network_clock{nullptr};      // of the links by either; nullptr: real_clock
+  std::uint32_t first_session{1};           // of the world halves: see GhostPointWorld
   // Puts something between a simulated arm's bus and its session, such as a bad cable.
   std::function<std::unique_ptr<bus::BusEnumerator>(bus::BusEnumerator&, const Clock&)>
       wrap_sim_bus{};
@@ -53,7 +49,7 @@ struct RigParts {
   std::function<void(const Error&)> on_wait{};
 };
 
-// Of links over parts.network; nullptr: none can be kept.
+// Of links to other hosts; nullptr: none can be kept.
 [[nodiscard]] const Clock* network_clock(const RigParts& parts) noexcept;
 
 // One arm with everything below and beside it: bus and time, device, coupling, servo, link.

@@ -242,13 +242,8 @@ link::SendMode send_mode(const config::ArmConfig& arm) {
                                                              : link::SendMode::Streamed;
 }
 
-link::SerialLine serial_line(const config::SerialEndpoint& said, const RigParts& parts) {
-  return {.name = to_string(said),
-          .bit_per_s = said.bit_per_s,
-          .open = [said, open = parts.open_line]() -> Result<link::LineNode> {
-            if (!open) return fail(Errc::Unsupported, "this program has no serial ports");
-            return open(said.node, said.bit_per_s);
-          }};
+link::SerialLine serial_line(const config::SerialEndpoint& said) {
+  return {.name = to_string(said), .node = said.node, .bit_per_s = said.bit_per_s};
 }
 
 Result<link::ArmEndSettings> arm_end_settings(const config::ArmConfig& arm) {

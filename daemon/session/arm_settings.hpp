@@ -40,9 +40,7 @@ struct RigParts;
 [[nodiscard]] link::ThimbleHalf half_of(const config::CouplingConfig& said);
 [[nodiscard]] Result<config::CouplingConfig> coupling_of(const link::ThimbleHalf& half);
 [[nodiscard]] Result<link::Endpoint> endpoint(const config::UdpEndpoint& said);
-// Opened as `parts` say, whenever it is asked for.
-[[nodiscard]] link::SerialLine serial_line(const config::SerialEndpoint& said,
-                                           const RigParts& parts);
+[[nodiscard]] link::SerialLine serial_line(const config::SerialEndpoint& said);
 [[nodiscard]] link::SendMode send_mode(const config::ArmConfig& arm);
 // Of a link to another host. Errors: those of its key file.
 [[nodiscard]] Result<link::ArmEndSettings> arm_end_settings(const config::ArmConfig& arm);

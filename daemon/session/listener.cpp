@@ -40,16 +40,16 @@ Result<std::unique_ptr<Listener>> Listener::open(const Said& said,
   }
   // The constructor is private, so make_unique cannot reach it.
   std::unique_ptr<Listener> listener(new Listener());
+  const Clock* const clock = network_clock(parts);
   if (said.line) {
-    if (parts.io == nullptr || parts.real_clock == nullptr) {
-      return fail(Errc::Unsupported, "line: a serial line keeps real time");
+    if (parts.lines == nullptr || clock == nullptr) {
+      return fail(Errc::Unsupported, "line: this program has no serial ports for arms to come by");
     }
     listener->line_ = std::make_unique<link::SerialWorldServer>(
-        *parts.io, *parts.real_clock,
-        link::SerialWorldServer::Settings{serial_line(*said.line, parts), end}, worlds);
+        *parts.lines, *clock, link::SerialWorldServer::Settings{serial_line(*said.line), end},
+        worlds);
     return listener;
   }
-  const Clock* const clock = network_clock(parts);
   if (parts.network == nullptr || clock == nullptr) {
     return fail(Errc::Unsupported,
                 "listen: there is no network for arms of other hosts to come by");

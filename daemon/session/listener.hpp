@@ -33,8 +33,8 @@ class Listener {
     std::optional<std::string> key_file{};
     std::optional<config::ImpairmentConfig> impairment{};
   };
-  // `end`: what is told, and of how many; the rest of it is as said. Errors: Unsupported in virtual
-  // time, the key file's, or the address cannot be bound.
+  // `end`: what is told, and of how many; the rest of it is as said. Errors: Unsupported where
+  // `parts` has no way here, the key file's, or the address cannot be bound.
   [[nodiscard]] static Result<std::unique_ptr<Listener>> open(
       const Said& said, link::ThimbleWorldEnd::Settings end,
       const link::UdpWorldServer::Worlds& worlds, const RigParts& parts);

@@ -8,15 +8,11 @@
 #include "daemon/coupling/arm_link.hpp"
 #include "daemon/coupling/world_coupling.hpp"
 #include "daemon/link/datagram_port.hpp"
+#include "daemon/link/line_port.hpp"
 #include "daemon/link/link_counters.hpp"
-#include "daemon/link/serial_line.hpp"
 #include "hal/base/result.hpp"
 #include "hal/base/time.hpp"
 #include "hal/rt/wake_signal.hpp"
-
-namespace boost::asio {
-class io_context;
-}
 
 namespace thimble::session {
 
@@ -45,10 +41,10 @@ class RigLink {
                                                              const Clock& clock,
                                                              rt::WakeSignal* wake);
 
-// The world is behind the serial line of `arm.line`, which `line` opens. Errors: its key file's.
+// The world is behind the serial line `arm.line`. `ports` and `clock` must outlive the link.
+// Errors: its key file's.
 [[nodiscard]] Result<std::unique_ptr<RigLink>> make_serial_link(const config::ArmConfig& arm,
-                                                                const link::SerialLine& line,
-                                                                boost::asio::io_context& io,
+                                                                link::LinePorts& ports,
                                                                 const Clock& clock,
                                                                 rt::WakeSignal* wake);
 

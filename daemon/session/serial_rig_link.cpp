@@ -7,9 +7,9 @@ namespace {
 
 class SerialRigLink final : public RigLink {
  public:
-  SerialRigLink(boost::asio::io_context& io, const Clock& clock,
+  SerialRigLink(link::LinePorts& ports, const Clock& clock,
                 const link::SerialArmLink::Settings& settings, rt::WakeSignal* wake)
-      : link_(io, clock, settings, wake) {}
+      : link_(ports, clock, settings, wake) {}
 
   [[nodiscard]] coupling::ArmLink& arm_end() noexcept override { return link_.arm_end(); }
   // As of a link by UDP: only a wake brings work from outside.
@@ -26,13 +26,13 @@ class SerialRigLink final : public RigLink {
 }  // namespace
 
 Result<std::unique_ptr<RigLink>> make_serial_link(const config::ArmConfig& arm,
-                                                  const link::SerialLine& line,
-                                                  boost::asio::io_context& io, const Clock& clock,
+                                                  link::LinePorts& ports, const Clock& clock,
                                                   rt::WakeSignal* wake) {
+  if (!arm.line) return fail(Errc::InvalidArgument, "arm.link is not set");
   const Result<link::ArmEndSettings> end = arm_end_settings(arm);
   if (!end) return tl::unexpected(end.error());
-  return std::make_unique<SerialRigLink>(io, clock, link::SerialArmLink::Settings{line, *end},
-                                         wake);
+  return std::make_unique<SerialRigLink>(
+      ports, clock, link::SerialArmLink::Settings{serial_line(*arm.line), *end}, wake);
 }
 
 }  // namespace thimble::session

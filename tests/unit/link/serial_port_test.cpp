@@ -17,6 +17,7 @@
 
 #include "daemon/link/serial_arm_link.hpp"
 #include "daemon/link/serial_world_server.hpp"
+#include "daemon/link/tty_ports.hpp"
 #include "hal/linux/descriptor.hpp"
 #include "hal/linux/monotonic_clock.hpp"
 #include "hal/linux/serial_line.hpp"
@@ -72,10 +73,10 @@ class SerialPorts : public ::testing::Test {
   }
   void open_both() {
     ends.protocol = ArmEndSettings::Protocol::Thimble;
-    arm = std::make_unique<SerialArmLink>(
-        io, clock, SerialArmLink::Settings{line([this] { return of_arm; }), ends}, nullptr);
+    arm = std::make_unique<SerialArmLink>(ports, clock,
+                                          SerialArmLink::Settings{line("arm's"), ends}, nullptr);
     world = std::make_unique<SerialWorldServer>(
-        io, clock, SerialWorldServer::Settings{line([this] { return of_world; }), {}},
+        ports, clock, SerialWorldServer::Settings{line("world's"), {}},
         UdpWorldServer::Worlds{.of_1999 = &world_of_1999,
                                .make_half = [this](const ThimbleHalf&)
                                    -> Result<std::unique_ptr<coupling::WorldCoupling>> {
@@ -83,14 +84,14 @@ class SerialPorts : public ::testing::Test {
                                  return std::make_unique<on_table::Half>(*halves.back());
                                }});
   }
-  // At whatever terminal is there when it is asked for.
-  SerialLine line(std::function<Plug*()> plug) {
-    return {.name = "serial:test",
-            .bit_per_s = bit_per_s,
-            .open = [plug = std::move(plug), rate = bit_per_s]() -> Result<LineNode> {
-              if (plug() == nullptr) return fail(Errc::NotFound, "there is no such port");
-              return linux::share_serial_line(plug()->node(), rate);
-            }};
+  [[nodiscard]] SerialLine line(const char* end) const {
+    return {.name = "serial:test", .node = end, .bit_per_s = bit_per_s};
+  }
+  // Whatever terminal is there when it is asked for.
+  [[nodiscard]] Result<LineNode> open(const std::string& end, std::uint32_t rate) const {
+    Plug* const plug = end == "arm's" ? of_arm : of_world;
+    if (plug == nullptr) return fail(Errc::NotFound, "there is no such port");
+    return linux::share_serial_line(plug->node(), rate);
   }
   bool run_until(const std::function<bool()>& is_done) {
     for (int i = 0; i < 20000; ++i) {
@@ -125,6 +126,8 @@ class SerialPorts : public ::testing::Test {
 
   linux::MonotonicClock clock;
   boost::asio::io_context io{1};
+  TtyPorts ports{io,
+                 [this](const std::string& end, std::uint32_t rate) { return open(end, rate); }};
   std::deque<Plug> plugs;
   Plug* of_arm{nullptr};
   Plug* of_world{nullptr};

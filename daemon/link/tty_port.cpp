@@ -1,4 +1,4 @@
-#include "daemon/link/line_port.hpp"
+#include "daemon/link/tty_port.hpp"
 
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/write.hpp>
@@ -9,23 +9,23 @@ namespace thimble::link {
 namespace asio = boost::asio;
 using boost::system::error_code;
 
-LinePort::LinePort(asio::io_context& io, OpenLine open)
+TtyPort::TtyPort(asio::io_context& io, Open open)
     : line_(io),
       timer_(io),
       open_timer_(io),
       open_(std::move(open)),
       alive_(std::make_shared<Alive>()) {}
 
-LinePort::~LinePort() {
+TtyPort::~TtyPort() {
   if (line_.is_open()) line_.release();  // node_ closes it
 }
 
-void LinePort::start(Handlers handlers) {
+void TtyPort::start(Handlers handlers) {
   alive_->handlers = std::move(handlers);
   open();
 }
 
-void LinePort::open() {
+void TtyPort::open() {
   Result<LineNode> node = open_();
   if (!node) {
     last_error_ = node.error().message;
@@ -40,7 +40,7 @@ void LinePort::open() {
   alive_->handlers.on_timer();
 }
 
-void LinePort::close(const std::string& why) {
+void TtyPort::close(const std::string& why) {
   last_error_ = why;
   if (line_.is_open()) line_.release();
   node_.reset();
@@ -48,7 +48,7 @@ void LinePort::close(const std::string& why) {
   open_later();
 }
 
-void LinePort::open_later() {
+void TtyPort::open_later() {
   open_timer_.expires_after(kOpenAgain);
   open_timer_.async_wait([this, alive = std::weak_ptr<Alive>(alive_)](const error_code& error) {
     const std::shared_ptr<Alive> held = alive.lock();
@@ -57,7 +57,7 @@ void LinePort::open_later() {
   });
 }
 
-void LinePort::receive_next() {
+void TtyPort::receive_next() {
   line_.async_read_some(asio::buffer(buffer_),
                         [this, of = node_, alive = std::weak_ptr<Alive>(alive_)](
                             const error_code& error, std::size_t size) {
@@ -70,7 +70,7 @@ void LinePort::receive_next() {
                         });
 }
 
-void LinePort::send(const SerialFrame& frame) {
+void TtyPort::send(const SerialFrame& frame) {
   leaving_ = std::make_shared<const SerialFrame>(frame);
   is_writing_ = true;
   asio::async_write(line_, asio::buffer(leaving_->bytes.data(), leaving_->size),
@@ -84,7 +84,7 @@ void LinePort::send(const SerialFrame& frame) {
                     });
 }
 
-void LinePort::wake_after(MonotonicTime now, Duration wait) {
+void TtyPort::wake_after(MonotonicTime now, Duration wait) {
   const MonotonicTime wakes_at = now + wait;
   if (wakes_at_ && *wakes_at_ <= wakes_at) return;  // re-arming costs a system call
   wakes_at_ = wakes_at;
