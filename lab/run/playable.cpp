@@ -1,6 +1,7 @@
 #include "lab/run/playable.hpp"
 
 #include <algorithm>
+#include <cstddef>
 #include <utility>
 
 #include "daemon/config/endpoint.hpp"
@@ -9,15 +10,14 @@
 namespace thimble::lab {
 namespace {
 
-constexpr const char* kLineKeepsTime = ": a serial line keeps real time; udp:// does not";
-
 bool is_on_real_board(const config::WorldConfig& world) {
   if (!world.pieces) return false;
   return world.pieces->board == config::PieceBoardKind::Usb ||
          world.pieces->board == config::PieceBoardKind::Pci;
 }
 
-void judge(const config::ArmConfig& arm, const std::vector<PlayedFile>& files,
+// `file`: of the arm.
+void judge(const config::ArmConfig& arm, std::size_t file, const std::vector<PlayedFile>& files,
            std::vector<std::string>& reasons) {
   const std::string name = "arm '" + arm.name + "'";
   if (!bus::is_simulated(arm.device)) {
@@ -28,13 +28,19 @@ void judge(const config::ArmConfig& arm, const std::vector<PlayedFile>& files,
     reasons.push_back(name + ": link: nobody listens at " + config::to_string(*arm.link) +
                       "; give the configuration of that host, too");
   }
-  if (arm.line) reasons.push_back(name + ": link" + kLineKeepsTime);
-  if (arm.listen_line) reasons.push_back(name + ": listen" + kLineKeepsTime);
+  if (!arm.line) return;
+  const std::size_t ends = ends_at(arm.line->node, files);
+  if (!is_heard(*arm.line, file, files)) {
+    reasons.push_back(name + ": link: nobody listens at " + config::to_string(*arm.line) +
+                      "; give the configuration of that host, too, with the same device there");
+  } else if (ends > 2) {
+    reasons.push_back(name + ": link: " + std::to_string(ends) + " ends are at " + arm.line->node +
+                      ", and a line has two; give each line a device of its own with --set");
+  }
 }
 
 void judge(const config::WorldConfig& world, std::vector<std::string>& reasons) {
   const std::string name = "world '" + world.name + "'";
-  if (world.line) reasons.push_back(name + ": listen" + kLineKeepsTime);
   if (is_on_real_board(world)) {
     reasons.push_back(name +
                       ": pieces.board: a real one keeps real time; \"sim\" and \"sim-usb\" do not");
@@ -48,9 +54,10 @@ std::vector<std::string> reasons_not_to_play(const std::vector<PlayedFile>& file
   const bool has_arm = std::any_of(files.begin(), files.end(),
                                    [](const auto& of) { return !of.config.arms.empty(); });
   if (!has_arm) all.emplace_back("arm: there is none, so nothing would happen");
-  for (const PlayedFile& file : files) {
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const PlayedFile& file = files[i];
     std::vector<std::string> reasons;
-    for (const config::ArmConfig& arm : file.config.arms) judge(arm, files, reasons);
+    for (const config::ArmConfig& arm : file.config.arms) judge(arm, i, files, reasons);
     for (const config::WorldConfig& world : file.config.worlds) judge(world, reasons);
     if (file.config.servo.rate_hz != files.front().config.servo.rate_hz) {
       reasons.emplace_back("servo.rate_hz: another than that of " + files.front().name +

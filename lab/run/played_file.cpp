@@ -1,6 +1,5 @@
 #include "lab/run/played_file.hpp"
 
-#include <cstddef>
 #include <cstdint>
 #include <optional>
 
@@ -25,6 +24,17 @@ std::vector<Listening> listening(const std::vector<PlayedFile>& files) {
     for (const config::ArmConfig& arm : files[i].config.arms) {
       if (arm.listen) all.push_back({i, arm.listen->port, arm.peer_address});
     }
+  }
+  return all;
+}
+
+std::vector<config::SerialEndpoint> listening_lines(const config::Config& config) {
+  std::vector<config::SerialEndpoint> all;
+  for (const config::WorldConfig& world : config.worlds) {
+    if (world.line) all.push_back(*world.line);
+  }
+  for (const config::ArmConfig& arm : config.arms) {
+    if (arm.listen_line) all.push_back(*arm.listen_line);
   }
   return all;
 }
@@ -56,6 +66,30 @@ std::vector<link::Endpoint> host_addresses(const std::vector<PlayedFile>& files)
     addresses.push_back(pinned[i] ? *pinned[i] : linked[i].value_or(loopback));
   }
   return addresses;
+}
+
+bool is_heard(const config::SerialEndpoint& link, std::size_t file,
+              const std::vector<PlayedFile>& files) {
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    if (i == file) continue;
+    for (const config::SerialEndpoint& one : listening_lines(files[i].config)) {
+      if (one.node == link.node) return true;
+    }
+  }
+  return false;
+}
+
+std::size_t ends_at(const std::string& node, const std::vector<PlayedFile>& files) {
+  std::size_t ends = 0;
+  for (const PlayedFile& file : files) {
+    for (const config::SerialEndpoint& one : listening_lines(file.config)) {
+      if (one.node == node) ++ends;
+    }
+    for (const config::ArmConfig& arm : file.config.arms) {
+      if (arm.line && arm.line->node == node) ++ends;
+    }
+  }
+  return ends;
 }
 
 bool is_heard(const config::UdpEndpoint& link, const std::vector<PlayedFile>& files) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -20,5 +21,11 @@ struct PlayedFile {
 
 // Whether one of `files` listens at the port that an arm links to. Pure.
 [[nodiscard]] bool is_heard(const config::UdpEndpoint& link, const std::vector<PlayedFile>& files);
+// Whether one of `files` but number `file` listens at the device of a line that an arm of that one
+// links to: here those of the same name are joined. Pure.
+[[nodiscard]] bool is_heard(const config::SerialEndpoint& link, std::size_t file,
+                            const std::vector<PlayedFile>& files);
+// Of all `files` at a device of that name: more than two are too many. Pure.
+[[nodiscard]] std::size_t ends_at(const std::string& node, const std::vector<PlayedFile>& files);
 
 }  // namespace thimble::lab

@@ -1,5 +1,7 @@
 #include <cstdio>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "lab/run/run.hpp"
 
@@ -116,6 +118,36 @@ Plot plot_of(const std::string& name, const std::string& title, const std::strin
   return plot;
 }
 
+// What a status says of a link that is not up at the end.
+std::string trouble_of(const link::LinkStatus& link) {
+  const std::string trouble = link.last_error.empty() ? "nobody answers" : link.last_error;
+  const std::uint64_t errors = link.counters.receive_errors;
+  return errors == 0 ? trouble : trouble + "; receive errors: " + std::to_string(errors);
+}
+
+// Of links to other files, and of who listens to them but in vain; `whose`: "", or "host: ".
+std::vector<std::string> link_troubles(session::Runtime& runtime, const std::string& whose) {
+  std::vector<std::string> troubles;
+  for (const auto& arm : runtime.arms()) {
+    const config::ArmConfig& said = arm->session().config();
+    const link::LinkStatus link = arm->link_status();
+    const bool is_linked = said.link || said.line;
+    if (!is_linked || link.is_up) continue;
+    troubles.push_back(whose + "arm '" + said.name + "': link: " + trouble_of(link));
+  }
+  const auto tell = [&](const std::string& who, const link::LinkStatus& link) {
+    if (link.is_up || link.last_error.empty()) return;
+    troubles.push_back(whose + who + "': listen: " + trouble_of(link));
+  };
+  for (const auto& world : runtime.worlds()) {
+    if (const auto link = world->listener_status()) tell("world '" + world->name(), *link);
+  }
+  for (const auto& arm : runtime.arm_hosts()) {
+    tell("arm '" + arm->name(), arm->listener().status());
+  }
+  return troubles;
+}
+
 }  // namespace
 
 Findings SessionRun::findings() const {
@@ -132,6 +164,10 @@ Findings SessionRun::findings() const {
     const std::string number = i == 0 ? "" : "_" + std::to_string(i + 1);
     findings.parameters.insert(findings.parameters.begin() + static_cast<std::ptrdiff_t>(i),
                                {"file" + number, "", settings_.files[i]});
+    const std::string whose = files_.size() > 1 ? files_[i].name + ": " : "";
+    for (std::string& trouble : link_troubles(session_->runtime(i), whose)) {
+      findings.remarks.push_back(std::move(trouble));
+    }
     if (!files_[i].config.safety) continue;
     findings.remarks.push_back(files_[i].name +
                                ": safety: its lines are watched in real time; "

@@ -22,6 +22,7 @@ Result<std::unique_ptr<VirtualSession>> VirtualSession::create(
     session::RigParts parts{plugins[i]->models, plugins[i]->drivers};
     parts.world_clock = parts.network_clock = &made->clock_;
     parts.network = &made->network_.host(i);
+    parts.lines = &made->lines_.host(i);
     auto runtime = session::Runtime::create(files[i].config, parts);
     if (!runtime) {
       return tl::unexpected(files.size() > 1 ? runtime.error().in(files[i].name) : runtime.error());
@@ -45,7 +46,9 @@ void VirtualSession::pump(MonotonicTime now) {
   std::optional<MonotonicTime> due;
   for (const auto& runtime : runtimes_) link::take_earlier(due, runtime->pump(now));
   network_.pass(now);
+  lines_.pass();
   link::take_earlier(due, network_.due());
+  link::take_earlier(due, lines_.due());
   net_due_ = due ? std::optional(std::max(*due, now + kLeastWait)) : std::nullopt;
 }
 

@@ -11,6 +11,7 @@
 #include "daemon/session/runtime.hpp"
 #include "hal/base/result.hpp"
 #include "lab/run/played_file.hpp"
+#include "lab/run/virtual_lines.hpp"
 #include "lab/run/virtual_network.hpp"
 #include "sim/time/virtual_clock.hpp"
 
@@ -19,7 +20,8 @@ namespace thimble::lab {
 // The sessions of one or several configurations with the daemon's own classes, in a time that runs
 // as fast as the machine can: one thread does in turn what the servo threads, the net planes and
 // the control planes do. As often as the daemon does it: servos at their rate, links whenever they
-// are due, buses every 5 ms. Each configuration is another host; VirtualNetwork is between them.
+// are due, buses every 5 ms. Each configuration is another host; VirtualNetwork and VirtualLines
+// are between them.
 //
 // Thread: one. Ownership: `plugins`, one for each file, must outlive it. Deterministic: the same
 // files give the same frames to the last bit.
@@ -39,6 +41,8 @@ class VirtualSession {
     return *runtimes_[places_[i].file]->arms()[places_[i].arm];
   }
   [[nodiscard]] std::size_t file_of(std::size_t arm) const { return places_[arm].file; }
+  // By file.
+  [[nodiscard]] session::Runtime& runtime(std::size_t file) { return *runtimes_[file]; }
   [[nodiscard]] Duration period() const noexcept { return period_; }
   [[nodiscard]] MonotonicTime began() const noexcept { return began_; }
   // What was in the way of an arm, each once.
@@ -50,14 +54,17 @@ class VirtualSession {
     std::size_t arm{0};
   };
 
-  explicit VirtualSession(const std::vector<PlayedFile>& files) : network_(host_addresses(files)) {}
+  explicit VirtualSession(const std::vector<PlayedFile>& files)
+      : network_(host_addresses(files)), lines_(clock_, files.size()) {}
   void sleep_until(MonotonicTime t);
   void pump(MonotonicTime now);
   void follow_buses();
 
-  // Of links, and of worlds on a board. It and the network are before the runtimes, which use them.
+  // Of links, and of worlds on a board. It, network and lines are before the runtimes, which use
+  // them.
   sim::VirtualClock clock_;
   VirtualNetwork network_;
+  VirtualLines lines_;
   std::vector<std::unique_ptr<session::Runtime>> runtimes_;
   std::vector<Place> places_;
   Duration period_{};

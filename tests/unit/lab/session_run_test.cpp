@@ -180,6 +180,85 @@ TEST(SessionRun, AnArmFeelsEachWorldThatListens) {
   EXPECT_GT(shapes->session().arm(1).session().snapshot().total_contacts, 0U);
 }
 
+// Two hosts, joined by a cable instead of a network.
+std::vector<std::string> along_a_line(const std::string& guest, const std::string& host,
+                                      const std::string& rate,
+                                      const std::vector<std::string>& more = {}) {
+  std::vector<std::string> said{guest + ":arm.link='serial:/dev/ttyS0@" + rate + "'", host};
+  said.insert(said.end(), more.begin(), more.end());
+  return said;
+}
+std::string listens_at(const std::string& key, const std::string& rate) {
+  return key + ".listen='serial:/dev/ttyS0@" + rate + "'";
+}
+
+TEST(SessionRun, AnArmFeelsAWorldAlongASerialLineByBothProtocols) {
+  for (const char* protocol : {"thesis", "thimble"}) {
+    SCOPED_TRACE(protocol);
+    const auto run =
+        played_examples({"world-host", "arm-host"}, 8,
+                        along_a_line("arm-host", listens_at("world-host:world", "115200"), "115200",
+                                     {std::string("arm-host:arm.protocol='") + protocol + "'"}));
+    ASSERT_NE(run, nullptr);
+    const Findings findings = run->findings();
+    EXPECT_TRUE(findings.is_met());
+    EXPECT_TRUE(findings.remarks.empty()) << findings.remarks[0];
+    EXPECT_GT(run->session().arm(0).session().snapshot().total_contacts, 0U);
+    const link::LinkStatus link = run->session().arm(0).link_status();
+    EXPECT_TRUE(link.is_up);
+    EXPECT_EQ(link.peer, "serial:/dev/ttyS0@115200");
+    EXPECT_EQ(link.counters.receive_errors, 0U);
+  }
+}
+
+// A frame of ours each way is some 35 and 32 ms at 38,400 bit/s, of 1999 5 and 5.
+TEST(SessionRun, ASlowerLineTakesItsTime) {
+  const auto round_trip = [](const char* rate) {
+    const auto run = played_examples({"world-host", "arm-host"}, 4,
+                                     along_a_line("arm-host", listens_at("world-host:world", rate),
+                                                  rate, {"arm-host:arm.protocol='thimble'"}));
+    return run ? seconds(run->session().arm(0).link_status().round_trip) : 0;
+  };
+  const double slow_s = round_trip("38400");
+  const double fast_s = round_trip("3000000");
+  EXPECT_GT(slow_s, 0.05);
+  EXPECT_LT(slow_s, 0.2);
+  EXPECT_GT(fast_s, 0.0005);
+  EXPECT_LT(fast_s, 0.004);
+}
+
+TEST(SessionRun, TwoArmsAreCoupledAlongASerialLineAndGiveTheSameTraceAgain) {
+  const auto hashes = [](const std::string& rate) {
+    const auto run = played_examples(
+        kTeleoperation, 4,
+        along_a_line("teleoperation-guest", listens_at("teleoperation-host:arm", rate), rate));
+    if (!run) return std::vector<std::uint64_t>{};
+    EXPECT_TRUE(run->findings().is_met());
+    EXPECT_TRUE(run->session().arm(1).link_status().is_up);
+    return std::vector{run->trace(0).hash.value(), run->trace(1).hash.value()};
+  };
+  const auto first = hashes("115200");
+  EXPECT_EQ(hashes("115200"), first);
+  EXPECT_NE(hashes("460800"), first);
+}
+
+TEST(SessionRun, TwoRatesAtOneLineAreToldByWhoHearsGarbage) {
+  for (const char* rate : {"38400", "57600", "3000000"}) {
+    const auto run =
+        played_examples({"world-host", "arm-host"}, 10,
+                        along_a_line("arm-host", listens_at("world-host:world", rate), "115200"));
+    ASSERT_NE(run, nullptr);
+    EXPECT_EQ(run->session().arm(0).session().snapshot().total_contacts, 0U);
+    const std::vector<std::string> remarks = run->findings().remarks;
+    ASSERT_EQ(remarks.size(), 2U) << rate;
+    const std::string gibberish =
+        "world-host: world 'box': listen: nothing but damaged frames: does the other end run at " +
+        std::string(rate) + " bit/s?; receive errors: ";
+    EXPECT_EQ(remarks[0].substr(0, gibberish.size()), gibberish);
+    EXPECT_EQ(remarks[1], "arm-host: arm 'right': link: nobody answers");
+  }
+}
+
 TEST(SessionRun, WhoIsMeantByAChangeHasToBeThere) {
   const auto load = [](std::vector<std::string> files, std::vector<std::string> overrides) {
     const auto run = SessionRun::load(
@@ -218,15 +297,6 @@ TEST(ReasonsNotToPlay, NameEachThingThatKeepsRealTime) {
   changed.config.arms[0].device = "hid:1234";
   expect_reason(changed, "device");
   changed = file;
-  changed.config.arms[0].line = config::SerialEndpoint{"/dev/ttyS0", 115200};
-  expect_reason(changed, "link");
-  changed = file;
-  changed.config.arms[0].listen_line = config::SerialEndpoint{"/dev/ttyS0", 115200};
-  expect_reason(changed, "listen");
-  changed = file;
-  changed.config.worlds[0].line = config::SerialEndpoint{"/dev/ttyS0", 115200};
-  expect_reason(changed, "listen");
-  changed = file;
   changed.config.worlds[0].pieces = config::PiecesConfig{.board = config::PieceBoardKind::Pci};
   expect_reason(changed, "pieces.board");
   changed.config.worlds[0].pieces->board = config::PieceBoardKind::SimUsb;
@@ -250,6 +320,59 @@ TEST(ReasonsNotToPlay, AnArmThatLinksNeedsTheFileOfWhoListens) {
   const auto faster = reasons_not_to_play({host, guest});
   ASSERT_EQ(faster.size(), 1U);
   EXPECT_TRUE(faster[0].starts_with("guest: servo.rate_hz: ")) << faster[0];
+}
+
+// A host with a world at a serial port, and one with an arm.
+struct LineFiles : ::testing::Test {
+  static PlayedFile host_at(const std::string& name, const std::string& node) {
+    PlayedFile host{name};
+    host.config.worlds.emplace_back();
+    host.config.worlds[0].line = config::SerialEndpoint{node, 115'200};
+    return host;
+  }
+  static PlayedFile guest_at(const std::string& name, const std::string& node) {
+    PlayedFile guest{name};
+    guest.config.arms.emplace_back();
+    guest.config.arms[0].name = "right";
+    guest.config.arms[0].device = "sim:phantom-vintage";
+    guest.config.arms[0].line = config::SerialEndpoint{node, 57'600};
+    return guest;
+  }
+};
+
+TEST_F(LineFiles, OfTheSameDeviceArePlayedWhateverTheirRates) {
+  const PlayedFile host = host_at("host", "/dev/ttyS0");
+  EXPECT_TRUE(reasons_not_to_play({host, guest_at("guest", "/dev/ttyS0")}).empty());
+  // Who listens may be left alone.
+  EXPECT_TRUE(
+      reasons_not_to_play({host, host_at("other", "/dev/ttyS1"), guest_at("guest", "/dev/ttyS0")})
+          .empty());
+}
+
+TEST_F(LineFiles, WithNobodyAtTheOtherEndAreNotPlayed) {
+  const auto guest = guest_at("guest", "/dev/ttyUSB0");
+  const std::string nobody =
+      "arm 'right': link: nobody listens at serial:/dev/ttyUSB0@57600; give the configuration of "
+      "that host, too, with the same device there";
+  EXPECT_EQ(reasons_not_to_play({guest}), std::vector{nobody});
+  EXPECT_EQ(reasons_not_to_play({host_at("host", "/dev/ttyS0"), guest}),
+            std::vector{"guest: " + nobody});
+  // Two that speak, and none that listens.
+  EXPECT_EQ(reasons_not_to_play({guest, guest_at("other", "/dev/ttyUSB0")}).size(), 2U);
+  // A port has one end of a line, not both.
+  PlayedFile both = guest;
+  both.config.worlds = host_at("", "/dev/ttyUSB0").config.worlds;
+  EXPECT_EQ(reasons_not_to_play({both}), std::vector{nobody});
+}
+
+TEST_F(LineFiles, OfThreeEndsAreNotPlayed) {
+  const auto reasons =
+      reasons_not_to_play({host_at("host", "/dev/ttyS0"), guest_at("left", "/dev/ttyS0"),
+                           guest_at("right", "/dev/ttyS0")});
+  ASSERT_EQ(reasons.size(), 2U);
+  EXPECT_EQ(reasons[0],
+            "left: arm 'right': link: 3 ends are at /dev/ttyS0, and a line has two; give each line "
+            "a device of its own with --set");
 }
 
 TEST(HostAddresses, AreThoseByWhichTheOthersKnowThem) {
