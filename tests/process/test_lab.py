@@ -240,17 +240,35 @@ source = "box:3"
         config = self.folder / "real.toml"
         config.write_text("""
 [[arm]]
-name = "far"
-device = "sim:phantom-vintage"
+name = "here"
+device = "hid:1234"
+model = "premium-1.5"
 amplifier_max_a = 3.0
-link = "serial:/dev/ttyS0@115200"
-protocol = "thimble"
-[arm.hand]
-motion = "still"
+world = "box"
+[[world]]
+name = "box"
+source = "box:3"
 """)
         shown = self.run_experiment("run", config)
         self.assertNotEqual(shown.returncode, 0)
-        self.assertIn("link: a serial line keeps real time", shown.stderr)
+        self.assertIn("device: a real one keeps real time", shown.stderr)
+
+    def test_hosts_are_played_along_a_serial_line(self):
+        host, guest = (ROOT / "examples" / f"{end}-host.toml" for end in ("world", "arm"))
+        link = ("--set", "arm-host:arm.link='serial:/dev/ttyS0@115200'")
+        alone = self.run_experiment("run", guest, *link)
+        self.assertNotEqual(alone.returncode, 0)
+        self.assertIn("link: nobody listens at serial:/dev/ttyS0@115200; give the configuration of that host, too, "
+                      "with the same device there", alone.stderr)
+        shown = self.run_experiment("run", host, guest, "--for", "3", *link,
+                                    "--set", "world-host:world.listen='serial:/dev/ttyS0@115200'")
+        self.assertEqual(shown.returncode, 0, shown.stdout[-400:] + shown.stderr)
+        self.assertNotIn("damaged frames", shown.stdout)
+        garbled = self.run_experiment("run", host, guest, "--for", "3", *link,
+                                      "--set", "world-host:world.listen='serial:/dev/ttyS0@57600'")
+        self.assertIn("world-host: world 'box': listen: nothing but damaged frames: does the other end run at 57600 bit/s?",
+                      garbled.stdout)
+        self.assertIn("arm-host: arm 'right': link: nobody answers", garbled.stdout)
 
     def test_hosts_that_are_coupled_are_played_together(self):
         host, guest = (ROOT / "examples" / f"teleoperation-{end}.toml" for end in ("host", "guest"))
