@@ -55,6 +55,11 @@ struct ProbeMotion {
   bool is_embedded{false};  // it sits in matter: pushed out or released
   bool is_silent{false};    // the world cannot say now: what it said last holds, and grows old
   Cell cell{};              // of the ghost, in worlds that have World::felt_cells()
+  // Valid when has_pressure, in worlds that count the cells of a face: the force, N, with which
+  // those press back on the hand where it was told to be. Only to be shown: what is felt comes of
+  // the planes, whose stiffness has the count in it.
+  Force3 pressure{};
+  bool has_pressure{false};
 };
 
 // World frame. From the configuration and the volume file, if there is one; cells may change, these

@@ -251,13 +251,21 @@ ProbeMotion PieceWorld::motion() const {
     ContactPlane plane;
     plane.normal[axis] = pressed_[axis];
     plane.offset_m = pressed_[axis] > 0 ? high : -low;
-    const int touching = board_.state().touching[axis];
-    if (pressure_.newton_per_m > 0 && touching > 0) {
-      plane.stiffness.newton_per_m = pressure_.newton_per_m * touching;
-    }
+    press_back(axis, plane, motion);
     motion.planes.push_back(plane);
   }
   return motion;
+}
+
+void PieceWorld::press_back(std::size_t axis, ContactPlane& plane,
+                            ProbeMotion& motion) const noexcept {
+  const int touching = board_.state().touching[axis];
+  if (pressure_.newton_per_m <= 0 || touching <= 0) return;
+  plane.stiffness.newton_per_m = pressure_.newton_per_m * touching;
+  motion.has_pressure = true;
+  const double depth_m = plane.normal[axis] * hand_[axis] - plane.offset_m;
+  if (depth_m <= 0) return;  // the hand has left it since the board looked
+  motion.pressure[axis] = -plane.normal[axis] * (plane.stiffness.newton_per_m * depth_m);
 }
 
 }  // namespace thimble::world::cam

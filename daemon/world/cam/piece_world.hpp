@@ -17,7 +17,8 @@ struct PieceWorldSettings {
   double workspace_m{0.09};  // along the longest axis of the space; cells are cubes
   std::string source{};      // for messages
   // Thesis 5.3.2: faces are as stiff as there are cells that press on them, so much each; as with
-  // materials, an arm has the last word. 0: faces are as the arm has them. At least 0.
+  // materials, an arm has the last word. The force that comes of it where the hand was told to be
+  // is told, too (ProbeMotion::pressure). 0: faces are as the arm has them. At least 0.
   Stiffness pressure{0};
 };
 
@@ -115,6 +116,9 @@ class PieceWorld final : public World {
   [[nodiscard]] bool is_overdue() const;
   [[nodiscard]] double face_m(std::size_t axis, int index) const noexcept;
   [[nodiscard]] ProbeMotion motion() const;
+  // Where cells are counted, the stiffness of a face across `axis` and the force with which they
+  // press back on the hand.
+  void press_back(std::size_t axis, ContactPlane& plane, ProbeMotion& motion) const noexcept;
 
   PieceBoard board_;
   const Clock* clock_;
