@@ -153,6 +153,11 @@ struct ConstraintSet {
   bool has_map{false};
   // Put in at the world's port so far, J (TwoPortArm); below 0: nobody counts it.
   double energy_joule{-1};
+  // Valid when has_pressure: with what force, N, the cells of the faces that hold the hand (of the
+  // schemes with a slave, the slave) press back on it, as its world reckons. Only to be shown: no
+  // arm half makes a force of it, since the stiffness of the planes already has it.
+  Force3 pressure{};
+  bool has_pressure{false};
 };
 
 // Both cross threads and queues by copying, on the servo's side without an allocation.

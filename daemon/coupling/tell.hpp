@@ -33,6 +33,8 @@ inline void tell(const world::ProbeMotion& motion, const HandSample& sample,
   set.sampled_at = sample.sampled_at;
   set.planes = planes_of(motion);
   set.is_embedded = motion.is_embedded;
+  set.pressure = motion.pressure;
+  set.has_pressure = motion.has_pressure;
 }
 
 // Moves a probe that is open after the hand of `sample`, tells the world its buttons, and makes

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "daemon/world/world.hpp"
@@ -28,6 +29,8 @@ class FakeBox final : public world::World {
     last_dt = dt;
     world::ProbeMotion motion{
         .ghost = hand, .planes = {}, .is_embedded = is_embedded, .is_silent = is_silent};
+    motion.pressure = pressure.value_or(Force3());
+    motion.has_pressure = pressure.has_value();
     for (std::size_t axis = 0; axis < 3; ++axis) {
       for (const double sign : {1.0, -1.0}) {
         if (sign * hand[axis] <= half_m_) continue;
@@ -46,6 +49,7 @@ class FakeBox final : public world::World {
   std::vector<std::uint32_t> presses;
   Stiffness stiffness{-1};
   Damping damping{-1};
+  std::optional<Force3> pressure{};
   int probes{0};
   int moves{0};
   Duration last_dt{};

@@ -49,6 +49,19 @@ TEST(GhostPointWorld, PassesOnSurfaceAndEmbedding) {
   EXPECT_TRUE(set.is_embedded);
 }
 
+TEST(GhostPointWorld, PassesOnThePressureAndForgetsItWithTheFace) {
+  FakeBox box(0.015);
+  GhostPointWorld sut(box, 1);
+  ASSERT_TRUE(sut.open(sample(1, {})));
+  EXPECT_FALSE(sut.answer(sample(1, {0.02, 0, 0}), kTick).has_pressure) << "it knows of none";
+  box.pressure = Force3{-0.5, 0, 0};
+  const ConstraintSet set = sut.answer(sample(2, {0.02, 0, 0}), kTick);
+  ASSERT_TRUE(set.has_pressure);
+  EXPECT_EQ(set.pressure, (Force3{-0.5, 0, 0}));
+  box.pressure.reset();
+  EXPECT_FALSE(sut.answer(sample(3, {}), kTick).has_pressure);
+}
+
 TEST(GhostPointWorld, ForgetsPlanesThatNoLongerHold) {
   FakeBox box(0.015);
   GhostPointWorld sut(box, 1);

@@ -51,6 +51,8 @@ TEST(PlacedLink, TellsTheArmWhatIsWhereInItsOwnFrame) {
   link.reply->has_ghost = true;
   link.reply->far.slave = Position3{0.1, 0, 0} + kPlace;
   link.reply->far.force = {1, 2, 3};
+  link.reply->pressure = {-3, 2, 1};
+  link.reply->has_pressure = true;
   link.reply->has_far = link.reply->has_near = link.reply->has_map = true;
   ASSERT_TRUE(sut.receive(out));
   // A place is as deep behind a plane as it is in the world.
@@ -63,6 +65,8 @@ TEST(PlacedLink, TellsTheArmWhatIsWhereInItsOwnFrame) {
   EXPECT_NEAR(norm(out.ghost - Position3{0.001, 0.002, 0.003}), 0, 1e-15);
   EXPECT_NEAR(norm(out.far.slave - Position3{0.1, 0, 0}), 0, 1e-15);
   EXPECT_EQ(out.far.force, (Force3{1, 2, 3}));
+  EXPECT_TRUE(out.has_pressure);
+  EXPECT_EQ(out.pressure, (Force3{-3, 2, 1})) << "forces are the same in both";
   EXPECT_FALSE(out.has_near || out.has_map) << "cells have no other place than theirs";
 }
 

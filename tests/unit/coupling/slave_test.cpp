@@ -40,6 +40,20 @@ TEST(Slave, TakesItsProbeAlongOnceAMillisecondOfTheWorldsTime) {
   EXPECT_EQ(box.moves, 50);
 }
 
+TEST(Slave, TellsThePressureThatIsOnIt) {
+  FakeBox box(0.015);
+  box.pressure = Force3{0, 0.25, 0};
+  Slave sut(box, {});
+  ASSERT_TRUE(sut.open(sample(1, {})));
+  ConstraintSet set;
+  sut.tell(sample(1, {}), set);
+  EXPECT_FALSE(set.has_pressure) << "it has not looked around";
+  ASSERT_TRUE(sut.advance(milliseconds(2), pull));
+  sut.tell(sample(2, {}), set);
+  ASSERT_TRUE(set.has_pressure);
+  EXPECT_EQ(set.pressure, (Force3{0, 0.25, 0}));
+}
+
 TEST(Slave, RestsWhereItIsWhileTheWorldCannotSay) {
   FakeBox box(0.015);
   Slave sut(box, {});
