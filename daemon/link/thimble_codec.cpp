@@ -69,7 +69,7 @@ std::uint32_t mask_of(const ThimbleConstraints& m) noexcept {
   return flag(!m.set.planes.empty(), kPlanes) | flag(m.set.has_ghost, kGhost) |
          flag(is_cell_alone(m.set), kGhostCell) | flag(m.set.is_embedded, kEmbedded) |
          flag(m.set.has_far, kFar) | flag(m.set.has_map && m.set.map.epoch != 0, kEpoch) |
-         flag(m.pressure.has_value(), kPressure) | flag(!(m.set.energy_joule < 0), kEnergy) |
+         flag(m.set.has_pressure, kPressure) | flag(!(m.set.energy_joule < 0), kEnergy) |
          flag(m.set.has_near, kNear) | flag(m.set.is_astray, kAstray) | flag(m.set.has_map, kMap) |
          flag(m.set.has_far && m.set.far.is_arm, kFarArm);
 }
@@ -189,13 +189,14 @@ bool carry_constraints(Bytes& b, Message& m) noexcept {
     set.has_near = (mask & kNear) != 0;
     set.is_astray = (mask & kAstray) != 0;
     set.has_map = (mask & kMap) != 0;
+    set.has_pressure = (mask & kPressure) != 0;
   }
   if ((mask & kPlanes) != 0) carry_planes(b, m);
   if (set.has_ghost) b.vector(set.ghost);
   if ((mask & kGhostCell) != 0) carry_cell(b, set.ghost_cell);
   if (set.has_far) carry_far(b, set.far);
   if ((mask & kEpoch) != 0) b.word(set.map.epoch);
-  carry_optional<Bytes>((mask & kPressure) != 0, m.pressure, [&](auto& value) { b.vector(value); });
+  if (set.has_pressure) b.vector(set.pressure);
   if ((mask & kEnergy) != 0) b.real(set.energy_joule);
   if (set.has_near) carry_near(b, set.near);
   if (set.has_map) carry_map(b, set.map);
@@ -249,13 +250,13 @@ static Reason check(const ThimbleConstraints& m) noexcept {
   for (std::size_t i = 0; i < set.planes.size(); ++i) {
     if (const Reason reason = check_plane(set.planes[i])) return reason;
   }
-  const Reason reason =
-      first_of(check_timing(m.timing), check_time(set.sampled_at),
-               set.has_ghost ? check_place(set.ghost) : Reason(),
-               check_finite(m.pressure.value_or(Force3())), check_finite(set.energy_joule),
-               is_cell_alone(set) ? check_lattice({}, set.ghost_cell) : Reason(),
-               set.has_near ? check_lattice(set.near.lattice, set.near.middle) : Reason(),
-               set.has_map ? check_lattice(set.map.lattice, set.map.ghost_cell) : Reason());
+  const Reason reason = first_of(
+      check_timing(m.timing), check_time(set.sampled_at),
+      set.has_ghost ? check_place(set.ghost) : Reason(),
+      set.has_pressure ? check_finite(set.pressure) : Reason(), check_finite(set.energy_joule),
+      is_cell_alone(set) ? check_lattice({}, set.ghost_cell) : Reason(),
+      set.has_near ? check_lattice(set.near.lattice, set.near.middle) : Reason(),
+      set.has_map ? check_lattice(set.map.lattice, set.map.ghost_cell) : Reason());
   if (reason || !set.has_far) return reason;
   const coupling::FarEnd& far = set.far;
   return first_of(check_finite(far.force), check_place(far.slave), check_finite(far.velocity),

@@ -171,14 +171,6 @@ void carry_map(Bytes& b, Map& map) noexcept {
   for (std::size_t i = 0; i < map.blocks.size(); ++i) carry_block(b, map.blocks[i]);
 }
 
-// Calls carry_value(*field) where the field is said; a reader makes it first.
-template <class Bytes, class Field, class Carry>
-void carry_optional(bool is_said, Field& field, const Carry& carry_value) noexcept {
-  if (!is_said) return;
-  if constexpr (Bytes::kIsReader) field.emplace();
-  carry_value(*field);
-}
-
 // Both halves of a message. Of its own it has, in the namespace of the link: carry() with a writer
 // and with a reader, which says whether more may follow than is known; and check().
 template <class Message>

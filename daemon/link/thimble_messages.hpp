@@ -3,7 +3,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <string_view>
 
 #include "daemon/coupling/messages.hpp"
@@ -14,8 +13,7 @@ namespace thimble::link {
 
 // What the Thimble datagrams say; their bytes are in docs/link-protocol.md. Plain values, SI, that
 // cross queues by copying. Thread: any; a copy is one thread's. Errors: none here; the codec
-// refuses what cannot be. What is optional here nobody has to say: a peer of another version, or a
-// world that does not know it, leaves it out.
+// refuses what cannot be.
 
 enum class ThimbleKind : std::uint8_t {
   Hello = 1,         // arm: who I am, and once challenged, that I can hear you
@@ -124,7 +122,6 @@ struct ThimbleConstraints {
   ThimbleTiming timing{};
   std::uint64_t request{0};  // ThimbleHeader::sequence of the sample it answers
   coupling::ConstraintSet set{};
-  std::optional<Force3> pressure{};  // of what flows against the hand, N
 };
 
 struct ThimbleIdle {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -91,6 +92,7 @@ class Line {
       if (halves.empty()) continue;  // those of 1999 tell no time, and one wall of each axis
       oldest = std::max(oldest, now - reply.sampled_at);
       planes_are_good = planes_are_good && reply.planes.size() == 6;
+      pressure = reply.has_pressure ? std::optional(reply.pressure) : std::nullopt;
     }
     for (SerialFrame frame; arm->poll(now, frame);) there.put(frame.view(), now);
     for (SerialFrame frame; world.poll(now, frame);) back.put(frame.view(), now);
@@ -113,6 +115,7 @@ class Line {
   int replies{0};
   Duration oldest{};
   bool planes_are_good{true};
+  std::optional<Force3> pressure;  // of the newest reply
   std::size_t most_held{0};
 };
 
@@ -142,6 +145,16 @@ TEST(SerialLine, CarriesBothProtocolsAtEveryRateAsFastAsTheLineAllows) {
       EXPECT_EQ(line.arm->status().counters.receive_errors, 0U);
     }
   }
+}
+
+TEST(SerialLine, CarriesAPressureByOurOwnDatagrams) {
+  Line line(Protocol::Thimble, 115'200);
+  line.run(1000);
+  ASSERT_EQ(line.halves.size(), 1U);
+  EXPECT_FALSE(line.pressure);
+  line.halves[0]->pressure = Force3{0.5, -2, 0};
+  line.run(500);
+  EXPECT_EQ(line.pressure, (Force3{0.5, -2, 0}));
 }
 
 TEST(SerialLine, LockStepWaitsForItsAnswer) {

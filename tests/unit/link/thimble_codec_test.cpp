@@ -132,7 +132,8 @@ ThimbleConstraints full_constraints() {
   m.set.far.tool = {{400}, {5}};
   m.set.has_far = true;
   m.set.map.epoch = 9;
-  m.pressure = Force3{0, 0.75, 0};
+  m.set.pressure = {0, 0.75, 0};
+  m.set.has_pressure = true;
   m.set.energy_joule = 0.002;
   m.set.has_near = true;
   m.set.is_astray = true;
@@ -257,7 +258,8 @@ TEST(ThimbleCodec, GivesBackEveryFieldOfConstraints) {
   EXPECT_TRUE(out.set.far.is_arm);
   EXPECT_EQ(out.set.far.tool, in.set.far.tool);
   EXPECT_EQ(out.set.map.epoch, 9U);
-  EXPECT_EQ(out.pressure, in.pressure);
+  EXPECT_TRUE(out.set.has_pressure);
+  EXPECT_EQ(out.set.pressure, in.set.pressure);
   EXPECT_EQ(out.set.energy_joule, in.set.energy_joule);
   EXPECT_TRUE(out.set.is_astray);
   ASSERT_TRUE(out.set.has_near);
@@ -415,7 +417,7 @@ TEST(ThimbleCodec, RefusesConstraintsThatCannotBe) {
   EXPECT_EQ(reason([](C& m) { m.set.far.force.z = kNoNumber; }), RejectReason::NonFinite);
   EXPECT_EQ(reason([](C& m) { m.set.far.slave.z = -11; }), RejectReason::OutOfRange);
   EXPECT_EQ(reason([](C& m) { m.set.far.tool.damping = {kNoNumber}; }), RejectReason::NonFinite);
-  EXPECT_EQ(reason([](C& m) { m.pressure->x = kNoNumber; }), RejectReason::NonFinite);
+  EXPECT_EQ(reason([](C& m) { m.set.pressure.x = kNoNumber; }), RejectReason::NonFinite);
   EXPECT_EQ(reason([](C& m) { m.set.energy_joule = kNoNumber; }), RejectReason::NonFinite);
   EXPECT_EQ(reason([](C& m) { m.set.near.lattice.half_cell_m = kNoNumber; }),
             RejectReason::NonFinite);
@@ -427,6 +429,29 @@ TEST(ThimbleCodec, RefusesConstraintsThatCannotBe) {
   EXPECT_EQ(reason([](C& m) { m.set.has_ghost = false, m.set.ghost.z = kNoNumber; }), std::nullopt);
   EXPECT_EQ(reason([](C& m) { m.set.has_far = false, m.set.far.force.z = kNoNumber; }),
             std::nullopt);
+  EXPECT_EQ(reason([](C& m) { m.set.has_pressure = false, m.set.pressure.x = kNoNumber; }),
+            std::nullopt);
+}
+
+TEST(ThimbleCodec, CarriesAPressureToTheLastBitAndNoneWhereNoneIsSaid) {
+  std::mt19937_64 random(463);
+  std::uniform_real_distribution<double> newton(-1e6, 1e6);
+  for (int i = 0; i < 300; ++i) {
+    ThimbleConstraints in = i % 2 == 0 ? least_constraints() : full_constraints();
+    in.set.has_pressure = i % 3 != 0;
+    in.set.pressure = i < 3 ? Force3{} : Force3{newton(random), newton(random), newton(random)};
+    ThimbleConstraints out;
+    out.set.has_pressure = true;  // of a message before
+    out.set.pressure = {1, 2, 3};
+    ASSERT_TRUE(decode(content_of(in), out).has_value());
+    EXPECT_EQ(out.set.has_pressure, in.set.has_pressure);
+    if (in.set.has_pressure) {
+      EXPECT_EQ(out.set.pressure, in.set.pressure);
+    }
+    ThimbleConstraints without = in;
+    without.set.has_pressure = false;
+    EXPECT_EQ(content_of(in).size() - content_of(without).size(), in.set.has_pressure ? 24U : 0U);
+  }
 }
 
 TEST(ThimbleCodec, FitsTheLargestMessagesIntoOneDatagram) {

@@ -77,6 +77,9 @@ TEST_F(UdpThimbleTest, BothProtocolsAreSpokenAtOnePort) {
   coupling::ConstraintSet reply;
   ASSERT_TRUE(run_until([&] { return ours.arm_end().receive(reply); }));
   EXPECT_EQ(reply.planes.size(), 6U);
+  for (auto& world : worlds) world->pressure = Force3{0, -1.25, 0};
+  ASSERT_TRUE(run_until([&] { return ours.arm_end().receive(reply) && reply.has_pressure; }));
+  EXPECT_EQ(reply.pressure, (Force3{0, -1.25, 0}));
   EXPECT_TRUE(ours.status().clocks.has_value());
   EXPECT_EQ(server->status().counters.rejected(), 0U);
 }

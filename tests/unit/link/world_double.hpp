@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "daemon/coupling/world_coupling.hpp"
@@ -42,6 +43,8 @@ class WorldDouble final : public coupling::WorldCoupling {
       plane.normal[axis] = -1;
       reply.planes.push_back(plane);
     }
+    reply.pressure = pressure.value_or(Force3());
+    reply.has_pressure = pressure.has_value();
     if (extra_plane != nullptr) reply.planes.push_back(*extra_plane);
     return reply;
   }
@@ -58,6 +61,7 @@ class WorldDouble final : public coupling::WorldCoupling {
   std::uint64_t replies{0};
   std::uint64_t answered_while_closed{0};
   const coupling::ConstraintPlane* extra_plane{nullptr};
+  std::optional<Force3> pressure{};
   std::vector<coupling::HandSample> first_samples;
   std::vector<coupling::HandSample> samples;
   std::vector<Duration> steps;
