@@ -29,7 +29,7 @@ void FeltHandObserver::observe(const ArmInput& input, const ArmOutput& output) n
   if (input.fresh != nullptr) learn(*input.fresh, input);
   if (output.is_fading && !output.is_in_contact) {  // nobody answers, and nothing is felt
     felt_.planes.clear();
-    felt_.has_ghost = felt_.has_ghost_cell = false;
+    felt_.has_ghost = felt_.has_ghost_cell = felt_.has_pressure = false;
     has_far_ = false;
     return show_now(input.now, hand);
   }
@@ -63,6 +63,8 @@ void FeltHandObserver::learn(const ConstraintSet& set, const ArmInput& input) no
   if (felt_.has_ghost) felt_.ghost = set.ghost;
   felt_.has_ghost_cell = felt_.has_ghost && set.has_ghost_cell;
   if (felt_.has_ghost_cell) felt_.ghost_cell = set.ghost_cell;
+  felt_.has_pressure = set.has_pressure && is_finite(set.pressure);
+  if (felt_.has_pressure) felt_.pressure = set.pressure;
   has_far_ = set.has_far && is_sound(set.far);
   if (has_far_) far_ = set.far;
   // A carriage that cannot tell which sample it answers knows how long an answer takes.

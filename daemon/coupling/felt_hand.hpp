@@ -20,6 +20,10 @@ struct FeltHand {
   bool has_ghost{false};
   world::Cell ghost_cell{};  // of that ghost, valid when has_ghost_cell
   bool has_ghost_cell{false};
+  // ConstraintSet::pressure of the newest answer, N: to be shown beside the force, and none comes
+  // of it. Valid when has_pressure.
+  Force3 pressure{};
+  bool has_pressure{false};
 };
 
 // Thesis 3.7: "the displayed position should correspond to the user's position of one time-delay

@@ -296,6 +296,20 @@ TEST(FeltHand, AHandWhoseWorldIsSilentIsShownWhereItIs) {
   EXPECT_FALSE(shown.has_ghost);
 }
 
+TEST(FeltHand, ShowsThePressureOfTheNewestAnswerUntilTheWorldIsSilent) {
+  Shown sut;
+  ConstraintSet set = late_wall(0.015, MonotonicTime{} + kEyeStep);
+  EXPECT_FALSE(sut.step({}, &set).has_pressure);
+  set.has_pressure = true;
+  set.pressure = {-1.5, 0, 0.25};
+  ASSERT_TRUE(sut.step({0.02, 0, 0}, &set, true).has_pressure);
+  const FeltHand& shown = sut.step({0.03, 0, 0}, nullptr, true);
+  EXPECT_EQ(shown.pressure, (Force3{-1.5, 0, 0.25})) << "of the newest answer";
+  EXPECT_FALSE(sut.step({0.03, 0, 0}, nullptr, false, true).has_pressure);
+  set.pressure.y = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(sut.step({0.02, 0, 0}, &set, true).has_pressure) << "no world has that";
+}
+
 TEST(FeltHand, ACarriageThatCannotTellIsTakenByItsRoundTrip) {
   FeltHandObserver sut;
   MonotonicTime now{};
