@@ -37,6 +37,9 @@ struct FeltStatus {
   std::optional<std::array<double, 3>> ghost_m{};
   std::vector<PlaneStatus> planes{};                        // that hold the hand now
   std::optional<std::array<std::int32_t, 3>> ghost_cell{};  // in worlds of cells
+  // With which the cells of a face press back, as the world reckons; beside what the arm makes, not
+  // on top of it.
+  std::optional<std::array<double, 3>> pressure_newton{};
   bool operator==(const FeltStatus&) const = default;
 };
 

@@ -44,6 +44,7 @@ json::object to_value(const FeltStatus& felt) {
     const auto& [x, y, z] = *felt.ghost_cell;
     out["ghost_cell"] = json::array{x, y, z};
   }
+  if (felt.pressure_newton) out["pressure_newton"] = vector_of(*felt.pressure_newton);
   return out;
 }
 

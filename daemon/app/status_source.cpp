@@ -61,6 +61,7 @@ api::FeltStatus felt_status(const coupling::FeltHand& felt, Displacement3 place)
   if (felt.has_ghost_cell) {
     out.ghost_cell = {felt.ghost_cell.x, felt.ghost_cell.y, felt.ghost_cell.z};
   }
+  if (felt.has_pressure) out.pressure_newton = as_array(felt.pressure);
   for (const coupling::ConstraintPlane& plane : felt.planes) {
     out.planes.push_back({as_array(plane.normal), plane.offset_m + dot(plane.normal, place)});
     const double kelvin = plane.surface.temperature_kelvin;

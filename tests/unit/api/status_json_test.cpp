@@ -51,6 +51,14 @@ TEST(StatusJson, TellsTheCellOfTheGhostAndHowWarmAWallIsWhereThatIsKnown) {
   EXPECT_EQ(sut.at("planes").at(1).at("temperature_kelvin").to_number<double>(), 310.5);
 }
 
+TEST(StatusJson, TellsThePressureOfCellsOnlyWhereThereIsOne) {
+  Status status = sample();
+  const auto felt = [&] { return json::parse(to_json(status)).at("arms").at(0).at("felt"); };
+  EXPECT_FALSE(felt().as_object().contains("pressure_newton"));
+  status.arms[0].felt.pressure_newton = {-0.5, 0.25, 3.5};
+  EXPECT_EQ(felt().at("pressure_newton"), (json::array{-0.5, 0.25, 3.5}));
+}
+
 TEST(StatusJson, TellsTheSchemeOfALinkAndWhyThatOne) {
   Status status = sample();
   status.links[0].scheme = "ghost-point";
