@@ -74,6 +74,14 @@ void add_gimbal(Lines& lines, const api::ArmStatus& arm) {
   add(lines, "gimbal", text + " degrees");
 }
 
+// What the cells of a world press back with; it is in the force already.
+void add_pressure(Lines& lines, const api::FeltStatus& felt) {
+  if (!felt.pressure_newton) return;
+  add(lines, "pressure",
+      vector_text(*felt.pressure_newton, 1, 2, "N ") + "   " +
+          fit(fixed(norm(*felt.pressure_newton), 2), 6) + "of cells, as the world has it");
+}
+
 void add_motion(Lines& lines, const api::ArmStatus& arm, Glyphs glyphs) {
   const double force_newton = norm(arm.force_newton);
   add(lines, "position",
@@ -84,6 +92,7 @@ void add_motion(Lines& lines, const api::ArmStatus& arm, Glyphs glyphs) {
       vector_text(arm.force_newton, 1, 2, "N ") + "   " + fit(fixed(force_newton, 2), 6) + "[" +
           bar(force_newton / kFullBar_newton, 20, glyphs) + "]  peak " +
           fixed(arm.peak_force_newton, 2));
+  add_pressure(lines, arm.felt);
   add(lines, "contact",
       std::string(arm.is_in_contact ? "  TOUCHING" : "  free    ") + "   " +
           std::to_string(arm.contacts) + " so far   constraints " + plain(arm.constraint_state));
@@ -244,6 +253,9 @@ std::string render_line(const api::Status& status) {
     line += " mm " + fixed(norm(arm.force_newton), 2) + " N offset " +
             fixed(norm(arm.offset_m) * 1e3, 1) + " mm contacts " + std::to_string(arm.contacts);
     if (arm.is_in_contact) line += " touching";
+    if (arm.felt.pressure_newton) {
+      line += " pressure " + fixed(norm(*arm.felt.pressure_newton), 2) + " N";
+    }
     if (!arm.faults.empty()) line += " FAULT " + plain(arm.faults[0].code);
     lines.push_back(std::move(line));
   }

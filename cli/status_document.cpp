@@ -121,6 +121,9 @@ api::FeltStatus felt(const json::value& value) {
       vector(value, "position_m"), number(value, "lag_s"), {}, list(value, "planes", plane)};
   if (member(value, "ghost_m") != nullptr) out.ghost_m = vector(value, "ghost_m");
   out.ghost_cell = cell(value, "ghost_cell");
+  if (member(value, "pressure_newton") != nullptr) {
+    out.pressure_newton = vector(value, "pressure_newton");
+  }
   return out;
 }
 

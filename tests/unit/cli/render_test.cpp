@@ -47,6 +47,7 @@ api::Status hostile_status() {
   arm.force_newton = {huge, huge, huge};
   arm.offset_m = {-huge, nan, nan};
   arm.gimbal_rad = {huge, -huge, nan};
+  arm.felt.pressure_newton = {huge, nan, -huge};
   arm.peak_force_newton = huge;
   arm.contacts = many;
   arm.faults = {{text, text, nan, text}};
@@ -122,6 +123,18 @@ TEST(Render, ShowsAGimbalInDegreesWhereThereIsOne) {
        {render_status(status, Glyphs::Ascii), render_watch(status, Glyphs::Ascii, 40)}) {
     EXPECT_THAT(text, HasSubstr("  gimbal       +30.0  -90.0   +0.0 degrees\n"));
   }
+}
+
+TEST(Render, ShowsWhatCellsPressBackWithWhereTheWorldCountsThem) {
+  api::Status status = sample_status();
+  EXPECT_THAT(render_status(status, Glyphs::Ascii), Not(HasSubstr("pressure")));
+  status.arms[0].felt.pressure_newton = {-0.5, 0, 1.2};
+  for (const std::string& text :
+       {render_status(status, Glyphs::Ascii), render_watch(status, Glyphs::Ascii, 40)}) {
+    EXPECT_THAT(text, HasSubstr("  pressure     -0.50  +0.00  +1.20 N    1.30  of cells, as the "
+                                "world has it\n"));
+  }
+  EXPECT_THAT(render_line(status), HasSubstr(" touching pressure 1.30 N\n"));
 }
 
 TEST(RenderWatch, ShowsWhatTheHandFeels) {

@@ -17,6 +17,7 @@ TEST(StatusDocument, IsReadBackAsTheDaemonWroteIt) {
     if (has_gimbal) status.arms[0].gimbal_rad = {0.5, -1.25, 3};
     if (has_gimbal) status.arms[0].wished_energy_joule = -0.25;
     if (has_gimbal) status.arms[0].felt.ghost_cell = {-3, 0, 7};
+    if (has_gimbal) status.arms[0].felt.pressure_newton = {-0.5, 0.25, 3};
     if (has_gimbal) status.arms[0].felt.planes[0].temperature_kelvin = 310.5;
     if (has_gimbal) status.worlds[0].sphere = {{0, -0.25, 1}, 0.5, -10};
     if (has_gimbal) status.worlds[0].pieces = {7, true, {1, 20, 300}};
