@@ -1,3 +1,4 @@
+#include <atomic>
 #include <random>
 #include <vector>
 
@@ -9,7 +10,7 @@ namespace {
 using std::chrono::milliseconds;
 
 struct CountingWake final : rt::WakeSignal {
-  int signals{0};
+  std::atomic<int> signals{0};  // of the bus's thread
   void signal() noexcept override { ++signals; }
 };
 
@@ -52,11 +53,11 @@ TEST_P(GpioLinesContract, EachEdgeIsToldOnceInOrderWithItsNumberAndTime) {
   for (std::uint64_t i = 1; i <= 20; ++i) {
     rig->run_for(milliseconds(5));
     const bool is_high = i % 2 != 0;
-    rig->set_wire(2, is_high);
     expected.push_back({1, is_high, rig->now(), i});
+    rig->set_wire(2, is_high);
     if (i % 5 != 0) continue;
-    rig->set_wire(0, i % 10 != 0);
     expected.push_back({0, i % 10 != 0, rig->now(), i / 5});
+    rig->set_wire(0, i % 10 != 0);
   }
   settle();
   const std::vector<bus::GpioEdge> edges = take_edges(*sut);
@@ -72,7 +73,7 @@ TEST_P(GpioLinesContract, EachEdgeIsToldOnceInOrderWithItsNumberAndTime) {
       EXPECT_EQ(mine[i].sequence, wanted[i].sequence);
       EXPECT_EQ(mine[i].is_high, wanted[i].is_high);
       EXPECT_GE(mine[i].arrived_at, wanted[i].arrived_at);
-      EXPECT_LE(mine[i].arrived_at - wanted[i].arrived_at, 2 * bus::kGpioReadPeriod);
+      EXPECT_LE(mine[i].arrived_at - wanted[i].arrived_at, rig->limits().slowest_edge);
     }
   }
   EXPECT_TRUE(take_edges(*sut).empty());
@@ -114,6 +115,7 @@ TEST_P(GpioLinesContract, OutputsAreLowUntilTheyAreSetAndLowAgainWhenItIsClosed)
 }
 
 TEST_P(GpioLinesContract, ALostEdgeLeavesAHoleInTheNumbers) {
+  if (const char* why = rig->limits().why_no_edge_is_lost) GTEST_SKIP() << why;
   const auto sut = open();
   rig->set_wire(0, true);
   settle();
@@ -129,6 +131,7 @@ TEST_P(GpioLinesContract, ALostEdgeLeavesAHoleInTheNumbers) {
 }
 
 TEST_P(GpioLinesContract, TheLevelTellsWhatALostEdgeDidNot) {
+  if (const char* why = rig->limits().why_no_edge_is_lost) GTEST_SKIP() << why;
   const auto sut = open();
   rig->lose_edges(1);
   rig->set_wire(0, true);
@@ -139,7 +142,7 @@ TEST_P(GpioLinesContract, TheLevelTellsWhatALostEdgeDidNot) {
 
 TEST_P(GpioLinesContract, EdgesThatNobodyTakesAreMissedOnce) {
   const auto sut = open();
-  for (int i = 0; i < 400; ++i) {
+  for (int i = 0; i < 300; ++i) {
     rig->set_wire(0, i % 2 == 0);
     rig->run_for(bus::kGpioReadPeriod);
   }
@@ -171,6 +174,7 @@ TEST_P(GpioLinesContract, AChipThatIsPulledOutIsGoneForItsLinesAndCanBeOpenedWhe
 }
 
 TEST_P(GpioLinesContract, ALineThatIsTakenAwayTakesTheOthersWithIt) {
+  if (const char* why = rig->limits().why_no_line_goes_alone) GTEST_SKIP() << why;
   const auto sut = open();
   rig->lose_line(2);
   settle();
@@ -196,12 +200,12 @@ TEST_P(GpioLinesContract, AnEdgeAndAnotherLevelWakeAndTheSameLevelDoesNot) {
   CountingWake wake;
   const auto sut = rig->open(claim(), &wake).value();
   settle();
-  const int before = wake.signals;
+  const int before = wake.signals.load();
   settle();
-  EXPECT_EQ(wake.signals, before);
+  EXPECT_EQ(wake.signals.load(), before);
   rig->set_wire(0, true);
   settle();
-  EXPECT_GT(wake.signals, before);
+  EXPECT_GT(wake.signals.load(), before);
 }
 
 TEST_P(GpioLinesContract, RefusalsHaveTheirCauses) {
@@ -210,26 +214,30 @@ TEST_P(GpioLinesContract, RefusalsHaveTheirCauses) {
     EXPECT_FALSE(opened.has_value());
     return opened ? Errc::System : opened.error().code;
   };
-  EXPECT_EQ(refusal({"bench2", {"0"}, {}}), Errc::NotFound);
-  EXPECT_EQ(refusal({"bench", {"8"}, {}}), Errc::NotFound);
-  EXPECT_EQ(refusal({"bench", {"ESTOP-B"}, {}}), Errc::NotFound);
-  EXPECT_EQ(refusal({"bench", {}, {"ENABLE", "LAMP"}}), Errc::NotFound);
-  EXPECT_EQ(refusal({"bench", {}, {}}), Errc::InvalidArgument);
+  const std::string chip = rig->label();
+  const std::string line_5 = rig->name_of_line_5();
+  EXPECT_EQ(refusal({chip + "2", {"0"}, {}}), Errc::NotFound);
+  EXPECT_EQ(refusal({chip, {"8"}, {}}), Errc::NotFound);
+  EXPECT_EQ(refusal({chip, {"ESTOP-B"}, {}}), Errc::NotFound);
+  EXPECT_EQ(refusal({chip, {}, {line_5, "LAMP"}}), Errc::NotFound);
+  EXPECT_EQ(refusal({chip, {}, {}}), Errc::InvalidArgument);
   EXPECT_EQ(refusal({"", {"0"}, {}}), Errc::InvalidArgument);
-  EXPECT_EQ(refusal({"bench", {"0"}, {"0"}}), Errc::InvalidArgument);
-  EXPECT_EQ(refusal({"bench", std::vector<std::string>(9, "0"), {}}), Errc::InvalidArgument);
+  EXPECT_EQ(refusal({chip, {"0"}, {"0"}}), Errc::InvalidArgument);
+  EXPECT_EQ(refusal({chip, std::vector<std::string>(9, "0"), {}}), Errc::InvalidArgument);
   {
     const auto holder = open();
-    EXPECT_EQ(refusal({"bench", {"2"}, {}}), Errc::Busy);
-    EXPECT_EQ(refusal({"bench", {}, {"ENABLE"}}), Errc::Busy);
-    EXPECT_TRUE(rig->open({"bench", {"1"}, {"7"}}, nullptr).has_value()) << "others are free";
+    EXPECT_EQ(refusal({chip, {"2"}, {}}), Errc::Busy);
+    EXPECT_EQ(refusal({chip, {}, {line_5}}), Errc::Busy);
+    EXPECT_TRUE(rig->open({chip, {"1"}, {"7"}}, nullptr).has_value()) << "others are free";
   }
   EXPECT_NE(open(), nullptr) << "nothing is left behind";
 }
 
 // Against what a list of the wires' changes says.
 TEST_P(GpioLinesContract, WhateverHappensOnTheWiresIsToldOrMissed) {
-  for (unsigned seed = 1; seed <= 20; ++seed) {
+  const unsigned lives = rig->limits().random_lives;
+  for (unsigned seed = 1; seed <= lives; ++seed) {
+    rig.reset();  // two chips of one label would be none
     rig = GetParam().make();
     std::mt19937 dice(seed);
     const auto sut = open();
