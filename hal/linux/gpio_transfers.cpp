@@ -198,10 +198,16 @@ void GpioTransfers::write_outputs() noexcept {
   for (std::size_t i = 0; i < outputs_.size(); ++i) {
     const std::uint32_t bit = 1U << i;
     if (((*wanted ^ written_) & bit) == 0) continue;
-    if (gpiod_line_set_value(outputs_[i], (*wanted & bit) != 0 ? 1 : 0) != 0) return note(errno);
+    if (!write(outputs_[i], (*wanted & bit) != 0)) return note(errno);
     written_ ^= bit;
   }
   mail_->written(*wanted);
+}
+
+// That the chip refused a level nobody is told (Linux 6.1: a driver's set() returns nothing), so it
+// is asked something, too, which who refuses refuses as well.
+bool GpioTransfers::write(gpiod_line* line, bool is_high) noexcept {
+  return gpiod_line_set_value(line, is_high ? 1 : 0) == 0 && gpiod_line_get_value(line) >= 0;
 }
 
 void GpioTransfers::note(int code) noexcept {

@@ -20,7 +20,9 @@ namespace thimble::linux {
 //
 // Its events carry no numbers: that one was lost shows as an edge that repeats the level before it
 // (GpioMailboxes counts so), or as a level that the chip tells otherwise. A chip that is pulled out
-// wakes nobody (Linux 6.1, gpiolib-cdev.c): asking for the levels finds out.
+// wakes nobody (Linux 6.1, gpiolib-cdev.c): asking for the levels finds out. A level that the chip
+// did not take is told to nobody either: each is followed by a question, and written again until
+// that has an answer.
 //
 // Thread: one at a time. Not RT: behind USB or I2C each call is a transfer that may last seconds.
 // Ownership: the mailboxes and the clock must outlive it. Outputs go low before it closes.
@@ -52,6 +54,7 @@ class GpioTransfers {
   bool take_edges_of(std::size_t input) noexcept;
   void read_levels() noexcept;
   void write_outputs() noexcept;
+  [[nodiscard]] static bool write(gpiod_line* line, bool is_high) noexcept;
   void note(int code) noexcept;
 
   gpiod_chip* chip_;

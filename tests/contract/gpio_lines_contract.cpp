@@ -181,19 +181,27 @@ TEST_P(GpioLinesContract, ALineThatIsTakenAwayTakesTheOthersWithIt) {
   expect_gone(*sut);
 }
 
-TEST_P(GpioLinesContract, AChipThatAnswersNothingShowsInItsAgeAndInItsOutputs) {
+void GpioLinesContract::expect_age_and_backlog(void (GpioRig::*mute)(bool)) {
   const auto sut = open();
-  rig->hang(true);
+  (*rig.*mute)(true);
   EXPECT_EQ(sut->set(0, true), IoStatus::Ok);
   rig->run_for(milliseconds(200));
   EXPECT_EQ(sut->set(0, true), IoStatus::Backlogged);
   EXPECT_GE(rig->now() - levels_of(*sut).read_at, milliseconds(199));
-  rig->hang(false);
+  (*rig.*mute)(false);
   EXPECT_EQ(sut->set(0, true), IoStatus::Backlogged);
   settle();
   EXPECT_EQ(sut->set(0, true), IoStatus::Ok);
   EXPECT_LE(rig->now() - levels_of(*sut).read_at, 2 * bus::kGpioReadPeriod);
   EXPECT_TRUE(rig->wire(4));
+}
+
+TEST_P(GpioLinesContract, AChipThatAnswersNothingShowsInItsAgeAndInItsOutputs) {
+  expect_age_and_backlog(&GpioRig::hang);
+}
+
+TEST_P(GpioLinesContract, SoDoesOneThatRefusesWhatItIsAskedFor) {
+  expect_age_and_backlog(&GpioRig::refuse);
 }
 
 TEST_P(GpioLinesContract, AnEdgeAndAnotherLevelWakeAndTheSameLevelDoesNot) {

@@ -47,6 +47,8 @@ class GpioRig {
   virtual void lose_edges(int edges) = 0;
   // Answers nothing from now on; again from the next run_for() on.
   virtual void hang(bool is_hanging) = 0;
+  // The same, but that it refuses what it is asked for.
+  virtual void refuse(bool is_refusing) = 0;
 };
 
 struct GpioRigFactory {
@@ -73,6 +75,8 @@ class GpioLinesContract : public testing::TestWithParam<GpioRigFactory> {
   // Until what happened on the wires is told.
   void settle() { rig->run_for(2 * bus::kGpioReadPeriod); }
   void expect_gone(bus::GpioLines& lines);
+  // Of a chip that answers nothing of use while `mute` is on.
+  void expect_age_and_backlog(void (GpioRig::*mute)(bool));
 };
 
 inline std::string gpio_rig_name(const testing::TestParamInfo<GpioRigFactory>& rig) {

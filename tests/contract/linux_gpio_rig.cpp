@@ -45,7 +45,9 @@ class LinuxGpioRig final : public GpioRig {
   void restore_chip() override { chip_.replug(); }
   void lose_line(std::size_t line) override { chip_.end_request(line); }
   void lose_edges(int edges) override { chip_.lose_next_edges(edges); }
+  // In place of the thread it cannot wait; what is not answered ends as a refusal, seconds later.
   void hang(bool is_hanging) override { chip_.fail_transfers(is_hanging); }
+  void refuse(bool is_refusing) override { chip_.fail_transfers(is_refusing); }
 
  private:
   struct Lines final : bus::GpioMailboxes {

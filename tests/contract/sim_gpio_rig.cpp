@@ -21,6 +21,7 @@ class SimGpioRig final : public GpioRig {
   void lose_line(std::size_t line) override { chip_.lose_line(line); }
   void lose_edges(int edges) override { chip_.lose_edges(edges); }
   void hang(bool is_hanging) override { chip_.hang(is_hanging); }
+  void refuse(bool is_refusing) override { chip_.hang(is_refusing); }
 
  private:
   sim::VirtualClock clock_;

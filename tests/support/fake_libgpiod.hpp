@@ -14,7 +14,8 @@ namespace thimble::test {
 // What a node of a GPIO chip leads to when a test links fake_libgpiod.cpp: the functions of
 // libgpiod 1.6 that hal/linux uses, and behind them not a kernel but what the test says. As the
 // kernel (6.1) does, it keeps 16 events of each line and loses the newest beyond them, tells
-// nothing to who waits on a chip that is pulled out, and holds a line for one request.
+// nothing to who waits on a chip that is pulled out, nor to who sets a line that the chip took
+// nothing, and holds a line for one request.
 //
 // Thread: any.
 class FakeGpioChip {
@@ -33,7 +34,7 @@ class FakeGpioChip {
   void replug();
   // The request of one line ends: who waits for its edges is told.
   void end_request(std::size_t line);
-  // Every transfer fails.
+  // Every transfer fails; of a level that is set nobody is told so.
   void fail_transfers(bool is_failing);
   // Nobody may open it, or anybody again.
   void forbid(bool is_forbidden);
