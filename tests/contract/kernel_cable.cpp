@@ -1,5 +1,7 @@
 #include "tests/contract/kernel_cable.hpp"
 
+#include <poll.h>
+
 #include <algorithm>
 #include <cstdlib>
 
@@ -7,8 +9,8 @@ namespace thimble::test {
 
 using std::chrono::milliseconds;
 
-void KernelCable::start(std::function<void()> frame) {
-  thread_ = std::thread([this, frame = std::move(frame)] { run(frame); });
+void KernelCable::start(std::function<void()> frame, int node) {
+  thread_ = std::thread([this, frame = std::move(frame), node] { run(frame, node); });
 }
 
 void KernelCable::stop() {
@@ -16,14 +18,25 @@ void KernelCable::stop() {
   if (thread_.joinable()) thread_.join();
 }
 
-void KernelCable::run(const std::function<void()>& frame) {
+void KernelCable::run(const std::function<void()>& frame, int node) {
   for (MonotonicTime next = machine_.now();; next = std::max(next + step_, machine_.now())) {
-    machine_.sleep_until(next);
+    const bool is_due = await(next, node);
     const std::scoped_lock lock(mutex_);
     if (is_over_) return;
+    if (!is_due || is_held_.load()) continue;
     clock_.run_for(step_);
     if (frame) frame();
   }
+}
+
+bool KernelCable::await(MonotonicTime next, int node) {
+  constexpr int kLook_ms = 10;  // whether it is over, or held
+  if (node < 0) {
+    machine_.sleep_until(next);
+    return true;
+  }
+  pollfd kernel{is_held_.load() ? -1 : node, POLLIN, 0};  // -1: poll() passes it over
+  return ::poll(&kernel, 1, kLook_ms) > 0;
 }
 
 void KernelCable::run_for(Duration duration) {

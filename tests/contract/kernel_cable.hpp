@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <mutex>
 #include <string>
@@ -27,13 +28,19 @@ class KernelCable {
   [[nodiscard]] sim::PlugSurroundings surroundings() noexcept {
     return {&clock_, &machine_, &log_, &misbehaviour_};
   }
-  // `frame`: what else is to be done in each step.
-  void start(std::function<void()> frame = {});
+  // `frame`: what else is to be done in each step. `node`: where the kernel speaks to a device that
+  // does nothing by itself: a step is run when it has said something, and no other. It must be open
+  // until stop().
+  void start(std::function<void()> frame = {}, int node = -1);
   void stop();  // nothing of the device runs afterwards
   template <class Work>
   decltype(auto) alone(Work work) {
     const std::scoped_lock lock(mutex_);
     return work();
+  }
+  // Nothing of the device runs while it is held: it answers nothing, as one that hangs.
+  void hold(bool is_held) {
+    alone([&] { is_held_.store(is_held); });
   }
 
   // Long enough for what takes that long on a wire to have come through kernel and threads.
@@ -44,7 +51,9 @@ class KernelCable {
   [[nodiscard]] bool lists(const bus::DeviceAddress& address);
 
  private:
-  void run(const std::function<void()>& frame);
+  void run(const std::function<void()>& frame, int node);
+  // False: there is nothing to be done.
+  [[nodiscard]] bool await(MonotonicTime next, int node);
 
   linux::MonotonicClock machine_;
   linux::BusEnumerator buses_{linux::BusSettings{machine_, {}, {}}};
@@ -54,6 +63,7 @@ class KernelCable {
   Duration step_;
   std::mutex mutex_;
   bool is_over_{false};
+  std::atomic<bool> is_held_{false};
   std::thread thread_;
 };
 
