@@ -50,7 +50,8 @@ struct GpioLevels {
 inline constexpr Duration kGpioReadPeriod = std::chrono::milliseconds(20);
 
 // Lines of an opened chip. Edges and levels are two tellings of the same wires: a chip that is
-// polled by its kernel driver shows a level before the edge.
+// polled by its kernel driver shows a level before the edge, and tells of an input that is high
+// when the driver first looks at it as if it rose then.
 //
 // Thread: one, which may wait; never a servo: a chip behind USB or I2C sleeps.
 // Ownership: closing is the destructor's; outputs go low before.

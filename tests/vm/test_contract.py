@@ -1,4 +1,5 @@
-"""The contract suites of HID and USB devices and their enumerator over a real kernel: hidapi, libusb and libudev as they are, on devices that hang on uhid and vhci-hcd.
+"""The contract suites of HID and USB devices, their enumerator and GPIO lines over a real kernel: hidapi, libusb, libudev and libgpiod as they are, on devices that hang
+on uhid and vhci-hcd; the GPIO chip is a CP2112 under the kernel's own driver.
 
 What the same suites say of the simulated buses, and of ours over stand-ins for the libraries, runs on any machine: tests/contract.
 """
@@ -13,7 +14,8 @@ class Contract(guest.GuestTest):
     runs_daemon = False
 
     def test_every_sentence_of_the_suites_is_true(self):
-        for suite, least in (("HidDeviceContract", 22), ("BusEnumeratorContract", 7), ("UsbDeviceContract", 29)):
+        for suite, least in (("HidDeviceContract", 22), ("BusEnumeratorContract", 7), ("UsbDeviceContract", 29),
+                             ("GpioLinesContract", 12), ("KernelGpio", 2)):
             with self.subTest(suite):
                 status, printed = self.guest.ask(f"/run/bin/kernel_contract --gtest_filter='*{suite}*' 2>&1 | tail -n 60; "
                                                  "exit ${PIPESTATUS[0]}", timeout_s=600)
