@@ -3,9 +3,9 @@
 import unittest
 
 import guest_states
-from machine import AS_IT_COMES, COUNTED, COUNTED_SLOWLY, DEBS, ON_TWO, Guest, GuestError
+from machine import AS_IT_COMES, COUNTED, DEBS, ON_TWO, Guest, GuestError
 
-__all__ = ["AS_IT_COMES", "COUNTED", "COUNTED_SLOWLY", "DEBS", "ON_TWO", "Guest", "GuestError", "GuestTest"]
+__all__ = ["AS_IT_COMES", "COUNTED", "DEBS", "ON_TWO", "Guest", "GuestError", "GuestTest"]
 
 
 class GuestTest(unittest.TestCase):

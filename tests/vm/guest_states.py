@@ -17,7 +17,7 @@ RECIPE = 3  # to be counted up when install() or settle() does something else, o
 INSTALLED = ("thimbled", "thimble")
 KERNEL = "amd64"
 KEPT_MACHINES = 2
-KEPT = 3  # sets of packages; with every pace one has 0.5 GB
+KEPT = 3  # sets of packages; one has 0.2 GB
 SETTLE_S = 300
 BARE = "bare"
 
@@ -106,21 +106,9 @@ def disk_part(alike, entry):
     return state_cache.part(entry, machine.AS_IT_COMES.name, make)
 
 
-def booted_part(alike, entry, pace):
-    """Of one that was switched on with them, and has settled."""
-    def make(folder):
-        with machine.Guest(KERNEL, pace=pace, disk=disk_part(alike, entry) / "disk.qcow2") as one:
-            settle(one)
-            save(one, folder)
-
-    return state_cache.part(entry, pace.name, make)
-
-
 def part(alike, entry, pace):
     """What a guest of this pace begins with."""
-    if pace == machine.COUNTED:
-        return counted_part(alike, entry)
-    return booted_part(alike, entry, pace) if pace.is_counted else disk_part(alike, entry)
+    return counted_part(alike, entry) if pace.is_counted else disk_part(alike, entry)
 
 
 def boot(kernel, pace):

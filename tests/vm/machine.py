@@ -55,18 +55,13 @@ ON_TWO = Pace("on-two", ("-smp", "2", "-accel", "tcg,thread=multi"), AS_HOST_LET
 CHEAP_TO_EMULATE = "mitigations=off psi=0 cpuidle.off=1 clearcpuid=112"
 
 
-def counted(name, shift):
-    """The guest's clock counts instructions, 2^shift ns each, and leaps over idle time: however busy the host is, nobody in the
-    guest is late for it. For tests with a device that must be served in time; it runs in the guest, too. No memory is gathered into
-    huge pages: that takes the only processor for 1.5 ms (decision 0383)."""
-    return Pace(name, ("-smp", "1", "-accel", "tcg,thread=single", "-icount", f"shift={shift},sleep=off"),
-                f"clocksource=tsc tsc=reliable transparent_hugepage=never {CHEAP_TO_EMULATE}", is_counted=True)
-
-
-# A slower guest costs more, not less: while a program runs, the device has its frames (decision 0382).
-COUNTED = counted("counted", 0)
-COUNTED_SLOWLY = counted("counted-slowly", 2)
-PACES = (AS_IT_COMES, ON_TWO, COUNTED, COUNTED_SLOWLY)
+# The guest's clock counts instructions, a nanosecond each, and leaps over idle time: however busy the host is, nobody in the guest is late
+# for it. For tests with a device that must be served in time; it runs in the guest, too. A slower guest costs more, not less: while a
+# program runs, the device has its frames (decision 0382). No memory is gathered into huge pages: that takes the only processor for 1.5 ms
+# (decision 0383).
+COUNTED = Pace("counted", ("-smp", "1", "-accel", "tcg,thread=single", "-icount", "shift=0,sleep=off"),
+               f"clocksource=tsc tsc=reliable transparent_hugepage=never {CHEAP_TO_EMULATE}", is_counted=True)
+PACES = (AS_IT_COMES, ON_TWO, COUNTED)
 
 
 def words(kernel, pace):

@@ -10,7 +10,7 @@ import guest
 
 
 class Contract(guest.GuestTest):
-    pace = guest.COUNTED_SLOWLY
+    pace = guest.COUNTED
     runs_daemon = False
 
     def test_every_sentence_of_the_suites_is_true(self):
