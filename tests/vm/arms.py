@@ -27,11 +27,6 @@ PID = "$(systemctl show thimbled -p MainPID --value)"
 SERVO = f"$(ps -L -o lwp=,comm= -p {PID} | awk '$2 == \"servo-right\" {{print $1}}')"
 
 
-def frames_at_once(rate_hz):
-    """Of a HID arm, where nobody looks at time: two cost one wake-up, and wake-ups are most of what an arm is to an emulator (decision 0458)."""
-    return ("--frames-at-once", "2") if rate_hz == QUIET_HZ else ()
-
-
 # How a HID arm comes to the kernel.
 WAYS = {"uhid": ("--uhid",), "usb": ("--vhci",), "usbip": ("--usbip", simdev.PORT)}
 
@@ -81,7 +76,7 @@ class HidArm(Arm):
     ids = "1234:0006"
 
     def __init__(self, guest, way="uhid", rate_hz=QUIET_HZ, *, is_named=True):
-        super().__init__(guest, "arm", *WAYS[way], *frames_at_once(rate_hz), "--serial", SERIAL, self.model)
+        super().__init__(guest, "arm", *WAYS[way], "--serial", SERIAL, self.model)
         self.words = f'device = "hid:{SERIAL}"\nmodel = "{self.model}"\namplifier_max_a = 3.0'
         self.way = way
         self.rate_hz = rate_hz

@@ -36,7 +36,7 @@ SERIAL_LIES = "serial-no-union serial-union-with-none serial-union-with-itself s
 
 
 def arm_beside(one, *way):
-    return simdev.Simdev(one, "left", *way, *arms.frames_at_once(arms.QUIET_HZ), "--serial", two_arms.BESIDE, "phantom-vintage")
+    return simdev.Simdev(one, "left", *way, "--serial", two_arms.BESIDE, "phantom-vintage")
 
 
 class Misbehaviour:
