@@ -17,6 +17,7 @@ import zlib
 
 import costs
 import guest_image
+import processors
 import qmp
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -47,7 +48,8 @@ class Pace(typing.NamedTuple):
 # Processors that run as the host lets them. On a busy one an emulated timer is late: the kernel must neither take it for broken nor
 # learn from it how fast the TSC is, or the guest's clock runs several times too fast.
 AS_HOST_LETS = "clocksource=acpi_pm tsc=unstable no_timer_check"
-AS_IT_COMES = Pace("as-it-comes", ("-smp", "1", "-accel", "tcg,thread=single"), AS_HOST_LETS)
+ONE_PROCESSOR = ("-smp", "1")
+AS_IT_COMES = Pace("as-it-comes", (*ONE_PROCESSOR, "-accel", "tcg,thread=single"), AS_HOST_LETS)
 ON_TWO = Pace("on-two", ("-smp", "2", "-accel", "tcg,thread=multi"), AS_HOST_LETS)
 
 
@@ -59,7 +61,7 @@ CHEAP_TO_EMULATE = "mitigations=off psi=0 cpuidle.off=1 clearcpuid=112"
 # for it. For tests with a device that must be served in time; it runs in the guest, too. A slower guest costs more, not less: while a
 # program runs, the device has its frames (decision 0382). No memory is gathered into huge pages: that takes the only processor for 1.5 ms
 # (decision 0383).
-COUNTED = Pace("counted", ("-smp", "1", "-accel", "tcg,thread=single", "-icount", "shift=0,sleep=off"),
+COUNTED = Pace("counted", (*ONE_PROCESSOR, "-accel", "tcg,thread=single", "-icount", "shift=0,sleep=off"),
                f"clocksource=tsc tsc=reliable transparent_hugepage=never {CHEAP_TO_EMULATE}", is_counted=True)
 PACES = (AS_IT_COMES, ON_TWO, COUNTED)
 
@@ -86,8 +88,9 @@ class Guest:
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="thimble-vm-"))
         self.console = self.folder / "console"
         image = guest_image.image_folder()
+        self.processor, words_before = processors.claim(image / "processors") if pace.machine[:2] == ONE_PROCESSOR else (None, ())
         command = [
-            "setpriv", "--pdeathsig", "KILL",  # it ends with the test, whatever ends that
+            *words_before, "setpriv", "--pdeathsig", "KILL",  # it ends with the test, whatever ends that
             "qemu-system-x86_64", *words(kernel, pace),
             "-kernel", image / f"vmlinuz-{kernel}", "-initrd", image / f"initrd-{kernel}",
             "-drive", f"file={disk},format=qcow2,if=virtio,snapshot=on" if disk else
@@ -149,8 +152,8 @@ class Guest:
         if hasattr(self, "process"):
             self.process.kill()
             self.process.wait()
-        for end in ("monitor", "channel"):
-            if hasattr(self, end):
+        for end in ("monitor", "channel", "processor"):
+            if getattr(self, end, None) is not None:
                 getattr(self, end).close()
         shutil.rmtree(self.folder, ignore_errors=True)
 
