@@ -35,6 +35,10 @@ Result<Measures> measure(const CouplingCase& of, const StageSettings& settings) 
       return tl::unexpected(played.error());
     }
   }
+  if (!settings.moves) return measures;
+  if (const auto played = play_hold(of, settings, measures); !played) {
+    return tl::unexpected(played.error());
+  }
   return measures;
 }
 

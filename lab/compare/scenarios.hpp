@@ -35,11 +35,15 @@ namespace thimble::lab {
 // To and fro in free space by 5 mm at 2 Hz, by a hand that nothing stops.
 [[nodiscard]] Result<void> play_shake(const CouplingCase& of, const StageSettings& settings,
                                       Measures& into);
+// A finger that is held 20 mm behind the face of a wall that moves, for many of its periods.
+[[nodiscard]] Result<void> play_hold(const CouplingCase& of, const StageSettings& settings,
+                                     Measures& into);
 
 // The numbers of all of them, behind what there is: by file.
 void list_probe(std::vector<Parameter>& into);
 void list_approach(std::vector<Parameter>& into);
 void list_presses(std::vector<Parameter>& into);  // push, edge, outage
 void list_motions(std::vector<Parameter>& into);  // taps, shake
+void list_hold(std::vector<Parameter>& into);
 
 }  // namespace thimble::lab

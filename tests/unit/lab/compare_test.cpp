@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "lab/compare/bounded.hpp"
 #include "lab/compare/compared.hpp"
 #include "lab/compare/scenarios.hpp"
 #include "lab/trial/plane_fit.hpp"
@@ -85,6 +86,79 @@ TEST(Compare, MarksSayWhatIsAmissAndWhereAGateFails) {
   EXPECT_FALSE(marks.fails[place(Gate::Passive)]);
   EXPECT_FALSE(marks.fails[place(Gate::Smooth)]);
   EXPECT_FALSE(marks_of(poor, ideal, true).fails[place(Gate::Bounded)]) << "the wall moved it";
+}
+
+// 3.2 N, a cell of 3 mm, 800 N/m.
+TEST(Bounded, TheWallPutsInWhatItDoesToTheHandAndToTheSpring) {
+  EXPECT_NEAR(wall_work_joule(), 3.2 * 0.003 + 800 * 0.003 * 0.003 / 2, 1e-12);
+}
+
+TEST(Bounded, EachThingThatGrowsIsSeen) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  const Held good{
+      .swing_before_m = 0.003, .swing_last_m = 0.0031, .most_newton = 4, .given_joule = 0.003};
+  EXPECT_TRUE(is_bounded(good));
+  for (const double swing_m : {0.005, kNone}) {
+    Held grows = good;
+    grows.swing_last_m = swing_m;
+    EXPECT_FALSE(is_bounded(grows));
+  }
+  for (const double newton : {9.0, kNone}) {
+    Held hard = good;
+    hard.most_newton = newton;
+    EXPECT_FALSE(is_bounded(hard));
+  }
+  for (const double joule : {wall_work_joule() + 1e-6, kNone}) {
+    Held driven = good;
+    driven.given_joule = joule;
+    EXPECT_FALSE(is_bounded(driven)) << "a swing that has come to its end is one, too";
+  }
+}
+
+TEST(Bounded, TheoryHasNoBoundForTheRemoteClosedLoopAlone) {
+  for (const coupling::Scheme scheme : coupling::kSchemes) {
+    const bool is_remote = scheme == coupling::Scheme::RemoteForce;
+    for (const double late_s : {0.005, 0.02, 0.201, 0.7}) {
+      EXPECT_EQ(may_grow(scheme, late_s), is_remote);
+    }
+    EXPECT_FALSE(may_grow(scheme, 0.001)) << "the finger's 4 N s/m hold it";
+  }
+}
+
+Held held_by(const CouplingCase& of, const StageSettings& settings) {
+  Measures measures;
+  EXPECT_TRUE(play_hold(of, settings, measures));
+  return measures.held;
+}
+
+TEST(Hold, IsBoundedBeforeAWallThatMovesButForALateRemoteForce) {
+  for (const CouplingCase& of : compared_schemes()) {
+    for (const double delay_s : {0.001, 0.05, 0.5}) {
+      const bool may = may_grow(of.scheme, delay_s);
+      EXPECT_EQ(is_bounded(held_by(of, {.delay_s = delay_s, .moves = true})), !may)
+          << of.name << " " << delay_s;
+    }
+  }
+}
+
+// What has grown to where the arm's force ends grows no more: energy and force tell it.
+TEST(Hold, ASwingThatHasComeToItsEndIsToldByWhatItIsGiven) {
+  const CouplingCase remote{.name = "remote-force", .scheme = coupling::Scheme::RemoteForce};
+  const Held held = held_by(remote, {.delay_s = 0.02, .moves = true});
+  EXPECT_LT(held.swing_last_m, kGrowsTo_ratio * held.swing_before_m + kGrows_m);
+  EXPECT_GT(held.given_joule, 20 * wall_work_joule());
+  EXPECT_GT(held.most_newton, 2 * kMost_newton);
+}
+
+// Each time the wall comes forward the frame goes with it, and does not return while the hand
+// leans: bounded, but the wall is lost. A zone is felt where it is.
+TEST(Hold, AFrameThatShiftsGivesWayToAWallThatComesAgainAndAgain) {
+  const CouplingCase ours{.name = "composite", .scheme = coupling::Scheme::Composite};
+  const CouplingCase zone{.name = "buffer-zone", .scheme = coupling::Scheme::BufferZone};
+  const StageSettings moving{.delay_s = 0.02, .moves = true};
+  EXPECT_LT(held_by(ours, moving).last_newton, 0.8);
+  EXPECT_GT(held_by(zone, moving).last_newton, 3.2);
+  EXPECT_NEAR(held_by(ours, {.delay_s = 0.02}).last_newton, 3.2, 0.05) << "one that stays is not";
 }
 
 TEST(Compare, ARunIsTheSameAgainAndOfAnotherSeedItIsNot) {
