@@ -31,7 +31,7 @@ struct Moment {
 
 class FalconPlugin : public testing::Test {
  protected:
-  // A whole life: boot, upload, homing, the box, the cable pulled and put back, and all again.
+  // A whole life: boot, upload, homing, the box, the cable pulled and put back, a clear, and all again.
   std::vector<Moment> live(bool is_plugin, const std::string& device) {
     test::ClosedLoop::Setup setup;
     const std::vector<std::uint8_t> image = test::falcon_image();
@@ -54,7 +54,10 @@ class FalconPlugin : public testing::Test {
     sut.unplug();
     sut.run(0.2, note);
     sut.replug();
-    sut.run(20, note);
+    sut.run(10, note);
+    EXPECT_EQ(sut.frame().state, OperatingState::Fault);
+    sut.controls().request_clear(sut.snapshot().fault.number);
+    sut.run(10, note);
     EXPECT_EQ(sut.arm().session().device().counters().malformed, 0U);
     return life;
   }

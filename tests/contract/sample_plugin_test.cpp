@@ -98,7 +98,7 @@ TEST_F(SamplePlugin, AFaultLeavesNoForceAtTheArm) {
   EXPECT_FALSE(sut.truth().is_amplifier_on) << "silence, and the arm's own watchdog";
 }
 
-TEST_F(SamplePlugin, AnUnpluggedArmIsCalibratedAgainWhenItReturns) {
+TEST_F(SamplePlugin, AnUnpluggedArmIsCalibratedAgainAndClearedWhenItReturns) {
   test::ClosedLoop sut = loop_with({"arm.hand.motion=still"});
   sut.run_until_leaning();
   sut.unplug();
@@ -110,6 +110,8 @@ TEST_F(SamplePlugin, AnUnpluggedArmIsCalibratedAgainWhenItReturns) {
   ASSERT_TRUE(
       sut.run_until(2, [&sut] { return sut.frame().calibration == CalibrationState::NeedsUser; }));
   EXPECT_EQ(norm(sut.frame().force), 0);
+  ASSERT_TRUE(sut.run_until(2, [&sut] { return sut.frame().state == OperatingState::Fault; }));
+  sut.controls().request_clear(sut.snapshot().fault.number);
   sut.run_until_driven();
 }
 
