@@ -23,7 +23,7 @@ double wall_work_joule() noexcept {
 }
 
 // Written so that what is not a number is not bounded.
-bool is_bounded(const Held& held) noexcept {
+bool is_bounded(const HeldAtWall& held) noexcept {
   return held.swing_last_m <= kGrowsTo_ratio * held.swing_before_m + kGrows_m &&
          held.given_joule <= wall_work_joule() && held.most_newton <= kMost_newton;
 }

@@ -10,7 +10,7 @@ namespace thimble::lab {
 inline constexpr double kHeldBehind_m = 0.020;
 
 // What came of it, once it is as it stays.
-struct Held {
+struct HeldAtWall {
   double swing_before_m{0};  // peak to peak, for some periods of the wall
   double swing_last_m{0};    // as long again, right behind
   double most_newton{0};     // in both
@@ -31,7 +31,7 @@ inline constexpr double kGrows_m = 0.0005;
 
 // It swings no more than before, is given no more than the wall puts in, and asks for no more than
 // an arm gives, where what grows comes to an end. What is not a number is not bounded.
-[[nodiscard]] bool is_bounded(const Held& held) noexcept;
+[[nodiscard]] bool is_bounded(const HeldAtWall& held) noexcept;
 
 // A hand with a damper of its own, at what takes out no less than it gives, comes to a bound
 // whatever bounded thing the wall does, so that nothing may grow which is passive at any delay: a

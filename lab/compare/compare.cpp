@@ -153,7 +153,7 @@ std::vector<Cell> measure_cells(const Measures& m) {
           m.most_pull_newton};
 }
 
-std::vector<Cell> held_cells(const Held& held) {
+std::vector<Cell> held_cells(const HeldAtWall& held) {
   return {1e3 * held.swing_before_m, 1e3 * held.swing_last_m, 1e3 * held.given_joule,
           held.most_newton, held.last_newton};
 }

@@ -30,7 +30,7 @@ struct Measures {
   double most_newton{0};
   double most_rise_newton{0};  // in a tick
   double most_pull_newton{0};  // towards the wall, in contact
-  Held held{};                 // before a wall that moves; no mark and no gate: decision 0465
+  HeldAtWall held{};           // before a wall that moves; no mark and no gate: decision 0465
 };
 
 // SOURCE: teleop.md section 5, G3: what the arm gives.

@@ -95,21 +95,21 @@ TEST(Bounded, TheWallPutsInWhatItDoesToTheHandAndToTheSpring) {
 
 TEST(Bounded, EachThingThatGrowsIsSeen) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  const Held good{
+  const HeldAtWall good{
       .swing_before_m = 0.003, .swing_last_m = 0.0031, .most_newton = 4, .given_joule = 0.003};
   EXPECT_TRUE(is_bounded(good));
   for (const double swing_m : {0.005, kNone}) {
-    Held grows = good;
+    HeldAtWall grows = good;
     grows.swing_last_m = swing_m;
     EXPECT_FALSE(is_bounded(grows));
   }
   for (const double newton : {9.0, kNone}) {
-    Held hard = good;
+    HeldAtWall hard = good;
     hard.most_newton = newton;
     EXPECT_FALSE(is_bounded(hard));
   }
   for (const double joule : {wall_work_joule() + 1e-6, kNone}) {
-    Held driven = good;
+    HeldAtWall driven = good;
     driven.given_joule = joule;
     EXPECT_FALSE(is_bounded(driven)) << "a swing that has come to its end is one, too";
   }
@@ -125,7 +125,7 @@ TEST(Bounded, TheoryHasNoBoundForTheRemoteClosedLoopAlone) {
   }
 }
 
-Held held_by(const CouplingCase& of, const StageSettings& settings) {
+HeldAtWall held_by(const CouplingCase& of, const StageSettings& settings) {
   Measures measures;
   EXPECT_TRUE(play_hold(of, settings, measures));
   return measures.held;
@@ -144,7 +144,7 @@ TEST(Hold, IsBoundedBeforeAWallThatMovesButForALateRemoteForce) {
 // What has grown to where the arm's force ends grows no more: energy and force tell it.
 TEST(Hold, ASwingThatHasComeToItsEndIsToldByWhatItIsGiven) {
   const CouplingCase remote{.name = "remote-force", .scheme = coupling::Scheme::RemoteForce};
-  const Held held = held_by(remote, {.delay_s = 0.02, .moves = true});
+  const HeldAtWall held = held_by(remote, {.delay_s = 0.02, .moves = true});
   EXPECT_LT(held.swing_last_m, kGrowsTo_ratio * held.swing_before_m + kGrows_m);
   EXPECT_GT(held.given_joule, 20 * wall_work_joule());
   EXPECT_GT(held.most_newton, 2 * kMost_newton);
