@@ -21,11 +21,11 @@ Nonce ChallengeBook::number_of(const Endpoint& from, const Nonce& arm, std::int6
   std::array<std::byte, 16 + 2 + 4 + 1 + sizeof(Nonce) + 8> text{};
   ByteWriter writer(text);
   writer.block(std::as_bytes(std::span(from.address)));
-  writer.word(from.port);
-  writer.word(from.scope);
-  writer.word(from.is_v6 ? std::uint8_t{1} : std::uint8_t{0});
+  writer.values(from.port);
+  writer.values(from.scope);
+  writer.values(from.is_v6 ? std::uint8_t{1} : std::uint8_t{0});
   writer.block(arm);
-  writer.word(static_cast<std::uint64_t>(term));
+  writer.values(static_cast<std::uint64_t>(term));
   return keyed_sum(LinkKey(secret_), text);
 }
 

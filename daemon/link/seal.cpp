@@ -57,7 +57,7 @@ using SessionNonce = std::array<std::byte, crypto_aead_chacha20poly1305_IETF_NPU
 SessionNonce nonce_of(std::uint64_t sequence) noexcept {
   SessionNonce nonce{};
   ByteWriter writer{std::span(nonce).last<8>()};
-  writer.word(sequence);
+  writer.values(sequence);
   return nonce;
 }
 

@@ -69,7 +69,7 @@ SerialFrame frame(std::span<const std::byte> datagram) noexcept {
   std::array<std::byte, kMaxFramed> plain{};
   ByteWriter writer(plain);
   writer.block(datagram);
-  writer.word(crc32(datagram));
+  writer.values(crc32(datagram));
   const std::size_t size =
       stuff(std::span(plain).first(writer.size()), std::span(out.bytes).subspan(1));
   out.size = size + 2;  // the zeros at either end are there
@@ -112,7 +112,7 @@ std::optional<std::span<const std::byte>> Deframer::end_of_frame() noexcept {
     const auto datagram = std::span<const std::byte>(plain_).first(*size - kSerialChecksum);
     std::uint32_t sum = 0;
     ByteReader(std::span<const std::byte>(plain_).subspan(datagram.size(), kSerialChecksum))
-        .word(sum);
+        .values(sum);
     if (sum == crc32(datagram)) {
       ++counters_.frames;
       return datagram;

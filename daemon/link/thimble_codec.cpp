@@ -74,40 +74,39 @@ std::uint32_t mask_of(const ThimbleConstraints& m) noexcept {
          flag(m.set.has_far && m.set.far.is_arm, kFarArm);
 }
 
+// Said by the writer; to be read by the reader.
+template <class Bytes, class Message>
+std::uint32_t first_mask(const Message& m) noexcept {
+  if constexpr (Bytes::kIsReader) return 0;
+  return mask_of(m);
+}
+
 template <class Bytes, class Message>
 bool carry_sample(Bytes& b, Message& m) noexcept {
   carry_timing(b, m.timing);
   auto& s = m.sample;
-  b.word(s.sequence);
-  b.time(s.sampled_at);
-  b.word(s.restart);
-  b.word(s.buttons);
-  b.word(s.applied_reply);
-  b.vector(s.hand);
-  std::uint32_t mask = mask_of(m);
-  b.word(mask);
-  if ((mask & kVelocity) != 0) b.vector(s.velocity);
-  if ((mask & kTool) != 0) carry_tool(b, s.tool);
-  if ((mask & kWaves) != 0) carry_waves(b, s.waves);
-  if ((mask & kImpulse) != 0) b.vector(s.impulse);
-  if constexpr (Bytes::kIsReader) s.has_presses = (mask & kPresses) != 0;
-  if (s.has_presses) carry_words(b, s.presses);
-  if ((mask & kSampleEnergy) != 0) b.real(s.energy_joule);
-  if ((mask & kSampleEpoch) != 0) b.word(s.epoch);
+  std::uint32_t mask = first_mask<Bytes>(m);
+  b.values(s.sequence, s.sampled_at, s.restart, s.buttons, s.applied_reply, s.hand, mask);
+  carry_said(b, (mask & kVelocity) != 0, s.velocity);
+  carry_said(b, (mask & kTool) != 0, s.tool.stiffness.newton_per_m, s.tool.damping.newton_s_per_m);
+  carry_said(b, (mask & kWaves) != 0, s.waves.distance, s.waves.joule);
+  carry_said(b, (mask & kImpulse) != 0, s.impulse);
+  carry_said(b, (mask & kPresses) != 0, s.presses);
+  carry_known(b, (mask & kSampleEnergy) != 0, s.energy_joule);
+  carry_said(b, (mask & kSampleEpoch) != 0, s.epoch);
+  carry_said(b, (mask & kArmsGhost) != 0, s.ghost);
+  carry_said(b, (mask & kAppliedBefore) != 0, s.applied_before);
+  carry_said(b, (mask & kPull) != 0, s.pull);
   if constexpr (Bytes::kIsReader) {
+    s.has_presses = (mask & kPresses) != 0;
+    s.has_ghost = (mask & kArmsGhost) != 0;
     if ((mask & kNeverASampleField) != 0) b.refuse();
   }
-  if constexpr (Bytes::kIsReader) s.has_ghost = (mask & kArmsGhost) != 0;
-  if (s.has_ghost) b.vector(s.ghost);
-  if ((mask & kAppliedBefore) != 0) b.word(s.applied_before);
-  if ((mask & kPull) != 0) b.vector(s.pull);
   return mask > kSampleFields;
 }
 
 template <class Bytes, class Plane>
 void carry_plane(Bytes& b, Plane& plane) noexcept {
-  b.vector(plane.normal);
-  b.real(plane.offset_m);
   auto& surface = plane.surface;
   std::uint8_t mask = 0;
   if constexpr (!Bytes::kIsReader) {
@@ -117,14 +116,14 @@ void carry_plane(Bytes& b, Plane& plane) noexcept {
                                      flag(!(surface.friction < 0), kFriction) |
                                      flag(!(surface.temperature_kelvin < 0), kTemperature));
   }
-  b.word(mask);
+  b.values(plane.normal, plane.offset_m, mask);
   if constexpr (Bytes::kIsReader) {
     if (mask > kSurfaceFields) return b.refuse();
   }
-  if ((mask & kStiffness) != 0) b.real(surface.stiffness.newton_per_m);
-  if ((mask & kDamping) != 0) b.real(surface.damping.newton_s_per_m);
-  if ((mask & kFriction) != 0) b.real(surface.friction);
-  if ((mask & kTemperature) != 0) b.real(surface.temperature_kelvin);
+  carry_known(b, (mask & kStiffness) != 0, surface.stiffness.newton_per_m);
+  carry_known(b, (mask & kDamping) != 0, surface.damping.newton_s_per_m);
+  carry_known(b, (mask & kFriction) != 0, surface.friction);
+  carry_known(b, (mask & kTemperature) != 0, surface.temperature_kelvin);
   if constexpr (Bytes::kIsReader) {
     const bool is_said_to_be_unsaid =
         ((mask & kStiffness) != 0 && surface.stiffness.newton_per_m < 0) ||
@@ -135,30 +134,21 @@ void carry_plane(Bytes& b, Plane& plane) noexcept {
   }
 }
 
-void carry_planes(ByteWriter& b, const ThimbleConstraints& m) noexcept {
-  b.word(static_cast<std::uint8_t>(m.set.planes.size()));
-  for (std::size_t i = 0; i < m.set.planes.size(); ++i) {
-    carry_plane(b, m.set.planes[i]);
+template <class Bytes, class Planes>
+void carry_planes(Bytes& b, Planes& planes) noexcept {
+  carry_count(b, planes);
+  if constexpr (Bytes::kIsReader) {
+    if (planes.empty()) return b.refuse();
   }
-}
-void carry_planes(ByteReader& b, ThimbleConstraints& m) noexcept {
-  std::uint8_t count = 0;
-  b.word(count);
-  if (count == 0 || count > coupling::kMaxPlanes) return b.refuse();
-  for (std::size_t i = 0; i < count && b.is_good(); ++i) {
-    coupling::ConstraintPlane plane;
-    carry_plane(b, plane);
-    m.set.planes.push_back(plane);
-  }
+  for (auto& plane : planes) carry_plane(b, plane);
 }
 
 template <class Bytes, class Far>
 void carry_far(Bytes& b, Far& far) noexcept {
-  b.vector(far.force);
-  b.vector(far.slave);
-  b.vector(far.velocity);
-  carry_waves(b, far.waves);
+  b.values(far.force, far.slave, far.velocity);
+  b.values(far.waves.distance, far.waves.joule);
   carry_flag(b, far.is_pressing);
+  if constexpr (Bytes::kIsReader) far.is_arm = false, far.tool = {};
 }
 
 // What a far end is beside a place and a motion, where it is an arm.
@@ -168,20 +158,15 @@ void carry_far_arm(Bytes& b, Set& set) noexcept {
     if (!set.has_far) return b.refuse();
     set.far.is_arm = true;
   }
-  carry_tool(b, set.far.tool);
+  b.values(set.far.tool.stiffness.newton_per_m, set.far.tool.damping.newton_s_per_m);
 }
 
 template <class Bytes, class Message>
 bool carry_constraints(Bytes& b, Message& m) noexcept {
   carry_timing(b, m.timing);
-  b.word(m.request);
   auto& set = m.set;
-  b.word(set.sequence);
-  b.word(set.answers);
-  b.time(set.sampled_at);
-  b.word(set.session);
-  std::uint32_t mask = mask_of(m);
-  b.word(mask);
+  std::uint32_t mask = first_mask<Bytes>(m);
+  b.values(m.request, set.sequence, set.answers, set.sampled_at, set.session, mask);
   if constexpr (Bytes::kIsReader) {
     set.has_ghost = (mask & kGhost) != 0;
     set.is_embedded = (mask & kEmbedded) != 0;
@@ -190,14 +175,15 @@ bool carry_constraints(Bytes& b, Message& m) noexcept {
     set.is_astray = (mask & kAstray) != 0;
     set.has_map = (mask & kMap) != 0;
     set.has_pressure = (mask & kPressure) != 0;
+    set.planes.clear();
   }
-  if ((mask & kPlanes) != 0) carry_planes(b, m);
-  if (set.has_ghost) b.vector(set.ghost);
-  if ((mask & kGhostCell) != 0) carry_cell(b, set.ghost_cell);
+  if ((mask & kPlanes) != 0) carry_planes(b, set.planes);
+  carry_said(b, set.has_ghost, set.ghost);
+  carry_said(b, (mask & kGhostCell) != 0, set.ghost_cell);
   if (set.has_far) carry_far(b, set.far);
-  if ((mask & kEpoch) != 0) b.word(set.map.epoch);
-  if (set.has_pressure) b.vector(set.pressure);
-  if ((mask & kEnergy) != 0) b.real(set.energy_joule);
+  carry_said(b, (mask & kEpoch) != 0, set.map.epoch);
+  carry_said(b, set.has_pressure, set.pressure);
+  carry_known(b, (mask & kEnergy) != 0, set.energy_joule);
   if (set.has_near) carry_near(b, set.near);
   if (set.has_map) carry_map(b, set.map);
   if ((mask & kFarArm) != 0) carry_far_arm(b, set);
@@ -212,7 +198,7 @@ bool carry_constraints(Bytes& b, Message& m) noexcept {
 template <class Bytes, class Message>
 bool carry_idle(Bytes& b, Message& m) noexcept {
   carry_timing(b, m.timing);
-  b.word(m.request);
+  b.values(m.request);
   return false;
 }
 

@@ -77,55 +77,33 @@ inline constexpr std::int32_t kMaxCellIndex = 1 << 20;
                   unless(is_good && lattice.half_cell_m >= 0, RejectReason::OutOfRange));
 }
 
-template <class Bytes, class Timing>
-void carry_timing(Bytes& bytes, Timing& timing) noexcept {
-  bytes.time(timing.sent_at);
-  bytes.time(timing.echo);
-  bytes.time(timing.echoed_at);
+// Fields that a mask says or not. A reader makes of what is not said what it means: 0, or for what
+// is known from 0 on, below.
+template <class Bytes, class... Values>
+void carry_said(Bytes& b, bool are_said, Values&... values) noexcept {
+  if (are_said) return b.values(values...);
+  if constexpr (Bytes::kIsReader) ((values = Values{}), ...);
 }
-template <class Bytes, class Waves>
-void carry_waves(Bytes& bytes, Waves& waves) noexcept {
-  bytes.vector(waves.distance);
-  for (auto& joule : waves.joule) bytes.real(joule);
-}
-template <class Bytes, class Tool>
-void carry_tool(Bytes& bytes, Tool& tool) noexcept {
-  bytes.real(tool.stiffness.newton_per_m);
-  bytes.real(tool.damping.newton_s_per_m);
-}
-template <class Bytes, class Words>
-void carry_words(Bytes& bytes, Words& words) noexcept {
-  for (auto& word : words) bytes.word(word);
-}
-template <class Bytes, class Cell>
-void carry_cell(Bytes& bytes, Cell& cell) noexcept {
-  bytes.integer(cell.x);
-  bytes.integer(cell.y);
-  bytes.integer(cell.z);
+template <class Bytes, class Value>
+void carry_known(Bytes& b, bool is_known, Value& value) noexcept {
+  if (is_known) return b.values(value);
+  if constexpr (Bytes::kIsReader) value = -1;
 }
 
-template <class Bytes, class Box>
-void carry_cells(Bytes& b, Box& box) noexcept {
-  for (auto* const corner : {&box.first, &box.last}) {
-    for (auto& index : *corner) {
-      auto bits = std::bit_cast<std::uint8_t>(index);
-      b.word(bits);
-      if constexpr (Bytes::kIsReader) index = std::bit_cast<std::int8_t>(bits);
-    }
-  }
+template <class Bytes, class Timing>
+void carry_timing(Bytes& b, Timing& timing) noexcept {
+  b.values(timing.sent_at, timing.echo, timing.echoed_at);
 }
 
 // Whether a grid can be so is for who moves a ghost through it: world::is_sound() and its like.
 template <class Bytes, class Lattice, class Place>
 void carry_lattice(Bytes& b, Lattice& lattice, Place& cell) noexcept {
-  carry_words(b, lattice.cells);
-  b.real(lattice.half_cell_m);
-  carry_cell(b, cell);
+  b.values(lattice.cells, lattice.half_cell_m, cell);
 }
 template <class Bytes, class Flag>
 void carry_flag(Bytes& b, Flag& is_set) noexcept {
   std::uint8_t bit = is_set ? 1 : 0;
-  b.word(bit);
+  b.values(bit);
   if constexpr (Bytes::kIsReader) {
     is_set = bit == 1;
     if (bit > 1) b.refuse();
@@ -135,8 +113,9 @@ void carry_flag(Bytes& b, Flag& is_set) noexcept {
 template <class Bytes, class List>
 void carry_count(Bytes& b, List& list) noexcept {
   auto count = static_cast<std::uint8_t>(list.size());
-  b.word(count);
+  b.values(count);
   if constexpr (Bytes::kIsReader) {
+    list.clear();
     for (std::size_t i = 0; i < count && b.is_good(); ++i) {
       if (!list.push_back({})) return b.refuse();
     }
@@ -146,21 +125,10 @@ void carry_count(Bytes& b, List& list) noexcept {
 template <class Bytes, class Near>
 void carry_near(Bytes& b, Near& near) noexcept {
   carry_lattice(b, near.lattice, near.middle);
-  carry_cells(b, near.known);
+  b.values(near.known.first, near.known.last);
   carry_flag(b, near.is_plane);
   carry_count(b, near.boxes);
-  for (std::size_t i = 0; i < near.boxes.size(); ++i) carry_cells(b, near.boxes[i]);
-}
-
-template <class Bytes, class Block>
-void carry_block(Bytes& b, Block& block) noexcept {
-  for (auto& along : block.at) {
-    auto bits = std::bit_cast<std::uint16_t>(along);
-    b.word(bits);
-    if constexpr (Bytes::kIsReader) along = std::bit_cast<std::int16_t>(bits);
-  }
-  b.word(block.version);
-  carry_words(b, block.slices);
+  for (auto& box : near.boxes) b.values(box.first, box.last);
 }
 
 template <class Bytes, class Map>
@@ -168,7 +136,7 @@ void carry_map(Bytes& b, Map& map) noexcept {
   carry_lattice(b, map.lattice, map.ghost_cell);
   carry_flag(b, map.is_plane);
   carry_count(b, map.blocks);
-  for (std::size_t i = 0; i < map.blocks.size(); ++i) carry_block(b, map.blocks[i]);
+  for (auto& block : map.blocks) b.values(block.at, block.version, block.slices);
 }
 
 // Both halves of a message. Of its own it has, in the namespace of the link: carry() with a writer

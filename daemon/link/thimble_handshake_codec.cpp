@@ -40,10 +40,7 @@ bool carry_hello(Bytes& b, Message& m) noexcept {
   b.block(m.world_nonce);
   auto& half = m.half;
   carry_name(b, half.scheme);
-  b.word(half.force_at);
-  b.word(half.zone_names);
-  b.real(half.buffer_m);
-  b.word(m.capabilities);
+  b.values(half.force_at, half.zone_names, half.buffer_m, m.capabilities);
   return true;
 }
 
@@ -59,11 +56,9 @@ template <class Bytes, class Message>
 bool carry_welcome(Bytes& b, Message& m) noexcept {
   carry_timing(b, m.timing);
   b.block(m.arm_nonce);
-  b.word(m.capabilities);
+  b.values(m.capabilities);
   carry_name(b, m.world);
-  carry_words(b, m.cells);
-  b.real(m.cell_m);
-  b.word(m.epoch);
+  b.values(m.cells, m.cell_m, m.epoch);
   return true;
 }
 
@@ -72,8 +67,9 @@ bool carry_refusal(Bytes& b, Message& m) noexcept {
   carry_timing(b, m.timing);
   b.block(m.arm_nonce);
   auto reason = static_cast<std::uint8_t>(m.reason);
-  b.word(reason);
+  b.values(reason);
   if constexpr (Bytes::kIsReader) m.reason = static_cast<ThimbleRefusalReason>(reason);
+  if constexpr (Bytes::kIsReader) m.scheme = {};
   if (m.reason == ThimbleRefusalReason::Arm) carry_name(b, m.scheme);
   return false;
 }
@@ -142,19 +138,15 @@ std::string_view ShortName::view() const noexcept {
 bool is_thimble_datagram(std::span<const std::byte> bytes) noexcept {
   if (bytes.size() < kThimbleHeaderSize) return false;
   std::uint32_t magic = 0;
-  ByteReader(bytes).word(magic);
+  ByteReader(bytes).values(magic);
   return magic == kThimbleMagic;
 }
 
 void encode_header(const ThimbleHeader& header,
                    std::span<std::byte, kThimbleHeaderSize> out) noexcept {
   ByteWriter writer(out);
-  writer.word(kThimbleMagic);
-  writer.word(kThimbleVersion);
-  writer.word(static_cast<std::uint8_t>(header.kind));
-  writer.word(header.is_sealed ? kSealedFlag : std::uint16_t{0});
-  writer.word(header.session);
-  writer.word(header.sequence);
+  writer.values(kThimbleMagic, kThimbleVersion, static_cast<std::uint8_t>(header.kind),
+                header.is_sealed ? kSealedFlag : std::uint16_t{0}, header.session, header.sequence);
 }
 
 Decoded<ThimbleHeader> decode_header(std::span<const std::byte> bytes) noexcept {
@@ -167,12 +159,7 @@ Decoded<ThimbleHeader> decode_header(std::span<const std::byte> bytes) noexcept 
   std::uint8_t kind = 0;
   std::uint16_t flags = 0;
   ThimbleHeader header;
-  reader.word(magic);
-  reader.word(version);
-  reader.word(kind);
-  reader.word(flags);
-  reader.word(header.session);
-  reader.word(header.sequence);
+  reader.values(magic, version, kind, flags, header.session, header.sequence);
   header.kind = static_cast<ThimbleKind>(kind);
   header.is_sealed = flags == kSealedFlag;
   const bool is_known = magic == kThimbleMagic && version == kThimbleVersion &&
