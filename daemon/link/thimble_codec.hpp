@@ -56,7 +56,8 @@ void encode_header(const ThimbleHeader& header,
 [[nodiscard]] Decoded<std::size_t> encode(const ThimbleRefusal& message,
                                           std::span<std::byte, kMaxThimbleContent> out) noexcept;
 
-// Reasons: those, and WrongSize.
+// `out` may have held another message: nothing of that is left but behind a has_far, has_near or
+// has_map that is false, and where there is a reason. Reasons: those, and WrongSize.
 [[nodiscard]] Decoded<void> decode(std::span<const std::byte> content, ThimbleSample& out) noexcept;
 [[nodiscard]] Decoded<void> decode(std::span<const std::byte> content,
                                    ThimbleConstraints& out) noexcept;

@@ -4,9 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <memory>
 #include <optional>
-#include <type_traits>
 
 #include "daemon/link/network_bytes.hpp"
 #include "daemon/link/thimble_codec.hpp"
@@ -140,7 +138,8 @@ void carry_map(Bytes& b, Map& map) noexcept {
 }
 
 // Both halves of a message. Of its own it has, in the namespace of the link: carry() with a writer
-// and with a reader, which says whether more may follow than is known; and check().
+// and with a reader, which says whether more may follow than is known; and check(). The reader's
+// writes every field that means something, so that `out` may have held any other message.
 template <class Message>
 [[nodiscard]] Decoded<std::size_t> encode_as(const Message& message,
                                              std::span<std::byte> out) noexcept {
@@ -152,10 +151,6 @@ template <class Message>
 }
 template <class Message>
 [[nodiscard]] Decoded<void> decode_as(std::span<const std::byte> content, Message& out) noexcept {
-  // In its place: most of a message is room for what is seldom said, which an assignment would
-  // copy.
-  static_assert(std::is_trivially_destructible_v<Message>);
-  std::construct_at(&out);
   ByteReader reader(content);
   const bool may_go_on = carry(reader, out);
   if (reader.is_refused()) return tl::unexpected(RejectReason::Malformed);

@@ -12,11 +12,16 @@ namespace {
 using namespace thimble::link;
 using Content = std::array<std::byte, kMaxThimbleContent>;
 
-// Whatever is taken can be sent, and means the same when it arrives.
+// Whatever is taken can be sent, and means the same when it arrives, also where a message stood
+// before.
 template <class Message>
 void take(std::span<const std::byte> content) {
+  Message used;
+  (void)decode(content.subspan(content.size() / 2), used);
+  const bool is_taken_again = decode(content, used).has_value();
   Message message;
-  if (!decode(content, message)) return;
+  if (decode(content, message).has_value() != is_taken_again) std::abort();
+  if (!is_taken_again) return;
   Content first{};
   const auto size = encode(message, first);
   if (!size) std::abort();
@@ -25,6 +30,9 @@ void take(std::span<const std::byte> content) {
   Content second{};
   const auto same_size = encode(again, second);
   if (!same_size || *same_size != *size || first != second) std::abort();
+  Content third{};
+  const auto used_size = encode(used, third);
+  if (!used_size || *used_size != *size || first != third) std::abort();
 }
 
 }  // namespace

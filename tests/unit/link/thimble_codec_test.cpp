@@ -275,6 +275,45 @@ TEST(ThimbleCodec, GivesBackEveryFieldOfConstraints) {
   EXPECT_EQ(out.set.map.blocks, in.set.map.blocks);
 }
 
+// What `content` says is the same whatever the message held before.
+template <class Message>
+void expect_nothing_is_left_of(const Message& before, const std::vector<std::byte>& content) {
+  Message fresh;
+  Message used = before;
+  ASSERT_TRUE(decode(content, fresh).has_value());
+  ASSERT_TRUE(decode(content, used).has_value());
+  EXPECT_EQ(content_of(fresh), content);
+  EXPECT_EQ(content_of(used), content);
+}
+
+TEST(ThimbleCodec, KeepsNothingOfTheMessageThatStoodThereBefore) {
+  expect_nothing_is_left_of(full_sample(), content_of(least_sample()));
+  expect_nothing_is_left_of(least_sample(), content_of(full_sample()));
+  for (const ThimbleConstraints& next : {least_constraints(), with_a_cell(), full_constraints()}) {
+    expect_nothing_is_left_of(full_constraints(), content_of(next));
+    ThimbleConstraints with_plane = next;  // whose surface says nothing
+    with_plane.set.planes.clear();
+    with_plane.set.planes.push_back({.normal = {0, 0, 1}, .offset_m = 0.1});
+    expect_nothing_is_left_of(full_constraints(), content_of(with_plane));
+  }
+  ThimbleConstraints far = least_constraints();
+  far.set.has_far = true;
+  ThimbleConstraints used = full_constraints();
+  ASSERT_TRUE(decode(content_of(far), used).has_value());
+  EXPECT_FALSE(used.set.far.is_arm);
+  EXPECT_EQ(used.set.far.tool, coupling::ToolProperties());
+  EXPECT_EQ(used.set.map.epoch, 0U);
+  EXPECT_EQ(used.set.energy_joule, -1);
+  const ThimbleRefusal by_an_arm{
+      {}, counted_from(0), ThimbleRefusalReason::Arm, ShortName::of("wave")};
+  ThimbleRefusal plain = by_an_arm;
+  plain.reason = ThimbleRefusalReason::Busy;
+  plain.scheme = {};
+  ThimbleRefusal refusal = by_an_arm;
+  ASSERT_TRUE(decode(content_of(plain), refusal).has_value());
+  EXPECT_EQ(refusal, plain);
+}
+
 TEST(ThimbleCodec, RefusesEveryContentThatEndsEarlyOrGoesOn) {
   for (const auto& [name, bytes] : golden()) {
     SCOPED_TRACE(name);
@@ -486,6 +525,7 @@ TEST(ThimbleCodec, NamesAreLettersAndThenZeros) {
 
 TEST(ThimbleCodec, WhateverIsTakenFromNoiseSaysTheSameWhenSentAgain) {
   std::mt19937 random(6);
+  ThimbleConstraints kept;
   int taken = 0;
   for (int i = 0; i < 20000; ++i) {
     std::vector<std::byte> content = content_of(i % 2 == 0 ? full_constraints() : [] {
@@ -497,9 +537,12 @@ TEST(ThimbleCodec, WhateverIsTakenFromNoiseSaysTheSameWhenSentAgain) {
       content[random() % content.size()] ^= std::byte(1U << (random() % 8));
     }
     ThimbleConstraints out;
-    if (!decode(content, out)) continue;
+    const bool is_taken = decode(content, out).has_value();
+    ASSERT_EQ(decode(content, kept).has_value(), is_taken);
+    if (!is_taken) continue;
     ++taken;
     const std::vector<std::byte> again = content_of(out);
+    ASSERT_EQ(content_of(kept), again) << "whatever it held before";
     ThimbleConstraints twice;
     ASSERT_TRUE(decode(again, twice).has_value());
     ASSERT_EQ(content_of(twice), again);
