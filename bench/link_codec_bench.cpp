@@ -36,7 +36,7 @@ bool carry(const link::Seal& seal, link::ThimbleKind kind, std::uint64_t sequenc
   const auto packed = seal.pack({.kind = kind, .session = 1, .sequence = sequence}, message,
                                 link::RandomBytes(), datagram);
   size = datagram.size;
-  std::array<std::byte, link::kMaxThimbleContent> room{};
+  std::array<std::byte, link::kMaxThimbleContent> room;
   const auto header = link::decode_header(datagram.view());
   if (!packed || !header) return false;
   const auto content = seal.open(*header, datagram.view(), room);

@@ -21,9 +21,12 @@ using RandomBytes = std::function<void(std::span<std::byte>)>;
 
 enum class Towards : std::uint8_t { World, Arm };
 
-// A datagram on its way, header first.
+// A datagram on its way, header first. Beyond `size` its bytes mean nothing: to zero the room costs
+// as much as to fill it.
 struct ThimbleDatagram {
-  std::array<std::byte, kMaxThimbleDatagram> bytes{};
+  ThimbleDatagram() noexcept {}
+
+  std::array<std::byte, kMaxThimbleDatagram> bytes;
   std::size_t size{0};
   [[nodiscard]] std::span<const std::byte> view() const noexcept {
     return std::span(bytes).first(size);
@@ -70,7 +73,8 @@ class Seal {
     return {};
   }
 
-  // The content of a datagram with that header, in `room` where it was sealed.
+  // The content of a datagram with that header, in `room` where it was sealed; nobody has to zero
+  // that.
   [[nodiscard]] Decoded<std::span<const std::byte>> open(
       const ThimbleHeader& header, std::span<const std::byte> datagram,
       std::span<std::byte, kMaxThimbleContent> room) const noexcept;

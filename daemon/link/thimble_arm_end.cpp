@@ -170,7 +170,7 @@ bool ThimbleArmEnd::take(const ThimbleDatagram& datagram, MonotonicTime now,
 template <class Message>
 bool ThimbleArmEnd::read(const ThimbleHeader& header, const ThimbleDatagram& datagram,
                          const Seal& seal, Message& out) {
-  std::array<std::byte, kMaxThimbleContent> room{};
+  std::array<std::byte, kMaxThimbleContent> room;
   const auto content = seal.open(header, datagram.view(), room);
   const Decoded<void> done = content ? decode(*content, out) : tl::unexpected(content.error());
   if (!done) counters_.reject(done.error());

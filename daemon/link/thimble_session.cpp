@@ -46,7 +46,7 @@ bool ThimbleSession::welcome(const ThimbleWelcome& welcome, ThimbleDatagram& out
 bool ThimbleSession::serve(const ThimbleHeader& header, std::span<const std::byte> datagram,
                            MonotonicTime now, ThimbleDatagram& out) {
   ++counters_.received;
-  std::array<std::byte, kMaxThimbleContent> room{};
+  std::array<std::byte, kMaxThimbleContent> room;
   ThimbleSample message;
   const auto content = from_arm_.open(header, datagram, room);
   const Decoded<void> read = content ? decode(*content, message) : tl::unexpected(content.error());

@@ -77,7 +77,7 @@ void ThimbleWorldEnd::serve_sample(const Arrived& arrived, const ThimbleHeader& 
 
 void ThimbleWorldEnd::serve_hello(const Arrived& arrived, const ThimbleHeader& header,
                                   MonotonicTime now) {
-  std::array<std::byte, kMaxThimbleContent> room{};
+  std::array<std::byte, kMaxThimbleContent> room;
   ThimbleHello hello;
   const auto content = from_arm_.open(header, arrived.datagram.view(), room);
   const Decoded<void> read = content ? decode(*content, hello) : tl::unexpected(content.error());
