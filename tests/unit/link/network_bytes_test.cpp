@@ -8,27 +8,27 @@
 namespace thimble::link {
 namespace {
 
-using Bytes = std::vector<unsigned>;
+using Octets = std::vector<unsigned>;
 
 template <class... Values>
-Bytes written(const Values&... values) {
+Octets written(const Values&... values) {
   std::array<std::byte, 64> room{};
   ByteWriter sut(room);
   sut.values(values...);
   EXPECT_TRUE(sut.is_good());
-  Bytes out;
+  Octets out;
   for (std::size_t i = 0; i < sut.size(); ++i) out.push_back(std::to_integer<unsigned>(room[i]));
   return out;
 }
 
 TEST(NetworkBytes, AreInNetworkOrderOneValueBehindTheOther) {
   EXPECT_EQ(written(std::uint8_t{1}, std::uint16_t{0x0203}, std::uint32_t{0x04050607}),
-            (Bytes{1, 2, 3, 4, 5, 6, 7}));
-  EXPECT_EQ(written(std::int32_t{-2}), (Bytes{255, 255, 255, 254}));
+            (Octets{1, 2, 3, 4, 5, 6, 7}));
+  EXPECT_EQ(written(std::int32_t{-2}), (Octets{255, 255, 255, 254}));
   EXPECT_EQ(written(std::array<std::int16_t, 2>{1, -1}, std::array<std::int8_t, 3>{-1, 0, 1}),
-            (Bytes{0, 1, 255, 255, 255, 0, 1}));
-  EXPECT_EQ(written(1.0), (Bytes{0x3F, 0xF0, 0, 0, 0, 0, 0, 0}));
-  EXPECT_EQ(written(MonotonicTime{Duration(258)}), (Bytes{0, 0, 0, 0, 0, 0, 1, 2}));
+            (Octets{0, 1, 255, 255, 255, 0, 1}));
+  EXPECT_EQ(written(1.0), (Octets{0x3F, 0xF0, 0, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(written(MonotonicTime{Duration(258)}), (Octets{0, 0, 0, 0, 0, 0, 1, 2}));
   EXPECT_EQ(written(Force3{1, 0, 0}).size(), 24U);
 }
 
