@@ -31,7 +31,8 @@ struct Moment {
 
 class FalconPlugin : public testing::Test {
  protected:
-  // A whole life: boot, upload, homing, the box, the cable pulled and put back, a clear, and all again.
+  // A whole life: boot, upload, homing, the box, the cable pulled and put back, a clear, and all
+  // again.
   std::vector<Moment> live(bool is_plugin, const std::string& device) {
     test::ClosedLoop::Setup setup;
     const std::vector<std::uint8_t> image = test::falcon_image();
