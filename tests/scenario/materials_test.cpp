@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <fstream>
 #include <string>
 
 #include "tests/support/arm_watch.hpp"
 #include "tests/support/closed_loop.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace thimble {
 namespace {
@@ -15,13 +14,14 @@ namespace {
 // The thesis's box as a label volume: its left side is of label 1, its right side of label 2.
 class Materials : public ::testing::Test {
  protected:
-  Materials() : path_(::testing::TempDir() + "thimble-two-materials.nrrd") {
-    std::ofstream file(path_);
-    file << "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 3 3 3\nencoding: text\n\n";
-    for (int i = 0; i < 27; ++i)
-      file << (i == 13 ? 0 : i % 3 == 0 ? 1 : i % 3 == 2 ? 2 : 3) << '\n';
+  Materials() {
+    std::string text = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 3 3 3\nencoding: text\n\n";
+    for (int i = 0; i < 27; ++i) {
+      const int label = i % 3 == 0 ? 1 : i % 3 == 2 ? 2 : 3;
+      text += std::to_string(i == 13 ? 0 : label) + "\n";
+    }
+    path_ = folder_.write("two-materials.nrrd", text).string();
   }
-  ~Materials() override { std::remove(path_.c_str()); }
 
   [[nodiscard]] std::string configuration(const std::string& of_arm) const {
     return R"(
@@ -69,6 +69,7 @@ stiffness_newton_per_m = 800
   }
 
  private:
+  testing_support::TemporaryFolder folder_;
   std::string path_;
 };
 
