@@ -21,6 +21,7 @@ TtyPort::~TtyPort() {
 }
 
 void TtyPort::start(Handlers handlers) {
+  timer_.start(handlers.on_timer);
   alive_->handlers = std::move(handlers);
   open();
 }
@@ -84,17 +85,6 @@ void TtyPort::send(const SerialFrame& frame) {
                     });
 }
 
-void TtyPort::wake_after(MonotonicTime now, Duration wait) {
-  const MonotonicTime wakes_at = now + wait;
-  if (wakes_at_ && *wakes_at_ <= wakes_at) return;  // re-arming costs a system call
-  wakes_at_ = wakes_at;
-  timer_.expires_after(wait);
-  timer_.async_wait([this, alive = std::weak_ptr<Alive>(alive_)](const error_code& error) {
-    const std::shared_ptr<Alive> held = alive.lock();
-    if (!held || error == asio::error::operation_aborted) return;
-    wakes_at_.reset();
-    held->handlers.on_timer();
-  });
-}
+void TtyPort::wake_after(MonotonicTime now, Duration wait) { timer_.wake_after(now, wait); }
 
 }  // namespace thimble::link

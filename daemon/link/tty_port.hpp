@@ -7,12 +7,12 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 
 #include "daemon/link/line_port.hpp"
 #include "daemon/link/tty_ports.hpp"
+#include "daemon/link/wake_timer.hpp"
 
 namespace thimble::link {
 
@@ -45,11 +45,10 @@ class TtyPort final : public LinePort {
   void receive_next();
 
   boost::asio::posix::stream_descriptor line_;
-  boost::asio::steady_timer timer_;
+  WakeTimer timer_;
   boost::asio::steady_timer open_timer_;
   Open open_;
   LineNode node_;  // none: closed
-  std::optional<MonotonicTime> wakes_at_;
   std::shared_ptr<Alive> alive_;
   std::array<std::byte, 4096> buffer_{};
   // What Asio still writes when the port is closed and opened again.

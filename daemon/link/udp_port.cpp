@@ -83,6 +83,7 @@ Endpoint UdpPort::local() const {
 }
 
 void UdpPort::start(Handlers handlers) {
+  timer_.start(handlers.on_timer);
   alive_->handlers = std::move(handlers);
   receive_next();
 }
@@ -116,18 +117,7 @@ UdpPort::Outcome UdpPort::send(const Endpoint& to, std::span<const std::byte> by
   return Outcome::Failed;
 }
 
-void UdpPort::wake_after(MonotonicTime now, Duration wait) {
-  const MonotonicTime wakes_at = now + wait;
-  if (wakes_at_ && *wakes_at_ <= wakes_at) return;  // re-arming costs a system call
-  wakes_at_ = wakes_at;
-  timer_.expires_after(wait);
-  timer_.async_wait([this, alive = std::weak_ptr<Alive>(alive_)](const error_code& error) {
-    const std::shared_ptr<Alive> held = alive.lock();
-    if (!held || error == asio::error::operation_aborted) return;
-    wakes_at_.reset();
-    held->handlers.on_timer();
-  });
-}
+void UdpPort::wake_after(MonotonicTime now, Duration wait) { timer_.wake_after(now, wait); }
 
 void UdpPort::note_error(const char* what, const error_code& error) {
   last_error_ = std::string(what) + ": " + error.message();

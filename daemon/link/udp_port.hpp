@@ -3,14 +3,13 @@
 #include <array>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <cstddef>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 
 #include "daemon/link/datagram_port.hpp"
+#include "daemon/link/wake_timer.hpp"
 
 namespace thimble::link {
 
@@ -47,8 +46,7 @@ class UdpPort final : public DatagramPort {
                                                     boost::asio::io_context::executor_type>;
 
   Socket socket_;
-  boost::asio::steady_timer timer_;
-  std::optional<MonotonicTime> wakes_at_;
+  WakeTimer timer_;
   std::shared_ptr<Alive> alive_;
   boost::asio::ip::udp::endpoint sender_;
   std::array<std::byte, kMaxDatagram + 1> buffer_{};  // one more: longer ones show
