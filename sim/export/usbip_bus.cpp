@@ -56,8 +56,9 @@ UsbipBus::UsbipBus(plugin::SimUsbModel& model, UsbPersona persona,
 
 Duration UsbipBus::round_period() const noexcept { return kUsbFrame / rounds_per_frame_; }
 
-Result<void> UsbipBus::switch_on() {
+Result<void> UsbipBus::plug() {
   if (is_plugged_) return fail(Errc::Busy, "it is plugged in already");
+  if (Result<void> told = tell_host(); !told) return told;
   if (was_unplugged_) model_->power_cycle();  // before, it is as it was made
   is_plugged_ = true;
   return {};

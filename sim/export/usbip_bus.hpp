@@ -35,6 +35,7 @@ class UsbipBus : public Plug, private Event {
   // A host has it; whether somebody there uses it, is_open() says.
   [[nodiscard]] bool is_attached() const noexcept;
 
+  Result<void> plug() final;
   Result<void> unplug() override;
   [[nodiscard]] bool is_plugged() const noexcept override { return is_plugged_; }
   [[nodiscard]] bool is_open() const noexcept override;
@@ -48,8 +49,8 @@ class UsbipBus : public Plug, private Event {
  protected:
   using Socket = boost::asio::generic::stream_protocol::socket;  // of any family
   UsbipBus(plugin::SimUsbModel& model, UsbPersona persona, const PlugSurroundings& surroundings);
-  // Errors: Busy when it is plugged in already.
-  Result<void> switch_on();
+  // Whoever has to be told that it is plugged in; an error leaves it unplugged.
+  virtual Result<void> tell_host() = 0;
   // `socket`: does not block.
   UsbipSession& connect(Socket socket);
   [[nodiscard]] bool has_room() const noexcept { return connections_.size() < kMostConnections; }

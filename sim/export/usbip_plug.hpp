@@ -21,12 +21,11 @@ class UsbipPlug final : public UsbipBus {
       UsbPersona persona, const PlugSurroundings& surroundings);
   [[nodiscard]] std::uint16_t port() const;
 
-  Result<void> plug() override { return switch_on(); }
-
  private:
   using Tcp = boost::asio::ip::tcp;
   UsbipPlug(boost::asio::io_context& io, plugin::SimUsbModel& model, UsbPersona persona,
             const PlugSurroundings& surroundings);
+  Result<void> tell_host() override { return {}; }  // it asks
   void end_frame(std::uint64_t frame) noexcept override;
 
   boost::asio::io_context* io_;

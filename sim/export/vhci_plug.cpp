@@ -16,8 +16,7 @@ VhciPlug::VhciPlug(boost::asio::io_context& io, plugin::SimUsbModel& model, UsbP
                    const PlugSurroundings& surroundings, Attach attach)
     : UsbipBus(model, std::move(persona), surroundings), io_(&io), attach_(std::move(attach)) {}
 
-Result<void> VhciPlug::plug() {
-  if (is_plugged()) return fail(Errc::Busy, "it is plugged in already");
+Result<void> VhciPlug::tell_host() {
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
     return tl::unexpected(linux::system_error("a pair of sockets", errno));
@@ -28,7 +27,6 @@ Result<void> VhciPlug::plug() {
   ours.non_blocking(true, error);
   if (error) return tl::unexpected(linux::system_error("a pair of sockets", error.value()));
   Result<void> done = attach_(kernels.get(), UsbipSession::kDeviceId);
-  if (done) done = switch_on();
   if (done) connect(std::move(ours)).attach();
   return done;
 }

@@ -24,9 +24,8 @@ class VhciPlug final : public UsbipBus {
   VhciPlug(boost::asio::io_context& io, plugin::SimUsbModel& model, UsbPersona persona,
            const PlugSurroundings& surroundings, Attach attach);
 
-  Result<void> plug() override;
-
  private:
+  Result<void> tell_host() override;
   void end_frame(std::uint64_t) noexcept override {}  // nobody comes but by plug()
 
   boost::asio::io_context* io_;
