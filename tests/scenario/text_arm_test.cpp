@@ -6,6 +6,7 @@
 
 #include "drivers/phantom/text_wire.hpp"
 #include "tests/scenario/at_each_rate.hpp"
+#include "tests/scenario/two_explorers.hpp"
 #include "tests/support/arm_watch.hpp"
 #include "tests/support/closed_loop.hpp"
 
@@ -237,35 +238,13 @@ std::vector<sim::FaultPlan> troubles() {
   return plans;
 }
 
-constexpr const char* kTwoArms = R"(
-[[arm]]
-name = "right"
-device = "sim:phantom-vintage-serial"
-amplifier_max_a = 3.0
-world = "box"
-[arm.hand]
-motion = "explore"
-seed = 1
-[[arm]]
-name = "left"
-device = "sim:phantom-vintage"
-amplifier_max_a = 3.0
-world = "box"
-[arm.hand]
-motion = "explore"
-seed = 2
-[[world]]
-name = "box"
-source = "box:3"
-)";
-
 // The forces of the arm beside, tick by tick, while both hands explore the box.
 std::vector<Force3> felt_beside(const sim::FaultPlan& plan) {
   ClosedLoop::Setup setup;
-  setup.text = kTwoArms;
+  setup.text = test::kTwoExplorers;
   setup.cables = plan;
   setup.spares_others = true;
-  ClosedLoop sut({}, setup);
+  ClosedLoop sut({"arm.0.device=sim:phantom-vintage-serial"}, setup);
   ArmWatch with_trouble(sut, 0);
   ArmWatch beside(sut, 1);
   std::vector<Force3> forces;

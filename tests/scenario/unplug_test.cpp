@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tests/scenario/at_each_rate.hpp"
+#include "tests/scenario/two_explorers.hpp"
 #include "tests/support/arm_watch.hpp"
 
 namespace thimble {
@@ -249,33 +250,11 @@ TEST_P(Unplug, AnArmThatRestsWhenItIsPulledNeedsNoClear) {
   EXPECT_EQ(watch.breach(), "");
 }
 
-constexpr const char* kTwoArms = R"(
-[[arm]]
-name = "right"
-device = "sim:phantom-vintage"
-amplifier_max_a = 3.0
-world = "box"
-[arm.hand]
-motion = "explore"
-seed = 1
-[[arm]]
-name = "left"
-device = "sim:phantom-vintage"
-amplifier_max_a = 3.0
-world = "box"
-[arm.hand]
-motion = "explore"
-seed = 2
-[[world]]
-name = "box"
-source = "box:3"
-)";
-
 // The forces of the left arm, tick by tick, while `happening` befalls the right one.
 std::vector<Force3> felt_beside(const std::vector<std::string>& overrides,
                                 const std::function<void(ClosedLoop&, int tick)>& happening) {
   ClosedLoop::Setup setup;
-  setup.text = kTwoArms;
+  setup.text = test::kTwoExplorers;
   ClosedLoop sut(overrides, setup);
   ArmWatch beside(sut, 1);
   std::vector<Force3> forces;
