@@ -16,6 +16,7 @@
 #include "hal/linux/gpiod_chip.hpp"
 #include "sim/export/uhid_plug.hpp"
 #include "sim/model/cp2112/cp2112_model.hpp"
+#include "tests/contract/gpio_burst.hpp"
 #include "tests/contract/gpio_rig.hpp"
 #include "tests/contract/kernel_cable.hpp"
 
@@ -195,21 +196,10 @@ struct KernelGpio : testing::Test {
 TEST_F(KernelGpio, OfEdgesThatNobodyReadsSixteenAreKeptAndTheLevelTellsTheNextAndTheHoleIsSeen) {
   WatchedWires wires(adapter);
   const auto sut = open();
-  for (int i = 0; i < 20; ++i) wires.set(0, i % 2 == 0);
-  wires.set(0, true);  // the last that was kept was low
-  sut->serve();
-  bus::GpioEdge edge;
-  for (std::uint64_t i = 1; i <= 16; ++i) {
-    ASSERT_EQ(mail.next_edge(edge), IoStatus::Ok);
-    EXPECT_EQ(edge.sequence, i);
-    EXPECT_EQ(edge.is_high, i % 2 != 0);
-  }
-  EXPECT_EQ(mail.next_edge(edge), IoStatus::NoData);
+  const auto set_wire = [&](bool is_high) { wires.set(0, is_high); };
+  expect_sixteen_edges_kept(*sut, mail, set_wire);
   EXPECT_TRUE(is_level_high());
-  wires.set(0, false);
-  sut->serve();
-  ASSERT_EQ(mail.next_edge(edge), IoStatus::Ok);
-  EXPECT_EQ(edge.sequence, 18U) << "low after low: one between was lost";
+  expect_hole_seen(*sut, mail, set_wire);
 }
 
 TEST_F(KernelGpio, ALineThatIsHighWhenTheDriverFirstLooksIsToldAsIfItRoseThen) {

@@ -8,6 +8,7 @@
 #include "hal/linux/event_fd.hpp"
 #include "hal/linux/gpio_transfers.hpp"
 #include "sim/time/virtual_clock.hpp"
+#include "tests/contract/gpio_burst.hpp"
 #include "tests/contract/gpio_rig.hpp"
 #include "tests/support/fake_libgpiod.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -123,20 +124,9 @@ TEST_F(GpioTransfersTest, ThePullIsAskedForOfTheInputs) {
 TEST_F(GpioTransfersTest, TheOldestEdgesOfABurstAreKeptAndTheHoleIsSeen) {
   FakeGpioChip chip(folder.path() / "gpiochip0", "bench", kNames);
   const auto sut = open().value();
-  for (int i = 0; i < 20; ++i) chip.set_wire(2, i % 2 == 0);
-  chip.set_wire(2, true);  // the kernel kept 16: the last told was low
-  sut->serve();
-  bus::GpioEdge edge;
-  for (std::uint64_t i = 1; i <= 16; ++i) {
-    ASSERT_EQ(mail.next_edge(edge), IoStatus::Ok);
-    EXPECT_EQ(edge.sequence, i);
-    EXPECT_EQ(edge.is_high, i % 2 != 0);
-  }
-  EXPECT_EQ(mail.next_edge(edge), IoStatus::NoData);
-  chip.set_wire(2, false);
-  sut->serve();
-  ASSERT_EQ(mail.next_edge(edge), IoStatus::Ok);
-  EXPECT_EQ(edge.sequence, 18U) << "low after low: one between was lost";
+  const auto set_wire = [&](bool is_high) { chip.set_wire(2, is_high); };
+  expect_sixteen_edges_kept(*sut, mail, set_wire);
+  expect_hole_seen(*sut, mail, set_wire);
 }
 
 TEST_F(GpioTransfersTest, WaitingEndsWithTheNextLevelsAndWithAWake) {
