@@ -14,9 +14,8 @@ struct HeldAtWall {
   double swing_before_m{0};  // peak to peak, for some periods of the wall
   double swing_last_m{0};    // as long again, right behind
   double most_newton{0};     // in both
-  double last_newton{
-      0};  // against the hand, mean of the last: what is left of the wall; not judged
-  double given_joule{0};  // to the hand, in a period of the last; the wall's work is within
+  double last_newton{0};     // mean of the last, against the hand: what is left of the wall
+  double given_joule{0};     // to the hand, in a period of the last; the wall's work is within
 };
 
 // Ours: by how much a swing may be larger than the one before and be no growth; jitter and losses

@@ -18,6 +18,7 @@ using testing::between;
 using testing::cells_at_random;
 using testing::Composed;
 using testing::delayed_by;
+using testing::in_cells_of;
 using testing::kTick;
 using testing::middle_of;
 using testing::room_at_random;
