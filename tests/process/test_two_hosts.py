@@ -1,5 +1,6 @@
 """Arms of other hosts touch a world by our own datagrams: as many daemons as hosts, on loopback."""
 
+import itertools
 import os
 import random
 import select
@@ -192,16 +193,25 @@ class TwoHosts(ProcessTest):
             arm.status_when(lambda s: link(s)["events"]["accepted"] >= 300)
             captured = list(tap.captured)
             with udp_socket() as other:  # from elsewhere: no session of its own, and none taken
-                for datagram in captured:
-                    other.sendto(datagram, ("127.0.0.1", self.port))
-            self.world.status_when(lambda s: s["links"][0]["events"]["wrong_peer"] >= 100)
-            for datagram in captured:  # from the arm's own address
-                tap.out.sendto(datagram, ("127.0.0.1", self.port))
-            self.world.status_when(lambda s: s["links"][0]["stale"] >= 100)
+                self.play(captured, other, lambda s: s["links"][0]["events"]["wrong_peer"] >= 100)
+            # from the arm's own address
+            self.play(captured, tap.out, lambda s: s["links"][0]["stale"] >= 100)
             before = link(arm.status())["events"]["accepted"]
             status = arm.status_when(lambda s: link(s)["events"]["accepted"] >= before + 300)
             self.assertEqual(link(status)["events"]["sessions_opened"], 1)
             self.assertEqual(len(self.sessions()), 1)
+
+    def play(self, captured, out, counted):
+        """Says `captured` again and again, a few at a time, since a kernel drops what comes to a
+        busy world in one go, until the world has `counted`."""
+        datagrams = itertools.cycle(captured)
+
+        def say_some(status):
+            for datagram in itertools.islice(datagrams, 32):
+                out.sendto(datagram, ("127.0.0.1", self.port))
+            return counted(status)
+
+        self.world.status_when(say_some)
 
 
 class Wiretap:
