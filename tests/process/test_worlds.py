@@ -1,13 +1,28 @@
 """Worlds of the real program: the sphere, what does not go with it, and edits under the hand."""
 
 import json
+import math
 import random
 import re
 import time
 
-from rig import EXAMPLES, HELLO, TIMEOUT_S, ProcessTest, http_over, http_request, unix_connection
+from rig import EXAMPLES, HELLO, TIMEOUT_S, ProcessTest, free_udp_port, http_over, http_request, unix_connection
 
 SPHERE = ("--config", EXAMPLES / "sphere.toml")
+
+
+FAR = """
+[[arm]]
+name = "left"
+device = "sim:phantom-vintage"
+amplifier_max_a = 3.0
+link = "udp://127.0.0.1:{port}"
+protocol = "thimble"
+[arm.hand]
+motion = "explore"
+reach_m = 0.03
+seed = 7
+"""
 
 
 class Sphere(ProcessTest):
@@ -64,6 +79,18 @@ class Pieces(ProcessTest):
         self.assertEqual(http_over(daemon.socket, "POST", "/v1/worlds/elsewhere/select")[0], 404)
         self.assertEqual(daemon.status()["arms"][0]["faults"], [])
         self.assertEqual(daemon.stop(), 0)
+
+    def test_what_cells_press_back_with_is_told_here_and_over_the_link(self):
+        port = free_udp_port()
+        said = ("--set", "world.pieces.cells=32", "--set", "world.pieces.count=3", "--set", "world.pieces.pressure_newton_per_m=500")
+        example = (EXAMPLES / "pieces.toml").read_text()
+        self.start(*said, "--set", f"world.listen=udp://127.0.0.1:{port}", name="world",
+                   config=example[example.index("[[world]]"):])  # it has one hand, the other host's
+        for where, daemon in (("here", self.start("--config", EXAMPLES / "pieces.toml", *said)),
+                              ("there", self.start(name="far", config=FAR.format(port=port)))):
+            with self.subTest(where):
+                status = daemon.status_when(lambda s: math.hypot(*s["arms"][0]["felt"].get("pressure_newton", [0])) > 0.01)
+                self.assertEqual(status["arms"][0]["faults"], [])
 
     def test_their_layout_is_written_and_read_again(self):
         said = ("--config", EXAMPLES / "pieces-3d.toml", "--set", "world.pieces.cells=32", "--set", "world.pieces.count=3")
