@@ -7,26 +7,24 @@ SERIAL = "VM-TAPE-1"
 
 
 class Tape:
-    """Use as a context manager. `arm`: phantom or falcon; `way`: uhid or usbip. `address`: how it is called there, `node`: where it is."""
+    """Use as a context manager. `arm`: phantom or falcon; `way`: uhid or usb. `address`: how it is called there, `node`: where it is."""
 
     def __init__(self, guest, arm, way):
         self.guest = guest
         guest.run("systemd-run --quiet --collect --unit tape "
                   "-p CPUSchedulingPolicy=fifo -p CPUSchedulingPriority=85 "
-                  f"{PROGRAM} offer {arm} {'uhid' if way == 'uhid' else simdev.PORT}")
-        if way == "usbip":
-            guest.wait_for(simdev.attach_command())
+                  f"{PROGRAM} offer {arm} {way}")
         if arm == "falcon":
             port = guest.wait_for("basename $(dirname $(grep -lx cb48 /sys/bus/usb/devices/*/idProduct))").strip()
             self.address, self.node = f"usb:{port}", "-"
         else:
             found = guest.wait_for("ls -d /sys/bus/hid/devices/0003:1234:0006.*/hidraw/hidraw*").strip()
             self.address, self.node = f"hid:{SERIAL}", f"/dev/{found.rsplit('/', 1)[1]}"
-        guest.run("udevadm settle")
+        guest.run(f"{simdev.RAISE_CARRIERS}; udevadm settle")
 
     def __enter__(self):
         return self
 
     def __exit__(self, *_):
-        self.guest.run("systemctl stop tape; usbip detach -p 00 || true")
+        self.guest.run("systemctl stop tape")
         self.guest.wait_for("! ls /sys/bus/hid/devices /sys/bus/usb/devices/*/idProduct | grep 1234:0006; ! grep -qx cb48 /sys/bus/usb/devices/*/idProduct")

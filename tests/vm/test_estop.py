@@ -185,7 +185,7 @@ class Estop(guest.GuestTest):
         """On USB, where who asks it waits; through uhid it could refuse only."""
         self.adapter.say("unplug")
         self.wait_until("safety.trouble", "no-lines")
-        adapter = simdev.Simdev(self.guest, "cp2112-usb", "--usbip", simdev.PORT, "cp2112")
+        adapter = simdev.Simdev(self.guest, "cp2112-usb", "--vhci", "cp2112")
         adapter.attach()
         self.start_again()
         self.assert_silence_is_a_stop(adapter, "nak")

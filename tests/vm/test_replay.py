@@ -1,7 +1,7 @@
 """The same reports, one a tick, over every bus: the forces that a session answers are the same to the bit.
 
 A tape of a simulated arm in the hand of a simulated person is played to the same session, with the drivers that the daemon has: over the
-simulated bus, and over the kernel's own. The device plays it from the far end of uhid or USB/IP, libusb and hidapi are the real ones.
+simulated bus, and over the kernel's own. The device plays it from the far end of uhid or vhci-hcd, libusb and hidapi are the real ones.
 docs/decisions/0346 says what is left out of the comparison.
 """
 
@@ -35,7 +35,7 @@ class Replay(guest.GuestTest):
     def test_hid_arm_over_hidraw(self):
         self.play("phantom", "sim", "simulated")
         self.assert_felt("phantom", 4_000)
-        for way in ("uhid", "usbip"):
+        for way in ("uhid", "usb"):
             with self.subTest(way), tape.Tape(self.guest, "phantom", way) as device:
                 self.play("phantom", device.address, way)
                 self.assert_same("phantom", way)
@@ -43,6 +43,6 @@ class Replay(guest.GuestTest):
     def test_falcon_over_usbfs(self):
         self.play("falcon", "sim", "simulated")
         self.assert_felt("falcon", 2_500)
-        with tape.Tape(self.guest, "falcon", "usbip") as device:
-            self.play("falcon", device.address, "usbip")
-            self.assert_same("falcon", "usbip")
+        with tape.Tape(self.guest, "falcon", "usb") as device:
+            self.play("falcon", device.address, "usb")
+            self.assert_same("falcon", "usb")

@@ -16,7 +16,8 @@
 #include "sim/export/hid_on_usb.hpp"
 #include "sim/export/plug_pace.hpp"
 #include "sim/export/uhid_plug.hpp"
-#include "sim/export/usbip_plug.hpp"
+#include "sim/export/vhci_controller.hpp"
+#include "sim/export/vhci_plug.hpp"
 
 namespace thimble::test {
 namespace {
@@ -47,13 +48,12 @@ Result<void> run(sim::Plug& plug, Around& around) {
   return {};
 }
 
-Result<void> offer_by_usbip(plugin::SimUsbModel& model, sim::UsbPersona persona,
-                            std::uint16_t port) {
+Result<void> offer_on_usb(plugin::SimUsbModel& model, sim::UsbPersona persona) {
   Around around;
-  auto plug =
-      sim::UsbipPlug::listen(around.io, port, model, std::move(persona), around.surroundings());
-  if (!plug) return tl::unexpected(plug.error());
-  return run(**plug, around);
+  sim::VhciPlug plug(
+      around.io, model, std::move(persona), around.surroundings(),
+      [](int socket, std::uint32_t id) { return sim::VhciController().attach(socket, id); });
+  return run(plug, around);
 }
 
 Result<void> offer_through_uhid(plugin::SimHidModel& model, const bus::BusDeviceInfo& info) {
@@ -66,22 +66,19 @@ Result<void> offer_through_uhid(plugin::SimHidModel& model, const bus::BusDevice
 
 }  // namespace
 
-Result<void> offer_model(plugin::SimUsbModel& model, const bus::BusDeviceInfo& info,
-                         std::uint16_t usbip_port) {
-  return offer_by_usbip(model, {info, {}}, usbip_port);
+Result<void> offer_model(plugin::SimUsbModel& model, const bus::BusDeviceInfo& info) {
+  return offer_on_usb(model, {info, {}});
 }
 
-Result<void> offer_model(plugin::SimHidModel& model, const bus::BusDeviceInfo& info,
-                         std::optional<std::uint16_t> usbip_port) {
-  if (!usbip_port) return offer_through_uhid(model, info);
+Result<void> offer_model(plugin::SimHidModel& model, const bus::BusDeviceInfo& info, HidWay way) {
+  if (way == HidWay::Uhid) return offer_through_uhid(model, info);
   sim::HidOnUsb wrapped(model);
-  return offer_by_usbip(wrapped, wrapped.persona(info), *usbip_port);
+  return offer_on_usb(wrapped, wrapped.persona(info));
 }
 
-Result<void> offer_model(plugin::SimSerialModel& model, const bus::BusDeviceInfo& info,
-                         std::uint16_t usbip_port) {
+Result<void> offer_model(plugin::SimSerialModel& model, const bus::BusDeviceInfo& info) {
   sim::AcmOnUsb wrapped(model);
-  return offer_by_usbip(wrapped, wrapped.persona(info), usbip_port);
+  return offer_on_usb(wrapped, wrapped.persona(info));
 }
 
 }  // namespace thimble::test

@@ -2,11 +2,10 @@
 // the device that says them to a kernel.
 //
 // usage: vm_replay play ARM sim|ADDRESS    prints a line for each tick
-//        vm_replay offer ARM uhid|PORT     until a signal
+//        vm_replay offer ARM uhid|usb      until a signal
 //
 // The tape is recorded anew by each of them: a simulated session is the same every time.
 #include <cstdio>
-#include <cstdlib>
 #include <memory>
 #include <string>
 #include <vector>
@@ -51,8 +50,7 @@ Result<void> run(const std::vector<std::string>& words) {
   if (!tape) return tl::unexpected(tape.error());
   tape->info.serial_number = kSerial;
   if (words[0] == "offer") {
-    if (words[2] == "uhid") return replay::offer(*tape, std::nullopt);
-    return replay::offer(*tape, static_cast<std::uint16_t>(std::atoi(words[2].c_str())));
+    return replay::offer(*tape, words[2] == "uhid" ? test::HidWay::Uhid : test::HidWay::Usb);
   }
   const Result<std::string> lines =
       words[2] == "sim" ? play_simulated(*arm, *tape) : play_real(*arm, words[2]);
@@ -66,7 +64,7 @@ Result<void> run(const std::vector<std::string>& words) {
 int main(int argc, char** argv) {
   const std::vector<std::string> words(argv + 1, argv + argc);
   if (words.size() != 3 || (words[0] != "play" && words[0] != "offer")) {
-    std::fputs("usage: vm_replay play ARM sim|ADDRESS, vm_replay offer ARM uhid|PORT\n", stderr);
+    std::fputs("usage: vm_replay play ARM sim|ADDRESS, vm_replay offer ARM uhid|usb\n", stderr);
     return 2;
   }
   const Result<void> done = run(words);

@@ -1,16 +1,14 @@
 #include "tests/vm/replay/offer.hpp"
 
-#include "tests/vm/offer/offer_model.hpp"
-
 namespace thimble::replay {
 
-Result<void> offer(const Tape& tape, std::optional<std::uint16_t> usbip_port) {
+Result<void> offer(const Tape& tape, test::HidWay way) {
   if (tape.info.kind == bus::BusKind::Usb) {
     TapeUsb model(tape);
-    return test::offer_model(model, tape.info, usbip_port.value_or(0));
+    return test::offer_model(model, tape.info);
   }
   TapeHid model(tape);
-  return test::offer_model(model, tape.info, usbip_port);
+  return test::offer_model(model, tape.info, way);
 }
 
 }  // namespace thimble::replay

@@ -1,12 +1,11 @@
 // How long an exchange with a device takes through hal/linux, beside a bare one through the same
 // library; and the device, which sends back what it is sent.
 //
-// usage: vm_round_trip offer hid uhid|PORT     until a signal
-//        vm_round_trip offer usb|serial PORT
+// usage: vm_round_trip offer hid uhid|usb      until a signal
+//        vm_round_trip offer usb|serial usb
 //        vm_round_trip measure NAME hid|usb|serial ADDRESS NODE    prints a line of JSON
 #include <array>
 #include <cstdio>
-#include <cstdlib>
 #include <functional>
 #include <string>
 #include <vector>
@@ -27,18 +26,16 @@ constexpr std::size_t kTrips = 50;
 constexpr double kGoal = 1.15;
 
 Result<void> offer_of(const std::string& kind, const std::string& way) {
-  const bool is_uhid = way == "uhid";
-  const auto port = static_cast<std::uint16_t>(std::atoi(way.c_str()));
   if (kind == "hid") {
     speed::EchoHid hid;
-    return test::offer_model(hid, hid.describe(), is_uhid ? std::nullopt : std::optional(port));
+    return test::offer_model(hid, hid.describe(), way == "uhid" ? test::HidWay::Uhid : test::HidWay::Usb);
   }
   if (kind == "serial") {
     speed::EchoSerial serial;
-    return test::offer_model(serial, serial.describe(), port);
+    return test::offer_model(serial, serial.describe());
   }
   speed::EchoUsb usb;
-  return test::offer_model(usb, usb.describe(), port);
+  return test::offer_model(usb, usb.describe());
 }
 
 int offer(const std::string& kind, const std::string& way) {
@@ -104,7 +101,7 @@ int main(int argc, char** argv) {
     }
   }
   std::fputs(
-      "usage: vm_round_trip offer hid|usb|serial uhid|PORT, vm_round_trip measure NAME "
+      "usage: vm_round_trip offer hid|usb|serial uhid|usb, vm_round_trip measure NAME "
       "hid|usb|serial ADDRESS NODE\n",
       stderr);
   return 2;
