@@ -20,9 +20,11 @@ std::string told(const Fault& fault) {
 bool is_latched(const servo::ServoSnapshot& seen) { return seen.fault.number != 0; }
 
 // Why the fault of an arm in this state cannot be cleared now; success: it can.
-Result<void> check_clearable(const session::ArmSession& session, const servo::ServoSnapshot& seen) {
+Result<void> check_clearable(session::ArmSession& session, const servo::ServoSnapshot& seen) {
   const std::string arm = named(session);
-  if (seen.frame.state == OperatingState::Fault) return {};
+  const bool is_calibrated_first =
+      seen.was_pulled && !seen.is_place_known && session.controls().is_estop_healthy.load();
+  if (seen.frame.state == OperatingState::Fault && !is_calibrated_first) return {};
   // One that was never there has nothing latched, either.
   if (seen.frame.state == OperatingState::Lost && seen.fault.code != FaultCode::None) {
     return fail(Errc::Disconnected, arm + " is lost (" + told(seen.fault) +

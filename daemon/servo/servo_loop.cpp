@@ -124,6 +124,11 @@ void ServoLoop::take_state(ServoFrame& frame) noexcept {
   frame.tip = arm_.tip;
   frame.sample_age = frame.now - arm_.sampled_at;
   if (frame.read_status == IoStatus::ProtocolError) ++snapshot_.protocol_errors;
+  // The place of one that is lost is judged once it is back: take_arm_back().
+  if (state_ != OperatingState::Lost) check_place(frame);
+}
+
+void ServoLoop::check_place(const ServoFrame& frame) noexcept {
   if (frame.read_status == IoStatus::Ok && !is_finite(arm_.tip)) {
     fail(FaultCode::NonFiniteState, frame);
   }
@@ -142,7 +147,8 @@ void ServoLoop::check_freshness(ServoFrame& frame) noexcept {
   freshness_gain_ = verdict.gain;
   frame.is_stale = verdict.is_stale;
   is_outage_over_ = verdict.is_outage_over;
-  if (verdict.fault != FaultCode::None) fail(verdict.fault, frame);
+  // Silence stops nothing of one that stands still after a fault and is calibrated again.
+  if (verdict.fault != FaultCode::None && !latch_.is_latched()) fail(verdict.fault, frame);
 }
 
 void ServoLoop::check_safety_inputs(ServoFrame& frame) noexcept {
@@ -151,19 +157,29 @@ void ServoLoop::check_safety_inputs(ServoFrame& frame) noexcept {
   const bool is_guarded = parts_.controls.is_guarded.load(std::memory_order_relaxed);
   if (!is_guarded && state_ == OperatingState::Active) fail(FaultCode::GuardLost, frame);
 
-  answer_clear_request(is_estop_healthy);
+  answer_clear_request(is_estop_healthy, frame);
 }
 
-void ServoLoop::answer_clear_request(bool is_healthy) noexcept {
+bool ServoLoop::is_place_known(const ServoFrame& frame) const noexcept {
+  return arm_.calibration == CalibrationState::Ok &&
+         frame.sample_age <= settings_.freshness.fault_after;
+}
+
+void ServoLoop::answer_clear_request(bool is_healthy, const ServoFrame& frame) noexcept {
   const ClearRequest request = parts_.controls.clear_request.load(std::memory_order_relaxed);
   if (request.id == snapshot_.clear_answered) return;
   snapshot_.clear_answered = request.id;
   // A fault that waits behind a lost arm is told, and can be cleared, when the arm is back. One of
   // this very tick was seen by nobody: whoever named its number guessed it.
-  const bool is_known = state_ == OperatingState::Fault && latch_.fault().tick != tick_;
+  const bool is_there = frame.read_status != IoStatus::Disconnected;
+  // One that was pulled while it was driven is calibrated first, and cleared last.
+  const bool is_too_soon = was_pulled_ && is_healthy && !is_place_known(frame);
+  const bool is_known =
+      state_ == OperatingState::Fault && latch_.fault().tick != tick_ && is_there && !is_too_soon;
   snapshot_.clear_outcome =
       is_known ? latch_.clear(request.fault, is_healthy) : ClearOutcome::NotLatched;
   if (snapshot_.clear_outcome != ClearOutcome::Cleared) return;
+  was_pulled_ = false;
   is_driven_ = false;  // whoever cleared it has seen the arm
   apply(LifecycleEvent::ClearFault);
 }
@@ -171,10 +187,11 @@ void ServoLoop::answer_clear_request(bool is_healthy) noexcept {
 void ServoLoop::advance_lifecycle(ServoFrame& frame) noexcept {
   const bool is_gone = frame.read_status == IoStatus::Disconnected;
   if (is_gone && state_ != OperatingState::Lost) lose_arm(frame);
-  if (!is_gone && state_ == OperatingState::Lost) take_arm_back();
+  if (!is_gone && state_ == OperatingState::Lost) take_arm_back(frame);
   const bool wants_active = parts_.controls.want_active.load(std::memory_order_relaxed) &&
                             parts_.controls.is_guarded.load(std::memory_order_relaxed);
   const bool is_homed = arm_.calibration == CalibrationState::Ok;
+  const bool is_estop_healthy = parts_.controls.is_estop_healthy.load(std::memory_order_relaxed);
   switch (state_) {
     case OperatingState::Configured:
       if (frame.read_status != IoStatus::Ok) break;
@@ -185,8 +202,6 @@ void ServoLoop::advance_lifecycle(ServoFrame& frame) noexcept {
     case OperatingState::Calibrating:
       if (!is_homed) break;
       velocity_filter_.reset();
-      // One that was pulled while it was driven is calibrated first, and cleared last.
-      is_back_and_calibrated_ = latch_.is_latched();
       apply(latch_.is_latched() ? LifecycleEvent::Fail : LifecycleEvent::Homed);
       break;
     case OperatingState::Inactive:
@@ -203,6 +218,9 @@ void ServoLoop::advance_lifecycle(ServoFrame& frame) noexcept {
         apply(LifecycleEvent::Deactivate);
       }
       break;
+    case OperatingState::Fault:
+      if (was_pulled_ && !is_homed && is_estop_healthy) apply(LifecycleEvent::LoseHome);
+      break;
     default:
       break;
   }
@@ -213,23 +231,24 @@ void ServoLoop::lose_arm(const ServoFrame& frame) noexcept {
   snapshot_.fault = {FaultCode::Disconnected, frame.now, frame.tick};
   if (state_ == OperatingState::Active && has_motors_) {
     fail(FaultCode::Disconnected, frame);
-  } else if (was_active_) {
+  } else if (was_active_ && !latch_.is_latched()) {
     // Who was never driven stopped nothing: an arm that comes and goes as it likes fills no disk.
     stops_.push_back(snapshot_.fault);
   }
+  // Whatever stopped it: a host may be late to learn of a cable.
+  was_pulled_ = was_pulled_ || (was_active_ && has_motors_ && latch_.is_latched());
   was_active_ = false;
-  is_back_and_calibrated_ = false;
   gain_.cut();
   arm_.calibration = CalibrationState::Unknown;
   apply(LifecycleEvent::Unplug);
 }
 
-void ServoLoop::take_arm_back() noexcept {
+void ServoLoop::take_arm_back(const ServoFrame& frame) noexcept {
   apply(LifecycleEvent::Return);
   apply(LifecycleEvent::Open);
   apply(LifecycleEvent::Configure);
-  const bool is_unplug_latched = latch_.fault().code == FaultCode::Disconnected;
-  if (latch_.is_latched() && !is_unplug_latched) apply(LifecycleEvent::Fail);
+  if (latch_.is_latched() && !was_pulled_) apply(LifecycleEvent::Fail);
+  check_place(frame);
 }
 
 void ServoLoop::enter_active(const ServoFrame& frame) noexcept {
@@ -328,7 +347,7 @@ void ServoLoop::observe_energy(ServoFrame& frame) noexcept {
 bool ServoLoop::is_silent(MonotonicTime now) const noexcept {
   if (state_ != OperatingState::Fault || !zero_since_ || !has_watchdog_) return false;
   // Its watchdog had its turn while the plug was out; another would cost the new reference.
-  if (is_back_and_calibrated_) return false;
+  if (was_pulled_) return false;
   return now - std::max(latched_at_, *zero_since_) > settings_.zero_before_silence;
 }
 
@@ -368,6 +387,8 @@ void ServoLoop::record(ServoFrame& frame) noexcept {
 
 void ServoLoop::publish(const ServoFrame& frame) noexcept {
   snapshot_.frame = frame;
+  snapshot_.was_pulled = was_pulled_;
+  snapshot_.is_place_known = is_place_known(frame);
   snapshot_.felt = felt_.felt();
   const auto gimbal = arm_.joint_position_rad.begin() + kFirstGimbalJoint;
   std::copy_n(gimbal, snapshot_.gimbal_rad.size(), snapshot_.gimbal_rad.begin());
@@ -380,7 +401,6 @@ void ServoLoop::publish(const ServoFrame& frame) noexcept {
 
 void ServoLoop::fail(FaultCode code, const ServoFrame& frame) noexcept {
   gain_.cut();
-  is_back_and_calibrated_ = false;
   apply(LifecycleEvent::Fail);
   if (!latch_.latch(code, frame.now, frame.tick)) return;
   ++snapshot_.faults;

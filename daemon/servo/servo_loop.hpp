@@ -40,8 +40,8 @@ struct ServoSettings {
   Duration command_gap_limit{std::chrono::milliseconds(20)};
   // After a latched fault zero is still written until the arm has taken it for this long (so that
   // it surely arrives); then it hears nothing and its own watchdog takes the power away. One
-  // without a watchdog hears zero for good, and so does one that was unplugged and is calibrated
-  // again.
+  // without a watchdog hears zero for good, and so does one that was unplugged after it was driven:
+  // its watchdog had its turn.
   Duration zero_before_silence{std::chrono::milliseconds(100)};
   bool is_realtime_required{false};
   Duration recording{std::chrono::seconds(2)};
@@ -98,10 +98,12 @@ class ServoLoop {
   void take_state(ServoFrame& frame) noexcept;
   void check_freshness(ServoFrame& frame) noexcept;
   void check_safety_inputs(ServoFrame& frame) noexcept;
-  void answer_clear_request(bool is_healthy) noexcept;
+  void check_place(const ServoFrame& frame) noexcept;
+  [[nodiscard]] bool is_place_known(const ServoFrame& frame) const noexcept;
+  void answer_clear_request(bool is_healthy, const ServoFrame& frame) noexcept;
   void advance_lifecycle(ServoFrame& frame) noexcept;
   void lose_arm(const ServoFrame& frame) noexcept;
-  void take_arm_back() noexcept;
+  void take_arm_back(const ServoFrame& frame) noexcept;
   void enter_active(const ServoFrame& frame) noexcept;
   void estimate_velocity(ServoFrame& frame) noexcept;
   void couple(ServoFrame& frame) noexcept;
@@ -151,7 +153,7 @@ class ServoLoop {
   std::uint64_t zeros_taken_{0};             // since then
   bool is_driven_{false};                    // it may hold a force, as far as is known
   bool was_active_{false};                   // since the arm came
-  bool is_back_and_calibrated_{false};       // after an unplug that latched; nothing failed since
+  bool was_pulled_{false};                   // after it was driven, and not cleared since
   // Of this tick: what latched, what was unplugged, and what latched again after a clear.
   rt::StaticVector<Fault, 3> stops_;
   bool is_outage_over_{false};

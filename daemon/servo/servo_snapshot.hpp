@@ -24,6 +24,8 @@ struct ServoSnapshot {
   std::uint64_t protocol_errors{0};
   std::uint32_t clear_answered{0};  // ClearRequest::id of the newest that was judged
   ClearOutcome clear_outcome{ClearOutcome::None};
+  bool was_pulled{false};      // after it was driven, and not cleared since: calibrated first
+  bool is_place_known{false};  // calibrated, and its newest sample is no older than allowed
 };
 
 }  // namespace thimble::servo

@@ -25,9 +25,11 @@ std::string instruction_for(ArmRig& rig) {
     return session.config().device + " is gone: plug it in again, then calibrate it";
   }
   if (seen.frame.state == OperatingState::Fault) {
-    const bool is_back = seen.fault.code == FaultCode::Disconnected &&
-                         seen.frame.calibration == CalibrationState::Ok;
-    if (is_back) return "it is calibrated again; to go on: thimble clear-fault " + name;
+    if (seen.was_pulled && seen.is_place_known) {
+      return "it is calibrated again; to go on: thimble clear-fault " + name;
+    }
+    const bool is_mute = seen.was_pulled && seen.frame.calibration == CalibrationState::Ok;
+    if (is_mute) return "it does not report its position; check its power and cable";
     return "see to what the fault says, then: thimble clear-fault " + name;
   }
   return std::string(session.device().calibration_instruction());

@@ -23,6 +23,7 @@ constexpr std::array kTransitions{
     Transition{S::Inactive, E::LoseHome, S::Calibrating},
     Transition{S::Active, E::Deactivate, S::Inactive},
     Transition{S::Fault, E::ClearFault, S::Configured},
+    Transition{S::Fault, E::LoseHome, S::Calibrating},  // the latch stays, and leads back to Fault
     Transition{S::Lost, E::Return, S::Discovered},
     Transition{S::Opened, E::Close, S::Discovered},
     Transition{S::Configured, E::Close, S::Discovered},

@@ -24,6 +24,7 @@ class GoodCourse {
     bounds.servo.limiter.peak_current_a = {3, 3, 3};
     sut_ = maker(bounds);
     now.servo.frame.dt = std::chrono::milliseconds(1);
+    now.servo.frame.calibration = CalibrationState::Ok;
     run(600);
   }
 

@@ -218,15 +218,29 @@ TEST(Latch, SeesFaultAndStateThatDisagree) {
 }
 
 TEST(Latch, LetsAnArmThatWasUnpluggedComeBackAndBeCalibratedBeforeItsClear) {
+  for (const FaultCode code : {FaultCode::Disconnected, FaultCode::StaleSample}) {
+    GoodCourse course(&make_latch);
+    course.stop(OperatingState::Lost, code);
+    for (const OperatingState state :
+         {OperatingState::Lost, OperatingState::Configured, OperatingState::Calibrating,
+          OperatingState::Fault, OperatingState::Calibrating, OperatingState::Fault}) {
+      course.now.servo.frame.state = state;
+      course.run(3);
+    }
+    course.run(1, clear);
+    EXPECT_EQ(course.broken(), "");
+  }
+}
+
+TEST(Latch, SeesAPulledArmThatIsClearedBeforeItIsCalibrated) {
   GoodCourse course(&make_latch);
   course.stop(OperatingState::Lost, FaultCode::Disconnected);
-  for (const OperatingState state : {OperatingState::Lost, OperatingState::Configured,
-                                     OperatingState::Calibrating, OperatingState::Fault}) {
-    course.now.servo.frame.state = state;
-    course.run(3);
-  }
-  course.run(1, clear);
-  EXPECT_EQ(course.broken(), "");
+  course.run(1);
+  course.run(1, [](Observation& now) {
+    clear(now);
+    now.servo.frame.calibration = CalibrationState::NeedsUser;
+  });
+  EXPECT_THAT(course.broken(), HasSubstr("calibrated before it is cleared"));
 }
 
 TEST(Latch, SeesAnUnplugThatDrivesAgainUnasked) {

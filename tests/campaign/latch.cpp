@@ -29,7 +29,8 @@ class Latch final : public Invariant {
     findings.require("every latched fault is counted once", servo.faults == faults_);
     if (is_cleared) see_clear(now, was_latched, findings);
     findings.require("a fault means Fault or Lost",
-                     !is_latched || is_stopped(frame.state) || is_coming_back(frame));
+                     !is_latched || is_stopped(frame.state) || is_coming_back(frame.state));
+    note_pull(frame.state, is_latched);
     findings.require("an arm that is lost while it is driven latches",
                      !was_active_ || frame.state != OperatingState::Lost || is_latched);
     was_active_ = frame.state == OperatingState::Active;
@@ -47,12 +48,22 @@ class Latch final : public Invariant {
   static bool is_stopped(OperatingState state) noexcept {
     return state == OperatingState::Fault || state == OperatingState::Lost;
   }
-  // What an unplug latched is cleared last: the arm is calibrated before.
-  static bool is_coming_back(const servo::ServoFrame& frame) noexcept {
-    return frame.fault == FaultCode::Disconnected && (frame.state == OperatingState::Configured ||
-                                                      frame.state == OperatingState::Calibrating);
+  // One that was pulled after it was driven is cleared last: it is calibrated before.
+  [[nodiscard]] bool is_coming_back(OperatingState state) const noexcept {
+    return is_pulled_ &&
+           (state == OperatingState::Configured || state == OperatingState::Calibrating);
   }
-  static void see_clear(const Observation& now, bool was_latched, Findings& findings) {
+  void note_pull(OperatingState state, bool is_latched) noexcept {
+    if (state == OperatingState::Lost) {
+      is_pulled_ = is_pulled_ || (was_driven_ && is_latched);
+      was_driven_ = false;
+    }
+    was_driven_ = was_driven_ || state == OperatingState::Active;
+  }
+  void see_clear(const Observation& now, bool was_latched, Findings& findings) {
+    findings.require("an arm that was pulled is calibrated before it is cleared",
+                     !is_pulled_ || now.servo.frame.calibration == CalibrationState::Ok);
+    is_pulled_ = false;
     findings.require("only a latched fault is cleared", was_latched);
     findings.require("no fault is cleared by a request for another one", !now.is_clear_for_other);
     findings.require("no fault is cleared while an input is not healthy", now.is_estop_healthy);
@@ -63,6 +74,8 @@ class Latch final : public Invariant {
   std::uint32_t answered_{0};
   bool was_lost_{false};
   bool was_active_{false};
+  bool was_driven_{false};  // since the arm came
+  bool is_pulled_{false};   // after that, and not cleared since
 };
 
 }  // namespace

@@ -216,6 +216,45 @@ TEST_P(Unplug, AClearThatComesTooSoonIsRefusedAtAnyMomentOfTheCalibration) {
   EXPECT_EQ(watch.breach(), "");
 }
 
+// One bad contact is enough: reports that stop for a moment, or for so long that it forgets.
+TEST_P(Unplug, OneThatFallsSilentAgainAndAgainIsClearedLastAllTheSame) {
+  for (const char* device : {"sim:phantom-vintage", "sim:phantom-vintage-serial"}) {
+    SCOPED_TRACE(device);
+    ClosedLoop::Setup setup;
+    sim::ScriptedFault silence;
+    silence.kind = sim::FaultKind::DropIn;
+    for (int i = 0; i < 12; ++i) {
+      silence.from = MonotonicTime{std::chrono::milliseconds(10'100 + 470 * i)};
+      silence.lasts = std::chrono::milliseconds(i % 3 == 2 ? 600 : 25 + 60 * (i % 3));
+      setup.cables.script.push_back(silence);
+    }
+    ClosedLoop sut(with({std::string("arm.0.device=") + device, "arm.hand.motion=still"}), setup);
+    sut.run_until_driven();
+    ArmWatch watch(sut);
+    const MonotonicTime pulled{std::chrono::seconds(10)};
+    ASSERT_LT(sut.now(), pulled);
+    ASSERT_TRUE(sut.run_until(10, [&] { return sut.now() >= pulled; }));
+    sut.unplug();
+    sut.run(0.05, [&] { watch.see(); });
+    sut.replug();
+    int refused = 0;
+    sut.run(10, [&] {
+      watch.see();
+      EXPECT_EQ(norm(sut.frame().force), 0);
+      EXPECT_NE(sut.frame().state, OperatingState::Active);
+      if (sut.frame().calibration == CalibrationState::Ok) return;
+      clear(sut);  // judged by the tick after
+      ++refused;
+      EXPECT_NE(sut.snapshot().clear_outcome, ClearOutcome::Cleared);
+    });
+    EXPECT_GT(refused, GetParam());
+    run_until_calibrated(sut, watch);
+    clear(sut);
+    run_until_active(sut, watch);
+    EXPECT_EQ(watch.breach(), "");
+  }
+}
+
 TEST_P(Unplug, PulledAgainAtAnyMomentOfTheCalibrationItIsOneFaultAndOneClear) {
   ClosedLoop sut(with(kStill));
   sut.run_until_driven();

@@ -22,6 +22,7 @@ const std::map<std::pair<S, E>, S> kLegal{
     {{S::Active, E::Deactivate}, S::Inactive},
     {{S::Inactive, E::LoseHome}, S::Calibrating},
     {{S::Fault, E::ClearFault}, S::Configured},
+    {{S::Fault, E::LoseHome}, S::Calibrating},
     {{S::Lost, E::Return}, S::Discovered},
     {{S::Opened, E::Close}, S::Discovered},
     {{S::Configured, E::Close}, S::Discovered},

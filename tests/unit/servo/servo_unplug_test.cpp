@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include "tests/unit/servo/scripted_rig.hpp"
@@ -63,11 +64,16 @@ struct ServoReturn : testing::Test {
     rig.tick();
     return rig.snapshot().clear_outcome;
   }
-  void expect_silence() {
-    rig.tick(100);
-    const std::size_t written = rig.device.written.size();
-    rig.tick(100);
-    EXPECT_EQ(rig.device.written.size(), written);
+  void expect_it_is_cleared_last() {
+    expect_nothing_pushed();
+    calibrate();
+    EXPECT_EQ(rig.state(), OperatingState::Fault);
+    rig.tick(1000);
+    EXPECT_EQ(rig.state(), OperatingState::Fault);
+    expect_nothing_pushed();
+    EXPECT_EQ(clear(), ClearOutcome::Cleared);
+    rig.tick(1000);
+    EXPECT_EQ(rig.state(), OperatingState::Active);
   }
   void expect_nothing_pushed() {
     for (const Force3& force : rig.device.written) ASSERT_EQ(force, Force3{});
@@ -250,45 +256,103 @@ TEST_F(ServoReturn, OneThatNobodyWantsAnyMoreIsInactiveOnceItIsCleared) {
   EXPECT_EQ(rig.state(), OperatingState::Inactive);
 }
 
-// As of an arm that never left; what has to be cleared is what came first.
-TEST_F(ServoReturn, WhatGoesWrongBeforeItIsCalibratedStopsItAndTheFirstFaultStays) {
-  for (const bool is_silent : {true, false}) {
-    lose();
-    put_back();
-    ASSERT_EQ(rig.state(), OperatingState::Calibrating);
-    rig.controls.is_estop_healthy = is_silent;
-    if (is_silent) rig.device.next_status = IoStatus::NoData;
-    rig.tick(25);
-    EXPECT_EQ(rig.state(), OperatingState::Fault);
-    EXPECT_EQ(rig.snapshot().fault.code, FaultCode::Disconnected);
-    expect_silence();
-    if (!is_silent) {
-      EXPECT_EQ(clear(), ClearOutcome::InputUnhealthy);
-    }
-    rig.controls.is_estop_healthy = true;
-    rig.device.next_status = IoStatus::Ok;
-    expect_nothing_pushed();
-    EXPECT_EQ(clear(), ClearOutcome::Cleared);
-    rig.tick(10);
+TEST_F(ServoReturn, OneThatSaysNothingBeforeItIsCalibratedIsWaitedForAndClearedLast) {
+  lose();
+  put_back();
+  for (const int silent_ticks : {25, 5000}) {
+    rig.device.next_status = IoStatus::NoData;
+    rig.tick(silent_ticks);
     EXPECT_EQ(rig.state(), OperatingState::Calibrating);
-    rig.device.state.calibration = CalibrationState::Ok;
-    rig.tick(1000);
-    EXPECT_EQ(rig.state(), OperatingState::Active);
+    EXPECT_EQ(clear(), ClearOutcome::NotLatched);
+    rig.device.next_status = IoStatus::Ok;
+    rig.tick(10);
   }
+  expect_it_is_cleared_last();
 }
 
-TEST_F(ServoReturn, AnEstopWhileItWaitsForItsClearIsFollowedBySilenceAsAnyOther) {
+TEST_F(ServoReturn, AnEstopBeforeItIsCalibratedStopsItAndItIsClearedLastAllTheSame) {
+  lose();
+  put_back();
+  rig.controls.is_estop_healthy = false;
+  rig.tick(500);
+  EXPECT_EQ(rig.state(), OperatingState::Fault);
+  EXPECT_EQ(rig.snapshot().fault.code, FaultCode::Disconnected) << "the first stays";
+  EXPECT_EQ(clear(), ClearOutcome::InputUnhealthy);
+  rig.controls.is_estop_healthy = true;
+  EXPECT_EQ(clear(), ClearOutcome::NotLatched);
+  rig.tick();
+  EXPECT_EQ(rig.state(), OperatingState::Calibrating);
+  expect_it_is_cleared_last();
+}
+
+// Silence would cost it its reference unseen: an arm that is not asked does not say so.
+TEST_F(ServoReturn, AnEstopWhileItWaitsForItsClearCostsItNoReference) {
   lose();
   put_back();
   calibrate();
   rig.controls.is_estop_healthy = false;
-  rig.tick(5);
-  expect_silence();
+  rig.device.written.clear();
+  rig.tick(1000);
+  EXPECT_EQ(rig.device.written.size(), 1000U);
   EXPECT_EQ(clear(), ClearOutcome::InputUnhealthy);
   rig.controls.is_estop_healthy = true;
   rig.tick(5);
   EXPECT_EQ(rig.state(), OperatingState::Fault);
+  expect_nothing_pushed();
   EXPECT_EQ(clear(), ClearOutcome::Cleared);
+}
+
+TEST_F(ServoReturn, AReferenceThatIsLostWhileItWaitsIsGivenAgainBeforeTheClear) {
+  lose();
+  put_back();
+  calibrate();
+  ASSERT_EQ(rig.state(), OperatingState::Fault);
+  rig.device.state.calibration = CalibrationState::NeedsUser;
+  EXPECT_EQ(clear(), ClearOutcome::NotLatched) << "in the very tick";
+  EXPECT_EQ(rig.state(), OperatingState::Calibrating);
+  EXPECT_EQ(clear(), ClearOutcome::NotLatched);
+  expect_it_is_cleared_last();
+}
+
+// What it says when it speaks again may be that it has forgotten.
+TEST_F(ServoReturn, OneThatIsCalibratedAndSaysNothingIsNotCleared) {
+  lose();
+  put_back();
+  calibrate();
+  rig.device.next_status = IoStatus::NoData;
+  rig.tick(25);
+  EXPECT_FALSE(rig.snapshot().is_place_known);
+  EXPECT_EQ(clear(), ClearOutcome::NotLatched);
+  rig.device.next_status = IoStatus::Ok;
+  rig.tick();
+  EXPECT_TRUE(rig.snapshot().is_place_known);
+  EXPECT_EQ(clear(), ClearOutcome::Cleared);
+}
+
+TEST_F(ServoReturn, AClearInTheTickThatLosesItAgainIsRefused) {
+  lose();
+  put_back();
+  calibrate();
+  rig.device.next_status = IoStatus::Disconnected;
+  EXPECT_EQ(clear(), ClearOutcome::NotLatched);
+  EXPECT_EQ(rig.state(), OperatingState::Lost);
+  EXPECT_EQ(rig.snapshot().fault.number, 1U);
+  put_back();
+  expect_it_is_cleared_last();
+}
+
+// A host may learn late of a cable: transfers fail at once, the hub says why some time after.
+TEST_F(ServoReturn, OneThatFellSilentBeforeItIsLostIsOneStopAndIsClearedLastToo) {
+  rig.device.next_status = IoStatus::NoData;
+  rig.tick(30);
+  ASSERT_EQ(rig.state(), OperatingState::Fault);
+  lose();
+  EXPECT_EQ(rig.snapshot().fault.code, FaultCode::StaleSample);
+  EXPECT_EQ(rig.sut.recorder().take().cause.code, FaultCode::StaleSample);
+  EXPECT_FALSE(rig.sut.recorder().is_frozen());
+  put_back();
+  ASSERT_EQ(rig.state(), OperatingState::Calibrating);
+  expect_it_is_cleared_last();
 }
 
 TEST_F(ServoReturn, AnEstopInTheTickThatLosesItIsTheFirstFault) {
@@ -298,7 +362,29 @@ TEST_F(ServoReturn, AnEstopInTheTickThatLosesItIsTheFirstFault) {
   EXPECT_EQ(rig.snapshot().faults, 1U);
   rig.controls.is_estop_healthy = true;
   put_back();
-  EXPECT_EQ(rig.state(), OperatingState::Fault) << "as before: it is cleared, then calibrated";
+  expect_it_is_cleared_last();
+}
+
+TEST_F(ServoReturn, APlaceThatIsNoneInItsFirstSampleIsAFaultInThatTick) {
+  for (const bool was_driven : {true, false}) {
+    if (!was_driven) {
+      rig.controls.want_active = false;
+      rig.tick(1000);
+      ASSERT_EQ(rig.state(), OperatingState::Inactive);
+    }
+    lose();
+    const Position3 place = rig.device.state.tip;
+    rig.device.state.tip = {std::numeric_limits<double>::quiet_NaN(), 0, 0};
+    rig.device.next_status = IoStatus::Ok;
+    rig.tick();
+    EXPECT_EQ(rig.state(), OperatingState::Fault) << was_driven;
+    EXPECT_EQ(rig.snapshot().fault.code,
+              was_driven ? FaultCode::Disconnected : FaultCode::NonFiniteState);
+    rig.device.state.tip = place;
+    if (!was_driven) break;
+    put_back();
+    expect_it_is_cleared_last();
+  }
 }
 
 TEST_F(ServoReturn, OnceClearedThePlugMayBePulledAgainAndLatchesAgainWhenItIsDriven) {
