@@ -37,6 +37,10 @@ void GpioMailboxes::deliver_edge(std::size_t input, bool is_high, MonotonicTime 
   wake();
 }
 
+void GpioMailboxes::count_lost_edge(std::size_t input) noexcept {
+  if (input < inputs_) ++memory_[input].sequence;
+}
+
 void GpioMailboxes::deliver_levels(const GpioLevels& levels) noexcept {
   levels_.store(levels);
   const bool had_levels = has_levels_.exchange(true);

@@ -28,6 +28,8 @@ class GpioMailboxes : public GpioLines {
 
   // Of the bus. One that repeats the level before it comes after one that was lost.
   void deliver_edge(std::size_t input, bool is_high, MonotonicTime at) noexcept;
+  // One was lost, or may have been: a hole before the next that is delivered.
+  void count_lost_edge(std::size_t input) noexcept;
   void deliver_levels(const GpioLevels& levels) noexcept;
   // The levels that the outputs shall have (bit i: output i), until they are written.
   [[nodiscard]] std::optional<std::uint32_t> wanted() const noexcept;

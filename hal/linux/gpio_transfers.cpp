@@ -17,7 +17,9 @@ namespace thimble::linux {
 namespace {
 
 constexpr const char* kConsumer = "thimbled";  // shown by gpioinfo
-constexpr int kEventsAtOnce = 16;              // of one line, as many as Linux 6.1 keeps
+// Of one line, as many as Linux 6.1 keeps (gpiolib-cdev.c, lineevent_state): it drops what comes
+// then, and tells nobody.
+constexpr int kEventsAtOnce = 16;
 
 int pull_flags(bus::GpioPull pull) noexcept {
   switch (pull) {
@@ -172,11 +174,15 @@ bool GpioTransfers::take_edges_of(std::size_t input) noexcept {
     return false;
   }
   const MonotonicTime now = clock_->now();
+  // The queue was full, and more may have come. Told before them, not with the next edge: that one
+  // may never come.
+  const bool was_full = count >= kEventsAtOnce;
+  if (was_full) mail_->count_lost_edge(input);
   for (int i = 0; i < std::min(count, kEventsAtOnce); ++i) {
     const int type = events.at(static_cast<std::size_t>(i)).event_type;
     mail_->deliver_edge(input, type == GPIOD_LINE_EVENT_RISING_EDGE, now);
   }
-  return count == kEventsAtOnce;
+  return was_full;
 }
 
 // A chip that does not answer leaves the old levels to grow old.

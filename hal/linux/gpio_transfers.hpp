@@ -18,8 +18,10 @@ namespace thimble::linux {
 // What the bus does with the lines of one GPIO chip: all calls of libgpiod, of its interface 1
 // (1.6, Debian 12).
 //
-// Its events carry no numbers: that one was lost shows as an edge that repeats the level before it
-// (GpioMailboxes counts so), or as a level that the chip tells otherwise. A chip that is pulled out
+// Its events carry no numbers. The kernel loses those of a line behind 16 that wait: 16 that are
+// read at once are counted with a hole before them, whether one was lost or not. A lost edge shows
+// as one that repeats the level before it, too (GpioMailboxes counts so), or as a level that the
+// chip tells otherwise. A chip that is pulled out
 // wakes nobody (Linux 6.1, gpiolib-cdev.c): asking for the levels finds out. A level that the chip
 // did not take is told to nobody either: each is followed by a question, and written again until
 // that has an answer.

@@ -193,13 +193,12 @@ struct KernelGpio : testing::Test {
   }
 };
 
-TEST_F(KernelGpio, OfEdgesThatNobodyReadsSixteenAreKeptAndTheLevelTellsTheNextAndTheHoleIsSeen) {
+TEST_F(KernelGpio, OfEdgesThatNobodyReadsSixteenAreKeptAndTheHoleIsSeen) {
   WatchedWires wires(adapter);
   const auto sut = open();
   const auto set_wire = [&](bool is_high) { wires.set(0, is_high); };
-  expect_sixteen_edges_kept(*sut, mail, set_wire);
-  EXPECT_TRUE(is_level_high());
-  expect_hole_seen(*sut, mail, set_wire);
+  expect_full_queue_told(*sut, mail, set_wire);
+  expect_next_edge_told_as_whole(*sut, mail, set_wire);
 }
 
 TEST_F(KernelGpio, ALineThatIsHighWhenTheDriverFirstLooksIsToldAsIfItRoseThen) {
