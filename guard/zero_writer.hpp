@@ -31,8 +31,10 @@ class ZeroWriter {
         calls_(&calls),
         report_(handover.zero().last(std::max<std::size_t>(handover.size, 1) - 1)) {}
 
-  // True: it went the first way to its end.
+  // True: the arm's node took the whole zero, hidraw or the bulk pipe. What became of the one on
+  // hiddev nobody says.
   bool write() noexcept;
+  // Calls of write() that gave true, and false; calls, not zeros that reached the arm.
   [[nodiscard]] std::uint64_t written() const noexcept { return written_; }
   [[nodiscard]] std::uint64_t refused() const noexcept { return refused_; }
 

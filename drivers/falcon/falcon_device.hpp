@@ -38,7 +38,8 @@ namespace thimble::falcon {
 // Errors: read() gives NoData while it boots and when no whole reply came, ProtocolError when only
 // bytes of none came (counted as malformed, as they are beside a reply, and so is a reference that
 // was lost), Disconnected when the bus is lost. write() gives Backlogged for every step of the boot
-// and while an answer is owed; else what the bus says. A request that never ends: above.
+// and while an answer is owed, and then drops the command: the next tick has a newer one; else what
+// the bus says. A request that never ends: above.
 class FalconDevice final : public HapticDevice {
  public:
   struct Settings {

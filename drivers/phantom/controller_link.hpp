@@ -31,7 +31,8 @@ class ControllerLink {
   // malformed here) when only what cannot be believed has come.
   THIMBLE_RT_IO virtual IoStatus read(ControllerReport& out) noexcept = 0;
   // The caller has held them within the amplifier. A link bounds them to what its messages may say:
-  // HidLink to 32.767 A either way, TextLink to the full scale.
+  // HidLink to 32.767 A either way, TextLink to the full scale. What becomes of a Backlogged
+  // command: HidLink's waits in the bus's mailbox, TextLink's is dropped.
   THIMBLE_RT_IO virtual IoStatus write_currents(
       const std::array<double, 3>& current_a) noexcept = 0;
   // Makes the counters zero where the arm is, and lowers the flag of the calibration button.

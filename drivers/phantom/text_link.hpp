@@ -34,7 +34,8 @@ class TextLink final : public ControllerLink {
   TextLink& operator=(const TextLink&) = delete;
 
   THIMBLE_RT_IO IoStatus read(ControllerReport& out) noexcept override;
-  // Backlogged as long as an answer is owed, but for a zero behind a current.
+  // Backlogged as long as an answer is owed, but for a zero behind a current: such a command is
+  // dropped and does not wait, the next tick has a newer one.
   THIMBLE_RT_IO IoStatus write_currents(const std::array<double, 3>& current_a) noexcept override;
   THIMBLE_RT_IO IoStatus zero_counters() noexcept override;
   [[nodiscard]] bool is_zeroed_by_press() const noexcept override { return true; }

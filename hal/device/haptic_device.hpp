@@ -97,10 +97,11 @@ class HapticDevice {
 
   // Ok: `out` is a fresh sample. NoData: untouched. Disconnected, ProtocolError: untouched.
   THIMBLE_RT_IO virtual IoStatus read(HapticState& out) noexcept = 0;
-  // Ok: the bus took it. Backlogged: the last one is still on its way, this one waits (normal when
-  // the servo is faster than the bus), or failed. Disconnected, ProtocolError: nothing was sent.
-  // The arm exerts the wrench until the next write or its own watchdog. Before calibration
-  // the device sends zero whatever is asked: no force without a known pose.
+  // Ok: the bus took it. Backlogged: the last one is still on its way (normal when the servo is
+  // faster than the bus), or failed; this one waits, or is dropped by a device that is asked only
+  // when it has answered: who wants it to arrive writes on. Disconnected, ProtocolError: nothing
+  // was sent. The arm exerts the wrench until the next write or its own watchdog. Before
+  // calibration the device sends zero whatever is asked: no force without a known pose.
   THIMBLE_RT_IO virtual IoStatus write(const LimitedWrench& wrench) noexcept = 0;
 };
 
