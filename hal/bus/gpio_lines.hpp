@@ -64,8 +64,8 @@ class GpioLines {
   virtual IoStatus next_edge(GpioEdge& out) noexcept = 0;
   // Ok, NoData before the chip has answered for the first time, Disconnected.
   virtual IoStatus levels(GpioLevels& out) noexcept = 0;
-  // The newest level wins. Ok; Backlogged when the one before has not reached the chip;
-  // Disconnected; ProtocolError for an output that was not claimed.
+  // The newest level wins. Ok; Backlogged when the ones before have not reached the chip, and none
+  // has since the last call; Disconnected; ProtocolError for an output that was not claimed.
   virtual IoStatus set(std::size_t output, bool is_high) noexcept = 0;
 };
 

@@ -1,5 +1,7 @@
 #include "hal/bus/gpio_mailboxes.hpp"
 
+#include <utility>
+
 namespace thimble::bus {
 
 IoStatus GpioMailboxes::next_edge(GpioEdge& out) noexcept {
@@ -20,10 +22,13 @@ IoStatus GpioMailboxes::levels(GpioLevels& out) noexcept {
 IoStatus GpioMailboxes::set(std::size_t output, bool is_high) noexcept {
   if (is_gone_.load()) return IoStatus::Disconnected;
   if (output >= outputs_) return IoStatus::ProtocolError;
-  const std::uint32_t before = wanted_.load();
+  const GpioWish before = wanted_.load();
   const std::uint32_t bit = 1U << output;
-  const bool is_late = before != written_.load();
-  wanted_.store(is_high ? before | bit : before & ~bit);
+  const std::uint32_t high = is_high ? before.high | bit : before.high & ~bit;
+  if (high != before.high) wanted_.store({before.number + 1, high});
+  const std::uint32_t written = written_.load();
+  const bool was_one_written = std::exchange(written_at_last_set_, written) != written;
+  const bool is_late = before.number != written && !was_one_written;
   return is_late ? IoStatus::Backlogged : IoStatus::Ok;
 }
 
@@ -49,13 +54,13 @@ void GpioMailboxes::deliver_levels(const GpioLevels& levels) noexcept {
   if (is_news) wake();
 }
 
-std::optional<std::uint32_t> GpioMailboxes::wanted() const noexcept {
-  const std::uint32_t high = wanted_.load();
-  if (high == written_.load()) return std::nullopt;
-  return high;
+std::optional<GpioWish> GpioMailboxes::wanted() const noexcept {
+  const GpioWish wish = wanted_.load();
+  if (wish.number == written_.load()) return std::nullopt;
+  return wish;
 }
 
-void GpioMailboxes::written(std::uint32_t high) noexcept { written_.store(high); }
+void GpioMailboxes::written(const GpioWish& wish) noexcept { written_.store(wish.number); }
 
 void GpioMailboxes::disconnect() noexcept {
   is_gone_.store(true);

@@ -11,6 +11,12 @@
 
 namespace thimble::bus {
 
+// The levels that the outputs shall have.
+struct GpioWish {
+  std::uint32_t number{0};  // of this wish; 0: low, as they are opened
+  std::uint32_t high{0};    // bit i: output i
+};
+
 // The end of opened lines that every implementation has in common, and the mailboxes between it and
 // the thread that talks to the chip.
 //
@@ -31,10 +37,11 @@ class GpioMailboxes : public GpioLines {
   // One was lost, or may have been: a hole before the next that is delivered.
   void count_lost_edge(std::size_t input) noexcept;
   void deliver_levels(const GpioLevels& levels) noexcept;
-  // The levels that the outputs shall have (bit i: output i), until they are written.
-  [[nodiscard]] std::optional<std::uint32_t> wanted() const noexcept;
-  // The chip has taken these.
-  void written(std::uint32_t high) noexcept;
+  // The newest wish, until all of it is written. A level that came back to what it was is another
+  // wish: nobody knows what the chip did with the one between.
+  [[nodiscard]] std::optional<GpioWish> wanted() const noexcept;
+  // The chip has taken all of it.
+  void written(const GpioWish& wish) noexcept;
   void disconnect() noexcept;
 
   [[nodiscard]] bool is_disconnected() const noexcept { return is_gone_.load(); }
@@ -62,8 +69,9 @@ class GpioMailboxes : public GpioLines {
   std::uint64_t refusals_told_{0};  // of the user
   rt::WordSeqlock<GpioLevels> levels_;
   std::atomic<bool> has_levels_{false};
-  std::atomic<std::uint32_t> wanted_{0};
-  std::atomic<std::uint32_t> written_{0};
+  std::atomic<GpioWish> wanted_{};
+  std::atomic<std::uint32_t> written_{0};  // number of a wish
+  std::uint32_t written_at_last_set_{0};   // of the user
   std::atomic<bool> is_gone_{false};
 };
 

@@ -199,15 +199,15 @@ void GpioTransfers::read_levels() noexcept {
 }
 
 void GpioTransfers::write_outputs() noexcept {
-  const std::optional<std::uint32_t> wanted = mail_->wanted();
-  if (!wanted) return;
+  const std::optional<bus::GpioWish> wish = mail_->wanted();
+  if (!wish) return;
   for (std::size_t i = 0; i < outputs_.size(); ++i) {
     const std::uint32_t bit = 1U << i;
-    if (((*wanted ^ written_) & bit) == 0) continue;
-    if (!write(outputs_[i], (*wanted & bit) != 0)) return note(errno);
+    if (((wish->high ^ written_) & bit) == 0) continue;
+    if (!write(outputs_[i], (wish->high & bit) != 0)) return note(errno);
     written_ ^= bit;
   }
-  mail_->written(*wanted);
+  mail_->written(*wish);
 }
 
 // That the chip refused a level nobody is told (Linux 6.1: a driver's set() returns nothing), so it

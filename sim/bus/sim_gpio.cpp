@@ -1,6 +1,7 @@
 #include "sim/bus/sim_gpio.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "hal/base/check.hpp"
@@ -42,12 +43,11 @@ class SimGpioLines final : public bus::GpioMailboxes {
 
   void write() noexcept {
     if (chip_->is_hanging_) return;
-    const std::uint32_t high = wanted().value_or(applied_);
+    if (const std::optional<bus::GpioWish> wish = wanted()) applied_ = *wish;
     for (std::size_t i = 0; i < output_lines_.size(); ++i) {
-      chip_->set_level(output_lines_[i], ((high >> i) & 1U) != 0);
+      chip_->set_level(output_lines_[i], ((applied_.high >> i) & 1U) != 0);
     }
-    applied_ = high;
-    written(high);
+    written(applied_);
   }
   // What the chip says now.
   void refresh() noexcept {
@@ -83,7 +83,7 @@ class SimGpioLines final : public bus::GpioMailboxes {
   SimGpioChip* chip_;  // nullptr: gone
   std::vector<std::size_t> input_lines_;
   std::vector<std::size_t> output_lines_;
-  std::uint32_t applied_{0};
+  bus::GpioWish applied_;
 };
 
 SimGpioChip::SimGpioChip(const Clock& clock, std::string label, std::size_t lines,

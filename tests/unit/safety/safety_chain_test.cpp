@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
 
+#include "hal/bus/gpio_mailboxes.hpp"
 #include "tests/unit/safety/safety_bench.hpp"
 
 namespace thimble::safety {
@@ -182,6 +184,59 @@ TEST_F(SafetyChainTest, OutputsThatAreBackloggedNowAndThenAreNoStop) {
   for (int i = 0; i < 20; ++i) {
     is_deaf = i % 2 == 0;
     run(kSilence / 2);
+    ASSERT_FALSE(chain.status().is_stopped) << i;
+  }
+}
+
+// The bus of a real chip: it reads the inputs, of outputs it takes those that the test says.
+struct SafetyChainOnMailboxes : testing::Test {
+  MonotonicTime now{std::chrono::seconds(1)};
+  bus::GpioMailboxes mail{1, 2, nullptr};
+  SafetyChain chain{{.estop_channels = 1, .has_enable = true, .has_lamp = true}};
+
+  void step() {
+    now = now + SafetyBench::kStep;
+    mail.deliver_levels({0, now});
+    chain.step(&mail, now, [] { return true; });
+  }
+  void run(Duration duration) {
+    for (Duration run{}; run < duration; run += SafetyBench::kStep) step();
+  }
+  void take() {
+    if (const auto wish = mail.wanted()) mail.written(*wish);
+  }
+  void start() {
+    for (int i = 0; i < 100; ++i) {
+      step();
+      take();
+    }
+    ASSERT_TRUE(chain.reset());
+  }
+};
+
+TEST_F(SafetyChainOnMailboxes, ABeatThatNoneTakesIsStuckThoughItsLevelComesBack) {
+  start();
+  run(kSilence);
+  EXPECT_FALSE(chain.status().is_stopped);
+  run(2 * kEnableHalfPeriod + SafetyBench::kStep);
+  EXPECT_EQ(chain.status().trouble, ChainTrouble::OutputStuck);
+  EXPECT_EQ(chain.status().cause, ChainTrouble::OutputStuck);
+  EXPECT_FALSE(chain.status().is_enable_beating);
+  run(milliseconds(1000));
+  EXPECT_FALSE(chain.reset()) << "as long as it takes nothing";
+  take();
+  run(2 * kEnableHalfPeriod);
+  EXPECT_TRUE(chain.reset());
+}
+
+TEST_F(SafetyChainOnMailboxes, BeatsThatAreTakenLateAreNoStop) {
+  start();
+  std::optional<bus::GpioWish> wish;
+  for (int i = 0; i < 400; ++i) {
+    step();
+    if (i % 5 != 0) continue;  // a chip that is busy for 25 ms with each
+    if (wish) mail.written(*wish);
+    wish = mail.wanted();
     ASSERT_FALSE(chain.status().is_stopped) << i;
   }
 }
