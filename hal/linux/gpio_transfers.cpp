@@ -203,9 +203,12 @@ void GpioTransfers::write_outputs() noexcept {
   if (!wish) return;
   for (std::size_t i = 0; i < outputs_.size(); ++i) {
     const std::uint32_t bit = 1U << i;
-    if (((wish->high ^ written_) & bit) == 0) continue;
-    if (!write(outputs_[i], (wish->high & bit) != 0)) return note(errno);
-    written_ ^= bit;
+    const bool is_high = (wish->high & bit) != 0;
+    if ((((wish->high ^ written_) | unsure_) & bit) == 0) continue;
+    unsure_ |= bit;
+    if (!write(outputs_[i], is_high)) return note(errno);
+    unsure_ &= ~bit;
+    written_ = is_high ? written_ | bit : written_ & ~bit;
   }
   mail_->written(*wish);
 }

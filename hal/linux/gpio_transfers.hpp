@@ -23,8 +23,8 @@ namespace thimble::linux {
 // as one that repeats the level before it, too (GpioMailboxes counts so), or as a level that the
 // chip tells otherwise. A chip that is pulled out
 // wakes nobody (Linux 6.1, gpiolib-cdev.c): asking for the levels finds out. A level that the chip
-// did not take is told to nobody either: each is followed by a question, and written again until
-// that has an answer.
+// did not take is told to nobody either: each is followed by a question, and until that has an
+// answer the output is written again, whatever level it shall have by then.
 //
 // Thread: one at a time. Not RT: behind USB or I2C each call is a transfer that may last seconds.
 // Ownership: the mailboxes and the clock must outlive it. Outputs go low before it closes.
@@ -65,6 +65,7 @@ class GpioTransfers {
   std::vector<gpiod_line*> inputs_;
   std::vector<gpiod_line*> outputs_;
   std::uint32_t written_{0};
+  std::uint32_t unsure_{0};  // outputs of which nobody knows whether the chip took the last level
   MonotonicTime next_read_{};
   BurstPause pause_;
 };

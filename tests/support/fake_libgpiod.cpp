@@ -20,6 +20,7 @@ struct FakeGpioChip::Line {
   std::string name;
   bool is_high{false};
   bool is_output{false};
+  bool is_failing{false};
   int flags{0};
   std::deque<bool> events;
   std::array<int, 2> pipe{-1, -1};  // a byte for each event; empty: not requested for events
@@ -95,6 +96,9 @@ struct FakeLibgpiod {
   static bool is_dead(const gpiod_line& line) {
     return line.chip->generation != line.chip->fake->generation_;
   }
+  static bool fails(const gpiod_line& line) {
+    return line.chip->fake->is_failing_ || state_of(line).is_failing;
+  }
   static gpiod_line* line(gpiod_chip* chip, std::size_t offset) {
     if (offset >= chip->fake->lines_.size()) {
       errno = EINVAL;
@@ -138,13 +142,13 @@ struct FakeLibgpiod {
   int get(gpiod_line& line) {
     const std::lock_guard guard(lock);
     if (is_dead(line)) return refuse(ENODEV);
-    if (line.chip->fake->is_failing_) return refuse(EIO);
+    if (fails(line) || line.chip->fake->is_failing_questions_) return refuse(EIO);
     return state_of(line).is_high ? 1 : 0;
   }
   int set(gpiod_line& line, bool is_high) {
     const std::lock_guard guard(lock);
     if (is_dead(line)) return refuse(ENODEV);
-    if (!line.chip->fake->is_failing_) state_of(line).is_high = is_high;
+    if (!fails(line)) state_of(line).is_high = is_high;
     return 0;
   }
 };
@@ -213,6 +217,16 @@ void FakeGpioChip::end_request(std::size_t line) {
 void FakeGpioChip::fail_transfers(bool is_failing) {
   const std::lock_guard guard(FakeLibgpiod::instance().lock);
   is_failing_ = is_failing;
+}
+
+void FakeGpioChip::fail_line(std::size_t line, bool is_failing) {
+  const std::lock_guard guard(FakeLibgpiod::instance().lock);
+  lines_.at(line).is_failing = is_failing;
+}
+
+void FakeGpioChip::fail_questions(bool is_failing) {
+  const std::lock_guard guard(FakeLibgpiod::instance().lock);
+  is_failing_questions_ = is_failing;
 }
 
 void FakeGpioChip::forbid(bool is_forbidden) {

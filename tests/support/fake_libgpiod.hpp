@@ -36,6 +36,10 @@ class FakeGpioChip {
   void end_request(std::size_t line);
   // Every transfer fails; of a level that is set nobody is told so.
   void fail_transfers(bool is_failing);
+  // The same of all that concerns this line.
+  void fail_line(std::size_t line, bool is_failing);
+  // A level that is set is taken; who asks for one has no answer.
+  void fail_questions(bool is_failing);
   // Nobody may open it, or anybody again.
   void forbid(bool is_forbidden);
   // Somebody else has that line; an empty name: the kernel.
@@ -59,6 +63,7 @@ class FakeGpioChip {
   int edges_to_lose_{0};
   bool is_plugged_{true};
   bool is_failing_{false};
+  bool is_failing_questions_{false};
   bool is_forbidden_{false};
 };
 
