@@ -201,15 +201,20 @@ void GpioTransfers::read_levels() noexcept {
 void GpioTransfers::write_outputs() noexcept {
   const std::optional<bus::GpioWish> wish = mail_->wanted();
   if (!wish) return;
+  int code = 0;
   for (std::size_t i = 0; i < outputs_.size(); ++i) {
     const std::uint32_t bit = 1U << i;
     const bool is_high = (wish->high & bit) != 0;
     if ((((wish->high ^ written_) | unsure_) & bit) == 0) continue;
     unsure_ |= bit;
-    if (!write(outputs_[i], is_high)) return note(errno);
+    if (!write(outputs_[i], is_high)) {
+      code = errno;
+      continue;  // a refused one must not keep the others waiting
+    }
     unsure_ &= ~bit;
     written_ = is_high ? written_ | bit : written_ & ~bit;
   }
+  if (code != 0) return note(code);
   mail_->written(*wish);
 }
 

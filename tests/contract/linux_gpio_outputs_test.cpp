@@ -55,5 +55,19 @@ TEST_F(GpioOutputsTest, TheOneOfTwoThatWasTakenIsUndoneWithTheOther) {
   EXPECT_EQ(mail.set(1, false), IoStatus::Ok);
 }
 
+TEST_F(GpioOutputsTest, ARefusedOutputKeepsNoOtherWaiting) {
+  chip.fail_line(4, true);
+  mail.set(0, true);
+  mail.set(1, true);
+  settle();
+  EXPECT_FALSE(chip.wire(4));
+  EXPECT_TRUE(chip.wire(5));
+  EXPECT_EQ(mail.set(1, true), IoStatus::Backlogged) << "not all is taken";
+  chip.fail_line(4, false);
+  settle();
+  EXPECT_TRUE(chip.wire(4));
+  EXPECT_EQ(mail.set(1, true), IoStatus::Ok);
+}
+
 }  // namespace
 }  // namespace thimble::test
