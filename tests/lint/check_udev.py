@@ -17,9 +17,10 @@ PUCKS = {("046d", product) for product in
          "c603 c605 c606 c621 c623 c625 c626 c627 c628 c629 c62b c640".split()} | {
     ("256f", product) for product in "c62e c62f c631 c632 c633 c635 c636 c638 c63a c652".split()}
 # Rights come first of all files: of several ":=" the first counts. Tags are taken away just before 73-seat-late.rules
-# acts on them.
+# acts on them. Attributes are written at once: the last file has the last word.
 RIGHTS_FILE = "0-thimble.rules"
 TAGS_FILE = "73-seat-ignores-thimble.rules"
+AWAKE_FILE = "99-zz-thimble-awake.rules"
 _TOKEN = re.compile(r'\s*([A-Z]+)(\{[^}"]+\})?\s*(==|!=|\+=|-=|:=|=)\s*"([^"]*)"\s*(,|$)')
 _MATCH_KEYS = {"ACTION", "SUBSYSTEM", "SUBSYSTEMS", "KERNEL", "KERNELS", "ENV", "ATTR", "ATTRS", "TAG"}
 _SET_KEYS = {"OWNER", "GROUP", "MODE", "TAG", "ENV", "ATTR", "GOTO", "LABEL"}
@@ -63,6 +64,13 @@ class Rule:
     def gives_rights(self):
         return bool(self.sets("MODE") or self.sets("GROUP") or self.sets("OWNER"))
 
+    def is_way(self):
+        """To the end of its file, or that end."""
+        return bool(self.sets("GOTO") or self.sets("LABEL"))
+
+    def is_awake(self):
+        return self.values("ATTR", ("=",), "power/control") == ["on"]
+
     def parent(self):
         """The kind of the parent that has the id: usb, hid."""
         return "".join(self.matches("SUBSYSTEMS") or self.matches("SUBSYSTEM"))
@@ -96,6 +104,17 @@ def check_force_rule(rule):
     return ""
 
 
+def check_awake_rule(rule, name):
+    """What is wrong with a rule that sets attributes, or that stands where only such ones do."""
+    if name != AWAKE_FILE:
+        return f"attributes belong in {AWAKE_FILE}: a later file of another's would undo them"
+    if not rule.is_awake() or rule.gives_rights() or rule.sets("TAG"):
+        return 'needs ATTR{power/control}="on", and nothing else'
+    if rule.matches("SUBSYSTEM") != ["usb"] or rule.matches("ENV", "DEVTYPE") != ["usb_device"]:
+        return 'needs SUBSYSTEM=="usb", ENV{DEVTYPE}=="usb_device": what is suspended is the device'
+    return "" if rule.ids() else "needs one whole id: a vendor's other devices may sleep"
+
+
 def check_rule(rule, name):
     """What is wrong with a rule of the file of that name."""
     if rule.rest:
@@ -106,6 +125,8 @@ def check_rule(rule, name):
     for mode in rule.sets("MODE"):
         if not re.fullmatch(r"0[0-7][0-7]0", mode):
             return f"mode {mode}: others must have no right"
+    if rule.sets("ATTR") or name == AWAKE_FILE and not rule.is_way():
+        return check_awake_rule(rule, name)
     if not rule.gives_rights() and not rule.sets("TAG"):
         return ""
     if rule.matches("KERNEL") and set(rule.matches("KERNEL")) <= NO_ID:
@@ -145,7 +166,7 @@ class Covered:
             self.closed.update({key: place for key in keys})
         if rule.values("TAG", ("=",)):
             self.untagged.update(keys)
-        if rule.values("ATTR", ("=",), "power/control") == ["on"]:
+        if rule.is_awake():
             self.awake.update(keys)
             self.awake_pucks.update(pucks)
         if rule.values("ENV", ("=",), "ID_MM_DEVICE_IGNORE") == ["1"]:
@@ -157,21 +178,23 @@ class Covered:
             if key not in self.untagged:
                 breaches.append(f"{place}: {words} is not in {TAGS_FILE}: another's rule may give it to whoever sits there (uaccess)")
             if key[0] == "usb" and key not in self.awake:
-                breaches.append(f'{place}: {words} needs ATTR{{power/control}}="on": a suspended arm answers late')
+                breaches.append(f'{place}: {words} needs ATTR{{power/control}}="on" in {AWAKE_FILE}: a suspended arm answers late')
             if key[0] == "usb" and key[1:] in ACM and key not in self.unprobed:
                 breaches.append(f'{place}: {words} needs ENV{{ID_MM_DEVICE_IGNORE}}="1": ModemManager writes to ports it does not know')
         for pair, place in sorted(self.pucks.items()):
             if pair not in self.awake_pucks:
-                breaches.append(f'{place}: usb {" ".join(pair)} needs ATTR{{power/control}}="on": a suspended puck loses the first touch')
+                breaches.append(f'{place}: usb {" ".join(pair)} needs ATTR{{power/control}}="on" in {AWAKE_FILE}: a suspended puck loses the first touch')
         for key in sorted(self.untagged - set(self.closed)):
             breaches.append(f"{FOLDER}{TAGS_FILE}: {' '.join(key)} has no rights in {RIGHTS_FILE}")
+        for pair in sorted({key[1:] for key in self.awake - set(self.closed)} | self.awake_pucks - set(self.pucks)):
+            breaches.append(f"{FOLDER}{AWAKE_FILE}: {' '.join(pair)} has no rights in {RIGHTS_FILE}")
 
 
 def check_file(path, text, covered, breaches):
     name = pathlib.PurePosixPath(path).name
-    if name not in (RIGHTS_FILE, TAGS_FILE):
+    if name not in (RIGHTS_FILE, TAGS_FILE, AWAKE_FILE):
         breaches.append(f"{path}: would sort wrongly: {RIGHTS_FILE} comes before whatever others bring, {TAGS_FILE} just before "
-                        "73-seat-late.rules")
+                        f"73-seat-late.rules, {AWAKE_FILE} behind all")
         return
     for number, line in enumerate(text.splitlines(), 1):
         if not line.strip() or line.startswith("#"):
@@ -274,7 +297,7 @@ def check(root):
     closed = {key[1:] for key in covered.closed}
     for pair, path in sorted(driver_ids(root, paths).items()):
         if pair not in closed and pair not in covered.pucks:
-            breaches.append(f"{path}: {':'.join(pair)} has no rule; add it to both files of {FOLDER}")
+            breaches.append(f"{path}: {':'.join(pair)} has no rule; add it to all files of {FOLDER}")
     return breaches
 
 

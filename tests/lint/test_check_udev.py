@@ -23,15 +23,16 @@ PORT = f'{usb("16c0", "0483")}, {RIGHTS}, ENV{{ID_MM_DEVICE_IGNORE}}="1"'
 class CheckUdev(PlantedTreeTest):
     def setUp(self):
         super().setUp()
-        self.rights = ['ACTION=="remove", GOTO="end"', FALCON, awake("0403", "cb48"), f"{ARM}, {RIGHTS}", PUCK, PORT,
-                       awake("16c0", "0483"), awake("256f", "c635|c636"),
+        self.rights = ['ACTION=="remove", GOTO="end"', FALCON, f"{ARM}, {RIGHTS}", PUCK, PORT,
                        'SUBSYSTEM=="misc", KERNEL=="cpu_dma_latency", GROUP="thimble", MODE="0660"', 'LABEL="end"']
+        self.awake = ['ACTION=="remove", GOTO="end"', awake("0403", "cb48"), awake("16c0", "0483"), awake("256f", "c635|c636"), 'LABEL="end"']
         self.hwdb = "# words\n\nusb:v0403pCB48*\nusb:v16C0p0483*\nusb:v256FpC635*\nusb:v256FpC636*\n ID_AUTOSUSPEND=0\n"
         self.tags = [f'{match}, TAG="systemd"' for match in (usb("0403", "cb48"), usb("16c0", "0483"), ARM)]
 
     def breaches(self):
         self.plant("udev/0-thimble.rules", "\n".join(self.rights) + "\n")
         self.plant("udev/73-seat-ignores-thimble.rules", "# words\n\n" + "\n".join(self.tags) + "\n")
+        self.plant("udev/99-zz-thimble-awake.rules", "\n".join(self.awake) + "\n")
         self.plant("udev/61-thimble.hwdb", self.hwdb)
         return check_udev.check(self.root)
 
@@ -47,13 +48,13 @@ class CheckUdev(PlantedTreeTest):
         self.assertEqual(self.breaches(), [])
 
     def test_accepts_the_rules_of_this_tree(self):
-        for path in ("udev/0-thimble.rules", "udev/73-seat-ignores-thimble.rules", "udev/61-thimble.hwdb", "drivers/phantom/phantom_wire.hpp",
-                     "drivers/spacemouse/spacemouse_models.toml"):
+        for path in ("udev/0-thimble.rules", "udev/73-seat-ignores-thimble.rules", "udev/99-zz-thimble-awake.rules", "udev/61-thimble.hwdb",
+                     "drivers/phantom/phantom_wire.hpp", "drivers/spacemouse/spacemouse_models.toml"):
             self.plant_copy(path)
         self.assertEqual(check_udev.check(self.root), [])
 
     def test_refuses_rights_for_others(self):
-        self.assert_refused(f"{ARM}, {RIGHTS}", f"{ARM}, {RIGHTS}".replace("0660", "0666"), "0-thimble.rules:4", "0666")
+        self.assert_refused(f"{ARM}, {RIGHTS}", f"{ARM}, {RIGHTS}".replace("0660", "0666"), "0-thimble.rules:3", "0666")
         self.assert_refused(PUCK, PUCK.replace("0660", "0664"), "0664")
 
     def test_refuses_a_vendor_id_alone(self):
@@ -95,10 +96,34 @@ class CheckUdev(PlantedTreeTest):
         self.assert_refused("256F:C636", "1234:0006", "puck")
 
     def test_refuses_an_arm_that_may_be_suspended(self):
-        self.assert_refused('ATTR{idProduct}=="cb48", ATTR{power/control}="on"', 'ATTR{idProduct}=="cb48"', "suspended")
+        self.awake.remove(awake("0403", "cb48"))
+        self.assert_one_breach(self.breaches(), "usb 0403 cb48", "99-zz-thimble-awake.rules", "suspended")
 
     def test_refuses_a_puck_that_may_be_suspended(self):
-        self.assert_refused("c635|c636", "c635", "256f c636", "suspended")
+        self.awake[3] = awake("256f", "c635")
+        self.assert_one_breach(self.breaches(), "256f c636", "99-zz-thimble-awake.rules", "suspended")
+
+    def test_refuses_an_awake_device_where_a_later_file_could_undo_it(self):
+        self.rights.insert(2, self.awake.pop(1))
+        self.assert_one_breach(self.breaches(), "0-thimble.rules:3", "99-zz-thimble-awake.rules", "undo")
+
+    def test_refuses_a_rule_that_keeps_another_thing_awake_or_does_something_else(self):
+        kept = list(self.awake)
+        for old, new, words in (('="on"', '="auto"', "power/control"), (', ATTR{power/control}="on"', "", "power/control"),
+                                ('ATTR{power/control}="on"', 'ATTR{power/control}="on", MODE="0660"', "nothing else"),
+                                ('SUBSYSTEM=="usb", ', "", "the device"), ('"usb_device"', '"usb_interface"', "the device"),
+                                (', ATTR{idProduct}=="cb48"', "", "whole id")):
+            with self.subTest(new):
+                self.awake[1] = kept[1].replace(old, new)
+                self.assertNotEqual(self.awake, kept)
+                self.assert_one_breach(self.breaches(), "99-zz-thimble-awake.rules:2", words)
+
+    def test_refuses_to_keep_awake_what_has_no_rights(self):
+        for vendor, product in (("10c4", "ea90"), ("256f", "c633")):
+            with self.subTest(vendor):
+                self.awake.insert(1, awake(vendor, product))
+                self.assert_one_breach(self.breaches(), "99-zz-thimble-awake.rules", f"{vendor} {product}", "no rights")
+                self.awake.pop(1)
 
     def test_refuses_an_arm_that_anothers_hwdb_may_let_sleep(self):
         all_four = ("0403:cb48", "16c0:0483", "256f:c635", "256f:c636")
@@ -137,7 +162,7 @@ class CheckUdev(PlantedTreeTest):
         self.assert_one_breach(self.breaches(), "73-seat-ignores-thimble.rules:6", "rights belong")
 
     def test_refuses_a_file_that_sorts_wrongly(self):
-        for name in ("70-thimble.rules", "72-thimble.rules", "73-thimble.rules", "99-thimble.rules", "thimble.rules"):
+        for name in ("70-thimble.rules", "72-thimble.rules", "73-thimble.rules", "99-thimble.rules", "99-thimble-awake.rules", "thimble.rules"):
             with self.subTest(name):
                 self.plant(f"udev/{name}", FALCON)
                 self.assert_one_breach(self.breaches(), name, "sort")
