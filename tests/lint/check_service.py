@@ -37,6 +37,8 @@ _DAEMON_NEEDS = dict(NODES.values()) | {
     "Type=notify": "systemd must wait for READY",
     "NotifyAccess=main": "nobody else may feed the watchdog",
     "User=thimble": "not root, and not a user that others share",
+    "Restart=on-failure": "a daemon that ended by itself must come back",
+    "RestartPreventExitStatus=2": "a configuration that is wrong would be wrong again",
     "DevicePolicy=closed": "no device but those named",
     "Wants=modprobe@hid.service modprobe@usbcore.service modprobe@cdc_acm.service": "DeviceAllow= knows only classes that are there at the start",
     "After=modprobe@hid.service modprobe@usbcore.service modprobe@cdc_acm.service": "DeviceAllow= knows only classes that are there at the start",

@@ -86,6 +86,11 @@ class CheckService(PlantedTreeTest):
                 self.assert_one_breach(self.breaches_with(line + "\n", ""), key)
                 self.assert_one_breach(self.breaches_with(line + "\n", f"{key}=infinity\n"), key)
 
+    def test_refuses_a_service_that_stays_away_or_comes_back_to_a_wrong_configuration(self):
+        self.assert_one_breach(self.breaches_with("Restart=on-failure\n", ""), "needs Restart=on-failure", "come back")
+        self.assert_one_breach(self.breaches_with("Restart=on-failure\n", "Restart=on-abort\n"), "needs Restart=on-failure")
+        self.assert_one_breach(self.breaches_with("RestartPreventExitStatus=2\n", ""), "needs RestartPreventExitStatus=2", "wrong again")
+
     def test_refuses_other_hosts_as_shipped(self):
         breaches = self.breaches_with("[Install]", "IPAddressAllow=192.0.2.0/24\n[Install]")
         self.assertTrue(any("other hosts" in breach for breach in breaches), breaches)
