@@ -120,10 +120,10 @@ class TextArm(Arm):
 
 
 class Puck(Arm):
-    """A SpaceMouse; `node`: its hidraw node."""
+    """One of 3Dconnexion; `node`: its hidraw node."""
 
-    def __init__(self, guest):
-        super().__init__(guest, "puck", *WAYS["usb"], "--serial", SERIAL, "spacemouse")
+    def __init__(self, guest, model="spacemouse"):
+        super().__init__(guest, "puck", *WAYS["usb"], "--serial", SERIAL, model)
         self.plug()
         address = guest.wait_for("thimble devices | grep -o 'hid:[^ ]*'").split()[0]
         self.words = f'device = "{address}"'

@@ -1,4 +1,6 @@
-"""A puck on the kernel's HID stack, whose reports are numbered: claimed through hidraw, it moves a point, walls hold the point back, and nothing is sent to it."""
+"""A puck on the kernel's HID stack, whose reports are numbered, of both layouts: claimed through hidraw, it moves a point, walls hold the point back, and nothing
+is sent to it.
+"""
 
 import json
 
@@ -11,11 +13,13 @@ class Puck(guest.GuestTest):
     """Numbered: each test goes on where the one before it ended."""
 
     pace = guest.COUNTED
+    model = "spacemouse"
+    reports = {(1, 13)}  # number, and length with it: all six axes
 
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.puck = arms.Puck(cls.guest)
+        cls.puck = arms.Puck(cls.guest, cls.model)
 
     def arm(self):
         return json.loads(self.guest.run("thimble status --json"))["arms"][0]
@@ -31,6 +35,8 @@ class Puck(guest.GuestTest):
         arm = self.arm()
         self.assertTrue(arm["is_in_contact"])
         self.assertGreater(arm["position_m"][0], 0.01)
+        said = [bytes.fromhex(entry["in"]) for entry in self.puck.log(0.5) if "in" in entry]
+        self.assertEqual({(report[0], len(report)) for report in said}, self.reports)
 
     def test_3_let_go_the_point_rests_and_silence_is_no_fault(self):
         self.puck.say("push 0 0 0")
@@ -44,3 +50,8 @@ class Puck(guest.GuestTest):
         counters = self.puck.status()["counters"]
         self.assertGreater(counters["to_host"], 10)
         self.assertEqual(counters["from_host"], 0)
+
+
+class SeparateLayout(Puck):
+    model = "spacenavigator"
+    reports = {(1, 7), (2, 7)}  # translation, rotation
