@@ -7,6 +7,7 @@
 
 #include "daemon/world/cell.hpp"
 #include "daemon/world/cell_lattice.hpp"
+#include "daemon/world/hand_action.hpp"
 #include "daemon/world/near_cells.hpp"
 #include "daemon/world/occupancy_block.hpp"
 #include "hal/base/geometry.hpp"
@@ -69,6 +70,8 @@ struct WaveSums {
 // How often each of the first eight buttons was pressed, modulo 256, counted from any number: a
 // press is in every later sample, too, so that none is lost with one.
 using PressCounts = std::array<std::uint8_t, 8>;
+// Likewise how often each world::HandAction was asked.
+using ActionCounts = std::array<std::uint8_t, world::kHandActions>;
 
 // Arm side to world side, once per report of the arm. World frame: q = p + o, the hand's position p
 // in the arm's base frame displaced by the coordinate offset o.
@@ -97,6 +100,8 @@ struct HandSample {
   bool has_ghost{false};
   bool has_presses{false};  // a button was pressed since the servo began; `presses` else zeros
   PressCounts presses{};
+  bool has_actions{false};  // one was asked since the servo began; `actions` else zeros
+  ActionCounts actions{};
   // Only of CompositeArm: of the answers before applied_reply, which were in force, too: that of
   // number applied_reply − 1 − i where bit i is set.
   std::uint64_t applied_before{0};

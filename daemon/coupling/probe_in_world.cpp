@@ -11,9 +11,18 @@ Result<void> ProbeInWorld::open(const HandSample& first) {
   const Result<world::ProbeId> probe = world_.add_probe(first.hand);
   if (!probe) return tl::unexpected<Error>(probe.error());
   probe_ = *probe;
+  newest_ = first.sequence;
   buttons_ = first.buttons;
   told_ = first.presses;
+  asked_ = first.actions;
   return {};
+}
+
+void ProbeInWorld::hear(const HandSample& sample) noexcept {
+  if (sample.sequence < newest_) return;  // its counts are older: the way on from there is 255 long
+  newest_ = sample.sequence;
+  press(sample);
+  ask(sample);
 }
 
 void ProbeInWorld::press(const HandSample& sample) noexcept {
@@ -30,6 +39,14 @@ void ProbeInWorld::press(const HandSample& sample) noexcept {
     }
     if (round > 0 && pressed == 0) return;
     world_.press(*probe_, std::exchange(pressed, 0));
+  }
+}
+
+void ProbeInWorld::ask(const HandSample& sample) noexcept {
+  if (!sample.has_actions) return;
+  for (std::size_t i = 0; i < asked_.size(); ++i) {
+    if (asked_[i] == sample.actions[i]) continue;
+    if (world_.act(*probe_, static_cast<world::HandAction>(i))) ++asked_[i];
   }
 }
 

@@ -9,7 +9,8 @@
 
 namespace thimble::coupling {
 
-// The probe of one hand in a world, and the buttons that its person presses there.
+// The probe of one hand in a world, the buttons that its person presses there, and what else is
+// asked by it.
 //
 // Thread: the world's. Not RT; touch() neither allocates nor blocks where move_probe() does not.
 // Ownership: the world must outlive it; the destructor closes.
@@ -28,18 +29,24 @@ class ProbeInWorld {
   // Only while open: tells the world the buttons that were pressed since the sample before, each as
   // often as it was, also in samples that never came; by their counts where the sample has them,
   // else by what is pressed now and was not before. More than kMostPresses of one wait for the
-  // samples that follow.
+  // samples that follow. Of the actions that were asked likewise one of each at most; what the
+  // world does not take it is asked again. A sample that a later one has overtaken says nothing.
   static constexpr int kMostPresses = 4;  // ours: of a person in a third of a second
-  void press(const HandSample& sample) noexcept;
+  void hear(const HandSample& sample) noexcept;
   // Only while open: moves the probe towards `at`; `dt` >= 0 since the call before.
   [[nodiscard]] world::ProbeMotion move(Position3 at, Duration dt) noexcept;
   void close() noexcept;
 
  private:
+  void press(const HandSample& sample) noexcept;
+  void ask(const HandSample& sample) noexcept;
+
   world::World& world_;
   std::optional<world::ProbeId> probe_{};
+  std::uint64_t newest_{0};   // sequence of the newest sample heard
   std::uint32_t buttons_{0};  // of the sample before
   PressCounts told_{};        // presses that the world knows
+  ActionCounts asked_{};      // what it has taken
 };
 
 }  // namespace thimble::coupling

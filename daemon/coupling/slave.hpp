@@ -39,7 +39,7 @@ class Slave {
   [[nodiscard]] Result<void> open(const HandSample& first);
   [[nodiscard]] bool is_open() const noexcept { return probe_.is_open(); }
   void close() noexcept { probe_.close(); }
-  void press(const HandSample& sample) noexcept { probe_.press(sample); }
+  void hear(const HandSample& sample) noexcept { probe_.hear(sample); }
 
   // Lets `dt` pass. `pull(at, velocity, step)` is asked for the controller's force, N, before each
   // step of that many seconds. False when the world could not say what is there: time stood still

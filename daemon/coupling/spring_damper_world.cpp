@@ -19,7 +19,7 @@ ConstraintSet SpringDamperWorld::answer(const HandSample& sample, Duration dt) n
       dt, [this](Position3 at, Velocity3 velocity, double /*s*/) { return pull(at, velocity); });
   if (!is_finite(sample.hand) || !is_finite(sample.velocity)) return last_;
   if (sample.sequence <= goal_.sequence) return last_;
-  slave_.press(sample);
+  slave_.hear(sample);
   goal_ = sample;
   goal_.tool = sound_tool(sample.tool, kHardestController);
   if (!can_see) return last_;

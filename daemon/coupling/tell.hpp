@@ -37,15 +37,15 @@ inline void tell(const world::ProbeMotion& motion, const HandSample& sample,
   set.has_pressure = motion.has_pressure;
 }
 
-// Moves a probe that is open after the hand of `sample`, tells the world its buttons, and makes
-// `set` the next reply, ghost included. Nothing, and `set` as it was: the hand is nowhere, or the
-// world cannot say; to the arm it then looks silent.
+// Moves a probe that is open after the hand of `sample`, tells the world its buttons and actions,
+// and makes `set` the next reply, ghost included. Nothing, and `set` as it was: the hand is
+// nowhere, or the world cannot say; to the arm it then looks silent.
 // Thread: the world's thread. Errors: none.
 inline std::optional<world::ProbeMotion> follow_and_tell(ProbeInWorld& probe,
                                                          const HandSample& sample, Duration dt,
                                                          ConstraintSet& set) noexcept {
   if (!is_finite(sample.hand)) return std::nullopt;
-  probe.press(sample);
+  probe.hear(sample);
   const world::ProbeMotion motion = probe.move(sample.hand, dt);
   if (motion.is_silent) return std::nullopt;
   tell(motion, sample, set);

@@ -45,7 +45,7 @@ ConstraintSet WaveWorld::answer(const HandSample& sample, Duration dt) noexcept 
   if (!is_finite(sample.hand) || !are_sound_waves(sample)) return last_;
   if (sample.sequence <= newest_) return last_;
   newest_ = sample.sequence;
-  slave_.press(sample);
+  slave_.hear(sample);
   b_newton_s_per_m_ = impedance_of(sample);
   from_arm_.deliver(sample.waves);
   hand_ = sample.hand;

@@ -8,6 +8,7 @@
 
 #include "daemon/world/block_scene.hpp"
 #include "daemon/world/cell.hpp"
+#include "daemon/world/hand_action.hpp"
 #include "daemon/world/sphere_scene.hpp"
 #include "hal/base/geometry.hpp"
 #include "hal/base/result.hpp"
@@ -122,6 +123,12 @@ class World {
   virtual void remove_probe(ProbeId probe) noexcept = 0;
   // Buttons that were just pressed, by their bits. Most worlds have nothing to do with them.
   virtual void press(ProbeId /*probe*/, std::uint32_t /*buttons*/) noexcept {}
+  // Whether there is something here that act() does: who asks elsewhere is to be told so.
+  [[nodiscard]] virtual bool has_actions() const noexcept { return false; }
+  // False: not taken, since there is no such action here, no such probe, or no room for it now.
+  [[nodiscard]] virtual bool act(ProbeId /*probe*/, HandAction /*action*/) noexcept {
+    return false;
+  }
   // Moves the ghost towards the hand as far as the world lets it; `dt` > 0 bounds push-out.
   // A hand that is not finite leaves the ghost where it is. An unknown probe: planes empty,
   // ghost at the hand.

@@ -78,6 +78,12 @@ void PieceWorld::press(ProbeId probe, std::uint32_t buttons) noexcept {
   if ((buttons & kDelete) != 0) static_cast<void>(enqueue(PieceAction::Delete));
 }
 
+bool PieceWorld::act(ProbeId probe, HandAction action) noexcept {
+  if (probe_ != probe) return false;
+  const bool is_reset = action == HandAction::Reset;
+  return enqueue(is_reset ? PieceAction::Reset : PieceAction::ToggleFree).has_value();
+}
+
 Result<std::uint64_t> PieceWorld::submit(PieceAction action) { return enqueue(action); }
 
 Result<std::uint64_t> PieceWorld::enqueue(std::optional<PieceAction> action) {

@@ -70,6 +70,9 @@ class PieceWorld final : public World {
   // it. What does not fit into the queue is as if it had not been pressed, and so is what is
   // pressed while the board has failed.
   void press(ProbeId probe, std::uint32_t buttons) noexcept override;
+  [[nodiscard]] bool has_actions() const noexcept override { return true; }
+  // As submit(). What is asked while the board has failed is taken, and is not done.
+  [[nodiscard]] bool act(ProbeId probe, HandAction action) noexcept override;
   ProbeMotion move_probe(ProbeId probe, Position3 hand, Duration dt) noexcept override;
 
   // To be done in their order. The number, from 1. Errors: Busy while kMaxWaiting wait.

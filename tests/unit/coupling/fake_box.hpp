@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -22,6 +24,12 @@ class FakeBox final : public world::World {
   void remove_probe(world::ProbeId /*probe*/) noexcept override { --probes; }
   void press(world::ProbeId /*probe*/, std::uint32_t buttons) noexcept override {
     presses.push_back(buttons);
+  }
+  [[nodiscard]] bool has_actions() const noexcept override { return true; }
+  [[nodiscard]] bool act(world::ProbeId /*probe*/, world::HandAction action) noexcept override {
+    if (!has_room) return false;
+    ++asked.at(static_cast<std::size_t>(action));
+    return true;
   }
   world::ProbeMotion move_probe(world::ProbeId /*probe*/, Position3 hand,
                                 Duration dt) noexcept override {
@@ -47,6 +55,8 @@ class FakeBox final : public world::World {
   bool is_embedded{false};
   bool is_silent{false};
   std::vector<std::uint32_t> presses;
+  bool has_room{true};  // for what is asked
+  std::array<unsigned, world::kHandActions> asked{};
   Stiffness stiffness{-1};
   Damping damping{-1};
   std::optional<Force3> pressure{};

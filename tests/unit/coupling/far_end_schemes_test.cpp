@@ -301,5 +301,22 @@ TEST(FarEndSchemes, PressesButtonsInTheWorldOnce) {
   }
 }
 
+TEST(FarEndSchemes, AskOfTheWorldWhatIsAskedByTheHand) {
+  for (const FarEndScheme& scheme : far_end_schemes()) {
+    SCOPED_TRACE(scheme.name);
+    FakeBox box(kHalf_m);
+    const auto world = scheme.make_world(box, 1);
+    HandSample sample;
+    ASSERT_TRUE(world->open(sample));
+    sample.has_actions = true;
+    for (const int count : {0, 1, 1, 2}) {
+      ++sample.sequence;
+      sample.actions = {static_cast<std::uint8_t>(count), 0};
+      (void)world->answer(sample, milliseconds(1));
+    }
+    EXPECT_EQ(box.asked, (std::array<unsigned, world::kHandActions>{2, 0}));
+  }
+}
+
 }  // namespace
 }  // namespace thimble::coupling

@@ -149,6 +149,29 @@ TEST_F(PieceWorldTest, AButtonSelectsWhatIsPressedAndDropsIt) {
   EXPECT_EQ(finished[0].outcome, PieceOutcome::NothingHeld);
 }
 
+TEST_F(PieceWorldTest, TheHandThatIsThereAsksForFreeMotionAndAReset) {
+  hold(at(16, 16));
+  EXPECT_TRUE(world_->has_actions());
+  EXPECT_TRUE(world_->act(probe_, HandAction::ToggleFree));
+  EXPECT_FALSE(world_->act({99}, HandAction::ToggleFree)) << "nobody else";
+  hold(at(16, 16), milliseconds(50));
+  EXPECT_TRUE(world_->board().state().is_free_motion);
+  EXPECT_EQ(world_->take_finished().size(), 1U);
+  EXPECT_TRUE(world_->act(probe_, HandAction::Reset));
+  hold(at(16, 16), milliseconds(50));
+  const auto finished = world_->take_finished();
+  ASSERT_EQ(finished.size(), 1U);
+  EXPECT_EQ(finished[0].outcome, PieceOutcome::WasReset);
+}
+
+TEST_F(PieceWorldTest, TakesNoMoreOfAHandThanMayWait) {
+  hold(at(16, 16));
+  for (std::size_t i = 0; i < PieceWorld::kMaxWaiting; ++i) {
+    ASSERT_TRUE(world_->act(probe_, HandAction::ToggleFree));
+  }
+  EXPECT_FALSE(world_->act(probe_, HandAction::ToggleFree));
+}
+
 // The space is a torus to the board, and has walls to the hand.
 TEST_F(PieceWorldTest, AHandAtTheWorldsWallSelectsNothingThroughIt) {
   PieceLayout layout(kSpace.cells());
