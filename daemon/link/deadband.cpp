@@ -8,7 +8,8 @@ bool Deadband::may_skip(const coupling::HandSample& sample, MonotonicTime now,
                         Duration answer_after) const noexcept {
   if (position_m_ <= 0 || !last_ || now - last_sent_at_ >= kMaxGap) return false;
   const bool says_more = sample.buttons != last_->buttons || sample.restart != last_->restart ||
-                         sample.tool != last_->tool || sample.presses != last_->presses;
+                         sample.tool != last_->tool || sample.presses != last_->presses ||
+                         sample.actions != last_->actions;
   if (says_more || !(norm(sample.hand - last_->hand) <= position_m_)) return false;
   const double told_m_per_s = norm(last_->velocity);
   const double change_m_per_s = norm(sample.velocity - last_->velocity);

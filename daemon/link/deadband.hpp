@@ -11,8 +11,8 @@ namespace thimble::link {
 // Says which samples of a stream may stay unsent because the other side knows as much without them
 // (Hinterseer and Steinbach, docs/references.md; teleop.md): the hand is within `position_m` of
 // what was sent last, its velocity within kWeber_ratio of that speed, or within kStill_m_per_s.
-// Buttons, presses, a restart and another tool are sent at once, and something each kMaxGap, so
-// that no constraint grows old for it.
+// Buttons, presses, actions, a restart and another tool are sent at once, and something each
+// kMaxGap, so that no constraint grows old for it.
 //
 // It does not trust the network: what was sent last counts only until its answer is overdue. Then
 // the state of the newest sample that was answered is what the other side holds, and a hand that

@@ -3,6 +3,8 @@
 #include <atomic>
 #include <cstdint>
 
+#include "daemon/coupling/action_counter.hpp"
+
 namespace thimble::servo {
 
 // One wish to clear one fault: never taken twice, never for another fault.
@@ -23,6 +25,8 @@ struct ServoControls {
   std::atomic<bool> is_deadman_held{true};
   // Of an arm that needs a guard: it watches. Without one the arm is not driven.
   std::atomic<bool> is_guarded{true};
+  // What is asked of the world in the name of the arm's hand; said while the arm is driven.
+  coupling::ActionCounter actions;
 
   // Asks once that fault number `fault` be cleared; the id with which the servo answers in
   // ServoSnapshot::clear_answered. A newer request takes the place of one not answered yet.

@@ -308,6 +308,7 @@ void ServoLoop::couple(ServoFrame& frame) noexcept {
                                  .link = parts_.link.quality()};
   coupling::ArmOutput out = parts_.coupling.step(input);
   presses_.count(arm_.buttons, out.sample);
+  parts_.controls.actions.count(out.sample);
   felt_.observe(input, out);
   frame.wish = out.force;
   frame.offset = out.offset;

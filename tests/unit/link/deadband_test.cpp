@@ -67,6 +67,21 @@ TEST(DeadbandTest, APressIsToldAtOnceThoughItsButtonIsUpAgain) {
   }
 }
 
+TEST(DeadbandTest, WhatIsAskedOfTheWorldIsToldAtOnce) {
+  const Duration answer = milliseconds(50);
+  for (const std::size_t action : {0U, 1U}) {
+    Deadband sut(kBand_m);
+    coupling::HandSample before = at(0);
+    before.has_actions = true;
+    before.actions[action] = 255;
+    sut.on_sent(before, tick(0));
+    EXPECT_TRUE(sut.may_skip(before, tick(1), answer)) << "that was told";
+    coupling::HandSample asked = before;
+    asked.actions[action] = 0;  // modulo 256
+    EXPECT_FALSE(sut.may_skip(asked, tick(1), answer)) << action;
+  }
+}
+
 TEST(DeadbandTest, ARestingHandIsStillToldNowAndThen) {
   Deadband sut(kBand_m);
   int sent = 0;

@@ -73,6 +73,18 @@ TEST(ServoLoop, CountsEveryPressInTheSamplesThatFollow) {
   }
 }
 
+TEST(ServoLoop, CountsWhatIsAskedOfTheWorldInTheSamplesThatFollow) {
+  DrivenRig rig;
+  EXPECT_FALSE(rig.link.sent.back().has_actions);
+  for (int asked = 1; asked <= 300; ++asked) {
+    rig.controls.actions.ask(world::HandAction::Reset);
+    rig.tick(2);
+    const coupling::HandSample& told = rig.link.sent.back();
+    ASSERT_TRUE(told.has_actions);
+    ASSERT_EQ(told.actions, (coupling::ActionCounts{0, static_cast<std::uint8_t>(asked)}));
+  }
+}
+
 TEST(ServoLoop, RampsDownOnDeactivation) {
   DrivenRig rig;
   rig.controls.want_active = false;
