@@ -9,6 +9,7 @@ namespace thimble::link {
 InProcessLink::InProcessLink(const Settings& settings, coupling::WorldCoupling& world,
                              rt::WakeSignal* wake)
     : is_lock_step_(settings.mode == SendMode::LockStep),
+      hears_actions_(settings.hears_actions),
       mailbox_(wake),
       session_(world),
       gate_(settings.mode),
@@ -149,6 +150,7 @@ LinkStatus InProcessLink::status() const {
   status.peer = "in process";
   status.last_error = session_.last_error();
   status.is_up = accepted_at_.has_value();
+  status.hears_actions = hears_actions_;
   status.round_trip = round_trip_.smoothed();
   status.jitter = round_trip_.deviation();
   status.counters = counters_;

@@ -28,6 +28,7 @@ class InProcessLink {
   struct Settings {
     SendMode mode{SendMode::Streamed};
     ImpairmentSettings impairment{};  // validated by the caller
+    bool hears_actions{false};        // the world does what is asked in the name of a hand
   };
 
   InProcessLink(const Settings& settings, coupling::WorldCoupling& world,
@@ -70,6 +71,7 @@ class InProcessLink {
   [[nodiscard]] std::optional<MonotonicTime> next_due() const;
 
   bool is_lock_step_;
+  bool hears_actions_;
   ArmMailbox mailbox_;
   WorldSession session_;
   SendGate gate_;

@@ -78,6 +78,7 @@ struct LinkStatus {
   std::string scheme{};                 // for which the world made its half; empty: not known
   std::string scheme_reason{};          // why that one; empty: there was nothing to choose
   bool is_up{false};                    // heard from within kSilence
+  bool hears_actions{false};            // of an arm's end: its world has told that it does them
   Duration round_trip{};                // smoothed; 0 until known, and at a world end
   Duration jitter{};                    // mean deviation of the round trip
   std::optional<ClockStatus> clocks{};  // none: the carriage does not tell

@@ -363,6 +363,7 @@ LinkStatus ThimbleArmEnd::status() const {
     const bool is_arm = (world_.capabilities & kBetweenArms) != 0;
     (is_arm ? status.arm : status.world) = world_.world.view();
     status.scheme = half().scheme.view();
+    status.hears_actions = (world_.capabilities & kHearsActions) != 0;
   }
   if (is_open() && settings_.else_half) {
     status.scheme_reason = is_second_choice_ ? "the world does not go with " +

@@ -21,7 +21,8 @@ constexpr std::uint32_t kNeverASampleField = 1U << 7U;
 constexpr std::uint32_t kArmsGhost = 1U << 8U;
 constexpr std::uint32_t kAppliedBefore = 1U << 9U;
 constexpr std::uint32_t kPull = 1U << 10U;
-constexpr std::uint32_t kSampleFields = (1U << 11U) - 1;
+constexpr std::uint32_t kActions = 1U << 11U;
+constexpr std::uint32_t kSampleFields = (1U << 12U) - 1;
 
 constexpr std::uint32_t kPlanes = 1U << 0U;
 constexpr std::uint32_t kGhost = 1U << 1U;
@@ -57,7 +58,7 @@ std::uint32_t mask_of(const ThimbleSample& m) noexcept {
          flag(s.impulse != coupling::Impulse3(), kImpulse) | flag(s.has_presses, kPresses) |
          flag(!(s.energy_joule < 0), kSampleEnergy) | flag(s.epoch != 0, kSampleEpoch) |
          flag(m.sample.has_ghost, kArmsGhost) | flag(m.sample.applied_before != 0, kAppliedBefore) |
-         flag(s.pull != Force3(), kPull);
+         flag(s.pull != Force3(), kPull) | flag(s.has_actions, kActions);
 }
 
 // Zones and maps tell the cell themselves.
@@ -97,8 +98,10 @@ bool carry_sample(Bytes& b, Message& m) noexcept {
   carry_said(b, (mask & kArmsGhost) != 0, s.ghost);
   carry_said(b, (mask & kAppliedBefore) != 0, s.applied_before);
   carry_said(b, (mask & kPull) != 0, s.pull);
+  carry_said(b, (mask & kActions) != 0, s.actions);
   if constexpr (Bytes::kIsReader) {
     s.has_presses = (mask & kPresses) != 0;
+    s.has_actions = (mask & kActions) != 0;
     s.has_ghost = (mask & kArmsGhost) != 0;
     if ((mask & kNeverASampleField) != 0) b.refuse();
   }

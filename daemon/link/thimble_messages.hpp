@@ -62,6 +62,8 @@ using Capabilities = std::uint64_t;
 inline constexpr Capabilities kBetweenArms = 1U << 0U;
 // Of an arm: each of its samples waits for the answer to the one before.
 inline constexpr Capabilities kLockStep = 1U << 1U;
+// Of a world's end: what is asked in the name of a hand (HandSample::actions) is heard and done.
+inline constexpr Capabilities kHearsActions = 1U << 2U;
 
 // What an arm says of its half, so that the world can make the other.
 struct ThimbleHalf {

@@ -93,7 +93,7 @@ Result<void> ArmRig::link_to(WorldHost* world, const config::ArmConfig& arm,
     if (!half) return fail(Errc::Unsupported, "peer: no arm '" + peer + "' is here");
     config::ArmConfig here = arm;
     if (arm.is_listening()) here.impairment.reset();  // of the way to the other host
-    link_ = make_in_process_link(here, std::move(half), parts.wake);
+    link_ = make_in_process_link(here, std::move(half), false, parts.wake);
     return {};
   }
   if (world != nullptr) {
@@ -101,7 +101,8 @@ Result<void> ArmRig::link_to(WorldHost* world, const config::ArmConfig& arm,
     if (!good) return good;
     auto world_half = world->make_world_half(arm.coupling, parts.first_session);
     if (!world_half) return tl::unexpected(world_half.error());
-    link_ = make_in_process_link(arm, *std::move(world_half), parts.wake);
+    link_ =
+        make_in_process_link(arm, *std::move(world_half), world->world().has_actions(), parts.wake);
     return {};
   }
   auto link = link_to_other_host(arm, parts);

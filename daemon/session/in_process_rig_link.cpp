@@ -26,9 +26,10 @@ class InProcessRigLink final : public RigLink {
 
 std::unique_ptr<RigLink> make_in_process_link(const config::ArmConfig& arm,
                                               std::unique_ptr<coupling::WorldCoupling> world_half,
-                                              rt::WakeSignal* wake) {
+                                              bool hears_actions, rt::WakeSignal* wake) {
   link::InProcessLink::Settings settings;
   settings.mode = send_mode(arm);
+  settings.hears_actions = hears_actions;
   settings.impairment = impairment_settings(arm.impairment);
   return std::make_unique<InProcessRigLink>(settings, std::move(world_half), wake);
 }

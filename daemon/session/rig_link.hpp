@@ -29,10 +29,11 @@ class RigLink {
   [[nodiscard]] virtual link::LinkStatus status() const = 0;
 };
 
-// Arm and world in this process. The world of `world_half` must outlive the link.
+// Arm and world in this process. The world of `world_half` must outlive the link; `hears_actions`
+// as World::has_actions().
 [[nodiscard]] std::unique_ptr<RigLink> make_in_process_link(
     const config::ArmConfig& arm, std::unique_ptr<coupling::WorldCoupling> world_half,
-    rt::WakeSignal* wake);
+    bool hears_actions, rt::WakeSignal* wake);
 
 // The world is behind `arm.link`. `network` and `clock` must outlive the link.
 // Errors: no port of it can be opened.

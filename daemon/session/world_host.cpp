@@ -22,6 +22,7 @@ link::ThimbleWorldEnd::Settings end_of(const world::World& world, const std::str
   settings.welcome.world = link::ShortName::of(name);
   settings.welcome.cells = world.info().cells;
   settings.welcome.cell_m = world.info().cell_m;
+  if (world.has_actions()) settings.welcome.capabilities |= link::kHearsActions;
   return settings;
 }
 

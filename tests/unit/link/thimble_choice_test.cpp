@@ -1,4 +1,4 @@
-// What both ends agree upon when a session begins: the scheme, and the cells.
+// What both ends agree upon when a session begins: the scheme, the cells, and what the world does.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -20,6 +20,19 @@ ThimbleArmEnd::Settings with_two_choices() {
   settings.half.scheme = ShortName::of("composite");
   settings.else_half = ThimbleHalf{.scheme = ShortName::of("ghost-point")};
   return settings;
+}
+
+TEST(ThimbleLink, TellsWhetherItsWorldHearsActions) {
+  for (const bool is_heard : {false, true}) {
+    ThimbleWorldEnd::Settings world = keyed_world();
+    if (is_heard) world.welcome.capabilities = kHearsActions;
+    Table table(world);
+    Arm& arm = table.add_arm(keyed_arm());
+    EXPECT_FALSE(arm.end.status().hears_actions) << "nobody has said so yet";
+    table.run(100);
+    EXPECT_EQ(arm.end.status().hears_actions, is_heard);
+    EXPECT_EQ(arm.end.status().arm, "") << "it is a world all the same";
+  }
 }
 
 TEST(ThimbleLink, AsksForItsSecondChoiceAtOnceWhereTheWorldHasNotTheFirst) {

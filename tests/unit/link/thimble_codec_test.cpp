@@ -105,6 +105,8 @@ ThimbleSample full_sample() {
   m.sample.ghost = {0.0151, -0.25, 0};
   m.sample.applied_before = 0b101;
   m.sample.pull = {-0.75, 0, 1.5};
+  m.sample.actions = {3, 255};
+  m.sample.has_actions = true;
   return m;
 }
 
@@ -231,6 +233,8 @@ TEST(ThimbleCodec, GivesBackEveryFieldOfASample) {
   EXPECT_EQ(out.sample.ghost, in.sample.ghost);
   EXPECT_EQ(out.sample.applied_before, 0b101U);
   EXPECT_EQ(out.sample.pull, in.sample.pull);
+  EXPECT_TRUE(out.sample.has_actions);
+  EXPECT_EQ(out.sample.actions, in.sample.actions);
 }
 
 TEST(ThimbleCodec, GivesBackEveryFieldOfConstraints) {

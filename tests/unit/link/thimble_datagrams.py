@@ -60,7 +60,9 @@ def every_field_of_a_sample():
     impulse = reals(-0.001, 0.002, 0)
     pull = reals(-0.75, 0, 1.5)
     presses = bytes([1, 0, 255, 0, 0, 0, 0, 7])
-    return velocity + tool + waves + impulse + presses + reals(0.0001) + struct.pack(">Q", 9) + reals(0.0151, -0.25, 0) + struct.pack(">Q", 0b101) + pull
+    actions = bytes([3, 255])
+    return (velocity + tool + waves + impulse + presses + reals(0.0001) + struct.pack(">Q", 9) + reals(0.0151, -0.25, 0)
+            + struct.pack(">Q", 0b101) + pull + actions)
 
 
 def near_cells():
@@ -98,7 +100,7 @@ def datagrams():
         "refusal": header(REFUSAL, 0, 3) + timing(4, 3, 3) + ARM_NONCE + bytes([2]),
         "refusal_by_an_arm": header(REFUSAL, 0, 4) + timing(4, 3, 3) + ARM_NONCE + bytes([3]) + name("wave"),
         "sample_least": header(SAMPLE, 0x0123456789ABCDEF, 12) + sample(0, b""),
-        "sample_full": header(SAMPLE, 0x0123456789ABCDEF, 13) + sample(0x77F, every_field_of_a_sample()),
+        "sample_full": header(SAMPLE, 0x0123456789ABCDEF, 13) + sample(0xF7F, every_field_of_a_sample()),
         "constraints_least": header(CONSTRAINTS, 0x0123456789ABCDEF, 2) + constraints(0, b""),
         "constraints_full": header(CONSTRAINTS, 0x0123456789ABCDEF, 3)
                             + constraints(0xFFB, every_field_of_constraints()),
