@@ -54,6 +54,9 @@ struct Edited {
 };
 using EditAnswer = std::function<void(const Result<Edited>&)>;
 
+// What is asked of an arm's world in the name of its hand, wherever that world is.
+enum class HandVerb : std::uint8_t { Free, Reset };
+
 // What is done to the pieces of a world on a board, where the hand is now.
 enum class PieceVerb : std::uint8_t { Select, Drop, Delete, Free, Reset };
 struct PieceDone {
@@ -72,9 +75,9 @@ using CellsAnswer = std::function<void(const Result<std::string>&)>;
 // `answer` is called once, within the call or within a bounded time, and not after
 // client_gone() of its client.
 // Errors: NotFound for an unknown arm or world, Busy when the state or another lease forbids it,
-//         Disconnected for a lost arm, Timeout when it did not come true in time, Unsupported
-//         for a world that cannot be edited, or has no pieces, InvalidArgument for edits that its
-//         cells forbid, TooLarge for more of them than one request may bring.
+//         Disconnected for a lost arm or a link that is down, Timeout when it did not come true in
+//         time, Unsupported for a world that cannot be edited, or has no pieces, InvalidArgument
+//         for edits that its cells forbid, TooLarge for more of them than one request may bring.
 class Commands {
  public:
   virtual ~Commands() = default;
@@ -91,6 +94,9 @@ class Commands {
   // Tunes how an arm of the scheme "wave" feels, within what is above: pencil to heavy drill. Needs
   // no lease: it moves nothing. Stays until the arm leaves. Unsupported: another scheme.
   virtual void set_impedance(std::string_view arm, double newton_s_per_m, Answer answer) = 0;
+  // Needs no lease, as what is done to pieces. Answered when it was asked: what becomes of it shows
+  // where the world is. Unsupported: a carriage that cannot say it, a world that does not do it.
+  virtual void ask_world(std::string_view arm, HandVerb verb, Answer answer) = 0;
   // Needs no lease (0196). All of the edits or none, some 4 s of work at most (EditQueue). Answered
   // when the last of them is applied; a client that goes meanwhile takes them back as long as none
   // has begun.

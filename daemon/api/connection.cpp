@@ -195,6 +195,8 @@ void Connection::command(const Action& action, bool is_kept) {
     context_.commands.steady_force(action.name, action.up_newton, id_, answer);
   } else if (action.kind == ActionKind::SetImpedance) {
     context_.commands.set_impedance(action.name, action.newton_s_per_m, answer);
+  } else if (action.kind == ActionKind::AskWorld) {
+    context_.commands.ask_world(action.name, action.hand_verb, answer);
   } else {
     context_.commands.clear_fault(action.name, action.fault, id_, answer);
   }

@@ -23,13 +23,16 @@ struct Verb {
   std::string_view word;
   ActionKind kind;
   PieceVerb piece_verb{};
+  HandVerb hand_verb{};
 };
-constexpr std::array<Verb, 13> kVerbs{{
+constexpr std::array<Verb, 15> kVerbs{{
     {kArms, "activate", ActionKind::Activate},
     {kArms, "deactivate", ActionKind::Deactivate},
     {kArms, "clear-fault", ActionKind::ClearFault},
     {kArms, "steady-force", ActionKind::SteadyForce},
     {kArms, "impedance", ActionKind::SetImpedance},
+    {kArms, "free", ActionKind::AskWorld, {}, HandVerb::Free},
+    {kArms, "reset", ActionKind::AskWorld, {}, HandVerb::Reset},
     {kWorlds, "edits", ActionKind::EditWorld},
     {kWorlds, "state", ActionKind::SaveWorld},
     {kWorlds, "cells", ActionKind::ReadCells},
@@ -61,6 +64,7 @@ std::optional<Action> parse_target(std::string_view target) {
   if (verb == kVerbs.end()) return std::nullopt;
   Action action{verb->kind, std::string(target.substr(0, slash))};
   action.piece_verb = verb->piece_verb;
+  action.hand_verb = verb->hand_verb;
   return action;
 }
 
@@ -190,7 +194,8 @@ tl::expected<Action, RequestError> parse_request(std::string_view method, std::s
   if (!action) {
     return tl::unexpected(RequestError{404, "not-found",
                                        "there is only /v1/status, /v1/arms/NAME/activate, "
-                                       "deactivate, clear-fault, steady-force and impedance, and "
+                                       "deactivate, clear-fault, steady-force, impedance, free and "
+                                       "reset, and "
                                        "/v1/worlds/NAME/edits, state, cells, select, "
                                        "drop, delete, free and reset",
                                        ""});

@@ -18,6 +18,7 @@ enum class ActionKind : std::uint8_t {
   ClearFault,
   SteadyForce,
   SetImpedance,
+  AskWorld,
   EditWorld,
   ActOnPieces,
   SaveWorld,
@@ -34,6 +35,7 @@ struct Action {
   std::optional<double> up_newton{};     // SteadyForce: nothing ends it
   double newton_s_per_m{0};              // SetImpedance
   PieceVerb piece_verb{};                // ActOnPieces
+  HandVerb hand_verb{};                  // AskWorld
   std::string state{};                   // LoadWorld: the bytes of the file
   bool operator==(const Action&) const = default;
 };

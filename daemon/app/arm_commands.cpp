@@ -55,6 +55,27 @@ Result<void> check_drivable(session::ArmRig& rig) {
   return {};
 }
 
+// Why nothing can be asked of the world of this arm now; success: it can.
+Result<void> check_world_hears(session::ArmRig& rig) {
+  session::ArmSession& session = rig.session();
+  const std::string arm = named(session);
+  const config::ArmConfig& said = session.config();
+  if (said.is_remote() && said.protocol == config::LinkProtocol::Thesis) {
+    return fail(Errc::Unsupported,
+                arm + ": the datagrams of 1999 carry no actions; set arm.protocol = \"thimble\"");
+  }
+  if (session.snapshot().frame.state != OperatingState::Active) {
+    return fail(Errc::Busy, arm + " is not active, so its hand is in no world; activate it first");
+  }
+  const link::LinkStatus link = rig.link_status();
+  if (!link.is_up) return fail(Errc::Disconnected, arm + ": its world does not answer");
+  if (link.hears_actions) return {};
+  return fail(Errc::Unsupported,
+              arm +
+                  ": its far end does nothing of the kind; only a world of pieces does, of this "
+                  "version or later");
+}
+
 }  // namespace
 
 void ArmCommands::activate(std::string_view arm, api::ClientId client, api::Answer answer) {
@@ -150,6 +171,17 @@ void ArmCommands::set_impedance(std::string_view arm, double newton_s_per_m, api
     return answer(fail(Errc::Unsupported,
                        named(asked) + " has no impedance to tune: its scheme is not \"wave\""));
   }
+  answer(done(*index));
+}
+
+void ArmCommands::ask_world(std::string_view arm, api::HandVerb verb, api::Answer answer) {
+  const Result<std::size_t> index = leases_.find(arm);
+  if (!index) return answer(tl::unexpected(index.error()));
+  if (const Result<void> heard = check_world_hears(*runtime_.arms()[*index]); !heard) {
+    return answer(tl::unexpected(heard.error()));
+  }
+  session(*index).controls().actions.ask(
+      verb == api::HandVerb::Reset ? world::HandAction::Reset : world::HandAction::ToggleFree);
   answer(done(*index));
 }
 

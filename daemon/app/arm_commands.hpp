@@ -44,6 +44,7 @@ class ArmCommands final : public api::Commands {
   void steady_force(std::string_view arm, std::optional<double> up_newton, api::ClientId client,
                     api::Answer answer) override;
   void set_impedance(std::string_view arm, double newton_s_per_m, api::Answer answer) override;
+  void ask_world(std::string_view arm, api::HandVerb verb, api::Answer answer) override;
   void edit_world(std::string_view world, const std::vector<api::CellEdit>& edits,
                   api::ClientId client, api::EditAnswer answer) override {
     edits_.submit(world, edits, client, std::move(answer));

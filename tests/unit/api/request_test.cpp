@@ -83,7 +83,24 @@ TEST(ApiRequest, KnowsWhatIsDoneToPieces) {
     EXPECT_EQ(sut->name, "desk");
     EXPECT_EQ(parse_request("GET", target, "").error().http_status, 405U);
     EXPECT_EQ(parse_request("POST", target, "{\"piece\": 3}").error().http_status, 400U);
-    EXPECT_FALSE(parse_request("POST", std::string("/v1/arms/desk/") + word, ""));
+  }
+  for (const char* word : {"select", "drop", "delete"}) {
+    EXPECT_FALSE(parse_request("POST", std::string("/v1/arms/desk/") + word, "")) << word;
+  }
+}
+
+TEST(ApiRequest, KnowsWhatIsAskedOfTheWorldOfAnArm) {
+  const std::pair<const char*, HandVerb> verbs[] = {{"free", HandVerb::Free},
+                                                    {"reset", HandVerb::Reset}};
+  for (const auto& [word, verb] : verbs) {
+    const std::string target = std::string("/v1/arms/right/") + word;
+    const auto sut = parse_request("POST", target, "");
+    ASSERT_TRUE(sut) << word;
+    EXPECT_EQ(sut->kind, ActionKind::AskWorld);
+    EXPECT_EQ(sut->hand_verb, verb);
+    EXPECT_EQ(sut->name, "right");
+    EXPECT_EQ(parse_request("GET", target, "").error().http_status, 405U);
+    EXPECT_EQ(parse_request("POST", target, "{\"world\": \"desk\"}").error().http_status, 400U);
   }
 }
 

@@ -68,6 +68,11 @@ class FakeDaemon : public StatusView, public Commands {
     if (arm != "right") return answer(fail(Errc::Unsupported, "it has no impedance to tune"));
     answer(Done{"active", ""});
   }
+  void ask_world(std::string_view arm, HandVerb verb, Answer answer) override {
+    log.push_back((verb == HandVerb::Reset ? "reset of " : "free of ") + std::string(arm));
+    if (arm != "right") return answer(fail(Errc::Unsupported, "its world does not do that"));
+    answer(Done{"active", ""});
+  }
   void edit_world(std::string_view world, const std::vector<CellEdit>& edits, ClientId,
                   EditAnswer answer) override {
     log.push_back("edit " + std::string(world) + " " + std::to_string(edits.size()));

@@ -41,6 +41,9 @@ class FakeDaemon : public api::StatusView, public api::Commands {
   }
   void edit_world(std::string_view, const std::vector<api::CellEdit>&, api::ClientId,
                   api::EditAnswer) override {}
+  void ask_world(std::string_view, api::HandVerb, api::Answer answer) override {
+    answer(api::Done{"active", ""});
+  }
   void act_on_pieces(std::string_view, api::PieceVerb, api::ClientId, api::PieceAnswer) override {}
   void read_cells(std::string_view, api::ClientId, api::CellsAnswer answer) override {
     answer(std::string("NRRD{}\n"));
