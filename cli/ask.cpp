@@ -1,5 +1,6 @@
 #include "cli/ask.hpp"
 
+#include <algorithm>
 #include <iostream>
 
 #include "cli/commands.hpp"
@@ -58,6 +59,16 @@ Result<api::WorldStatus> find_world(const api::Status& status, const std::string
                                      : name.empty()
                                          ? "say which world: " + names
                                          : "there is no world " + plain(name) + ", but " + names);
+}
+
+std::optional<std::string> arm_that_asks(const api::Status& status, std::string_view verb,
+                                         std::string_view name) {
+  if (verb != "free" && verb != "reset") return std::nullopt;
+  const auto is_named = [&](const auto& one) { return one.name == name; };
+  if (std::any_of(status.worlds.begin(), status.worlds.end(), is_named)) return std::nullopt;
+  if (std::any_of(status.arms.begin(), status.arms.end(), is_named)) return std::string(name);
+  const bool is_only = name.empty() && status.worlds.empty() && status.arms.size() == 1;
+  return is_only ? std::optional(status.arms.front().name) : std::nullopt;
 }
 
 Result<api::WorldStatus> ask_for_world(Client& client, const std::string& name) {

@@ -2,7 +2,9 @@
 
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "cli/client.hpp"
 #include "daemon/api/status.hpp"
@@ -27,6 +29,12 @@ int complain(const Error& error);
 // are.
 [[nodiscard]] Result<api::WorldStatus> find_world(const api::Status& status,
                                                   const std::string& name);
+// The arm in whose name its world, which may be another host's, is asked for `verb` ("free" or
+// "reset"): that of the name, where no world has it, or the only one, where there is no world.
+// Nothing: a world here is meant.
+[[nodiscard]] std::optional<std::string> arm_that_asks(const api::Status& status,
+                                                       std::string_view verb,
+                                                       std::string_view name);
 [[nodiscard]] Result<api::WorldStatus> ask_for_world(Client& client, const std::string& name);
 
 }  // namespace thimble::cli

@@ -72,6 +72,8 @@ std::string render_reply(std::string_view verb, const CommandReply& reply) {
     return "arm " + reply.arm + ": the fault is cleared, the arm is " + reply.state +
            next_step(reply);
   }
+  if (verb == "free") return "arm " + reply.arm + ": its world was asked to switch free motion";
+  if (verb == "reset") return "arm " + reply.arm + ": its world was asked for a reset";
   return "arm " + reply.arm + ": " + std::string(verb) + " done";
 }
 

@@ -32,8 +32,8 @@ struct PieceReply {
 [[nodiscard]] Result<PieceReply> parse_piece_reply(std::string_view json, std::string_view world);
 // Whether the lease that `reply` tells of still stands, as a client's.
 [[nodiscard]] bool still_stands(const CommandReply& reply, const api::Status& status);
-// What came of `verb` ("activate", "deactivate", "clear-fault" or "impedance"), for a person: no
-// line break.
+// What came of `verb` ("activate", "deactivate", "clear-fault", "impedance", "free" or "reset"),
+// for a person: no line break.
 [[nodiscard]] std::string render_reply(std::string_view verb, const CommandReply& reply);
 
 }  // namespace thimble::cli

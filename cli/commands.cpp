@@ -171,10 +171,15 @@ int run_world_state(const std::string& socket_path, const std::string& world,
 }
 
 int run_piece_action(const std::string& socket_path, const std::string& verb,
-                     const std::string& world) {
+                     const std::string& name) {
   auto client = Client::connect(socket_path);
   if (!client) return complain(client.error());
-  const auto meant = ask_for_world(**client, world);
+  const auto status = ask_status(**client);
+  if (!status) return complain(status.error());
+  if (const auto arm = arm_that_asks(*status, verb, name)) {
+    return run_command(socket_path, verb, *arm);
+  }
+  const auto meant = find_world(*status, name);
   if (!meant) return complain(meant.error());
   const auto body = ask(**client, "POST", "/v1/worlds/" + meant->name + "/" + verb);
   if (!body) return complain(body.error());

@@ -27,8 +27,8 @@ struct WatchOptions {
 // the exit code.
 int run_status(const std::string& socket_path, bool is_json);
 int run_watch(const std::string& socket_path, const WatchOptions& options);
-// `verb` is "activate", "deactivate", "clear-fault" or "impedance"; an empty arm means the only
-// one. `body` is what the request says besides (docs/api.md).
+// `verb` is "activate", "deactivate", "clear-fault", "impedance", "free" or "reset"; an empty arm
+// means the only one. `body` is what the request says besides (docs/api.md).
 int run_command(const std::string& socket_path, const std::string& verb, const std::string& arm,
                 const std::string& body = {});
 // An empty world means the only one.
@@ -37,9 +37,10 @@ int run_world_edit(const std::string& socket_path, const std::string& world, con
 int run_world_state(const std::string& socket_path, const std::string& world,
                     const WorldEdit& edit);
 // `verb` is "select", "drop", "delete", "free" or "reset", done to the pieces of the world; refused
-// also where the world says that it could not be. An empty world means the only one.
+// also where the world says that it could not be. An empty name means the only world; "free" and
+// "reset" may name an arm instead, whose world is asked wherever it is (arm_that_asks()).
 int run_piece_action(const std::string& socket_path, const std::string& verb,
-                     const std::string& world);
+                     const std::string& name);
 // Prints what a file of `thimbled --summary` says of a session.
 int run_report(const std::string& file);
 

@@ -300,9 +300,12 @@ void add_world_command(CLI::App& app, Arguments& arguments, int& code) {
 }
 
 void add_piece_command(CLI::App& app, const char* verb, const char* what, Arguments& arguments,
-                       int& code) {
+                       int& code, bool may_name_arm = false) {
   CLI::App* command = app.add_subcommand(verb, what);
-  command->add_option("WORLD", arguments.world, "Name of the world; not needed when there is one")
+  command
+      ->add_option("WORLD", arguments.world,
+                   may_name_arm ? "Name of the world, or of an arm whose far world is meant"
+                                : "Name of the world; not needed when there is one")
       ->check(refuse_no_name);
   command->callback([&, verb] {
     code = thimble::cli::run_piece_action(arguments.socket_path, verb, arguments.world);
@@ -314,8 +317,8 @@ void add_piece_commands(CLI::App& app, Arguments& arguments, int& code) {
   add_piece_command(app, "drop", "Let go of the held piece where it is", arguments, code);
   add_piece_command(app, "delete", "Take the held piece out of the world", arguments, code);
   add_piece_command(app, "free", "Switch free motion, through everything, on or off", arguments,
-                    code);
-  add_piece_command(app, "reset", "Put all pieces where they were at first", arguments, code);
+                    code, true);
+  add_piece_command(app, "reset", "Put all pieces where they were at first", arguments, code, true);
 }
 
 // CLI11 takes "-.01" for an option, "-0.01" for a number.

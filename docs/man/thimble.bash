@@ -81,7 +81,7 @@ _thimble() {
       else
         options+=" --clock-mhz"
       fi ;;
-    select | drop | delete | free | reset) [[ $word == -* ]] || options= ;;
+    select | drop | delete) [[ $word == -* ]] || options= ;;
     report) [[ $word == -* ]] || { mapfile -t COMPREPLY < <(compgen -f -- "$word"); return; } ;;
     clear-fault) [[ $word == -* ]] && options+=" --fault" || options=$(_thimble_arms "${socket[@]}") ;;
     calibrate-force) [[ $word == -* ]] && options+=" --most --steps" || options=$(_thimble_arms "${socket[@]}") ;;

@@ -44,5 +44,23 @@ TEST_F(FindWorld, WhatIsNotFoundNamesThoseThatAreThereAsATerminalMayShowThem) {
   EXPECT_EQ(refusal_of("box"), "this daemon has no world");
 }
 
+TEST(ArmThatAsks, IsNamedWhereNoWorldIsOrTheOnlyOneWhereThereIsNoWorld) {
+  api::Status status = sample_status();
+  status.arms.resize(1);
+  status.arms.front().name = "right";
+  EXPECT_EQ(arm_that_asks(status, "free", "right"), "right");
+  EXPECT_EQ(arm_that_asks(status, "reset", "right"), "right");
+  EXPECT_EQ(arm_that_asks(status, "select", "right"), std::nullopt) << "by its buttons";
+  EXPECT_EQ(arm_that_asks(status, "free", "box"), std::nullopt);
+  EXPECT_EQ(arm_that_asks(status, "free", ""), std::nullopt) << "the only world is meant";
+  status.arms.front().name = "box";
+  EXPECT_EQ(arm_that_asks(status, "free", "box"), std::nullopt) << "worlds come first";
+  status.worlds.clear();
+  EXPECT_EQ(arm_that_asks(status, "free", ""), "box");
+  EXPECT_EQ(arm_that_asks(status, "free", "left"), std::nullopt);
+  status.arms.push_back(status.arms.front());
+  EXPECT_EQ(arm_that_asks(status, "free", ""), std::nullopt) << "which one?";
+}
+
 }  // namespace
 }  // namespace thimble::cli

@@ -121,5 +121,12 @@ TEST(CommandReply, SaysHowTheArmStandsAfterAFault) {
             "arm right: deactivate done");
 }
 
+TEST(CommandReply, SaysThatAWorldWasAskedAndNotThatItIsDone) {
+  EXPECT_EQ(render_reply("free", {"right", "configuration", 0, "active", ""}),
+            "arm right: its world was asked to switch free motion");
+  EXPECT_EQ(render_reply("reset", {"right", "configuration", 0, "active", ""}),
+            "arm right: its world was asked for a reset");
+}
+
 }  // namespace
 }  // namespace thimble::cli
