@@ -92,8 +92,9 @@ class SerialLine(ProcessTest):
         self.cable = Cable()
         self.addCleanup(self.cable.close)
 
-    def world(self):
-        return self.start(name="world", config=WORLD.format(line=self.cable.nodes[0], rate=BIT_PER_S))
+    def world(self, source="box:3", more=""):
+        config = WORLD.format(line=self.cable.nodes[0], rate=BIT_PER_S).replace("box:3", source) + more
+        return self.start(name="world", config=config)
 
     def arm(self, protocol, name="arm"):
         return self.start(name=name, config=ARM.format(line=self.cable.nodes[1], rate=BIT_PER_S, protocol=protocol))
@@ -110,6 +111,20 @@ class SerialLine(ProcessTest):
                 world.status_when(lambda s: s["links"][0]["is_up"])
                 arm.stop()
                 world.status_when(lambda s: not s["links"][0]["is_up"])
+
+    def test_what_is_asked_of_an_arm_comes_about_in_the_world_at_the_other_end(self):
+        world = self.world("pieces", "[world.pieces]\ncells = 32\ncount = 1\n")
+        arm = self.arm("thesis", "old")
+        told = self.thimble(arm, "reset")
+        self.assertEqual(told.returncode, 1)
+        self.assert_one_sentence(told.stderr, "the datagrams of 1999 carry no actions")
+        arm.stop()
+        arm = self.arm("thimble")
+        arm.status_when(lambda s: link(s)["is_up"])
+        for verb, is_free in (("free", True), ("reset", False)):
+            told = self.thimble(arm, verb)
+            self.assertEqual((told.returncode, told.stderr), (0, ""), told.stdout)
+            world.status_when(lambda s, is_free=is_free: s["worlds"][0]["pieces"]["is_free_motion"] == is_free)
 
     def test_noise_is_counted_and_the_link_comes_back(self):
         world, arm = self.world(), self.arm("thimble")

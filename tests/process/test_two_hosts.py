@@ -47,6 +47,17 @@ coupling.scheme = "wave"
 stiffness_newton_per_m = 50
 """
 
+PIECES = """
+[[world]]
+name = "desk"
+source = "pieces"
+listen = "{address}"
+{key}
+[world.pieces]
+cells = 32
+count = 1
+"""
+
 
 def link(status):
     return status["links"][0]
@@ -83,6 +94,34 @@ class TwoHosts(ProcessTest):
                 clocks = link(status)["clocks"]
                 self.assertLessEqual(abs(clocks["offset_s"]), clocks["offset_error_s"])
                 arm.stop()
+
+    def test_what_is_asked_of_an_arm_comes_about_in_the_world_of_the_other_host(self):
+        port = free_udp_port()
+        desk = self.start(name="desk", config=PIECES.format(address=f"udp://127.0.0.1:{port}", key=f'key_file = "{self.key}"'))
+        arm = self.start(name="arm", config=ARM.format(port=port, key=self.key, scheme="ghost-point", seed=1))
+        arm.status_when(lambda s: link(s)["is_up"])
+        for verb, is_free in (("free", True), ("free", False), ("free", True)):
+            told = self.thimble(arm, verb)
+            self.assertEqual((told.returncode, told.stderr), (0, ""), told.stdout)
+            self.assertEqual(told.stdout, "arm right: its world was asked to switch free motion\n")
+            desk.status_when(lambda s, is_free=is_free: s["worlds"][0]["pieces"]["is_free_motion"] == is_free)
+        self.assertEqual(self.thimble(arm, "reset", "right").stdout, "arm right: its world was asked for a reset\n")
+        desk.status_when(lambda s: not s["worlds"][0]["pieces"]["is_free_motion"])
+        arm.stop()
+        with self.subTest("an arm that comes again asks for nothing of before"):
+            again = self.start(name="again", config=ARM.format(port=port, key=self.key, scheme="wave", seed=1))
+            before = link(again.status_when(lambda s: link(s)["is_up"]))["events"]["accepted"]
+            again.status_when(lambda s: link(s)["events"]["accepted"] >= before + 300)
+            self.assertFalse(desk.status()["worlds"][0]["pieces"]["is_free_motion"])
+        with self.subTest("a world that does nothing of the kind, or is away, is said to the person"):
+            box = self.arm("box")
+            box.status_when(lambda s: link(s)["is_up"])
+            told = self.thimble(box, "free", "right")
+            self.assertEqual(told.returncode, 1)
+            self.assert_one_sentence(told.stderr, "only a world of pieces")
+            self.world.stop(signal.SIGKILL)
+            box.status_when(lambda s: not link(s)["is_up"])
+            self.assert_one_sentence(self.thimble(box, "reset").stderr, "does not answer")
 
     def test_a_wrong_key_hears_nothing_and_is_counted(self):
         good = self.arm("good")
