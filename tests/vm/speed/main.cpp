@@ -28,7 +28,8 @@ constexpr double kGoal = 1.15;
 Result<void> offer_of(const std::string& kind, const std::string& way) {
   if (kind == "hid") {
     speed::EchoHid hid;
-    return test::offer_model(hid, hid.describe(), way == "uhid" ? test::HidWay::Uhid : test::HidWay::Usb);
+    return test::offer_model(hid, hid.describe(),
+                             way == "uhid" ? test::HidWay::Uhid : test::HidWay::Usb);
   }
   if (kind == "serial") {
     speed::EchoSerial serial;
