@@ -58,6 +58,22 @@ TEST(AskWorld, FreesAndResetsPiecesAlsoOverALinkThatLosesDoublesAndReorders) {
   }
 }
 
+TEST(AskWorld, NothingIsAskedAgainByAnArmThatIsActiveAgain) {
+  Asking sut(among_pieces({}));
+  sut.loop.run(2);
+  ASSERT_TRUE(sut.ask("right", api::HandVerb::Free));
+  sut.loop.run(1);
+  for (const bool is_wanted : {false, true}) {
+    sut.loop.arm().session().controls().want_active = is_wanted;
+    sut.loop.run(3);
+  }
+  EXPECT_EQ(sut.board().counters().actions, 1U);
+  EXPECT_TRUE(sut.board().state().is_free_motion);
+  ASSERT_TRUE(sut.ask("right", api::HandVerb::Free));
+  sut.loop.run(1);
+  EXPECT_EQ(sut.board().counters().actions, 2U);
+}
+
 TEST(AskWorld, IsRefusedWhereTheHandIsInNoWorld) {
   Asking sut(among_pieces({"arm.activate=false"}));
   sut.loop.run(1);

@@ -65,6 +65,16 @@ TEST_F(ServerTest, HandsOnWhichFaultIsToBeCleared) {
   EXPECT_THAT(daemon_.log, ElementsAre("clear-fault right 12"));
 }
 
+TEST_F(ServerTest, HandsOnWhatIsAskedOfTheWorldOfAnArm) {
+  start();
+  Client client(settings_.socket_path);
+  EXPECT_THAT(ask(client, post("/v1/arms/right/free")), HasSubstr("\"state\": \"active\""));
+  EXPECT_EQ(daemon_.log.back(), "free of right");
+  EXPECT_THAT(ask(client, post("/v1/arms/left/reset")),
+              AllOf(StartsWith("HTTP/1.1 501"), HasSubstr("its world does not do that")));
+  EXPECT_EQ(daemon_.log.back(), "reset of left");
+}
+
 TEST_F(ServerTest, AnswersLaterAndServesOthersMeanwhile) {
   start();
   daemon_.is_slow = true;
