@@ -168,6 +168,7 @@ void PieceBoard::end_task() {
   if (done == Doing::Move) ++counters_.moves;
   if (done == Doing::Drift) ++counters_.drifts;
   if (done == Doing::Picture) ++counters_.pictures;
+  if (done == Doing::Zone) ++counters_.zones;
 }
 
 bool PieceBoard::play(const CamSteps& steps, MonotonicTime now) {
@@ -197,6 +198,7 @@ bool PieceBoard::fail_with(const Error& why, MonotonicTime now) {
   retry_at_ = now + kRetry;
   phase_ = Phase::Closed;
   task_.reset();
+  zone_.reset();
   if (std::exchange(doing_, Doing::Nothing) == Doing::Action) outcome_ = PieceOutcome::BoardFailed;
   if (why.code == Errc::Timeout && ++timeouts_ == kMostTimeouts) {
     trouble_->message +=
@@ -240,12 +242,16 @@ void PieceBoard::move(const CamAxes& desired) {
 void PieceBoard::place(const CamAxes& desired) {
   THIMBLE_CHECK(is_ready());
   doing_ = Doing::Move;
+  if (desired != CamAxes{}) zone_.reset();
   task_ = make_placing(context(), desired);
 }
 
 void PieceBoard::act(PieceAction action, const CamAxes& pressed) {
   THIMBLE_CHECK(is_ready());
-  if (action != PieceAction::Look) is_sweep_ready_ = false;  // its room is needed
+  if (action != PieceAction::Look) {
+    is_sweep_ready_ = false;  // its room is needed
+    zone_.reset();
+  }
   switch (action) {
     case PieceAction::Select:
       task_ = make_select(context(), pressed);
@@ -280,6 +286,12 @@ void PieceBoard::show() {
   THIMBLE_CHECK(is_ready());
   doing_ = Doing::Picture;
   task_ = make_picture(context());
+}
+
+void PieceBoard::look_around(int cells) {
+  THIMBLE_CHECK(is_ready() && !state_.is_embedded && !state_.is_free_motion);
+  doing_ = Doing::Zone;
+  task_ = make_zone(context(), zone_, cells);
 }
 
 std::optional<PieceOutcome> PieceBoard::take_outcome() noexcept {

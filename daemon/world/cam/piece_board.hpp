@@ -8,6 +8,7 @@
 #include "daemon/world/cam/piece_layout.hpp"
 #include "daemon/world/cam/piece_state.hpp"
 #include "daemon/world/cam/piece_task.hpp"
+#include "daemon/world/cam/piece_zone.hpp"
 #include "hal/device/cam_board.hpp"
 
 namespace thimble::world::cam {
@@ -17,6 +18,7 @@ struct PieceBoardCounters {
   std::uint64_t moves{0};     // likewise
   std::uint64_t drifts{0};    // likewise
   std::uint64_t pictures{0};  // likewise
+  std::uint64_t zones{0};     // likewise, around the grasp point
   std::uint64_t actions{0};
   std::uint64_t failures{0};  // of the board
   std::uint64_t repairs{0};   // after which all pieces were there
@@ -70,12 +72,17 @@ class PieceBoard {
   // board that refuses it, or fails at it, is not to be asked again until it is opened anew
   // (why_dark()).
   void show();
+  // What is free around the grasp point, as far as `cells`. Not in free motion, nor embedded.
+  void look_around(int cells);
   // Of an action, once.
   [[nodiscard]] std::optional<PieceOutcome> take_outcome() noexcept;
 
   // Where pieces were when somebody looked last, the held one with them; empty before. What it lies
   // on is hidden. kParticleSeen where there are particles.
   [[nodiscard]] const PieceLayout& picture() const noexcept { return picture_; }
+  // As look_around() found it last, and the pieces still are; the shape may have moved since,
+  // freely.
+  [[nodiscard]] const std::optional<PieceZone>& zone() const noexcept { return zone_; }
   [[nodiscard]] const PieceState& state() const noexcept { return state_; }
   [[nodiscard]] const PieceSettings& settings() const noexcept { return settings_; }
   // Why there is nothing to be felt; nothing: it works, or has not been begun.
@@ -86,7 +93,7 @@ class PieceBoard {
 
  private:
   // What the task under way is; the cells that are put onto a board anew are nobody's.
-  enum class Doing { Nothing, Move, Action, Drift, Picture };
+  enum class Doing { Nothing, Move, Action, Drift, Picture, Zone };
   enum class Phase { Closed, Reading, Filling, Working };
 
   [[nodiscard]] bool is_due(MonotonicTime now) const noexcept {
@@ -119,6 +126,7 @@ class PieceBoard {
   Doing doing_{Doing::Nothing};
   std::optional<PieceOutcome> outcome_;
   PieceLayout picture_;
+  std::optional<PieceZone> zone_;
   std::optional<MonotonicTime> retry_at_;
   MonotonicTime given_at_{};  // the program that was given last
   int timeouts_{0};           // since the board was opened, or since a program was over

@@ -24,12 +24,13 @@ struct Accident {
 };
 
 // A board over a simulated slot that a test can read, and that fails when it is told to: as one
-// whose lists are lost. What it holds stays.
+// whose lists are lost. What it holds stays. Its bus is as fast as memory: a turn of a program is
+// one of the clock here.
 class WatchedBoard final : public WrappedCamBoard {
  public:
   WatchedBoard(sim::cam::SimCamBoard& slot, const Clock& clock, Accident& accident)
       : WrappedCamBoard(std::make_unique<cambus::Board>(
-            cambus::PciPort::open(slot.open_window(), clock.now()).value())),
+            cambus::PciPort::open(slot.open_window(), clock.now(), cambus::kMemoryTurn).value())),
         accident_(&accident) {}
 
   [[nodiscard]] Result<void> lay_out(const CamGeometry& geometry) override {

@@ -6,6 +6,7 @@
 
 #include "daemon/world/cam/piece_layout.hpp"
 #include "daemon/world/cam/piece_state.hpp"
+#include "daemon/world/cam/piece_zone.hpp"
 #include "tests/unit/world/cam/greedy_walk.hpp"
 
 namespace thimble::world::cam::test {
@@ -76,6 +77,23 @@ class PieceOracle {
   [[nodiscard]] const CamAxes& grasp() const noexcept { return grasp_; }
   // Cells that would overlap one cell further along each axis on which the last move was stopped.
   [[nodiscard]] const CamAxes& touching() const noexcept { return touching_; }
+  // What a look around that goes so many cells far must find; each cell is tried.
+  [[nodiscard]] PieceZone zone(int cells) const {
+    PieceZone zone{grasp_, cells, {}};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      for (const int sign : {-1, 1}) {
+        const int edge = sign < 0 ? grasp_[axis] : cells_[axis] - 1 - grasp_[axis];
+        PieceZone::Way& way = zone.ways[axis][sign < 0 ? 0 : 1];
+        for (int n = 1; n <= std::min(cells, edge) && way.touching == 0; ++n) {
+          CamAxes there{};
+          there[axis] = sign * n;
+          way.touching = overlapping(there);
+          if (way.touching == 0) way.free = n;
+        }
+      }
+    }
+    return zone;
+  }
   [[nodiscard]] int held() const noexcept { return held_; }
   [[nodiscard]] bool is_embedded() const noexcept { return is_embedded_; }
   [[nodiscard]] bool is_free() const noexcept { return is_free_; }
