@@ -45,6 +45,9 @@ struct ContactPlane {
 // rest is room for a world whose faces meet at any angle.
 inline constexpr std::size_t kMaxContactPlanes = 8;
 
+// World frame. At most two an axis.
+using ZoneFaces = rt::StaticVector<ContactPlane, 6>;
+
 // Ours: one probe is one arm of the daemon or one client of a datagram link.
 inline constexpr std::size_t kMaxProbes = 8;
 
@@ -133,6 +136,13 @@ class World {
   // A hand that is not finite leaves the ghost where it is. An unknown probe: planes empty,
   // ghost at the hand.
   virtual ProbeMotion move_probe(ProbeId probe, Position3 hand, Duration dt) noexcept = 0;
+
+  // Whether it finds the faces of a zone itself, though nobody but it has its cells; else they are
+  // looked for in its felt_cells().
+  [[nodiscard]] virtual bool finds_zone_faces() const noexcept { return false; }
+  // Of such a world: what would stop the ghost along both ways of each axis, as far as mark_zone()
+  // was told, from where it was when the world looked last.
+  [[nodiscard]] virtual ZoneFaces zone_faces() const noexcept { return {}; }
 };
 
 }  // namespace thimble::world

@@ -60,7 +60,9 @@ Result<ProbeId> PieceWorld::add_probe(Position3 hand) {
 }
 
 void PieceWorld::remove_probe(ProbeId probe) noexcept {
-  if (probe_ == probe) probe_.reset();
+  if (probe_ != probe) return;
+  probe_.reset();
+  zone_cells_ = 0;
 }
 
 ProbeMotion PieceWorld::move_probe(ProbeId probe, Position3 hand, Duration /*dt*/) noexcept {
@@ -119,6 +121,7 @@ void PieceWorld::pump() {
       continue;
     }
     if (begin_picture()) continue;  // a hand that never rests would have none
+    if (begin_zone()) continue;     // likewise
     if (!has_moved && begin_move(clock_->now())) {
       has_moved = true;
     } else if (!begin_drift(clock_->now())) {
@@ -215,6 +218,16 @@ bool PieceWorld::begin_picture() {
   return true;
 }
 
+bool PieceWorld::begin_zone() {
+  const PieceState& state = board_.state();
+  const bool is_held_by_pieces = !state.is_embedded && !state.is_free_motion;
+  if (zone_cells_ == 0 || !has_looked_ || !is_held_by_pieces) return false;
+  const auto& known = board_.zone();
+  if (known && known->grasp == state.grasp && known->cells >= zone_cells_) return false;
+  board_.look_around(zone_cells_);
+  return true;
+}
+
 CamAxes PieceWorld::cell_of(Position3 hand) const noexcept {
   CamAxes cell{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -261,6 +274,39 @@ ProbeMotion PieceWorld::motion() const {
     motion.planes.push_back(plane);
   }
   return motion;
+}
+
+ZoneFaces PieceWorld::zone_faces() const noexcept {
+  ZoneFaces faces;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (cells_[axis] == 1) continue;
+    for (const int way : {1, -1}) {
+      if (const auto face = zone_face(axis, way)) faces.push_back(*face);
+    }
+  }
+  return faces;
+}
+
+std::optional<ContactPlane> PieceWorld::zone_face(std::size_t axis, int way) const noexcept {
+  const int at = board_.state().grasp[axis];
+  int free = way > 0 ? cells_[axis] - 1 - at : at;  // the edge
+  int touching = 0;
+  if (const auto& zone = board_.zone()) {
+    const PieceZone::Way& said = zone->ways[axis][way > 0 ? 1 : 0];
+    const int left = said.free + way * (zone->grasp[axis] - at);
+    if (said.touching != 0 && left >= 0 && left < free) {
+      free = left;
+      touching = said.touching;
+    }
+  }
+  if (free >= zone_cells_) return std::nullopt;
+  ContactPlane plane;
+  plane.normal[axis] = way;
+  plane.offset_m = way * face_m(axis, at + way * free + (way > 0 ? 1 : 0));
+  if (touching > 0 && pressure_.newton_per_m > 0) {
+    plane.stiffness.newton_per_m = pressure_.newton_per_m * touching;
+  }
+  return plane;
 }
 
 void PieceWorld::press_back(std::size_t axis, ContactPlane& plane,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -74,6 +75,19 @@ class PieceWorld final : public World {
   // As submit(). What is asked while the board has failed is taken, and is not done.
   [[nodiscard]] bool act(ProbeId probe, HandAction action) noexcept override;
   ProbeMotion move_probe(ProbeId probe, Position3 hand, Duration dt) noexcept override;
+  // From then on the board looks around the ghost after each move to another cell, before the next
+  // one (PieceBoard::look_around()), until the probe is removed.
+  void mark_zone(std::int32_t cells) override { zone_cells_ = std::max(zone_cells_, cells); }
+  // Where it searches by the trail in its box: in the whole space a look takes a board 20 times as
+  // long (decision 0482).
+  [[nodiscard]] bool finds_zone_faces() const noexcept override {
+    return board_.settings().search == SearchKind::BoundedSweep;
+  }
+  // Of what the shape would meet, and the edges of the space. A face along the way that the ghost
+  // has come is where it is; one beside it may be that of the cell where the board looked last.
+  // None lies behind the ghost. Of pieces nothing is told in free motion, nor before the board has
+  // looked at them as they are.
+  [[nodiscard]] ZoneFaces zone_faces() const noexcept override;
 
   // To be done in their order. The number, from 1. Errors: Busy while kMaxWaiting wait.
   // None outlives a failure of the board: those that wait come to an end with it, and what is asked
@@ -113,11 +127,14 @@ class PieceWorld final : public World {
   [[nodiscard]] bool begin_move(MonotonicTime now);
   [[nodiscard]] bool begin_drift(MonotonicTime now);
   [[nodiscard]] bool begin_picture();
+  [[nodiscard]] bool begin_zone();
   // One beyond the space where the hand is beyond it.
   [[nodiscard]] CamAxes cell_of(Position3 hand) const noexcept;
   [[nodiscard]] CamAxes nearest_within(CamAxes cell) const noexcept;
   [[nodiscard]] bool is_overdue() const;
   [[nodiscard]] double face_m(std::size_t axis, int index) const noexcept;
+  // As the board has found it, or nothing. `way`: -1, +1.
+  [[nodiscard]] std::optional<ContactPlane> zone_face(std::size_t axis, int way) const noexcept;
   [[nodiscard]] ProbeMotion motion() const;
   // Where cells are counted, the stiffness of a face across `axis` and the force with which they
   // press back on the hand.
@@ -135,6 +152,7 @@ class PieceWorld final : public World {
   std::uint64_t resets_seen_{0};
   std::optional<CamAxes> goal_;  // of the move under way: the hand's cell
   bool has_looked_{false};       // for this hand, on the board as it is
+  std::int32_t zone_cells_{0};   // 0: nobody wants a zone
   CamAxes pressed_{};            // by the hand, as the last answer has it: -1, 0, 1
   std::optional<Try> last_try_;
   MonotonicTime looked_at_{};
