@@ -12,12 +12,13 @@ BufferZoneWorld::BufferZoneWorld(world::World& world, std::uint32_t first_sessio
     : world_(world), settings_(settings), probe_(world), next_session_(first_session) {}
 
 Result<void> BufferZoneWorld::open(const HandSample& first) {
-  const world::VoxelGrid* const grid = world_.felt_cells();
-  if (grid == nullptr) {
+  const bool is_of_cells = world_.felt_cells() != nullptr;
+  const bool names_faces = settings_.names == ZoneNames::Faces;
+  if (!is_of_cells && !(names_faces && world_.finds_zone_faces())) {
     return fail(Errc::Unsupported, world_.info().source + ": a buffer zone is made of cells");
   }
   if (Result<void> opened = probe_.open(first); !opened) return opened;
-  world_.mark_zone(world::zone_cells(settings_.buffer_m, grid->cell_m()));
+  world_.mark_zone(world::zone_cells(settings_.buffer_m, world_.info().cell_m));
   last_ = {};
   last_.session = next_session_++;
   return {};
@@ -32,7 +33,11 @@ ConstraintSet BufferZoneWorld::answer(const HandSample& sample, Duration dt) noe
   last_.is_astray = false;
   if (motion.is_embedded) return last_;
   if (settings_.names == ZoneNames::Faces) {
-    last_.planes = faces_near(motion, sample.hand);
+    if (world_.felt_cells() == nullptr) {
+      add_faces_found(motion, sample.hand);
+    } else {
+      last_.planes = faces_near(motion, sample.hand);
+    }
     return last_;
   }
   last_.has_near = true;
@@ -43,6 +48,18 @@ ConstraintSet BufferZoneWorld::answer(const HandSample& sample, Duration dt) noe
   last_.near = world_.is_in_zone(motion.cell) ? finder_.find(grid, query)
                                               : world::NearCellFinder::nothing(grid, query);
   return last_;
+}
+
+void BufferZoneWorld::add_faces_found(const world::ProbeMotion& motion, Position3 hand) noexcept {
+  for (const world::ContactPlane& face : world_.zone_faces()) {
+    const double at_m = std::max(dot(face.normal, motion.ghost), dot(face.normal, hand));
+    if (face.offset_m > at_m + settings_.buffer_m) continue;
+    // What holds the ghost is known better: the world has just looked.
+    const bool holds =
+        std::any_of(last_.planes.begin(), last_.planes.end(),
+                    [&face](const ConstraintPlane& plane) { return plane.normal == face.normal; });
+    if (!holds) last_.planes.push_back(plane_of(face));
+  }
 }
 
 PlaneList BufferZoneWorld::faces_near(const world::ProbeMotion& motion,

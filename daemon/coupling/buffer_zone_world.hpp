@@ -34,12 +34,15 @@ struct BufferZoneWorldSettings {
 //
 // Faces: from the ghost's cell along both ways of each axis, the first face of an occupied cell:
 // six planes at most, both of an axis where zones overlap (figure 3-5c). Cells: NearCellFinder.
-// Where the world marks its zone (World::is_in_zone()), nothing is looked for outside it. While
-// matter fills the ghost's place the planes that push it out are told, and no zone.
+// Where the world marks its zone (World::is_in_zone()), nothing is looked for outside it. A world
+// that alone has its cells is asked for the faces (World::zone_faces()), which are as old as its
+// last look: what it takes counts as delay in D. While matter fills the ghost's place the planes
+// that push it out are told, and no zone.
 //
 // Thread: the world's thread. Not RT; answer() neither allocates nor blocks, and looks at no more
 // cells than lie within world::kNearReach_cells.
-// Ownership: `world` must outlive it, and have World::felt_cells(); the destructor closes.
+// Ownership: `world` must outlive it, and have World::felt_cells(), or for Faces find them itself;
+// the destructor closes.
 // Sessions: as by GhostPointWorld.
 // Errors: as RemoteForceWorld's.
 class BufferZoneWorld final : public WorldCoupling {
@@ -52,6 +55,8 @@ class BufferZoneWorld final : public WorldCoupling {
   void close() noexcept override { probe_.close(); }
 
  private:
+  // To those of `motion`.
+  void add_faces_found(const world::ProbeMotion& motion, Position3 hand) noexcept;
   [[nodiscard]] PlaneList faces_near(const world::ProbeMotion& motion,
                                      Position3 hand) const noexcept;
 

@@ -8,17 +8,22 @@
 
 namespace thimble::coupling {
 
-// What holds a probe back, as messages say it. Errors: none.
+// A face of the world, as messages say it. Errors: none.
+inline ConstraintPlane plane_of(const world::ContactPlane& plane) noexcept {
+  return {.normal = plane.normal,
+          .offset_m = plane.offset_m,
+          .surface = {.stiffness = plane.stiffness,
+                      .damping = plane.damping,
+                      .friction = plane.friction,
+                      .temperature_kelvin = plane.temperature_kelvin}};
+}
+
+// What holds a probe back. Errors: none.
 inline PlaneList planes_of(const world::ProbeMotion& motion) noexcept {
   static_assert(world::kMaxContactPlanes <= kMaxPlanes, "every push_back() below finds room");
   PlaneList planes;
   for (const world::ContactPlane& plane : motion.planes) {
-    planes.push_back({.normal = plane.normal,
-                      .offset_m = plane.offset_m,
-                      .surface = {.stiffness = plane.stiffness,
-                                  .damping = plane.damping,
-                                  .friction = plane.friction,
-                                  .temperature_kelvin = plane.temperature_kelvin}});
+    planes.push_back(plane_of(plane));
   }
   return planes;
 }
