@@ -17,17 +17,25 @@ namespace {
 
 [[nodiscard]] std::optional<Refusal> refusal_of_zone(const world::World& world,
                                                      const config::CouplingConfig& arm) {
-  const world::VoxelGrid* const grid = world.felt_cells();
-  if (grid == nullptr && has_cells(world)) {
+  const bool is_of_cells = world.felt_cells() != nullptr;
+  const bool finds_faces = world.finds_zone_faces();
+  if (!is_of_cells && finds_faces && arm.zone != config::CouplingZone::Faces) {
+    return Refusal{"coupling.zone", "\"cells\" names those that the daemon has, those of " +
+                                        world.info().source +
+                                        " are its board's; use \"faces\", which that finds"};
+  }
+  if (!is_of_cells && !finds_faces && has_cells(world)) {
     return Refusal{"coupling.scheme",
                    "a \"buffer-zone\" is made of cells that the daemon has, those of " +
-                       world.info().source + " are its board's; use \"ghost-point\""};
+                       world.info().source +
+                       " are its board's, which finds faces by search = \"trail\" alone; use "
+                       "that, or \"ghost-point\""};
   }
-  if (grid == nullptr) {
+  if (!is_of_cells && !finds_faces) {
     return Refusal{"coupling.scheme", "a \"buffer-zone\" is made of cells, of which " +
                                           world.info().source + " has none; use \"ghost-point\""};
   }
-  const double most_m = world::kNearReach_cells * grid->cell_m();
+  const double most_m = world::kNearReach_cells * world.info().cell_m;
   if (world_half_settings(arm).buffer_zone.buffer_m <= most_m) return std::nullopt;
   return Refusal{"coupling.buffer_m", "a buffer zone reaches " +
                                           std::to_string(world::kNearReach_cells) +

@@ -139,6 +139,44 @@ TEST(BufferZone, IsFeltInEveryWorldOfCellsWithinTheLimits) {
   }
 }
 
+// The faces of pieces are found by their board.
+TEST(BufferZone, IsFeltByFacesInAWorldOfPiecesInAPlaneAndInSpace) {
+  for (const std::string axes : {"2", "3"}) {
+    SCOPED_TRACE(axes);
+    EXPECT_EQ(expect_felt({"world.source=pieces", "world.pieces.cells=32", "world.pieces.count=3",
+                           "world.pieces.axes=" + axes, "world.pieces.search=trail",
+                           "arm.coupling.scheme=buffer-zone", "arm.coupling.zone=faces",
+                           "arm.impairment.delay_s=0.05", "arm.hand.reach_m=0.03"}),
+              Displacement3{});
+  }
+}
+
+// Thesis 3.6: the warning comes before the hand, which pokes at what is 15 mm away at most.
+TEST(BufferZone, OfPiecesIsWhatKeepsAWallFromComingLate) {
+  const auto hardest_newton = [](const std::string& buffer_m) {
+    ClosedLoop sut({"world.source=pieces", "world.workspace_m=0.03", "world.pieces.cells=32",
+                    "world.pieces.count=3", "world.pieces.search=trail",
+                    "arm.coupling.scheme=buffer-zone", "arm.coupling.zone=faces",
+                    "arm.coupling.buffer_m=" + buffer_m, "arm.impairment.delay_s=0.06",
+                    "arm.hand.motion=poke", "arm.hand.reach_m=0.025"});
+    double hardest = 0;
+    sut.run(8, [&] { hardest = std::max(hardest, norm(sut.frame().force)); });
+    EXPECT_GT(sut.snapshot().total_contacts, 1U);
+    return hardest;
+  };
+  const double told_early_newton = hardest_newton("0.025");
+  EXPECT_GT(hardest_newton("0.001"), 1.2 * told_early_newton);
+}
+
+TEST(BufferZone, OfPiecesIsRefusedWhereItsBoardDoesNotFindIt) {
+  const std::vector<std::string> zone{"world.source=pieces", "world.pieces.cells=32",
+                                      "world.pieces.count=3", "arm.coupling.scheme=buffer-zone"};
+  EXPECT_NE(refusal_of(with(zone, {"arm.coupling.zone=faces"})).find("search = \"trail\""),
+            std::string::npos);
+  EXPECT_NE(refusal_of(with(zone, {"world.pieces.search=trail"})).find("use \"faces\""),
+            std::string::npos);
+}
+
 // Our own, in whole sessions, with delay on both worlds that stay and worlds that do not.
 TEST(Composite, IsFeltInEveryWorldOfCellsWithinTheLimits) {
   for (const auto& world : worlds_of_cells()) {

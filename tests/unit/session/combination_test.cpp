@@ -5,6 +5,7 @@
 #include <fstream>
 #include <map>
 #include <memory>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -81,6 +82,14 @@ std::unique_ptr<world::World> live_world(const std::string& source, int axes) {
   return make_live_world(said).value();
 }
 
+MadeWorld piece_world(const Clock& clock, std::optional<config::PieceSearch> search = {}) {
+  config::WorldConfig said;
+  said.source = "pieces";
+  said.pieces = config::PiecesConfig{.cells = 32, .count = 3};
+  if (search) said.pieces->search = *search;
+  return make_piece_world(said, &clock).value();
+}
+
 TEST(Combination, IsAcceptedOrRefusedWithItsReasonAsTheMatrixSays) {
   const world::VoxelWorld with_cells(world::make_box(3).value(), "box:3");
   const auto sphere = world::SphereWorld::create({{}, 0.02, -0.02});
@@ -93,24 +102,23 @@ TEST(Combination, IsAcceptedOrRefusedWithItsReasonAsTheMatrixSays) {
   const auto block = world::BlockWorld::create({});
   ASSERT_TRUE(block);
   const sim::VirtualClock clock;
-  config::WorldConfig of_pieces;
-  of_pieces.source = "pieces";
-  of_pieces.pieces = config::PiecesConfig{.cells = 32, .count = 3};
-  const auto pieces = make_piece_world(of_pieces, &clock);
-  ASSERT_TRUE(pieces) << pieces.error().message;
+  const MadeWorld pieces = piece_world(clock);
+  const MadeWorld by_trail = piece_world(clock, config::PieceSearch::Trail);
   const auto life = live_world("life", 2);
   const auto flat = live_world("crystal", 2);
   const auto crystal = live_world("crystal", 3);
-  const std::map<std::string, const world::World*> worlds{{"with cells", &with_cells},
-                                                          {"`sphere`", &*sphere},
-                                                          {"`shapes`", &*shapes},
-                                                          {"of a field", &field},
-                                                          {"`block`", &*block},
-                                                          {"`pieces`", pieces->world.get()},
-                                                          {"`life`", life.get()},
-                                                          {"`crystal` in a plane", flat.get()},
-                                                          {"`crystal` in space", crystal.get()}};
-  ASSERT_EQ(page().at("world").size(), 12U) << "a new column needs a line here";
+  const std::map<std::string, const world::World*> worlds{
+      {"with cells", &with_cells},
+      {"`sphere`", &*sphere},
+      {"`shapes`", &*shapes},
+      {"of a field", &field},
+      {"`block`", &*block},
+      {"`pieces`", pieces.world.get()},
+      {"`pieces` by trail", by_trail.world.get()},
+      {"`life`", life.get()},
+      {"`crystal` in a plane", flat.get()},
+      {"`crystal` in space", crystal.get()}};
+  ASSERT_EQ(page().at("world").size(), 13U) << "a new column needs a line here";
   ASSERT_EQ(page().size(), 1 + 1 + worlds.size()) << "a new row needs a world here";
   for (const auto& [name, world] : worlds) {
     config::WorldConfig said;
@@ -130,6 +138,8 @@ TEST(Combination, IsAcceptedOrRefusedWithItsReasonAsTheMatrixSays) {
     arm.scheme = config::CouplingScheme::BufferZone;
     arm.buffer_m = 0.010;
     expect_as_on_page(name, "scheme `buffer-zone`", check_combination(*world, arm));
+    arm.zone = config::CouplingZone::Faces;
+    expect_as_on_page(name, "its `faces`", check_combination(*world, arm));
     arm.scheme = config::CouplingScheme::Composite;
     expect_as_on_page(name, "scheme `composite`", check_combination(*world, arm));
     said.listen = config::UdpEndpoint{"127.0.0.1", 5001};
@@ -208,10 +218,7 @@ TEST(Combination, ProgramsOf1999AreServedWhereTheirDatagramsSayWhatIsFelt) {
   EXPECT_TRUE(can_serve_1999(with_cells));
   EXPECT_FALSE(can_serve_1999(*world::SphereWorld::create({{}, 0.02, -0.02})));
   const sim::VirtualClock clock;
-  config::WorldConfig of_pieces;
-  of_pieces.source = "pieces";
-  of_pieces.pieces = config::PiecesConfig{.cells = 32, .count = 3};
-  EXPECT_FALSE(can_serve_1999(*make_piece_world(of_pieces, &clock)->world));
+  EXPECT_FALSE(can_serve_1999(*piece_world(clock).world));
 }
 
 TEST(Combination, TellsWhatAListenerDoesNotFeel) {
