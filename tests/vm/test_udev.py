@@ -1,6 +1,14 @@
-"""The rules of udev/, met by real events: HID devices that the guest's kernel makes through uhid."""
+"""The rules of udev/, met by real events: HID devices that the guest's kernel makes through uhid, and some on its USB stack."""
 
 import guest
+import simdev
+
+# Model and product id: one of each form that a rule has.
+ON_USB = (("falcon", "cb48"), ("cam-8", "0001"), ("spacemouse", "c635"), ("spacenavigator", "c626"))
+DELAY_MS = 4321  # nobody's default: where it is found the rule was met
+# As it is given to all who want to save power, in a file that comes late.
+SAVER = ('ACTION=="add", SUBSYSTEM=="usb", TEST=="power/control", ATTR{power/control}="auto", '
+         f'ATTR{{power/autosuspend_delay_ms}}="{DELAY_MS}"')
 
 
 class Udev(guest.GuestTest):
@@ -49,6 +57,20 @@ class Udev(guest.GuestTest):
         for name in ("v1234p0006", "v16C0p0486", "v16C0p0483", "v0403pCB48", "v10C4pEA90", "v1209p0001", "v256FpC635", "v046DpC62B"):
             with self.subTest(name):
                 self.assertIn("ID_AUTOSUSPEND=0", self.guest.run(f"systemd-hwdb query usb:{name}d0100dc00dsc00dp00").splitlines())
+
+    def test_no_rule_of_others_lets_a_device_sleep(self):
+        file = "/etc/udev/rules.d/99-usb-power.rules"
+        self.guest.run(f"echo '{SAVER}' > {file}; udevadm control --reload")
+        self.addCleanup(self.guest.run, f"rm -f {file}; udevadm control --reload")
+        for model, product in ON_USB:
+            with self.subTest(model):
+                device = simdev.Simdev(self.guest, model, "--vhci", model)
+                device.attach()
+                folder = self.guest.wait_for(f"dirname $(grep -lx {product} /sys/bus/usb/devices/*/idProduct)").strip()
+                self.guest.run("udevadm settle")
+                said = self.guest.run(f"cd {folder}/power; cat autosuspend_delay_ms control").split()
+                device.stop()
+                self.assertEqual(said, [str(DELAY_MS), "on"])
 
     def test_the_daemons_user_may_open_it(self):
         node = self.plug("1234", "0006")
