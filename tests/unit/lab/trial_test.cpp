@@ -10,6 +10,7 @@
 
 #include "daemon/world/io/world_source.hpp"
 #include "lab/trial/coupling_case.hpp"
+#include "lab/trial/declared_energy.hpp"
 #include "lab/trial/finger.hpp"
 #include "lab/trial/parallel.hpp"
 #include "lab/trial/parameters.hpp"
@@ -204,6 +205,20 @@ TEST(RunAll, GivesEachOutcomeInItsPlaceAndTellsOfEachOnce) {
   for (std::size_t i = 0; i < 100; ++i) EXPECT_EQ(squares[i], i * i);
   ASSERT_EQ(told.size(), 100U);
   for (std::size_t i = 0; i < 100; ++i) EXPECT_EQ(told[i], i + 1);
+}
+
+// teleop.md 5 (G2) and 2(e), by hand: 1 mJ, 0.1 mJ for each contact, 50 N/m over 40 mm.
+TEST(DeclaredEnergy, OnlyWhoHasACoordinateSpringDeclaresOne) {
+  const CouplingCase ghost{.name = "ghost-point"};
+  const CouplingCase planes{.name = "planes", .scheme = coupling::Scheme::ConstraintPlane};
+  const CouplingCase printed{.name = "printed", .scheme = coupling::Scheme::ThesisLiteral};
+  EXPECT_DOUBLE_EQ(declared_joule(ghost, 3, 0), 1e-3);
+  EXPECT_DOUBLE_EQ(declared_joule(ghost, 3, 0.04), 1e-3 + 0.3e-3 + 40e-3);
+  EXPECT_DOUBLE_EQ(declared_joule(printed, 3, 0.04), 1e-3 + 0.3e-3 + 40e-3);
+  EXPECT_DOUBLE_EQ(declared_joule(planes, 3, 0.04), 1e-3 + 0.3e-3);
+  CouplingCase hard = planes;
+  hard.settings.constraint_plane.stiffness.newton_per_m = 1600;
+  EXPECT_DOUBLE_EQ(declared_joule(hard, 3, 0.04), 1e-3 + 0.6e-3);
 }
 
 }  // namespace
