@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lab/compare/judged.hpp"
 #include "lab/compare/scenarios.hpp"
 #include "lab/trial/spread.hpp"
 
@@ -18,7 +19,6 @@ constexpr double kEnd_s = kLeft_s + 1.25;
 constexpr double kFree_m = kWall_m - 0.003;  // ours
 
 double size_of(Force3 force) { return norm(force.x, force.y, force.z); }
-double size_of(Displacement3 way) { return norm(way.x, way.y, way.z); }
 
 FingerGoal goal_at(double now_s) {
   FingerGoal goal{.at = {kStart_m, kBeside_m, 0}};
@@ -53,36 +53,6 @@ void judge_rest(const std::vector<Felt>& history, Measures& into) {
   into.residue_newton = residue.mean();
 }
 
-void judge_forces(const std::vector<Felt>& history, Measures& into) {
-  Force3 before{};
-  for (const Felt& felt : history) {
-    const double newton = size_of(felt.force);
-    into.most_newton = std::max(into.most_newton, newton);
-    if (newton > size_of(before)) {
-      into.most_rise_newton = std::max(into.most_rise_newton, size_of(felt.force - before));
-    }
-    if (felt.is_in_contact) into.most_pull_newton = std::max(into.most_pull_newton, felt.force.x);
-    before = felt.force;
-  }
-}
-
-// Declared: decision 0441.
-double declared_joule(const std::vector<Felt>& history, const coupling::GhostPointSettings& of) {
-  double contacts = 0;
-  double most_m = 0;
-  bool was_in_contact = false;
-  for (const Felt& felt : history) {
-    if (felt.is_in_contact && !was_in_contact) contacts += 1;
-    was_in_contact = felt.is_in_contact;
-    most_m = std::max(most_m, size_of(felt.offset));
-  }
-  const double allowed_joule = 1e-3;
-  if (!(most_m > 0)) return allowed_joule;
-  return allowed_joule +
-         contacts * of.stiffness.newton_per_m * of.hysteresis_m * of.hysteresis_m / 2 +
-         of.coordinate_spring.newton_per_m * most_m * most_m / 2;
-}
-
 }  // namespace
 
 Result<void> play_approach(const CouplingCase& of, const StageSettings& settings, Measures& into) {
@@ -97,8 +67,7 @@ Result<void> play_approach(const CouplingCase& of, const StageSettings& settings
   const std::vector<Felt>& history = (*stage)->history();
   judge_rest(history, into);
   judge_forces(history, into);
-  into.generated_joule = finger.energy().generated_joule();
-  into.declared_joule = declared_joule(history, of.settings.ghost_point);
+  judge_energy(of, history, finger, into);
   into.packets_per_s = (*stage)->packets_per_s();
   into.bytes_per_s = (*stage)->bytes_per_s();
   return {};

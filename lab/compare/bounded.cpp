@@ -36,4 +36,9 @@ bool may_grow(coupling::Scheme scheme, double late_s) noexcept {
   return wall_newton_per_m() > limit.newton_per_m;
 }
 
+bool may_give(coupling::Scheme scheme, bool has_outages) noexcept {
+  if (scheme == coupling::Scheme::RemoteForce) return true;
+  return scheme == coupling::Scheme::SpringDamper && has_outages;
+}
+
 }  // namespace thimble::lab

@@ -40,4 +40,10 @@ inline constexpr double kGrows_m = 0.0005;
 // back, not only once in a while.
 [[nodiscard]] bool may_grow(coupling::Scheme scheme, double late_s) noexcept;
 
+// Where the wall stays: whom theory lets give the hand energy, or ask for more than an arm gives.
+// The remote closed loop; and a spring and damper through a silence of the network: its K_c is held
+// below B/T of the delay that it measures, and a silence is none. A hand at v has stretched it by
+// v·kOutage_s when the first sample comes through: 16 N at 0.1 m/s and 800 N/m (decision 0477).
+[[nodiscard]] bool may_give(coupling::Scheme scheme, bool has_outages) noexcept;
+
 }  // namespace thimble::lab

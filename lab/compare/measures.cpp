@@ -68,7 +68,7 @@ Marks marks_of(const Measures& measures, const Measures& reference, bool moves) 
   fail_if(Gate::Bounded, !moves && !(measures.swing_m < kSwing_m));
   fail_if(Gate::Passive, !(measures.generated_joule <= measures.declared_joule));
   fail_if(Gate::Smooth,
-          !(measures.most_newton <= kMost_newton && measures.most_rise_newton <= kRise_newton));
+          !(measures.most_newton <= kMost_newton && measures.most_jump_newton <= kRise_newton));
   fail_if(Gate::NotAttractive, !(measures.most_pull_newton <= kPull_newton));
   return marks;
 }

@@ -25,10 +25,11 @@ struct Measures {
   double astray_s{0};                // after its end
   double packets_per_s{0};           // both directions
   double bytes_per_s{0};             // of them, as datagrams of ours in the clear
-  double generated_joule{0};         // most that the hand was given, held hand and pushing one
-  double declared_joule{0};          // what the scheme may
+  double generated_joule{0};         // given to the hand, where most of the declared was
+  double declared_joule{0};          // what the scheme may there
   double most_newton{0};
   double most_rise_newton{0};  // in a tick
+  double most_jump_newton{0};  // of that, without what a hand faster than 0.2 m/s adds: judged.cpp
   double most_pull_newton{0};  // towards the wall, in contact
   HeldAtWall held{};           // before a wall that moves; no mark and no gate: decision 0465
 };

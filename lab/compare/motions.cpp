@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "lab/compare/judged.hpp"
 #include "lab/compare/scenarios.hpp"
 
 // The scenarios of a hand that nothing stops: taps, and a shake in free space.
@@ -72,6 +73,7 @@ Result<void> play_taps(const CouplingCase& of, const StageSettings& settings, Me
     }
   }
   into.missed_share = static_cast<double>(missed) / (kTapsOfEach * kTaps_s.size());
+  judge_changes((*stage)->history(), into);
   return {};
 }
 

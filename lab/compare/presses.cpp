@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "lab/compare/judged.hpp"
 #include "lab/compare/scenarios.hpp"
 
 // The scenarios of a finger that presses: push, edge and outage.
@@ -29,6 +30,30 @@ constexpr double kOutageAt_s = 2;
 constexpr double kOutageEnd_s = 4.5;
 constexpr double kAstrayFrom_newton = 0.2;
 
+// To and fro behind the face, with the outage or without; judged, and what was felt.
+Result<std::vector<Felt>> press(const CouplingCase& of, const StageSettings& settings, bool is_cut,
+                                Measures& into) {
+  const Position3 start{kWall_m - 0.005, kBeside_m, 0};
+  auto stage = Stage::create(of, settings, start);
+  if (!stage) return tl::unexpected(stage.error());
+  Finger finger(start, (*stage)->dt());
+  constexpr double kOmega_per_s = 2 * std::numbers::pi * kStroke_hz;
+  while ((*stage)->now_s() < kOutageEnd_s) {
+    if (is_cut && (*stage)->now_s() >= kOutageAt_s) {
+      (*stage)->cut_network(kOutage_s);
+      is_cut = false;
+    }
+    const Felt& felt = (*stage)->tick(finger.tip(), finger.seen_velocity());
+    const double angle_rad = kOmega_per_s * felt.now_s;
+    finger.move({.at = {kStrokeMiddle_m + kStroke_m * std::sin(angle_rad), kBeside_m, 0},
+                 .moving = {kOmega_per_s * kStroke_m * std::cos(angle_rad), 0, 0}},
+                felt.force);
+  }
+  judge_forces((*stage)->history(), into);
+  judge_energy(of, (*stage)->history(), finger, into);
+  return (*stage)->history();
+}
+
 }  // namespace
 
 Result<void> play_push(const CouplingCase& of, const StageSettings& settings, Measures& into) {
@@ -47,6 +72,8 @@ Result<void> play_push(const CouplingCase& of, const StageSettings& settings, Me
     ticks += 1;
   }
   into.push_error_newton = std::sqrt(squares / ticks);
+  judge_forces((*stage)->history(), into);
+  judge_energy(of, (*stage)->history(), finger, into);
   return {};
 }
 
@@ -65,39 +92,23 @@ Result<void> play_edge(const CouplingCase& of, const StageSettings& settings, Me
     finger.move(goal, felt.force);
     if (-felt.force.x > kEdgeFelt_newton) into.edge_m = std::max(into.edge_m, felt.tip.y);
   }
+  judge_forces((*stage)->history(), into);
+  judge_energy(of, (*stage)->history(), finger, into);
   return {};
 }
 
 Result<void> play_outage(const CouplingCase& of, const StageSettings& settings, Measures& into) {
-  std::vector<Force3> undisturbed;
+  const auto undisturbed = press(of, settings, false, into);
+  if (!undisturbed) return tl::unexpected(undisturbed.error());
+  const auto cut = press(of, settings, true, into);
+  if (!cut) return tl::unexpected(cut.error());
   into.astray_newton = into.astray_s = 0;
-  for (const bool is_cut : {false, true}) {
-    const Position3 start{kWall_m - 0.005, kBeside_m, 0};
-    auto stage = Stage::create(of, settings, start);
-    if (!stage) return tl::unexpected(stage.error());
-    Finger finger(start, (*stage)->dt());
-    bool has_cut = false;
-    for (std::size_t tick = 0; (*stage)->now_s() < kOutageEnd_s; ++tick) {
-      if (is_cut && !has_cut && (*stage)->now_s() >= kOutageAt_s) {
-        (*stage)->cut_network(kOutage_s);
-        has_cut = true;
-      }
-      const Felt& felt = (*stage)->tick(finger.tip(), finger.seen_velocity());
-      const double angle_rad = 2 * std::numbers::pi * kStroke_hz * felt.now_s;
-      const double speed_m_per_s =
-          2 * std::numbers::pi * kStroke_hz * kStroke_m * std::cos(angle_rad);
-      finger.move({.at = {kStrokeMiddle_m + kStroke_m * std::sin(angle_rad), kBeside_m, 0},
-                   .moving = {speed_m_per_s, 0, 0}},
-                  felt.force);
-      if (!is_cut) {
-        undisturbed.push_back(felt.force);
-        continue;
-      }
-      const double astray_newton = std::abs(felt.force.x - undisturbed[tick].x);
-      into.astray_newton = std::max(into.astray_newton, astray_newton);
-      if (astray_newton <= kAstrayFrom_newton) continue;
-      into.astray_s = std::max(into.astray_s, felt.now_s - kOutageAt_s - kOutage_s);
-    }
+  for (std::size_t tick = 0; tick < cut->size(); ++tick) {
+    const Felt& felt = (*cut)[tick];
+    const double astray_newton = std::abs(felt.force.x - (*undisturbed)[tick].force.x);
+    into.astray_newton = std::max(into.astray_newton, astray_newton);
+    if (astray_newton <= kAstrayFrom_newton) continue;
+    into.astray_s = std::max(into.astray_s, felt.now_s - kOutageAt_s - kOutage_s);
   }
   return {};
 }

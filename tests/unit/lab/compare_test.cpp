@@ -10,6 +10,7 @@
 
 #include "lab/compare/bounded.hpp"
 #include "lab/compare/compared.hpp"
+#include "lab/compare/judged.hpp"
 #include "lab/compare/scenarios.hpp"
 #include "lab/trial/plane_fit.hpp"
 #include "lab/trial/random.hpp"
@@ -161,6 +162,84 @@ TEST(Hold, AFrameThatShiftsGivesWayToAWallThatComesAgainAndAgain) {
   EXPECT_NEAR(held_by(ours, {.delay_s = 0.02}).last_newton, 3.2, 0.05) << "one that stays is not";
 }
 
+Felt felt_at(double velocity_m_per_s, double newton) {
+  Felt felt;
+  felt.velocity.x = velocity_m_per_s;
+  felt.force.x = -newton;
+  felt.is_in_contact = true;
+  return felt;
+}
+
+// 2 N are a hand's of 0.2 m/s; an undelayed wall of 800 N/m and 5 N s/m adds 5.8 N for each m/s.
+TEST(Judged, ARiseIsThatOfAHandOfTheUsualSpeed) {
+  Measures slow;
+  judge_forces({felt_at(0.2, 0), felt_at(0.2, 2.4), felt_at(0.2, 0.1)}, slow);
+  EXPECT_DOUBLE_EQ(slow.most_rise_newton, 2.4);
+  EXPECT_DOUBLE_EQ(slow.most_jump_newton, 2.4) << "and what falls is no rise";
+  EXPECT_DOUBLE_EQ(slow.most_newton, 2.4);
+  Measures fast;
+  judge_forces({felt_at(0.4, 0), felt_at(0.4, 2.4)}, fast);
+  EXPECT_DOUBLE_EQ(fast.most_rise_newton, 2.4);
+  EXPECT_NEAR(fast.most_jump_newton, 2.4 - 5.8 * 0.2, 1e-12);
+}
+
+TEST(Judged, WhatRisesWhereAHandTurnsAtOnceIsItsOwn) {
+  Measures turned;
+  judge_changes({felt_at(0.2, 1), felt_at(-0.2, 9), felt_at(-0.2, 9.5), felt_at(-0.2, -0.3)},
+                turned);
+  EXPECT_DOUBLE_EQ(turned.most_rise_newton, 0.5);
+  EXPECT_DOUBLE_EQ(turned.most_pull_newton, 0.3);
+  EXPECT_EQ(turned.most_newton, 0) << "how deep it goes it decides by itself";
+}
+
+TEST(Judged, TheWorstOfAllScenariosIsKeptAndWhatIsNoNumberIsTheWorst) {
+  Measures measures;
+  judge_forces({felt_at(0, 0), felt_at(0, 3)}, measures);
+  judge_forces({felt_at(0, 0), felt_at(0, 1)}, measures);
+  EXPECT_DOUBLE_EQ(measures.most_newton, 3);
+  judge_forces({felt_at(0, std::nan(""))}, measures);
+  judge_forces({felt_at(0, 0), felt_at(0, 1)}, measures);
+  EXPECT_TRUE(std::isnan(measures.most_newton));
+}
+
+// Each by itself: the remote closed loop fails in all of them.
+TEST(Judged, NoScenarioOfAFingerIsWithoutAGate) {
+  const CouplingCase remote{.name = "remote-force", .scheme = coupling::Scheme::RemoteForce};
+  for (const auto play : {play_approach, play_push, play_edge, play_outage}) {
+    Measures late;
+    ASSERT_TRUE(play(remote, {.delay_s = 0.02}, late));
+    EXPECT_GT(late.generated_joule, 100 * late.declared_joule);
+    EXPECT_GT(late.most_newton, kMost_newton);
+    EXPECT_GT(late.most_rise_newton, 0);
+    Measures local;
+    ASSERT_TRUE(play({.name = "ghost-point"}, {.delay_s = 0.02}, local));
+    EXPECT_LE(local.generated_joule, local.declared_joule);
+    EXPECT_GT(local.most_newton, 0);
+    EXPECT_LT(local.most_newton, kMost_newton);
+  }
+  Measures taps;
+  const CouplingCase wave{.name = "wave", .scheme = coupling::Scheme::Wave};
+  ASSERT_TRUE(play_taps(wave, {.delay_s = 0.02}, taps));
+  EXPECT_GT(taps.most_pull_newton, 0.1);
+  EXPECT_GT(taps.most_rise_newton, 0);
+}
+
+// K_c is held below B/T of the delay, and a silence stretches the spring all the same.
+TEST(Judged, ASpringKicksWhenANetworkIsBackThatWasSilent) {
+  const CouplingCase spring{.name = "spring", .scheme = coupling::Scheme::SpringDamper};
+  Measures steady;
+  ASSERT_TRUE(play_edge(spring, {.delay_s = 0.005}, steady));
+  EXPECT_LE(steady.generated_joule, steady.declared_joule);
+  Measures silent;
+  ASSERT_TRUE(play_edge(spring, {.delay_s = 0.005, .has_outages = true}, silent));
+  EXPECT_GT(silent.most_newton, kMost_newton);
+  EXPECT_GT(silent.generated_joule, silent.declared_joule);
+  EXPECT_TRUE(may_give(spring.scheme, true));
+  EXPECT_FALSE(may_give(spring.scheme, false));
+  EXPECT_TRUE(may_give(coupling::Scheme::RemoteForce, false));
+  EXPECT_FALSE(may_give(coupling::Scheme::Wave, true));
+}
+
 TEST(Compare, ARunIsTheSameAgainAndOfAnotherSeedItIsNot) {
   const CouplingCase ghost{.name = "ghost-point"};
   const StageSettings rough{.delay_s = 0.05, .jitter_s = 0.025, .loss = 0.05, .seed = 3};
@@ -225,7 +304,8 @@ TEST(Compare, ADeadbandSendsAQuarterOfThePrintedCallbacksToo) {
         measures_of({.name = "banded", .scheme = kPrinted, .deadband_m = kBand_m}, stage);
     EXPECT_LT(4 * banded.packets_per_s, whole.packets_per_s) << delay_s;
     EXPECT_NEAR(banded.hold_newton, whole.hold_newton, 1) << delay_s;
-    EXPECT_LE(banded.most_newton, kMost_newton);
+    // It has no clamp (defect 11), and a finger that flies at it is pushed by more than 8.5 N.
+    EXPECT_NEAR(banded.most_newton, whole.most_newton, 1) << delay_s;
     EXPECT_LT(banded.swing_m, 0.0005) << delay_s;
   }
 }
