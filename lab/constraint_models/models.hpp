@@ -34,6 +34,9 @@ struct Model {
 // Errors: a world's, which a scene of ours has not.
 [[nodiscard]] Result<std::vector<Model>> make_models(const Scene& scene);
 
+// Moves the model's probe to `hand`, m, in the scene's frame, and says what holds it there: its
+// planes, and the nearest place that they leave free (plane_projection.hpp). Each call is a tick
+// after the one before, so that the order of places matters. Errors: none.
 [[nodiscard]] HeldHand hold(const Model& model, Position3 hand);
 
 }  // namespace thimble::lab

@@ -29,8 +29,8 @@ struct Released {
 };
 
 // The hand, a mass with a damper on one axis and nothing else that would hold it, leans on the wall
-// with kPush_newton, braked until it rests; then the brake goes, and it is kicked by 1 mm/s. So it
-// stays in contact, and a wall that pushes to one side only is the linear one of the theory. The
+// with `push_newton`, braked until it rests; then the brake goes, and it is kicked by 0.1 mm/s. So
+// it stays in contact, and a wall that pushes to one side only is the linear one of the theory. The
 // velocity is the servo's, filtered. 1 kHz. Deterministic. Errors: the scheme refuses the world.
 [[nodiscard]] Result<Released> let_go(const Release& how);
 
