@@ -12,7 +12,8 @@ namespace thimble::coupling {
 // The probe of one hand in a world, the buttons that its person presses there, and what else is
 // asked by it.
 //
-// Thread: the world's. Not RT; touch() neither allocates nor blocks where move_probe() does not.
+// Thread: the world's. Not RT; press() and move() wait for nothing, and allocate only where the
+// world's press() and move_probe() do; open() allocates.
 // Ownership: the world must outlive it; the destructor closes.
 // Errors: open() refuses a hand that is not finite, and passes on what the world says.
 class ProbeInWorld {

@@ -46,7 +46,8 @@ inline constexpr std::array kSchemes{
 // (TwoPortArm, TwoPortWorld). `force_at` is that of spring-damper.
 [[nodiscard]] bool is_force_of_world(Scheme scheme, ForceAt force_at) noexcept;
 
-// Of every scheme; each takes its own.
+// Of every scheme; each takes its own, composite those of the ghost point, which it is with a map,
+// and thesis-literal of them only the constraint age: its other numbers are printed.
 struct SchemeSettings {
   GhostPointSettings ghost_point{};
   RemoteForceSettings remote_force{};
@@ -56,8 +57,7 @@ struct SchemeSettings {
   BufferZoneSettings buffer_zone{};
 };
 
-// The arm half of `scheme`. Of the settings of the ghost point, thesis-literal takes only the
-// constraint age: its other numbers are printed. Control plane: allocates.
+// The arm half of `scheme`. Control plane: allocates.
 [[nodiscard]] std::unique_ptr<ArmCoupling> make_arm_coupling(Scheme scheme,
                                                              const SchemeSettings& settings);
 

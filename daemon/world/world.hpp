@@ -80,8 +80,8 @@ struct WorldInfo {
 // A world that ghost points move through. Every position is in the world frame: of a hand, the one
 // that its HandSample says, coordinate offset included.
 //
-// Thread: one, the world's. Not RT; move_probe() waits for nothing, and allocates only in worlds on
-// a board.
+// Thread: one, the world's. Not RT; move_probe() and press() wait for nothing, and allocate only in
+// worlds on a board.
 class World {
  public:
   virtual ~World() = default;
