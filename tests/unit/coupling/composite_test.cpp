@@ -9,6 +9,7 @@
 #include "composed.hpp"
 #include "daemon/coupling/ghost_point_world.hpp"
 #include "hand_samples.hpp"
+#include "turned_world.hpp"
 #include "zone_hand.hpp"
 
 namespace thimble::coupling {
@@ -136,74 +137,41 @@ TEST(Composite, TheGhostsOfBothHalvesComeTogetherWhereverTheyParted) {
   EXPECT_GT(corrections, 50U) << "they did part";
 }
 
-using Rows = std::vector<std::array<double, 6>>;
-
-// Force and offset of a hand in `grid`, whose cells come and go, turned back again.
-Rows turned_trace(const VoxelGrid& grid, std::size_t shift, bool is_mirrored, std::uint64_t seed) {
-  const auto turned = [&](Cell c) {
-    Cell to;
-    for (std::size_t a = 0; a < 3; ++a) to[(a + shift) % 3] = is_mirrored ? 6 - c[a] : c[a];
-    return to;
-  };
-  VoxelGrid world = VoxelGrid::create({7, 7, 7}, 0.030).value();
-  for (Cell c; c.z < 7; ++c.z) {
-    for (c.y = 0; c.y < 7; ++c.y) {
-      for (c.x = 0; c.x < 7; ++c.x) world.set_occupied(turned(c), grid.is_occupied(c));
-    }
-  }
-  Composed sut(world, kTick, delayed_by(0.08));
+// In `turned`, whose cells come and go; `grid` is what it is the image of.
+testing::TurnedTrace feel_turned(const VoxelGrid& grid, const VoxelGrid& turned,
+                                 const world::Symmetry& turn, std::uint64_t seed) {
+  Composed sut(turned, kTick, delayed_by(0.08));
   (void)sut.rest({}, 0.4);
   ZoneHand hand(seed, {}, 0.4);
-  UndelayedGhostPoint person(grid, {}, {3, 3, 3});
+  UndelayedGhostPoint person(grid, {}, testing::kCellOfTheOrigin);
   std::mt19937_64 random(seed);
-  Rows rows;
-  const double sign = is_mirrored ? -1 : 1;
+  testing::TurnedTrace trace;
   for (int i = 0; i < 2000; ++i) {
     if (i % 100 == 99) {
       Cell cell;
-      for (std::size_t a = 0; a < 3; ++a) cell[a] = static_cast<std::int32_t>(random() % 7);
-      sut.cells.set_cell(turned(cell), random() % 2 == 0);
+      for (std::size_t a = 0; a < 3; ++a) {
+        cell[a] = static_cast<std::int32_t>(random() % grid.cells()[a]);
+      }
+      sut.cells.set_cell(image(turn, grid, cell), random() % 2 == 0);
     }
     hand.move(person.ghost(), kTick);
     (void)person.tick(hand.at(), hand.velocity(), kTick);
-    Position3 tip;
-    Velocity3 velocity;
-    for (std::size_t a = 0; a < 3; ++a) {
-      tip[(a + shift) % 3] = sign * hand.at()[a];
-      velocity[(a + shift) % 3] = sign * hand.velocity()[a];
-    }
-    const ArmOutput out = sut.loop.tick(tip, velocity);
-    std::array<double, 6> row{};
-    for (std::size_t a = 0; a < 3; ++a) {
-      row[a] = sign * out.force[(a + shift) % 3];
-      row[3 + a] = sign * out.offset[(a + shift) % 3];
-    }
-    rows.push_back(row);
+    trace.emplace_back(turn, sut.loop.tick(image(turn, hand.at()), image(turn, hand.velocity())));
   }
-  return rows;
+  EXPECT_GT(testing::ticks_felt(trace), 100);
+  return trace;
 }
 
 TEST(Composite, MirroredAndPermutedWorldsGiveMirroredAndPermutedForces) {
   std::mt19937_64 random(723);
-  for (std::uint64_t run = 0; run < 12; ++run) {
-    VoxelGrid grid = VoxelGrid::create({7, 7, 7}, 0.030).value();
-    for (Cell c; c.z < 7; ++c.z) {
-      for (c.y = 0; c.y < 7; ++c.y) {
-        for (c.x = 0; c.x < 7; ++c.x) grid.set_occupied(c, random() % 6 == 0);
-      }
-    }
-    grid.set_occupied({3, 3, 3}, false);
-    const Rows reference = turned_trace(grid, 0, false, run);
-    for (const std::size_t shift : {0U, 1U, 2U}) {
-      const Rows mirrored = turned_trace(grid, shift, true, run);
-      const Rows permuted = turned_trace(grid, shift, false, run);
-      for (std::size_t i = 0; i < reference.size(); ++i) {
-        for (std::size_t j = 0; j < 6; ++j) {
-          ASSERT_NEAR(mirrored[i][j], reference[i][j], 1e-9) << run << " " << i;
-          ASSERT_NEAR(permuted[i][j], reference[i][j], 1e-9) << run << " " << i;
-        }
-      }
-    }
+  for (std::uint64_t run = 0; run < 4; ++run) {
+    const VoxelGrid grid = testing::cells_round_the_origin(random);
+    testing::expect_turned_cells_are_felt_turned(
+        grid,
+        [&](const VoxelGrid& turned, const world::Symmetry& turn) {
+          return feel_turned(grid, turned, turn, run);
+        },
+        1e-6);
   }
 }
 

@@ -2,13 +2,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "fake_box.hpp"
 #include "far_end_schemes.hpp"
 #include "linked_loop.hpp"
+#include "turned_world.hpp"
 
 namespace thimble::coupling {
 namespace {
@@ -103,37 +104,32 @@ TEST(FarEndSchemes, FeelTheSameAtAnyServoRate) {
   }
 }
 
-TEST(FarEndSchemes, MirroredAndPermutedHandsFeelMirroredAndPermutedForces) {
+testing::TurnedTrace feel_turned(const FarEndScheme& scheme, world::World& world,
+                                 const world::Symmetry& turn) {
+  const auto arm = scheme.make_arm();
+  const auto far = scheme.make_world(world, 7);
+  LinkedLoop loop(*arm, *far, milliseconds(1), delayed_by(0.03));
+  testing::TurnedTrace trace;
+  for (int i = 0; i < 6000; ++i) {
+    const Position3 tip = testing::about(1e-3 * i);
+    const Velocity3 velocity = testing::about_speed(1e-3 * i);
+    trace.emplace_back(turn, loop.tick(image(turn, tip), image(turn, velocity)));
+  }
+  EXPECT_GT(testing::ticks_felt(trace), 1000);
+  return trace;
+}
+
+// teleop.md 8.
+TEST(FarEndSchemes, MirroredAndPermutedWorldsGiveMirroredAndPermutedForces) {
   for (const FarEndScheme& scheme : far_end_schemes()) {
-    const auto run = [&](std::size_t shift, double sign) {
-      Rig rig(scheme, milliseconds(1), 0.03);
-      std::vector<std::array<double, 3>> trace;
-      for (int i = 0; i < 5000; ++i) {
-        const Position3 p = wandering(1e-3 * i);
-        const Velocity3 v = wandering_speed(1e-3 * i);
-        Position3 tip;
-        Velocity3 velocity;
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-          tip[(axis + shift) % 3] = sign * p[axis];
-          velocity[(axis + shift) % 3] = sign * v[axis];
-        }
-        const ArmOutput out = rig.loop.tick(tip, velocity);
-        std::array<double, 3> row{};
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-          row[axis] = sign * out.force[(axis + shift) % 3];
-        }
-        trace.push_back(row);
-      }
-      return trace;
+    SCOPED_TRACE(scheme.name);
+    const auto feel = [&](world::World& world, const world::Symmetry& turn) {
+      return feel_turned(scheme, world, turn);
     };
-    const auto reference = run(0, 1);
-    EXPECT_TRUE(std::any_of(reference.begin(), reference.end(),
-                            [](const auto& row) { return row[0] != 0 && row[2] != 0; }));
-    for (const std::size_t shift : {0U, 1U, 2U}) {
-      for (const double sign : {1.0, -1.0}) {
-        EXPECT_EQ(run(shift, sign), reference) << scheme.name << " " << shift << " " << sign;
-      }
-    }
+    FakeBox box(kHalf_m);
+    testing::expect_turned_is_felt_turned(box, feel, 0);
+    world::SphereWorld ball = testing::make_ball();
+    testing::expect_turned_is_felt_turned(ball, feel, 1e-6);
   }
 }
 

@@ -9,6 +9,7 @@
 #include "daemon/world/voxel_world.hpp"
 #include "delayed_loop.hpp"
 #include "fake_box.hpp"
+#include "turned_world.hpp"
 
 namespace thimble::coupling {
 namespace {
@@ -153,38 +154,25 @@ TEST(GhostPointLoop, RateOfTheServoChangesNothing) {
   }
 }
 
-// Defects 1 and 27: all six faces are alike, to the last bit.
-TEST(GhostPointLoop, MirroredAndPermutedHandsFeelMirroredAndPermutedForces) {
-  const auto run = [](std::size_t shift, double sign) {
-    GhostPointArm arm{GhostPointSettings{}};
-    FakeBox box(0.015);
-    DelayedLoop loop(arm, box, milliseconds(1), milliseconds(30));
-    std::vector<std::array<double, 6>> trace;
-    for (int i = 0; i < 6000; ++i) {
-      const Position3 p = wander(1e-3 * i);
-      const Velocity3 v = wander_speed(1e-3 * i);
-      Position3 tip;
-      Velocity3 velocity;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        tip[(axis + shift) % 3] = sign * p[axis];
-        velocity[(axis + shift) % 3] = sign * v[axis];
-      }
-      const ArmOutput out = loop.tick(tip, velocity);
-      std::array<double, 6> row{};
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        row[axis] = sign * out.force[(axis + shift) % 3];
-        row[axis + 3] = sign * out.offset[(axis + shift) % 3];
-      }
-      trace.push_back(row);
-    }
-    return trace;
-  };
-  const auto reference = run(0, 1);
-  EXPECT_TRUE(std::any_of(reference.begin(), reference.end(),
-                          [](const auto& row) { return row[0] != 0 && row[4] != 0; }));
-  for (const std::size_t shift : {0U, 1U, 2U}) {
-    for (const double sign : {1.0, -1.0}) EXPECT_EQ(run(shift, sign), reference);
+testing::TurnedTrace feel_turned(world::World& world, const world::Symmetry& turn) {
+  GhostPointArm arm{GhostPointSettings{}};
+  DelayedLoop loop(arm, world, milliseconds(1), milliseconds(30));
+  testing::TurnedTrace trace;
+  for (int i = 0; i < 6000; ++i) {
+    const Position3 tip = testing::about(1e-3 * i);
+    const Velocity3 velocity = testing::about_speed(1e-3 * i);
+    trace.emplace_back(turn, loop.tick(image(turn, tip), image(turn, velocity)));
   }
+  EXPECT_GT(testing::ticks_felt(trace), 1000);
+  return trace;
+}
+
+// Defects 1 and 27: all six faces are alike, to the last bit; so are walls of any angle.
+TEST(GhostPointLoop, MirroredAndPermutedWorldsGiveMirroredAndPermutedForces) {
+  FakeBox box(0.015);
+  testing::expect_turned_is_felt_turned(box, feel_turned, 0);
+  world::SphereWorld ball = testing::make_ball();
+  testing::expect_turned_is_felt_turned(ball, feel_turned, 1e-6);
 }
 
 // The box of the thesis, cut into voxels, feels like the plainest box there is.

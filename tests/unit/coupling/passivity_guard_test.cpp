@@ -235,15 +235,15 @@ TEST(PassivityGuard, PassesOnWhatIsNotFiniteAndResetForgetsTheBalance) {
 }
 
 // A force that is late enough to push the hand along, so that the guard has work.
-std::vector<Force3> feel_guarded(world::World& world, const testing::Turn& turn) {
+testing::TurnedTrace feel_guarded(world::World& world, const world::Symmetry& turn) {
   PassivityGuard arm(std::make_unique<RemoteForceArm>(), {});
   RemoteForceWorld far(world, 1);
   LinkedLoop loop(arm, far, kTick, testing::delayed_by(0.03));
-  std::vector<Force3> felt;
+  testing::TurnedTrace felt;
   for (int i = 0; i < 12'000; ++i) {
-    const ArmOutput out =
-        loop.tick(turn.there(testing::about(1e-3 * i)), turn.there(testing::about_speed(1e-3 * i)));
-    felt.push_back(turn.back(out.force));
+    const ArmOutput out = loop.tick(image(turn, testing::about(1e-3 * i)),
+                                    image(turn, testing::about_speed(1e-3 * i)));
+    felt.emplace_back(turn, out);
   }
   EXPECT_GT(arm.steps_damped(), 100U) << "the guard is on";
   return felt;

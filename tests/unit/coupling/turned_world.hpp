@@ -2,13 +2,15 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <vector>
 
+#include "daemon/coupling/arm_coupling.hpp"
 #include "daemon/world/sphere_world.hpp"
 #include "daemon/world/world.hpp"
+#include "tests/unit/world/symmetry.hpp"
 
 namespace thimble::coupling::testing {
 
@@ -26,69 +28,75 @@ inline world::SphereWorld make_ball() {
   return world::SphereWorld::create({{0, -0.025, 0}, 0.02, -0.035}).value();
 }
 
-// The same hand by the axes `shift` further, mirrored along those of `mirror`.
-struct Turn {
-  std::size_t shift{0};
-  std::array<double, 3> mirror{1, 1, 1};
-
-  template <class Quantity>
-  [[nodiscard]] Quantity there(const Quantity& v) const {
-    Quantity out;
-    for (std::size_t axis = 0; axis < 3; ++axis) out[(axis + shift) % 3] = mirror[axis] * v[axis];
-    return out;
-  }
-  template <class Quantity>
-  [[nodiscard]] Quantity back(const Quantity& v) const {
-    Quantity out;
-    for (std::size_t axis = 0; axis < 3; ++axis) out[axis] = mirror[axis] * v[(axis + shift) % 3];
-    return out;
-  }
-};
-
 // A world as another that was turned: hands go in turned back, what it says comes out turned.
 class TurnedWorld final : public world::World {
  public:
-  TurnedWorld(world::World& of, const Turn& turn) : of_(of), turn_(turn) {}
+  TurnedWorld(world::World& of, const world::Symmetry& turn) : of_(of), turn_(turn) {}
   [[nodiscard]] const world::WorldInfo& info() const noexcept override { return of_.info(); }
   [[nodiscard]] Result<world::ProbeId> add_probe(Position3 hand) override {
-    return of_.add_probe(turn_.back(hand));
+    return of_.add_probe(original(turn_, hand));
   }
   void remove_probe(world::ProbeId probe) noexcept override { of_.remove_probe(probe); }
   world::ProbeMotion move_probe(world::ProbeId probe, Position3 hand,
                                 Duration dt) noexcept override {
-    world::ProbeMotion motion = of_.move_probe(probe, turn_.back(hand), dt);
-    motion.ghost = turn_.there(motion.ghost);
-    for (world::ContactPlane& plane : motion.planes) plane.normal = turn_.there(plane.normal);
+    world::ProbeMotion motion = of_.move_probe(probe, original(turn_, hand), dt);
+    motion.ghost = image(turn_, motion.ghost);
+    motion.pressure = image(turn_, motion.pressure);
+    for (world::ContactPlane& plane : motion.planes) plane.normal = image(turn_, plane.normal);
     return motion;
   }
 
  private:
   world::World& of_;
-  Turn turn_;
+  world::Symmetry turn_;
 };
 
-// The forces in a world with a hand that was turned, turned back.
-using FeelTurned = std::function<std::vector<Force3>(world::World&, const Turn&)>;
+// What a hand that was turned feels in a tick, turned back.
+struct FeltTurnedBack {
+  FeltTurnedBack(const world::Symmetry& turn, const ArmOutput& out)
+      : force(original(turn, out.force)), offset(original(turn, out.offset)) {}
+  Force3 force;
+  Displacement3 offset;
+};
+using TurnedTrace = std::vector<FeltTurnedBack>;
+using FeelTurned = std::function<TurnedTrace(world::World&, const world::Symmetry&)>;
+using FeelTurnedCells = std::function<TurnedTrace(const world::VoxelGrid&, const world::Symmetry&)>;
 
-// Signs change no rounding; permuted axes do where sums of three products are rounded in their
-// order, which `permuted_newton` leaves room for.
+// All 48 turns. Signs change no rounding; permuted axes do where sums of three products are rounded
+// in their order, which `permuted_newton` leaves room for, and of offsets a millimetre each newton.
+inline void expect_every_turn_alike(const std::function<TurnedTrace(const world::Symmetry&)>& feel,
+                                    double permuted_newton) {
+  const TurnedTrace reference = feel({});
+  for (const world::Symmetry& turn : world::all_symmetries()) {
+    const TurnedTrace felt = feel(turn);
+    const double room_newton = turn.exchanges_axes() ? permuted_newton : 0;
+    SCOPED_TRACE(::testing::PrintToString(turn.to) + ::testing::PrintToString(turn.is_mirrored));
+    ASSERT_EQ(felt.size(), reference.size());
+    for (std::size_t i = 0; i < reference.size(); ++i) {
+      ASSERT_LE(norm(felt[i].force - reference[i].force), room_newton) << i;
+      ASSERT_LE(norm(felt[i].offset - reference[i].offset), 1e-3 * room_newton) << i;
+    }
+  }
+}
 inline void expect_turned_is_felt_turned(world::World& world, const FeelTurned& feel,
                                          double permuted_newton) {
-  const auto turned = [&](const Turn& turn) {
+  const auto turned = [&](const world::Symmetry& turn) {
     TurnedWorld there(world, turn);
     return feel(there, turn);
   };
-  const std::vector<Force3> reference = turned({});
-  for (const auto& mirror : {std::array<double, 3>{-1, 1, 1}, {1, -1, -1}, {-1, -1, -1}}) {
-    EXPECT_EQ(turned({.shift = 0, .mirror = mirror}), reference);
-    for (const std::size_t shift : {1U, 2U}) {
-      const std::vector<Force3> permuted = turned({.shift = shift, .mirror = mirror});
-      ASSERT_EQ(permuted.size(), reference.size());
-      for (std::size_t i = 0; i < reference.size(); ++i) {
-        ASSERT_LE(norm(permuted[i] - reference[i]), permuted_newton) << shift << ", " << i;
-      }
-    }
-  }
+  expect_every_turn_alike(turned, permuted_newton);
+}
+inline void expect_turned_cells_are_felt_turned(const world::VoxelGrid& grid,
+                                                const FeelTurnedCells& feel,
+                                                double permuted_newton) {
+  const auto turned = [&](const world::Symmetry& turn) { return feel(image(turn, grid), turn); };
+  expect_every_turn_alike(turned, permuted_newton);
+}
+
+// How often a force is felt that a person would notice.
+inline int ticks_felt(const TurnedTrace& trace) {
+  return static_cast<int>(std::count_if(trace.begin(), trace.end(),
+                                        [](const auto& felt) { return norm(felt.force) > 0.1; }));
 }
 
 }  // namespace thimble::coupling::testing

@@ -270,16 +270,16 @@ TEST(TwoPortWorld, AHandGoesOnIntoAWallAsFarAsItsEnergyGoes) {
   }
 }
 
-std::vector<Force3> feel_guarded(world::World& world, const testing::Turn& turn) {
+testing::TurnedTrace feel_guarded(world::World& world, const world::Symmetry& turn) {
   TwoPortArm arm(std::make_unique<RemoteForceArm>(), {});
   TwoPortWorld far(std::make_unique<RemoteForceWorld>(world, 1));
   LinkedLoop loop(arm, far, kTick, testing::delayed_by(0.03));
-  std::vector<Force3> felt;
+  testing::TurnedTrace felt;
   int held_back = 0;  // steps in which the world does not take the hand where it goes
   for (int i = 0; i < 12'000; ++i) {
-    const Position3 tip = turn.there(testing::about(1e-3 * i));
-    const ArmOutput out = loop.tick(tip, turn.there(testing::about_speed(1e-3 * i)));
-    felt.push_back(turn.back(out.force));
+    const Position3 tip = image(turn, testing::about(1e-3 * i));
+    const ArmOutput out = loop.tick(tip, image(turn, testing::about_speed(1e-3 * i)));
+    felt.emplace_back(turn, out);
     if (norm(far.place() - tip) > 0.005) ++held_back;
   }
   EXPECT_GT(arm.steps_withheld(), 100U) << "the arm's end is at work";

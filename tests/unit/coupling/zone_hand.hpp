@@ -68,6 +68,19 @@ inline world::VoxelGrid cells_at_random(std::mt19937_64& random, double cell_m) 
   return grid;
 }
 
+// As many cells along no two axes, and the origin in the middle of one that is free.
+constexpr world::Cell kCellOfTheOrigin{3, 2, 4};
+inline world::VoxelGrid cells_round_the_origin(std::mt19937_64& random) {
+  world::VoxelGrid grid = world::VoxelGrid::create({7, 5, 9}, 0.030).value();
+  for (world::Cell c; c.z < 9; ++c.z) {
+    for (c.y = 0; c.y < 5; ++c.y) {
+      for (c.x = 0; c.x < 7; ++c.x) grid.set_occupied(c, random() % 6 == 0);
+    }
+  }
+  grid.set_occupied(kCellOfTheOrigin, false);
+  return grid;
+}
+
 inline world::VoxelGrid room_at_random(std::mt19937_64& random, double cell_m) {
   world::VoxelGrid grid = world::VoxelGrid::create({12, 12, 12}, cell_m).value();
   grid.fill();
