@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "daemon/coupling/surface_touch.hpp"
+#include "daemon/coupling/symmetric_dot.hpp"
 #include "daemon/coupling/told_planes.hpp"
 
 namespace thimble::coupling {
@@ -183,6 +185,7 @@ void GhostPointArm::relax(const ArmInput& input) noexcept {
 void GhostPointArm::press(const ArmInput& input, ArmOutput& output) noexcept {
   Force3 force{};
   update_spring_budget(input.now);
+  raise_springs(input.dt);
   for (Contact& contact : contacts_) {
     if (!contact.is_held) continue;
     const double depth = depth_m(contact.plane, last_hand_);
@@ -192,11 +195,7 @@ void GhostPointArm::press(const ArmInput& input, ArmOutput& output) noexcept {
       if (!(depth > 0)) contact.spring.reset(surface_of(contact.plane, settings_).stiffness);
       continue;
     }
-    if (!contact.is_pressing) {
-      begin(contact, input, output);
-    } else {
-      advance_ramp(contact, input.dt, depth);
-    }
+    if (!contact.is_pressing) begin(contact, input, output);
     contact.has_pressed = true;
     contact.last_pressed = input.now;
     output.is_in_contact = true;
@@ -252,31 +251,52 @@ bool GhostPointArm::was_pressed_lately(const Contact& contact, MonotonicTime now
 void GhostPointArm::update_spring_budget(MonotonicTime now) noexcept {
   const auto is_pressing = [](const Contact& contact) { return contact.is_pressing; };
   const auto is_recent = [&](const Contact& contact) { return was_pressed_lately(contact, now); };
-  const double offset_m2 = dot(frame_.offset(), frame_.offset());
+  const double offset_m2 = symmetric_dot(frame_.offset(), frame_.offset());
   const bool is_touching = std::any_of(contacts_.begin(), contacts_.end(), is_pressing);
   touch_offset_m2_ = is_touching ? std::max(touch_offset_m2_, offset_m2) : offset_m2;
   if (std::none_of(contacts_.begin(), contacts_.end(), is_recent)) spring_spent_joule_ = 0;
 }
 
-// Only a frame that was pushed away along the normal pulls back; one displaced the other way
-// would draw the finger into the wall. A spring that grows under a finger that presses gives the
-// hand the growth times the depth; a finger deeper than half of the offset would get more than
-// the shift stored.
-void GhostPointArm::advance_ramp(Contact& contact, Duration dt, double depth) noexcept {
+// A spring that grows under a finger that presses gives the hand the growth times the depth; a
+// finger deeper than half of the offset would get more than the shift stored. What the faces want
+// beyond the budget is taken from each by its share: none of them comes first (decision 0479).
+void GhostPointArm::raise_springs(Duration dt) noexcept {
+  struct Rise {
+    Contact* contact{nullptr};
+    double by_m{0};
+  };
+  rt::StaticVector<Rise, kMaxContacts> rises;
+  rt::StaticVector<double, kMaxContacts> costs_joule;
+  for (Contact& contact : contacts_) {
+    const double depth = depth_m(contact.plane, last_hand_);
+    if (!contact.is_held || !contact.is_pressing || !(depth > contact.spring.gap_m())) continue;
+    const double by_m = advance_ramp(contact, dt);
+    rises.push_back({&contact, by_m});
+    costs_joule.push_back(std::max(0.0, by_m) * settings_.coordinate_spring.newton_per_m * depth);
+  }
+  // The same sum in whatever order the faces are told.
+  std::sort(costs_joule.begin(), costs_joule.end());
+  const double wanted_joule = std::accumulate(costs_joule.begin(), costs_joule.end(), 0.0);
+  const double granted_joule = std::max(
+      0.0, settings_.coordinate_spring.newton_per_m * touch_offset_m2_ / 2 - spring_spent_joule_);
+  const double share = wanted_joule > granted_joule ? granted_joule / wanted_joule : 1;
+  for (const Rise& rise : rises) {
+    rise.contact->shown_m += rise.by_m > 0 ? share * rise.by_m : rise.by_m;
+  }
+  spring_spent_joule_ += share * wanted_joule;
+}
+
+// By how much its spring would grow. Only a frame that was pushed away along the normal pulls back;
+// one displaced the other way would draw the finger into the wall.
+double GhostPointArm::advance_ramp(Contact& contact, Duration dt) const noexcept {
   const double target_m = std::max(0.0, -dot(contact.plane.normal, frame_.offset()));
   const double ramp_s = seconds(settings_.coordinate_spring_ramp);
   contact.ramp_elapsed_s += std::max(0.0, seconds(dt));
   const double share = ramp_s > 0 ? std::min(1.0, contact.ramp_elapsed_s / ramp_s) : 1.0;
   const double wanted_m = contact.ramp_from_m + (target_m - contact.ramp_from_m) * share;
-  const double price_newton = settings_.coordinate_spring.newton_per_m * depth;
-  const double granted_joule =
-      settings_.coordinate_spring.newton_per_m * touch_offset_m2_ / 2 - spring_spent_joule_;
-  double rise_m = wanted_m - contact.shown_m;
+  const double rise_m = wanted_m - contact.shown_m;
   // What waited for the budget comes as slowly as what did not.
-  if (ramp_s > 0) rise_m = std::min(rise_m, target_m * std::max(0.0, seconds(dt)) / ramp_s);
-  if (rise_m * price_newton > granted_joule) rise_m = std::max(0.0, granted_joule) / price_newton;
-  spring_spent_joule_ += std::max(0.0, rise_m) * price_newton;
-  contact.shown_m += rise_m;
+  return ramp_s > 0 ? std::min(rise_m, target_m * std::max(0.0, seconds(dt)) / ramp_s) : rise_m;
 }
 
 }  // namespace thimble::coupling

@@ -117,7 +117,8 @@ class GhostPointArm final : public ArmCoupling {
   // Within the redetection guard: it is the same touch (decision 0051).
   [[nodiscard]] bool was_pressed_lately(const Contact& contact, MonotonicTime now) const noexcept;
   void update_spring_budget(MonotonicTime now) noexcept;
-  void advance_ramp(Contact& contact, Duration dt, double depth_m) noexcept;
+  void raise_springs(Duration dt) noexcept;
+  [[nodiscard]] double advance_ramp(Contact& contact, Duration dt) const noexcept;
 
   GhostPointSettings settings_;
   double hysteresis_m_;

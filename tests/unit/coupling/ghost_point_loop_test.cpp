@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <random>
 #include <vector>
 
 #include "daemon/coupling/ghost_point_arm.hpp"
@@ -10,6 +11,7 @@
 #include "delayed_loop.hpp"
 #include "fake_box.hpp"
 #include "turned_world.hpp"
+#include "zone_hand.hpp"
 
 namespace thimble::coupling {
 namespace {
@@ -173,6 +175,22 @@ TEST(GhostPointLoop, MirroredAndPermutedWorldsGiveMirroredAndPermutedForces) {
   testing::expect_turned_is_felt_turned(box, feel_turned, 0);
   world::SphereWorld ball = testing::make_ball();
   testing::expect_turned_is_felt_turned(ball, feel_turned, 1e-6);
+}
+
+// The same where the world turns its own cells.
+TEST(GhostPointLoop, MirroredAndPermutedCellsGiveMirroredAndPermutedForces) {
+  std::mt19937_64 random(613);
+  for (int run = 0; run < 4; ++run) {
+    world::VoxelGrid grid = testing::cells_at_random(random, 0.012);
+    grid.set_occupied({4, 4, 3}, false);
+    testing::expect_turned_cells_are_felt_turned(
+        grid,
+        [](const world::VoxelGrid& cells, const world::Symmetry& turn) {
+          world::VoxelWorld world(cells, "cells");
+          return feel_turned(world, turn);
+        },
+        0);
+  }
 }
 
 // The box of the thesis, cut into voxels, feels like the plainest box there is.
