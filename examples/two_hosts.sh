@@ -2,7 +2,9 @@
 # Two hosts on one machine: two network namespaces with a cable between them, a daemon in each, and
 # one block that both arms push; or two arms that are coupled to each other. Needs root (ip netns).
 # Runs until Ctrl-C, or for SECONDS.
-#   sudo examples/two_hosts.sh [block | teleoperation] [SECONDS]
+#   sudo examples/two_hosts.sh [block | teleoperation [COUPLING]] [SECONDS]
+# COUPLING: wave or spring-damper at both, or ghost-point at the arm that moves, with spring-damper
+# at the one that is drawn along. Not said: as the files say, wave.
 # In another terminal, as root:
 #   thimble watch --socket /run/thimble-two-hosts/host.sock     the host that has the block, or waits
 #   thimble watch --socket /run/thimble-two-hosts/guest.sock    the other one
@@ -12,6 +14,14 @@ daemon=${THIMBLED:-thimbled}
 room=${ROOM:-/run/thimble-two-hosts}
 scene=block
 case ${1:-} in block | teleoperation) scene=$1 && shift ;; esac
+guest_scheme=
+case $scene:${1:-} in
+  teleoperation:wave | teleoperation:spring-damper | teleoperation:ghost-point)
+    guest_scheme=$1 && shift
+    ;;
+esac
+host_scheme=$guest_scheme
+if [ "$guest_scheme" = ghost-point ]; then host_scheme=spring-damper; fi
 host=thimble-host-$$
 guest=thimble-guest-$$
 if [ "$(id -u)" -ne 0 ]; then
@@ -50,11 +60,11 @@ listener=arm
 if [ "$scene" = block ]; then listener=world; fi
 ip netns exec "$host" "$daemon" --config "$here/$scene-host.toml" \
   --set daemon.socket="$room/host.sock" --set $listener.listen=$place \
-  --set $listener.key_file="$key" &
+  --set $listener.key_file="$key" ${host_scheme:+--set "arm.coupling.scheme=$host_scheme"} &
 host_pid=$!
 ip netns exec "$guest" "$daemon" --config "$here/$scene-guest.toml" \
   --set daemon.socket="$room/guest.sock" --set arm.link=$place \
-  --set arm.key_file="$key" &
+  --set arm.key_file="$key" ${guest_scheme:+--set "arm.coupling.scheme=$guest_scheme"} &
 guest_pid=$!
 if [ -n "$seconds" ]; then
   sleep "$seconds" &

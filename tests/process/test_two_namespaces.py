@@ -55,9 +55,9 @@ class Seen:
 
 
 class TwoHosts:
-    """examples/two_hosts.sh with `scene`, until the end of a test."""
+    """examples/two_hosts.sh with `arguments`, until the end of a test."""
 
-    scene = ""
+    arguments = ()
 
     def setUp(self):
         super().setUp()
@@ -66,7 +66,7 @@ class TwoHosts:
             self.skipTest(reason)
         with open(self.folder / "log", "wb") as log:
             self.program = subprocess.Popen(
-                [str(rig.EXAMPLES / "two_hosts.sh"), self.scene], stdin=subprocess.DEVNULL, stdout=log,
+                [str(rig.EXAMPLES / "two_hosts.sh"), *self.arguments], stdin=subprocess.DEVNULL, stdout=log,
                 stderr=log, preexec_fn=rig.die_with_parent,
                 env={**rig.clean_environment(), "THIMBLED": str(rig.BIN / "thimbled"),
                      "ROOM": str(self.folder)})
@@ -89,7 +89,7 @@ class TwoHosts:
 
 
 class Block(TwoHosts, rig.ProcessTest):
-    scene = "block"
+    arguments = ("block",)
 
     def see_it_pushed(self, way):
         """The block has gone 2 mm `way`, 1 or -1, along x, from the furthest that it was seen the other way."""
@@ -128,14 +128,15 @@ class Block(TwoHosts, rig.ProcessTest):
 
 
 class Teleoperation(TwoHosts, rig.ProcessTest):
-    scene = "teleoperation"
+    arguments = ("teleoperation",)
+    scheme = "wave"  # of the arm that moves
 
     def test_what_one_does_the_other_is_drawn_along_by(self):
         self.guest.when(lambda s: s["arms"][0]["state"] == "active" and s["links"][0]["is_up"])
         first = self.host.when(lambda s: s["arms"][0]["state"] == "active")["arms"][0]
         with self.subTest("its far end is the arm of the other host, as far away as was said, with a key of their own"):
             link = self.guest.when(lambda s: s["links"][0]["round_trip_s"] > 0)["links"][0]
-            self.assertEqual((link["peer"], link["peer_arm"], link["scheme"]), ("udp://10.68.0.1:5001", "here", "wave"))
+            self.assertEqual((link["peer"], link["peer_arm"], link["scheme"]), ("udp://10.68.0.1:5001", "here", self.scheme))
             self.assertGreaterEqual(link["round_trip_s"], 0.04)
             self.assertEqual(os.stat(self.folder / "link.key").st_mode & 0o777, 0o600)
         with self.subTest("the hand that holds still is moved by 3 mm, and its arm pulls at it"):
@@ -149,6 +150,18 @@ class Teleoperation(TwoHosts, rig.ProcessTest):
             for side in (self.host, self.guest):
                 self.assertEqual(side.status()["arms"][0]["faults"], [])
         self.assert_it_leaves_no_namespace_behind()
+
+
+class BySpringDamper(Teleoperation):
+    arguments = ("teleoperation", "spring-damper")
+    scheme = "spring-damper"
+
+
+class ByGhostPoint(Teleoperation):
+    """The arm that is drawn along is a spring-damper's."""
+
+    arguments = ("teleoperation", "ghost-point")
+    scheme = "ghost-point"
 
 
 if __name__ == "__main__":

@@ -106,23 +106,40 @@ std::unique_ptr<SessionRun> played_examples(const std::vector<std::string>& name
 
 const std::vector<std::string> kTeleoperation{"teleoperation-host", "teleoperation-guest"};
 
-// 5.3.5: one arm is drawn along by the other, through the datagrams of the daemons.
+double x_m(const servo::ServoFrame& frame) { return std::abs(frame.tip.x); }
+double newton(const servo::ServoFrame& frame) { return norm(frame.force); }
+
+template <class Measure>
+double most(const SessionRun& run, std::size_t arm, const Measure& measure) {
+  double out = 0;
+  for (const servo::ServoFrame& frame : run.trace(arm).frames) out = std::max(out, measure(frame));
+  return out;
+}
+
+// 5.3.5: one arm is drawn along by the other, through the datagrams of the daemons, by each of the
+// couplings of the thesis: (b), (c), and (e) whose other arm is that of (b).
 TEST(SessionRun, HostsThatAreCoupledArePlayedTogether) {
-  const auto run = played_examples(kTeleoperation, 6);
-  ASSERT_NE(run, nullptr);
-  ASSERT_EQ(run->session().arms(), 2U);
-  const Findings findings = run->findings();
-  EXPECT_TRUE(findings.is_met()) << tell(findings);
-  EXPECT_EQ(findings.tables[0].rows[0][0], Cell("teleoperation-host: here"));
-  EXPECT_EQ(findings.tables[0].rows[1][0], Cell("teleoperation-guest: there"));
-  double drawn_m = 0;
-  for (const servo::ServoFrame& frame : run->trace(0).frames) {
-    drawn_m = std::max(drawn_m, std::abs(frame.tip.x));
+  for (const auto& [here, there] : {std::pair{"wave", "wave"},
+                                    {"spring-damper", "spring-damper"},
+                                    {"spring-damper", "ghost-point"}}) {
+    SCOPED_TRACE(there);
+    const auto run =
+        played_examples(kTeleoperation, 6,
+                        {std::string("teleoperation-host:arm.coupling.scheme='") + here + "'",
+                         std::string("teleoperation-guest:arm.coupling.scheme='") + there + "'"});
+    ASSERT_NE(run, nullptr);
+    ASSERT_EQ(run->session().arms(), 2U);
+    const Findings findings = run->findings();
+    EXPECT_TRUE(findings.is_met()) << tell(findings);
+    EXPECT_EQ(findings.tables[0].rows[0][0], Cell("teleoperation-host: here"));
+    EXPECT_EQ(findings.tables[0].rows[1][0], Cell("teleoperation-guest: there"));
+    EXPECT_GT(most(*run, 0, x_m), 0.01) << "the hand that holds still is drawn along";
+    EXPECT_GT(most(*run, 0, newton), 0.3) << "by a force";
+    EXPECT_GT(most(*run, 1, newton), 0.3) << "that the other hand feels";
+    const link::LinkStatus link = run->session().arm(1).link_status();
+    EXPECT_NEAR(seconds(link.round_trip), 0.04, 0.003) << "as its impairment says";
+    EXPECT_GT(link.counters.accepted, 4000U);
   }
-  EXPECT_GT(drawn_m, 0.01) << "the hand that holds still is drawn along";
-  const link::LinkStatus link = run->session().arm(1).link_status();
-  EXPECT_NEAR(seconds(link.round_trip), 0.04, 0.003) << "as its impairment says";
-  EXPECT_GT(link.counters.accepted, 4000U);
 }
 
 TEST(SessionRun, HostsThatAreCoupledGiveTheSameTraceAgain) {
