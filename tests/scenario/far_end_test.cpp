@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "daemon/config/load.hpp"
+#include "daemon/coupling/passivity_guard.hpp"
 #include "sim/time/virtual_clock.hpp"
 #include "tests/support/arm_watch.hpp"
 
@@ -28,20 +29,39 @@ std::vector<std::vector<std::string>> schemes() {
           {"arm.coupling.scheme=wave"}};
 }
 
-// The offset of the frame at the end.
-Displacement3 expect_felt(const std::vector<std::string>& said) {
+struct SessionFelt {
+  Displacement3 offset{};  // of the frame at the end
+  double most_given_joule{0};
+};
+
+SessionFelt expect_felt(const std::vector<std::string>& said) {
   ClosedLoop sut(said);
   ArmWatch watch(sut);
   double hardest_newton = 0;
+  SessionFelt felt;
   sut.run(8, [&] {
     watch.see();
     hardest_newton = std::max(hardest_newton, norm(sut.frame().force));
+    felt.most_given_joule = std::max(felt.most_given_joule, sut.frame().wished_energy_j);
   });
   EXPECT_EQ(watch.breach(), "");
   EXPECT_EQ(sut.snapshot().faults, 0U);
   EXPECT_GT(sut.snapshot().total_contacts, 0U);
   EXPECT_GT(hardest_newton, 0.3);
-  return sut.frame().offset;
+  felt.offset = sut.frame().offset;
+  return felt;
+}
+
+// Bare, and through a guard (arm.coupling.passivity): felt all the same, and the hand is given no
+// more, less where it was given more than the guard's bound. The frame is that of the bare run.
+SessionFelt expect_felt_also_through_a_guard(const std::vector<std::string>& said) {
+  const SessionFelt bare = expect_felt(said);
+  const SessionFelt guarded = expect_felt(with(said, {"arm.coupling.passivity=true"}));
+  EXPECT_LE(guarded.most_given_joule, bare.most_given_joule);
+  if (bare.most_given_joule > coupling::PassivitySettings{}.bound_joule) {
+    EXPECT_LT(guarded.most_given_joule, bare.most_given_joule);
+  }
+  return bare;
 }
 
 // A mesh, which becomes a field of distances.
@@ -74,7 +94,8 @@ TEST(FarEnd, EveryWorldIsFeltThroughEverySchemeWithinTheLimits) {
     for (const auto& world : all_worlds()) {
       SCOPED_TRACE(scheme.front() + " " + scheme.back() + ", " + world.front() + ", " +
                    world.back());
-      EXPECT_EQ(expect_felt(with(with(scheme, world), {"arm.hand.reach_m=0.03"})), Displacement3{});
+      const auto said = with(with(scheme, world), {"arm.hand.reach_m=0.03"});
+      EXPECT_EQ(expect_felt_also_through_a_guard(said).offset, Displacement3{});
     }
   }
 }
@@ -111,7 +132,8 @@ TEST(NearEnd, EveryWorldIsFeltThroughEverySchemeThatGoesWithItWithinTheLimits) {
       const bool lies_any_way = world.front() == "world.source=sphere" || world.front() == kStone;
       if (scheme == "thesis-literal" && lies_any_way) continue;  // refused: Combination
       SCOPED_TRACE(scheme + ", " + world.front() + ", " + world.back());
-      (void)expect_felt(with(world, {"arm.coupling.scheme=" + scheme, "arm.hand.reach_m=0.03"}));
+      const auto said = with(world, {"arm.coupling.scheme=" + scheme, "arm.hand.reach_m=0.03"});
+      (void)expect_felt_also_through_a_guard(said);
     }
   }
 }
@@ -131,10 +153,9 @@ TEST(BufferZone, IsFeltInEveryWorldOfCellsWithinTheLimits) {
   for (const std::string zone : {"cells", "faces"}) {
     for (const auto& world : worlds_of_cells()) {
       SCOPED_TRACE(zone + ", " + world.front() + ", " + world.back());
-      EXPECT_EQ(
-          expect_felt(with(world, {"arm.coupling.scheme=buffer-zone", "arm.coupling.zone=" + zone,
-                                   "arm.impairment.delay_s=0.05", "arm.hand.reach_m=0.03"})),
-          Displacement3{});
+      const auto said = with(world, {"arm.coupling.scheme=buffer-zone", "arm.coupling.zone=" + zone,
+                                     "arm.impairment.delay_s=0.05", "arm.hand.reach_m=0.03"});
+      EXPECT_EQ(expect_felt_also_through_a_guard(said).offset, Displacement3{});
     }
   }
 }
@@ -181,11 +202,11 @@ TEST(BufferZone, OfPiecesIsRefusedWhereItsBoardDoesNotFindIt) {
 TEST(Composite, IsFeltInEveryWorldOfCellsWithinTheLimits) {
   for (const auto& world : worlds_of_cells()) {
     SCOPED_TRACE(world.front() + ", " + world.back());
-    const Displacement3 offset =
-        expect_felt(with(world, {"arm.coupling.scheme=composite", "arm.impairment.delay_s=0.1",
-                                 "arm.impairment.loss=0.05", "arm.hand.reach_m=0.03"}));
+    const auto said = with(world, {"arm.coupling.scheme=composite", "arm.impairment.delay_s=0.1",
+                                   "arm.impairment.loss=0.05", "arm.hand.reach_m=0.03"});
+    const SessionFelt felt = expect_felt_also_through_a_guard(said);
     if (world.front() == "world.source=box:3") {
-      EXPECT_EQ(offset, Displacement3{});
+      EXPECT_EQ(felt.offset, Displacement3{});
     }
   }
 }
