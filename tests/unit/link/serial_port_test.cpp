@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "daemon/link/serial_arm_link.hpp"
+#include "daemon/link/serial_frame.hpp"
 #include "daemon/link/serial_world_server.hpp"
 #include "daemon/link/tty_ports.hpp"
 #include "hal/linux/descriptor.hpp"
@@ -60,10 +61,21 @@ class Plug {
 struct Way {
   MonotonicTime free_at{};
   std::deque<std::pair<MonotonicTime, std::byte>> under_way{};
+  std::optional<MonotonicTime> first_at{};  // of the first byte
+  std::size_t written{0};
+  std::size_t arrived{0};
+  // The most that ever was ahead of the rate, bytes: what was written, since the ends were opened;
+  // what arrived, since the first was written.
+  double most_written{0};
+  double most_arrived{0};
 };
 
 class SerialPorts : public ::testing::Test {
  protected:
+  using Protocol = ArmEndSettings::Protocol;
+  // Of which datagrams of 1999 tell one an axis.
+  static constexpr Position3 kPastTheWalls{0.020, 0.020, 0.020};
+
   SerialPorts() { replug(); }
 
   void replug() {
@@ -71,8 +83,9 @@ class SerialPorts : public ::testing::Test {
     of_arm = &plugs.emplace_back();
     of_world = &plugs[plugs.size() - 2];
   }
-  void open_both() {
-    ends.protocol = ArmEndSettings::Protocol::Thimble;
+  void open_both(Protocol protocol = Protocol::Thimble) {
+    ends.protocol = protocol;
+    opened_at = clock.now();
     arm = std::make_unique<SerialArmLink>(ports, clock,
                                           SerialArmLink::Settings{line("arm's"), ends}, nullptr);
     world = std::make_unique<SerialWorldServer>(
@@ -97,7 +110,8 @@ class SerialPorts : public ::testing::Test {
     for (int i = 0; i < 20000; ++i) {
       if (is_done()) return true;
       if (io.stopped()) io.restart();
-      arm->arm_end().send({.sequence = ++sequence, .sampled_at = clock.now()});
+      arm->arm_end().send(
+          {.sequence = ++sequence, .sampled_at = clock.now(), .hand = kPastTheWalls});
       arm->on_wake();
       if (of_arm != nullptr && of_world != nullptr) carry();
       io.run_one_for(std::chrono::milliseconds(1));
@@ -112,6 +126,8 @@ class SerialPorts : public ::testing::Test {
   void carry(Plug& from, Plug& to, Way& way) {
     const MonotonicTime now = clock.now();
     for (std::byte byte : from.take()) {
+      if (!way.first_at) way.first_at = now;
+      way.most_written = std::max(way.most_written, ahead(++way.written, opened_at, now));
       if (is_paced) way.free_at = std::max(way.free_at, now) + Duration(10'000'000'000 / bit_per_s);
       way.under_way.emplace_back(is_paced ? way.free_at : now, byte ^ turned);
     }
@@ -119,8 +135,13 @@ class SerialPorts : public ::testing::Test {
     for (; !way.under_way.empty() && way.under_way.front().first <= now;
          way.under_way.pop_front()) {
       out.push_back(way.under_way.front().second);
+      way.most_arrived = std::max(way.most_arrived, ahead(++way.arrived, *way.first_at, now));
     }
     to.put(out);
+  }
+  // Bytes beyond those that the rate has room for.
+  [[nodiscard]] double ahead(std::size_t bytes, MonotonicTime begin, MonotonicTime now) const {
+    return static_cast<double>(bytes) - seconds(now - begin) * bit_per_s / 10;
   }
   [[nodiscard]] bool is_up() const { return arm->status().is_up; }
 
@@ -134,6 +155,7 @@ class SerialPorts : public ::testing::Test {
   std::byte turned{0};  // what the cable does to every byte
   std::uint32_t bit_per_s{115'200};
   bool is_paced{false};
+  MonotonicTime opened_at{};
   Way there;
   Way back;
   WorldDouble world_of_1999;
@@ -155,20 +177,31 @@ TEST_F(SerialPorts, AnArmIsServedAlongALine) {
   EXPECT_EQ(reply.planes.size(), 6U);
 }
 
-// The slowest rate, the fastest, and what is usual in between, with a cable that is no faster.
-TEST_F(SerialPorts, AnArmIsServedAtEveryRateThatTheCableIsPacedAt) {
+// The slowest rate, the fastest, and what is usual in between, with a cable that is no faster: no
+// byte arrives before the rate has room for it, and no end has more than a frame on the line.
+TEST_F(SerialPorts, AnArmIsServedByEitherProtocolAtEveryRateThatTheCableIsPacedAt) {
   is_paced = true;
-  for (const std::uint32_t rate : {38'400U, 115'200U, 460'800U, 1'000'000U, 3'000'000U}) {
-    SCOPED_TRACE(rate);
-    bit_per_s = rate;
-    there = back = {};
-    replug();
-    open_both();
-    coupling::ConstraintSet reply;
-    ASSERT_TRUE(run_until([&] { return arm->arm_end().receive(reply); }));
-    EXPECT_EQ(reply.planes.size(), 6U);
-    EXPECT_EQ(arm->status().counters.receive_errors, 0U);
-    EXPECT_EQ(world->status().counters.receive_errors, 0U);
+  for (const auto& [protocol, planes] :
+       {std::pair{Protocol::Thimble, 6U}, std::pair{Protocol::Thesis, 3U}}) {
+    for (const std::uint32_t rate : {38'400U, 115'200U, 460'800U, 1'000'000U, 3'000'000U}) {
+      SCOPED_TRACE(rate);
+      bit_per_s = rate;
+      there = back = {};
+      replug();
+      open_both(protocol);
+      for (int replies = 0; replies < 5; ++replies) {
+        coupling::ConstraintSet reply;
+        ASSERT_TRUE(run_until([&] { return arm->arm_end().receive(reply); }));
+        EXPECT_EQ(reply.planes.size(), planes);
+      }
+      EXPECT_EQ(arm->status().counters.receive_errors, 0U);
+      EXPECT_EQ(world->status().counters.receive_errors, 0U);
+      for (const Way& way : {there, back}) {
+        EXPECT_GT(way.arrived, 50U);
+        EXPECT_LE(way.most_arrived, 1);  // a byte's time is rounded to nanoseconds
+        EXPECT_LE(way.most_written, static_cast<double>(kMaxSerialFrame));
+      }
+    }
   }
 }
 
