@@ -72,11 +72,15 @@ TEST(RemoteForceStability, LargestStiffnessIsThatOfTheTheory) {
   }
 }
 
+// Delays that are whole periods of each: a reply between two ticks waits for the second.
 TEST(RemoteForceStability, LargestStiffnessIsThatOfTheTheoryAtAnyServoRate) {
   for (const int rate_hz : {500, 1000, 4000}) {
-    const Duration dt = std::chrono::microseconds(1'000'000 / rate_hz);
-    const double theory = 4 / (seconds(dt) / 2 + 0.010);
-    EXPECT_NEAR(largest_stable_stiffness(4, dt, 0.010), theory, 0.15 * theory) << rate_hz << " Hz";
+    for (const int delay_ms : {2, 10, 20}) {
+      const Duration dt = std::chrono::microseconds(1'000'000 / rate_hz);
+      const double theory = 4 / (seconds(dt) / 2 + 1e-3 * delay_ms);
+      EXPECT_NEAR(largest_stable_stiffness(4, dt, 1e-3 * delay_ms), theory, 0.15 * theory)
+          << rate_hz << " Hz, " << delay_ms << " ms";
+    }
   }
 }
 
