@@ -257,46 +257,63 @@ void GhostPointArm::update_spring_budget(MonotonicTime now) noexcept {
   if (std::none_of(contacts_.begin(), contacts_.end(), is_recent)) spring_spent_joule_ = 0;
 }
 
+bool GhostPointArm::goes_on_pressing(const Contact& contact) const noexcept {
+  return contact.is_held && contact.is_pressing &&
+         depth_m(contact.plane, last_hand_) > contact.spring.gap_m();
+}
+
 // A spring that grows under a finger that presses gives the hand the growth times the depth; a
 // finger deeper than half of the offset would get more than the shift stored. What the faces want
 // beyond the budget is taken from each by its share: none of them comes first (decision 0479).
 void GhostPointArm::raise_springs(Duration dt) noexcept {
-  struct Rise {
-    Contact* contact{nullptr};
-    double by_m{0};
-  };
-  rt::StaticVector<Rise, kMaxContacts> rises;
-  rt::StaticVector<double, kMaxContacts> costs_joule;
+  double wanted_joule = 0;
+  int wishes = 0;
   for (Contact& contact : contacts_) {
-    const double depth = depth_m(contact.plane, last_hand_);
-    if (!contact.is_held || !contact.is_pressing || !(depth > contact.spring.gap_m())) continue;
-    const double by_m = advance_ramp(contact, dt);
-    rises.push_back({&contact, by_m});
-    costs_joule.push_back(std::max(0.0, by_m) * settings_.coordinate_spring.newton_per_m * depth);
+    if (!goes_on_pressing(contact)) continue;
+    contact.ramp_elapsed_s += std::max(0.0, seconds(dt));
+    const double joule = price_joule(contact, rise_m(contact, dt));
+    wanted_joule += joule;
+    if (joule > 0) ++wishes;
   }
-  // The same sum in whatever order the faces are told.
-  std::sort(costs_joule.begin(), costs_joule.end());
-  const double wanted_joule = std::accumulate(costs_joule.begin(), costs_joule.end(), 0.0);
+  if (wishes > 2) wanted_joule = sum_of_prices_joule(dt);
   const double granted_joule = std::max(
       0.0, settings_.coordinate_spring.newton_per_m * touch_offset_m2_ / 2 - spring_spent_joule_);
   const double share = wanted_joule > granted_joule ? granted_joule / wanted_joule : 1;
-  for (const Rise& rise : rises) {
-    rise.contact->shown_m += rise.by_m > 0 ? share * rise.by_m : rise.by_m;
+  for (Contact& contact : contacts_) {
+    if (!goes_on_pressing(contact)) continue;
+    const double by_m = rise_m(contact, dt);
+    contact.shown_m += by_m > 0 ? share * by_m : by_m;
   }
   spring_spent_joule_ += share * wanted_joule;
 }
 
-// By how much its spring would grow. Only a frame that was pushed away along the normal pulls back;
-// one displaced the other way would draw the finger into the wall.
-double GhostPointArm::advance_ramp(Contact& contact, Duration dt) const noexcept {
+double GhostPointArm::price_joule(const Contact& contact, double by_m) const noexcept {
+  return std::max(0.0, by_m) * settings_.coordinate_spring.newton_per_m *
+         depth_m(contact.plane, last_hand_);
+}
+
+// In order of size: the same bits in whatever order the faces are told.
+double GhostPointArm::sum_of_prices_joule(Duration dt) const noexcept {
+  rt::StaticVector<double, kMaxContacts> prices_joule;
+  for (const Contact& contact : contacts_) {
+    if (goes_on_pressing(contact))
+      prices_joule.push_back(price_joule(contact, rise_m(contact, dt)));
+  }
+  std::sort(prices_joule.begin(), prices_joule.end());
+  return std::accumulate(prices_joule.begin(), prices_joule.end(), 0.0);
+}
+
+// By how much its spring would grow in a step that its ramp knows of. Only a frame that was pushed
+// away along the normal pulls back; one displaced the other way would draw the finger into the
+// wall.
+double GhostPointArm::rise_m(const Contact& contact, Duration dt) const noexcept {
   const double target_m = std::max(0.0, -dot(contact.plane.normal, frame_.offset()));
   const double ramp_s = seconds(settings_.coordinate_spring_ramp);
-  contact.ramp_elapsed_s += std::max(0.0, seconds(dt));
   const double share = ramp_s > 0 ? std::min(1.0, contact.ramp_elapsed_s / ramp_s) : 1.0;
   const double wanted_m = contact.ramp_from_m + (target_m - contact.ramp_from_m) * share;
-  const double rise_m = wanted_m - contact.shown_m;
+  const double by_m = wanted_m - contact.shown_m;
   // What waited for the budget comes as slowly as what did not.
-  return ramp_s > 0 ? std::min(rise_m, target_m * std::max(0.0, seconds(dt)) / ramp_s) : rise_m;
+  return ramp_s > 0 ? std::min(by_m, target_m * std::max(0.0, seconds(dt)) / ramp_s) : by_m;
 }
 
 }  // namespace thimble::coupling

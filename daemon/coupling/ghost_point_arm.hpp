@@ -118,7 +118,11 @@ class GhostPointArm final : public ArmCoupling {
   [[nodiscard]] bool was_pressed_lately(const Contact& contact, MonotonicTime now) const noexcept;
   void update_spring_budget(MonotonicTime now) noexcept;
   void raise_springs(Duration dt) noexcept;
-  [[nodiscard]] double advance_ramp(Contact& contact, Duration dt) const noexcept;
+  // Not only since this step.
+  [[nodiscard]] bool goes_on_pressing(const Contact& contact) const noexcept;
+  [[nodiscard]] double rise_m(const Contact& contact, Duration dt) const noexcept;
+  [[nodiscard]] double price_joule(const Contact& contact, double by_m) const noexcept;
+  [[nodiscard]] double sum_of_prices_joule(Duration dt) const noexcept;
 
   GhostPointSettings settings_;
   double hysteresis_m_;
