@@ -1,6 +1,6 @@
 // What one step of the arm half of each coupling scheme costs, pressing on a wall with a fresh
-// reply in every step. Beside it the force law of one wall in plain code, as a measure of this
-// machine.
+// reply in every step, whose map has as many blocks that are news as one can. Beside it the force
+// law of one wall in plain code, as a measure of this machine.
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -43,13 +43,13 @@ class Pressed {
     set_.has_near = true;
     set_.near =
         world::NearCellFinder().find(*world::make_box(3), {.middle = {1, 1, 1}, .reach_m = 0.03});
-    const world::VoxelGrid box = *world::make_box(3);
+    const world::VoxelGrid room = room_of_small_cells();
     world::OccupancyTeller teller;
     teller.reset();
     set_.has_map = true;
-    set_.map = {.lattice = box.lattice(),
-                .ghost_cell = {1, 1, 1},
-                .blocks = teller.tell(box, {1, 1, 1}, 1)};
+    set_.map = {.lattice = room.lattice(),
+                .ghost_cell = {11, 9, 9},
+                .blocks = teller.tell(room, {11, 9, 9}, 1)};
     set_.ghost = {0.015, 0, 0};
     set_.energy_joule = 0;
     arm_->reset(now_, {0.0152, 0, 0});
@@ -62,6 +62,7 @@ class Pressed {
     set_.far.waves.distance.x -= 1e-4;
     set_.far.waves.joule[0] += 1e-5;
     set_.energy_joule += 1e-5;
+    for (world::OccupancyBlock& block : set_.map.blocks) ++block.version;  // else they are no news
     const double tip_m = 0.0152 + 0.0001 * static_cast<double>(set_.sequence % 4);
     const coupling::ArmOutput out =
         arm_->step({.now = now_,
@@ -74,8 +75,23 @@ class Pressed {
     is_in_contact_ = out.is_in_contact;
   }
   [[nodiscard]] bool is_in_contact() const { return is_in_contact_; }
+  [[nodiscard]] bool is_map_full() const {
+    return set_.map.blocks.size() == world::kMostBlocksTold;
+  }
 
  private:
+  // The box with walls at 15 mm, of cells so small that there is more than one block to tell.
+  static world::VoxelGrid room_of_small_cells() {
+    world::VoxelGrid room = *world::VoxelGrid::create({18, 18, 18}, 0.005);
+    room.fill();
+    for (world::Cell c{6, 6, 6}; c.z < 12; ++c.z) {
+      for (c.y = 6; c.y < 12; ++c.y) {
+        for (c.x = 6; c.x < 12; ++c.x) room.set_occupied(c, false);
+      }
+    }
+    return room;
+  }
+
   std::unique_ptr<coupling::ArmCoupling> arm_;
   coupling::ConstraintSet set_{};
   MonotonicTime now_{};
@@ -105,8 +121,9 @@ bool run(const std::string& name, std::unique_ptr<coupling::ArmCoupling> half, d
   bench::alternate(
       bench::kSlices, [&] { ours.push_back(nanoseconds_a_step([&] { arm.step(); })); },
       [&] { reference.push_back(nanoseconds_a_step([&] { plain.tick(); })); });
-  if (!arm.is_in_contact()) {
-    std::fputs("bench_coupling_step: the arm does not press on its wall\n", stderr);
+  if (!arm.is_in_contact() || !arm.is_map_full()) {
+    std::fputs("bench_coupling_step: the arm does not press on its wall, or is told too little\n",
+               stderr);
     return false;
   }
   bench::print(bench::compare("arm half, " + name, "ns", {bench::Goal::Of::Value, goal_ns}, ours,

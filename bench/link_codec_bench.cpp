@@ -1,5 +1,6 @@
 // What it costs to write one datagram of our own and read it again, in the clear and sealed: a
-// hand's sample, and constraints of three planes with a ghost. Beside the first the same bytes
+// hand's sample, constraints of three planes with a ghost, and the same with as many blocks of a
+// map as one answer tells. Beside the first the same bytes
 // copied there and back, beside the second libsodium's seal alone.
 #include <cstdio>
 #include <string>
@@ -8,6 +9,8 @@
 #include "bench/processor_time.hpp"
 #include "bench/reference_datagram.hpp"
 #include "daemon/link/seal.hpp"
+#include "daemon/world/occupancy_teller.hpp"
+#include "daemon/world/voxel_grid.hpp"
 
 namespace {
 
@@ -84,20 +87,29 @@ int main() {
   sample.sample.sequence = 1;
   sample.sample.hand = {0.0155, 0.01, -0.02};
   sample.sample.velocity = {0.2, 0, 0.1};
-  link::ThimbleConstraints constraints;
-  constraints.request = 1;
+  link::ThimbleConstraints planes;
+  planes.request = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     coupling::ConstraintPlane plane{.offset_m = 0.015, .surface = {{800}, {5}, 0.2}};
     plane.normal[axis] = 1;
-    constraints.set.planes.push_back(plane);
+    planes.set.planes.push_back(plane);
   }
-  constraints.set.has_ghost = true;
-  constraints.set.ghost = {0.015, 0.01, -0.02};
+  planes.set.has_ghost = true;
+  planes.set.ghost = {0.015, 0.01, -0.02};
+  link::ThimbleConstraints map = planes;
+  map.set.has_map = true;
+  const world::VoxelGrid box = *world::make_box(64);
+  world::OccupancyTeller teller;
+  teller.reset();
+  map.set.map = {.lattice = box.lattice(),
+                 .ghost_cell = {32, 32, 32},
+                 .blocks = teller.tell(box, {32, 32, 32}, 1)};
   for (const bool is_sealed : {false, true}) {
     const std::string how = is_sealed ? ", sealed" : ", in the clear";
+    const auto constraints = link::ThimbleKind::Constraints;
     if (!compare("datagram, sample" + how, link::ThimbleKind::Sample, sample, is_sealed) ||
-        !compare("datagram, three planes" + how, link::ThimbleKind::Constraints, constraints,
-                 is_sealed)) {
+        !compare("datagram, three planes" + how, constraints, planes, is_sealed) ||
+        !compare("datagram, four blocks" + how, constraints, map, is_sealed)) {
       return 1;
     }
   }
