@@ -9,14 +9,25 @@ import guest
 import guest_states
 
 
-def repacked(package, version, folder):
-    """The package as it is, with another version."""
-    tree = pathlib.Path(folder, "tree")
-    subprocess.run(["dpkg-deb", "-R", package, tree], check=True)
-    control = tree / "DEBIAN" / "control"
-    control.write_text(re.sub(r"^Version: .*$", f"Version: {version}", control.read_text(), flags=re.MULTILINE))
-    # Not packed: that is dear to undo.
-    subprocess.run(["dpkg-deb", "--root-owner-group", "-Znone", "-b", tree, folder], check=True, stdout=subprocess.DEVNULL)
+CONFIGURATION = "/etc/thimble/thimble.toml"
+LATER = "9.0"
+LATER_LINE = "# of a later version"
+LATER_DEBS = "/run/debs/later-{}.deb"
+NAMES = ("thimbled", "thimble", "libthimble-dev")
+
+
+def repacked(package, to):
+    """The package as it is, of a later version; where it has our configuration, with another one."""
+    with tempfile.TemporaryDirectory() as folder:
+        tree = pathlib.Path(folder, "tree")
+        subprocess.run(["dpkg-deb", "-R", package, tree], check=True)
+        control = tree / "DEBIAN" / "control"
+        control.write_text(re.sub(r"^Version: .*$", f"Version: {LATER}", control.read_text(), flags=re.MULTILINE))
+        configuration = tree / CONFIGURATION.lstrip("/")
+        if configuration.exists():
+            configuration.write_text(f"{configuration.read_text()}{LATER_LINE}\n")
+        # Not packed: that is dear to undo.
+        subprocess.run(["dpkg-deb", "--root-owner-group", "-Znone", "-b", tree, to], check=True, stdout=subprocess.DEVNULL)
 
 
 class Package(guest.GuestTest):
@@ -24,22 +35,14 @@ class Package(guest.GuestTest):
 
     @classmethod
     def setUpClass(cls):
-        # The share has another thimbled beside those that were built: of a later version.
+        # The share has those that were built, and each of them of a later version.
         share = tempfile.TemporaryDirectory()
         cls.addClassCleanup(share.cleanup)
         pathlib.Path(share.name).chmod(0o755)
-        for deb in guest.DEBS.glob("*.deb"):
-            pathlib.Path(share.name, deb.name).symlink_to(deb)
-        later = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(later.cleanup)
-        repacked(next(guest.DEBS.glob("thimbled_*.deb")), "9.0", later.name)
-        for deb in pathlib.Path(later.name).glob("*.deb"):
-            pathlib.Path(share.name, "later.deb").write_bytes(deb.read_bytes())
-        for link in pathlib.Path(share.name).iterdir():
-            if link.is_symlink():
-                data = link.read_bytes()
-                link.unlink()
-                link.write_bytes(data)
+        for name in NAMES:
+            deb = next(guest.DEBS.glob(f"{name}_*.deb"))
+            pathlib.Path(share.name, deb.name).write_bytes(deb.read_bytes())
+            repacked(deb, pathlib.Path(share.name, pathlib.Path(LATER_DEBS.format(name)).name))
         cls.guest = guest_states.start_bare(share.name)
         cls.addClassCleanup(cls.guest.close)
 
@@ -49,15 +52,18 @@ class Package(guest.GuestTest):
     def dpkg(self, words):
         return self.guest.run(f"DEBIAN_FRONTEND=noninteractive dpkg {words}", timeout_s=300)
 
-    def upgrade(self):
-        """Of the daemon, to the later version, with which it runs."""
-        words = self.dpkg("-i /run/debs/later.deb")
-        self.assertEqual(self.guest.run("dpkg-query -W -f '${Version}' thimbled"), "9.0")
+    def upgrade(self, *names):
+        """To the later version, with which the daemon runs. A person who is asked something presses return."""
+        words = self.dpkg(f"-i {' '.join(LATER_DEBS.format(name) for name in names)} < <(yes '')")
+        self.assertEqual(self.guest.run(f"dpkg-query -W -f '${{Version}} ' {' '.join(names)}").split(), len(names) * [LATER])
         self.guest.wait_for("systemctl is-active thimbled")
         return words
 
+    def configuration(self, suffix=""):
+        return self.guest.run(f"cat {CONFIGURATION}{suffix}").splitlines()
+
     def test_1_installation_starts_and_enables_the_service(self):
-        words = self.guest.install("thimbled", "thimble", "libthimble-dev")
+        words = self.guest.install(*NAMES)
         self.assertNotRegex(words, r"(?i)error|warning|failed")
         self.assertEqual(self.guest.run("dpkg --audit"), "")
         self.assertEqual(self.guest.run("systemctl is-enabled thimbled; systemctl is-active thimbled").split(),
@@ -77,11 +83,18 @@ class Package(guest.GuestTest):
         self.guest.run("test -r /usr/share/bash-completion/completions/thimble -a -r /usr/include/thimble/plugin_abi.h")
         self.guest.run("thimbled --check --config /usr/share/doc/thimble/examples/hello-voxel.toml")
 
-    def test_4_an_upgrade_keeps_the_configuration_and_starts_the_new_one(self):
-        self.guest.run("echo '# mine' >> /etc/thimble/thimble.toml; touch /var/lib/thimble/recording")
+    def test_4_an_upgrade_keeps_the_persons_configuration_and_starts_the_new_one(self):
+        self.guest.run(f"echo '# mine' >> {CONFIGURATION}; touch /var/lib/thimble/recording")
+        mine = self.configuration()
         before = self.properties("MainPID")
-        self.upgrade()
-        self.guest.run("grep -qx '# mine' /etc/thimble/thimble.toml")
+        words = self.upgrade(*NAMES)
+        # Both differ, so dpkg asks; its own answer is to keep, and what it did not take it leaves beside.
+        self.assertIn(f"Configuration file '{CONFIGURATION}'", words)
+        self.assertNotRegex(words, r"(?i)error|failed|not found")
+        self.assertEqual(self.configuration(), mine)
+        self.assertEqual(self.configuration(".dpkg-dist"), [*mine[:-1], LATER_LINE])
+        self.assertEqual(self.guest.run("ls /etc/thimble").split(), ["thimble.toml", "thimble.toml.dpkg-dist"])
+        self.assertEqual(self.guest.run("dpkg --audit"), "")
         self.assertNotEqual(self.properties("MainPID"), before)
 
     def test_5_removal_stops_the_service_and_keeps_what_is_the_persons(self):
@@ -104,10 +117,13 @@ class Package(guest.GuestTest):
         self.dpkg("-P thimble libthimble-dev")
         words = self.guest.install("thimbled")
         self.guest.wait_for("systemctl is-active thimbled")
-        words += self.upgrade()
+        words += self.upgrade("thimbled")
         self.assertNotRegex(words, r"(?i)error|warning|failed|not found")
         self.assertEqual(self.guest.run("dpkg --audit"), "")
         self.guest.run("! command -v thimble")
+        # Who changed nothing is not asked, and has the new one.
+        self.assertEqual(self.configuration()[-1], LATER_LINE)
+        self.assertEqual(self.guest.run("ls /etc/thimble").split(), ["thimble.toml"])
 
     def test_8_it_can_be_removed_and_purged_without_them(self):
         words = self.dpkg("-r thimbled")
