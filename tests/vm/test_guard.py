@@ -20,7 +20,7 @@ def signal(name):
 
 
 class LetsGo:
-    """Of a daemon that is killed. `plug_in()`: makes the arm; `STARTED_ANEW`: the state that the next daemon finds it in."""
+    """Whatever happens to the daemon. `plug_in()`: makes the arm; `STARTED_ANEW`: the state that the next daemon finds it in."""
 
     pace = guest.COUNTED
     STARTED_ANEW = "calibrating"
@@ -73,8 +73,6 @@ class LetsGo:
         self.assertLess(self.let_go_after(signal("SIGKILL")), LET_GO_S)
         self.assert_started_anew_without_force(self.RESTART_S)
 
-
-class LetsGoWhateverHappens(LetsGo):
     def test_stopped(self):
         self.assertLess(self.let_go_after(signal("SIGSTOP")), LET_GO_S)
         self.assert_started_anew_without_force(self.WATCHDOG_S)
@@ -88,7 +86,7 @@ class LetsGoWhateverHappens(LetsGo):
         self.assert_without_force(0.5)
 
 
-class HidArm(LetsGoWhateverHappens, guest.GuestTest):
+class HidArm(LetsGo, guest.GuestTest):
     """On USB: its guard has two ways."""
 
     @classmethod
@@ -110,7 +108,7 @@ class HidArmWithoutUsb(LetsGo, guest.GuestTest):
         return arms.HidArm(cls.guest)
 
 
-class TextArm(LetsGoWhateverHappens, guest.GuestTest):
+class TextArm(LetsGo, guest.GuestTest):
     """Where it was calibrated before, a new daemon does not see the button pressed: it is switched off and on, as the instruction says."""
 
     @classmethod
@@ -124,7 +122,7 @@ class TextArm(LetsGoWhateverHappens, guest.GuestTest):
         super().start_anew()
 
 
-class Falcon(LetsGoWhateverHappens, guest.GuestTest):
+class Falcon(LetsGo, guest.GuestTest):
     """Its firmware goes on while the daemon is away, and knows where the arm is."""
 
     STARTED_ANEW = "inactive"
@@ -132,11 +130,3 @@ class Falcon(LetsGoWhateverHappens, guest.GuestTest):
     @classmethod
     def plug_in(cls):
         return arms.Falcon(cls.guest)
-
-
-class FalconOfAPlugin(LetsGo, guest.GuestTest):
-    STARTED_ANEW = "inactive"
-
-    @classmethod
-    def plug_in(cls):
-        return arms.Falcon(cls.guest, arms.plugin(cls.guest))
