@@ -104,6 +104,16 @@ class Boot(guest.GuestTest):
         self.guest.run("systemctl restart thimbled")
         simdev.wait_for_state(self.guest, "active")
 
+    def test_one_whose_configuration_is_wrong_fails_at_once_and_says_why(self):
+        file = "/etc/thimble/thimble.toml"
+        self.guest.run(f"cp {file} /run/kept.toml; sed -i '1i colour = \"red\"' {file}; ! systemctl restart thimbled")
+        state = self.properties("ActiveState", "Result", "ExecMainStatus", "NRestarts")
+        # systemd forgets what it counts against a unit that is started too often.
+        self.guest.run(f"cp /run/kept.toml {file}; systemctl reset-failed thimbled; systemctl start thimbled")
+        self.assertEqual(state, {"ActiveState": "failed", "Result": "exit-code", "ExecMainStatus": "2", "NRestarts": "0"})
+        self.assertIn(f"{file}:1:1: colour: there is no such key", self.guest.run("journalctl --no-pager -b -u thimbled"))
+        simdev.wait_for_state(self.guest, "active")
+
     def test_when_told_to_stop_it_ends_well(self):
         self.guest.run("systemctl stop thimbled")
         self.assertEqual(self.properties("Result", "ExecMainStatus"), {"Result": "success", "ExecMainStatus": "0"})
