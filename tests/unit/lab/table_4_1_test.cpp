@@ -80,8 +80,11 @@ TEST(Table41, AFewContactsAreNoMeanAndTheCriteriaSaySo) {
   const auto met = std::count_if(findings->criteria.begin(), findings->criteria.end(),
                                  [](const Criterion& criterion) { return criterion.is_met; });
   EXPECT_FALSE(findings->is_met()) << tell(*findings);
-  EXPECT_EQ(met, 4) << "those of lock-step are of a mean over its phases";
-  EXPECT_EQ(findings->criteria.size(), 6U);
+  EXPECT_EQ(met, 5) << "those of lock-step are of a mean over its phases";
+  EXPECT_EQ(findings->criteria.size(), 8U);
+  EXPECT_NE(tell(*findings).find("as it must be: finger, streamed, 500 ms: 0 of 1 contacts"),
+            std::string::npos);
+  EXPECT_NE(tell(*findings).find("NOT as it must be: finger: offset"), std::string::npos);
   EXPECT_NE(tell(*findings).find("NOT as it must be: lock-step"), std::string::npos);
 }
 
