@@ -77,7 +77,9 @@ void list_approach(std::vector<Parameter>& into) {
   into.insert(into.end(), {{"approach: before_wall", "m", kWall_m - kStart_m},
                            {"approach: behind_wall", "m", kGoal_m - kWall_m},
                            {"approach: speed", "m/s", kSpeed_m_per_s},
-                           {"approach: held_for", "s", kLeave_s - kArrived_s}});
+                           {"approach: held_for", "s", kLeave_s - kArrived_s},
+                           {"approach: free_before_wall", "m", kWall_m - kFree_m},
+                           {"approach: ends_after_leaving", "s", kEnd_s - kLeft_s}});
 }
 
 }  // namespace thimble::lab

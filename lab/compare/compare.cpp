@@ -45,6 +45,7 @@ StageSettings stage_of(const CompareSettings& settings, double delay_s, Network 
 class Grid {
  public:
   explicit Grid(const CompareSettings& settings) : settings_(settings) {
+    for (CouplingCase& scheme : schemes_beside()) schemes_.push_back(std::move(scheme));
     for (CouplingCase& scheme : schemes_) {
       if (can_have(settings.guard, scheme)) scheme.guard = settings.guard;
     }
@@ -63,6 +64,11 @@ class Grid {
     return measure(scheme, stage_of(settings_, delay_s, network));
   }
   [[nodiscard]] const std::vector<CouplingCase>& schemes() const { return schemes_; }
+  // Those that criteria are of come first.
+  [[nodiscard]] std::size_t judged() const { return judged_; }
+  [[nodiscard]] bool is_judged(std::size_t run) const {
+    return run / kNetworks.size() % schemes_.size() < judged_;
+  }
   [[nodiscard]] const CouplingCase& scheme_of(std::size_t run) const {
     return schemes_[run / kNetworks.size() % schemes_.size()];
   }
@@ -78,29 +84,42 @@ class Grid {
  private:
   CompareSettings settings_;
   std::vector<CouplingCase> schemes_{compared_schemes()};
+  std::size_t judged_{schemes_.size()};
 };
 
 struct Compared {
   Grid grid;
   Measures reference{};
+  bool moves{false};
   std::vector<Measures> measures{};
   std::vector<Marks> marks{};
 
-  [[nodiscard]] std::vector<NetworkMarks> marks_at(std::size_t delay) const {
+  [[nodiscard]] std::vector<NetworkMarks> marks_at(std::size_t delay,
+                                                   Reading reading = Reading::Decided) const {
     std::vector<NetworkMarks> all;
     for (std::size_t scheme = 0; scheme < grid.schemes().size(); ++scheme) {
       NetworkMarks one;
       for (std::size_t network = 0; network < kNetworks.size(); ++network) {
-        one.push_back(marks[grid.at(delay, scheme, network)]);
+        const Measures& found = measures[grid.at(delay, scheme, network)];
+        one.push_back(marks_of(found, reference, moves, reading));
       }
       all.push_back(one);
     }
+    return all;
+  }
+  // Of those that criteria are of.
+  [[nodiscard]] std::vector<NetworkMarks> judged_at(std::size_t delay) const {
+    std::vector<NetworkMarks> all = marks_at(delay);
+    all.resize(grid.judged());
     return all;
   }
   [[nodiscard]] std::vector<DelayMarks> marks_by_delay() const {
     std::vector<DelayMarks> all;
     for (std::size_t delay = 0; delay < kDelays_s.size(); ++delay) {
       all.push_back({kDelays_s[delay], marks_at(delay)});
+      for (const Reading reading : kReadingsBeside) {
+        all.back().beside.push_back(marks_at(delay, reading));
+      }
     }
     return all;
   }
@@ -133,9 +152,9 @@ std::vector<Column> measure_columns(bool moves) {
 }
 
 std::vector<Cell> measure_cells(const Measures& m) {
-  return {1e3 * m.onset_s,
-          m.stiffness_newton_per_m,
-          1e3 * m.displacement_m,
+  return {1e3 * m.probed.onset_s,
+          m.probed.stiffness_newton_per_m,
+          1e3 * m.probed.displacement_m,
           m.drag_newton,
           m.mass_kg,
           m.push_error_newton,
@@ -220,6 +239,7 @@ Criterion bounded_criterion(const Compared& compared) {
       "network that falls silent",
       true};
   for (std::size_t i = 0; i < compared.measures.size(); ++i) {
+    if (!compared.grid.is_judged(i)) continue;
     if (may_give(compared.grid.scheme_of(i).scheme, compared.grid.has_outages(i))) continue;
     const bool is_hard = !(compared.measures[i].most_newton <= kMost_newton);
     if (compared.marks[i].fails[static_cast<std::size_t>(Gate::Passive)] || is_hard) {
@@ -237,6 +257,7 @@ Criterion held_criterion(const Compared& compared) {
       "its force is later than theory allows",
       true};
   for (std::size_t i = 0; i < compared.measures.size(); ++i) {
+    if (!compared.grid.is_judged(i)) continue;
     if (may_grow(compared.grid.scheme_of(i).scheme, compared.grid.late_s_of(i))) continue;
     if (!is_bounded(compared.measures[i].held)) criterion.is_met = false;
   }
@@ -247,7 +268,7 @@ Criterion first_criterion(const Compared& compared) {
   Criterion criterion{"composite is first from 20 ms up, alone or beside its equal", true};
   for (std::size_t delay = 0; delay < kDelays_s.size(); ++delay) {
     if (kDelays_s[delay] < 0.020) continue;
-    const auto standings = rank(compared.marks_at(delay), kWeights);
+    const auto standings = rank(compared.judged_at(delay), kWeights);
     if (place_of(index_of(compared, "composite"), standings) != 1) criterion.is_met = false;
   }
   return criterion;
@@ -259,7 +280,7 @@ Criterion stiffness_criterion(const Compared& compared) {
   const double wall = coupling::GhostPointSettings{}.stiffness.newton_per_m;
   for (std::size_t network = 0; network < kNetworks.size(); ++network) {
     const std::size_t i = compared.grid.at(kDelays_s.size() - 1, scheme, network);
-    const double felt = compared.measures[i].stiffness_newton_per_m;
+    const double felt = compared.measures[i].probed.stiffness_newton_per_m;
     if (!(std::abs(felt / wall - 1) < 0.01)) criterion.is_met = false;
   }
   return criterion;
@@ -268,7 +289,7 @@ Criterion stiffness_criterion(const Compared& compared) {
 Criterion no_worse_criterion(const Compared& compared) {
   Criterion criterion{"composite fails no gate and is nowhere worse than ghost-point", true};
   for (std::size_t delay = 0; delay < kDelays_s.size(); ++delay) {
-    const auto marks = compared.marks_at(delay);
+    const auto marks = compared.judged_at(delay);
     const auto standings = rank(marks, kWeights);
     const std::size_t ours = index_of(compared, "composite");
     const std::size_t ghost = index_of(compared, "ghost-point");
@@ -298,6 +319,7 @@ std::vector<Parameter> parameters_of(const CompareSettings& settings, const Comp
     const std::string_view name = to_string(static_cast<Metric>(metric));
     all.push_back({"weight: " + std::string(name), "", kWeights[metric]});
   }
+  list_gates(all);
   list_probe(all);
   list_approach(all);
   list_presses(all);
@@ -306,6 +328,14 @@ std::vector<Parameter> parameters_of(const CompareSettings& settings, const Comp
   append(all, parameters_of(FingerSettings{}));
   append(all, parameters_of(compared.grid.schemes()));
   return all;
+}
+
+std::string remark_of(const Compared& compared) {
+  std::string names;
+  for (std::size_t i = compared.grid.judged(); i < compared.grid.schemes().size(); ++i) {
+    names += (names.empty() ? "" : "; ") + compared.grid.schemes()[i].name;
+  }
+  return "No criterion is of: " + names + ".";
 }
 
 std::string name_of(const CompareSettings& settings) {
@@ -328,7 +358,7 @@ std::string title_of(const CompareSettings& settings) {
 }  // namespace
 
 Result<Findings> run_compare(const CompareSettings& settings) {
-  Compared compared{.grid = Grid(settings)};
+  Compared compared{.grid = Grid(settings), .moves = settings.moves};
   const auto reference = measure(reference_scheme(), {.moves = settings.moves});
   if (!reference) return tl::unexpected(reference.error());
   compared.reference = *reference;
@@ -341,14 +371,16 @@ Result<Findings> run_compare(const CompareSettings& settings) {
   }
   const auto names = compared.names();
   const auto marks = compared.marks_by_delay();
+  std::vector<std::string> readings;
+  for (const Reading reading : kReadingsBeside) readings.emplace_back(to_string(reading));
   return Findings{.experiment = name_of(settings),
                   .title = title_of(settings),
                   .parameters = parameters_of(settings, compared),
                   .tables = {measures_table(compared, settings.moves), left_out_table(names, marks),
-                             ranking_table(names, marks)},
+                             ranking_table(names, marks, readings)},
                   .plots = {scores_plot(compared)},
                   .criteria = criteria_of(compared, settings.moves),
-                  .remarks = {}};
+                  .remarks = {remark_of(compared)}};
 }
 
 }  // namespace thimble::lab

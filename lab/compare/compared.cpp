@@ -33,6 +33,19 @@ std::vector<CouplingCase> compared_schemes() {
   };
 }
 
+std::vector<CouplingCase> schemes_beside() {
+  using coupling::Scheme;
+  CouplingCase recovery{.name = "constraint-plane, recovery", .scheme = Scheme::ConstraintPlane};
+  recovery.settings.constraint_plane.late_walls = coupling::LateWalls::Recovery;
+  CouplingCase faces{.name = "buffer-zone, faces", .scheme = Scheme::BufferZone};
+  faces.world_half.buffer_zone.names = coupling::ZoneNames::Faces;
+  return {recovery,
+          faces,
+          {.name = "thesis-literal",
+           .scheme = Scheme::ThesisLiteral,
+           .mode = link::SendMode::LockStep}};
+}
+
 CouplingCase reference_scheme() { return {.name = "ghost-point, undelayed"}; }
 
 }  // namespace thimble::lab

@@ -8,11 +8,7 @@
 namespace thimble::lab {
 namespace {
 
-// SOURCE: decision 0441, of the hand that G3's 2 N are meant for.
-constexpr double kHand_m_per_s = 0.2;
 constexpr double kTick_s = 1e-3;
-// Ours: no hand is as fast as this from one tick to the next, but one that nothing stops turns so.
-constexpr double kJerk_m_per_s = 0.1;
 
 double length(const auto& vector) { return norm(vector.x, vector.y, vector.z); }
 
@@ -20,7 +16,7 @@ double length(const auto& vector) { return norm(vector.x, vector.y, vector.z); }
 double fast_newton(double speed_m_per_s) {
   const coupling::GhostPointSettings wall;
   return (wall.stiffness.newton_per_m * kTick_s + wall.damping.newton_s_per_m) *
-         std::max(0.0, speed_m_per_s - kHand_m_per_s);
+         std::max(0.0, speed_m_per_s - kHandOfRise_m_per_s);
 }
 
 // std::max() forgets what is not a number.

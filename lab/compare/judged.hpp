@@ -11,6 +11,11 @@
 // the worst. SI. Pure. Errors: none; what is not a number stays one, and fails.
 namespace thimble::lab {
 
+// SOURCE: decision 0441, of the hand that G3's 2 N are meant for.
+inline constexpr double kHandOfRise_m_per_s = 0.2;
+// Ours: no hand is as fast as this from one tick to the next, but one that nothing stops turns so.
+inline constexpr double kJerk_m_per_s = 0.1;
+
 // The largest force asked for, and both of judge_changes().
 void judge_forces(const std::vector<Felt>& history, Measures& into);
 // How a force rises in a tick, and how a wall pulls: of a hand that nothing stops, too, which

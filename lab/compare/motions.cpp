@@ -108,8 +108,12 @@ void list_motions(std::vector<Parameter>& into) {
                            {"taps: felt_from", "N", kTapFelt_newton},
                            {"taps: felt_within", "s", kTapAfter_s},
                            {"taps: pause", "s", kPause_s},
+                           {"taps: longest_pause", "s", kLongestPause_s},
+                           {"taps: returned_within", "m", kReturned_m},
                            {"shake: rate", "Hz", kShake_hz},
                            {"shake: stroke", "m", kShake_m},
+                           {"shake: before_wall", "m", kWall_m - kShakeMiddle_m},
+                           {"shake: settles", "s", kShakeSettles_s},
                            {"shake: for", "s", kShakeFor_s}});
 }
 

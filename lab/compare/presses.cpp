@@ -121,11 +121,13 @@ void list_presses(std::vector<Parameter>& into) {
                            {"edge: from", "m", kEdgeFrom_m},
                            {"edge: to", "m", kEdgeTo_m},
                            {"edge: speed", "m/s", kEdgeSpeed_m_per_s},
+                           {"edge: rests_for", "s", kEdgeRest_s},
                            {"edge: felt_from", "N", kEdgeFelt_newton},
                            {"outage: stroke", "m", kStroke_m},
                            {"outage: middle_behind_wall", "m", kStrokeMiddle_m - kWall_m},
                            {"outage: stroke_rate", "Hz", kStroke_hz},
                            {"outage: at", "s", kOutageAt_s},
+                           {"outage: ends", "s", kOutageEnd_s},
                            {"outage: astray_from", "N", kAstrayFrom_newton}});
 }
 

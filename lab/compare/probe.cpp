@@ -9,8 +9,10 @@ namespace thimble::lab {
 namespace {
 
 // SOURCE: teleop.md section 5, M1 to M3; reach: its section 1. Ours: what comes after the contact,
-// and from where: farther than a buffer zone reaches, which would be full at rest.
-constexpr Position3 kStart{kWall_m - 0.060, -0.02, 0};
+// and from where: farther than a buffer zone reaches, which would be full at rest. The other is the
+// start of teleop.md 3, as far as a zone reaches: decision 0441.
+constexpr double kBefore_m = 0.060;
+constexpr double kNearBefore_m = 0.030;
 constexpr double kSpeed_m_per_s = 0.2;
 constexpr double kReach_m = 0.0635;
 constexpr double kFelt_newton = 0.5;
@@ -26,7 +28,7 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 // Until the wall is felt, beyond what dragged before it. False: it never was.
-bool approach(Stage& stage, Position3& tip, Measures& into) {
+bool approach(Stage& stage, Position3& tip, Probed& into) {
   double touched_s = kNone;
   double drag_newton = 0;
   while (stage.now_s() < kLongest_s) {
@@ -45,14 +47,13 @@ bool approach(Stage& stage, Position3& tip, Measures& into) {
   return false;
 }
 
-}  // namespace
-
-Result<void> play_probe(const CouplingCase& of, const StageSettings& settings, Measures& into) {
-  auto stage = Stage::create(of, settings, kStart);
+Result<Probed> probe(const CouplingCase& of, const StageSettings& settings, double away_m) {
+  const Position3 start{kWall_m - away_m, kBeside_m, 0};
+  auto stage = Stage::create(of, settings, start);
   if (!stage) return tl::unexpected(stage.error());
-  into.onset_s = into.displacement_m = into.stiffness_newton_per_m = kNone;
-  Position3 tip = kStart;
-  if (!approach(**stage, tip, into)) return {};
+  Probed probed{.onset_s = kNone, .stiffness_newton_per_m = kNone, .displacement_m = kNone};
+  Position3 tip = start;
+  if (!approach(**stage, tip, probed)) return probed;
   const double middle_m = tip.x;
   const double omega_per_s = 2 * kPi * kStroke_hz;
   const double from_s = (*stage)->now_s();
@@ -66,19 +67,35 @@ Result<void> play_probe(const CouplingCase& of, const StageSettings& settings, M
     if (is_first && -felt.force.x > kPressing_newton)
       fit.add(tip.x, felt.velocity.x, -felt.force.x);
   }
-  if (fit.spread() >= kLeastSpread_m) into.stiffness_newton_per_m = fit.slope();
+  if (fit.spread() >= kLeastSpread_m) probed.stiffness_newton_per_m = fit.slope();
+  return probed;
+}
+
+}  // namespace
+
+Result<void> play_probe(const CouplingCase& of, const StageSettings& settings, Measures& into) {
+  const auto far = probe(of, settings, kBefore_m);
+  if (!far) return tl::unexpected(far.error());
+  const auto near = probe(of, settings, kNearBefore_m);
+  if (!near) return tl::unexpected(near.error());
+  into.probed = *far;
+  into.probed_near = *near;
   return {};
 }
 
 void list_probe(std::vector<Parameter>& into) {
-  into.insert(into.end(), {{"probe: before_wall", "m", kWall_m - kStart.x},
+  into.insert(into.end(), {{"probe: before_wall", "m", kBefore_m},
+                           {"probe: before_wall_near", "m", kNearBefore_m},
                            {"probe: speed", "m/s", kSpeed_m_per_s},
                            {"probe: felt_from", "N", kFelt_newton},
                            {"probe: stiffness_within", "m", kFirst_m},
                            {"probe: stroke", "m", kStroke_m},
                            {"probe: stroke_rate", "Hz", kStroke_hz},
                            {"probe: strokes_for", "s", kStrokes_s},
-                           {"probe: gives_up_after", "s", kLongest_s}});
+                           {"probe: gives_up_after", "s", kLongest_s},
+                           {"probe: reach", "m", kReach_m},
+                           {"probe: pressing_from", "N", kPressing_newton},
+                           {"probe: least_spread", "m", kLeastSpread_m}});
 }
 
 }  // namespace thimble::lab

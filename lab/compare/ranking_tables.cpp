@@ -36,11 +36,12 @@ std::string failed_gates(const NetworkMarks& networks) {
   return text.empty() ? "-" : text;
 }
 
-Table ranking_table(std::span<const std::string> names, std::span<const DelayMarks> delays) {
+Table ranking_table(std::span<const std::string> names, std::span<const DelayMarks> delays,
+                    std::span<const std::string> readings) {
   Table table{.name = "ranking",
               .title =
                   "Places at each delay, over the four networks; beside them with equal "
-                  "weights, and the best and the worst with one metric left out",
+                  "weights, the best and the worst with one metric left out, and by other readings",
               .columns = {{"delay", "ms", 0},
                           {"place", "", 0},
                           {"scheme", ""},
@@ -51,6 +52,7 @@ Table ranking_table(std::span<const std::string> names, std::span<const DelayMar
                           {"worst_without_one", "", 0},
                           {"gates_failed", ""}},
               .rows = {}};
+  for (const std::string& reading : readings) table.columns.push_back({reading, "", 0});
   for (const DelayMarks& at : delays) {
     const auto standings = rank(at.schemes, kWeights);
     const auto equal = rank(at.schemes, kEqualWeights);
@@ -67,6 +69,9 @@ Table ranking_table(std::span<const std::string> names, std::span<const DelayMar
       table.rows.push_back({1e3 * at.delay_s, place, names[scheme], standing.score,
                             static_cast<double>(standing.failed), place_in(equal, scheme), best,
                             worst, failed_gates(at.schemes[scheme])});
+      for (const auto& others : at.beside) {
+        table.rows.back().emplace_back(place_in(rank(others, kWeights), scheme));
+      }
     }
   }
   return table;

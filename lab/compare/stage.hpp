@@ -19,12 +19,14 @@ inline constexpr double kStageCell_m = 0.003;
 // Where a hand is that has nothing to do with the edge, along y.
 inline constexpr double kBeside_m = -0.02;
 
+// Of the network as link::ImpairmentSettings has it: delay and jitter of the round trip, half of
+// them in each direction, and the order is kept; loss of one message in one direction.
 struct StageSettings {
-  double delay_s{0};
-  double jitter_s{0};
-  double loss{0};
+  double delay_s{0};   // at least 0
+  double jitter_s{0};  // the delay is uniform within delay ± jitter
+  double loss{0};      // 0…1
   // The network is silent for kOutage_s once every kOutageEvery_s.
-  bool has_outages{false};
+  bool has_outages{false};  // both directions
   // The front of the wall moves by a cell, there and back, every kMoveEvery_s.
   bool moves{false};
   std::uint64_t seed{1};

@@ -3,8 +3,6 @@
 namespace thimble::lab {
 namespace {
 
-constexpr double kPassive_joule = 1e-3;
-
 // Of a frame that is shifted.
 struct Shifts {
   double wall_newton_per_m{0};

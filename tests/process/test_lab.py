@@ -74,7 +74,8 @@ class Lab(ProcessTest):
         self.assertEqual(shown.returncode, 0, shown.stdout[-400:] + shown.stderr)
         parameters = json.loads((folder / "compare.json").read_text())["parameters"]
         for name, value in (("finger: mass", 0.15), ("weight: stiffness", 3), ("wave, b = 40: impedance", 40),
-                            ("composite: hysteresis", 0.0005), ("edge: speed", 0.1), ("buffer-zone: buffer", 0.03)):
+                            ("composite: hysteresis", 0.0005), ("edge: speed", 0.1), ("buffer-zone: buffer", 0.03),
+                            ("gate: rise", 2), ("gate: energy", 0.001), ("yardstick: onset", 0.1)):
             self.assertEqual(parameters[name]["value"], value, name)
         with (folder / "compare-ranking.csv").open() as file:
             rows = list(csv.DictReader(file))

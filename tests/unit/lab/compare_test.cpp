@@ -31,9 +31,9 @@ std::size_t place(Gate gate) { return static_cast<std::size_t>(gate); }
 TEST(Compare, UndelayedIsAsTheFactsHaveIt) {
   const Measures found = measures_of(reference_scheme(), {});
   EXPECT_NEAR(found.hold_newton, 3.2, 0.05);
-  EXPECT_NEAR(found.stiffness_newton_per_m, 800, 5);
-  EXPECT_LE(found.onset_s, 0.005);
-  EXPECT_LT(found.displacement_m, 0.001);
+  EXPECT_NEAR(found.probed.stiffness_newton_per_m, 800, 5);
+  EXPECT_LE(found.probed.onset_s, 0.005);
+  EXPECT_LT(found.probed.displacement_m, 0.001);
   EXPECT_EQ(found.drag_newton, 0);
   EXPECT_NEAR(found.mass_kg, 0, 1e-12);
   EXPECT_EQ(found.missed_share, 0);
@@ -49,8 +49,8 @@ TEST(Compare, DelayedIsAsTheFactsHaveIt) {
   EXPECT_NEAR(measures_of(ghost, {.delay_s = 0.02}).hold_newton, 2.7, 0.1);
   const Measures at_50 = measures_of(ghost, {.delay_s = 0.05});
   EXPECT_NEAR(at_50.hold_newton, 1.9, 0.1);
-  EXPECT_NEAR(at_50.onset_s, 0.05, 0.002);
-  EXPECT_NEAR(at_50.displacement_m, 0.0097, 0.0006);
+  EXPECT_NEAR(at_50.probed.onset_s, 0.05, 0.002);
+  EXPECT_NEAR(at_50.probed.displacement_m, 0.0097, 0.0006);
   EXPECT_LT(at_50.swing_m, 1e-6);
   const CouplingCase remote{.name = "remote-force", .scheme = coupling::Scheme::RemoteForce};
   const Measures swinging = measures_of(remote, {.delay_s = 0.02});
@@ -60,16 +60,16 @@ TEST(Compare, DelayedIsAsTheFactsHaveIt) {
 
 TEST(Compare, MarksSayWhatIsAmissAndWhereAGateFails) {
   Measures ideal;
-  ideal.stiffness_newton_per_m = 800;
+  ideal.probed.stiffness_newton_per_m = 800;
   ideal.hold_newton = 3.2;
   const Marks none = marks_of(ideal, ideal, false);
   for (const double mark : none.metrics) EXPECT_EQ(mark, 0);
   for (const bool fails : none.fails) EXPECT_FALSE(fails);
 
   Measures poor = ideal;
-  poor.onset_s = 0.05;
-  poor.stiffness_newton_per_m = 400;
-  poor.displacement_m = std::numeric_limits<double>::quiet_NaN();
+  poor.probed.onset_s = 0.05;
+  poor.probed.stiffness_newton_per_m = 400;
+  poor.probed.displacement_m = std::numeric_limits<double>::quiet_NaN();
   poor.hold_newton = 1.6;
   poor.push_error_newton = 1;
   poor.mass_kg = -0.25;
@@ -87,6 +87,52 @@ TEST(Compare, MarksSayWhatIsAmissAndWhereAGateFails) {
   EXPECT_FALSE(marks.fails[place(Gate::Passive)]);
   EXPECT_FALSE(marks.fails[place(Gate::Smooth)]);
   EXPECT_FALSE(marks_of(poor, ideal, true).fails[place(Gate::Bounded)]) << "the wall moved it";
+}
+
+TEST(Compare, EachReadingBesideChangesWhatItSaysAndNothingElse) {
+  Measures ideal;
+  ideal.probed.stiffness_newton_per_m = 800;
+  ideal.hold_newton = 3.2;
+  ideal.bytes_per_s = 278e3;
+  Measures found = ideal;
+  found.probed.onset_s = 0.02;
+  found.probed_near = {.onset_s = 0.01, .stiffness_newton_per_m = 400, .displacement_m = 0.005};
+  found.most_rise_newton = 1.5;
+  found.packets_per_s = 2000;
+  found.bytes_per_s = 2 * ideal.bytes_per_s;
+  const Marks decided = marks_of(found, ideal, false);
+  EXPECT_DOUBLE_EQ(decided.metrics[place(Metric::Traffic)], 1);
+  EXPECT_FALSE(decided.fails[place(Gate::Smooth)]);
+  const Marks letter = marks_of(found, ideal, false, Reading::RiseOf1Newton);
+  EXPECT_TRUE(letter.fails[place(Gate::Smooth)]);
+  EXPECT_EQ(letter.metrics, decided.metrics);
+  const Marks bytes = marks_of(found, ideal, false, Reading::WithBytes);
+  EXPECT_DOUBLE_EQ(bytes.metrics[place(Metric::Traffic)], 1.5);
+  EXPECT_EQ(bytes.fails, decided.fails);
+  const Marks near = marks_of(found, ideal, false, Reading::ProbedNear);
+  EXPECT_DOUBLE_EQ(near.metrics[place(Metric::Onset)], 0.1);
+  EXPECT_DOUBLE_EQ(near.metrics[place(Metric::Stiffness)], 0.5);
+  EXPECT_DOUBLE_EQ(near.metrics[place(Metric::Displacement)], 0.1);
+  EXPECT_EQ(near.metrics[place(Metric::Traffic)], decided.metrics[place(Metric::Traffic)]);
+}
+
+// A zone of 30 mm is full at rest when the hand comes from there; from 60 mm it has to be filled.
+TEST(Compare, AHandThatComesFromNearFindsAZoneFull) {
+  const CouplingCase zone{.name = "buffer-zone", .scheme = coupling::Scheme::BufferZone};
+  Measures found;
+  ASSERT_TRUE(play_probe(zone, {.delay_s = 0.5}, found));
+  EXPECT_GT(found.probed.onset_s, 0.1);
+  EXPECT_LT(found.probed_near.onset_s, 0.01);
+}
+
+TEST(Compare, ThoseBesideAreOtherFormsUnderNamesOfTheirOwn) {
+  std::set<std::string> names;
+  for (const CouplingCase& one : compared_schemes()) names.insert(one.name);
+  for (const CouplingCase& one : schemes_beside()) {
+    EXPECT_TRUE(names.insert(one.name).second) << one.name;
+  }
+  EXPECT_EQ(schemes_beside().size(), 3U);
+  EXPECT_EQ(schemes_beside()[2].mode, link::SendMode::LockStep) << "as it is printed";
 }
 
 // 3.2 N, a cell of 3 mm, 800 N/m.
@@ -283,9 +329,9 @@ TEST(Compare, ADeadbandSendsAQuarterAndFailsNoGate) {
       // A loss costs what the hand moves until something is sent again.
       const double lost_m = stage.loss > 0 ? 0.2 * seconds(link::Deadband::kMaxGap) : 0;
       // The hand that nothing stops is at the end of its reach before it feels a wall of 500 ms.
-      EXPECT_EQ(std::isnan(banded.displacement_m), std::isnan(whole.displacement_m));
-      if (!std::isnan(whole.displacement_m)) {
-        EXPECT_LE(banded.displacement_m, whole.displacement_m + kBand_m + lost_m);
+      EXPECT_EQ(std::isnan(banded.probed.displacement_m), std::isnan(whole.probed.displacement_m));
+      if (!std::isnan(whole.probed.displacement_m)) {
+        EXPECT_LE(banded.probed.displacement_m, whole.probed.displacement_m + kBand_m + lost_m);
       }
       EXPECT_NEAR(banded.hold_newton, whole.hold_newton, 800 * (kBand_m + lost_m));
     }

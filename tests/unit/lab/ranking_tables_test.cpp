@@ -54,5 +54,21 @@ TEST(RankingTables, ThePlacesHaveBesideThemEqualWeightsAndTheirRangeWithOneMetri
   EXPECT_EQ(table.rows, expected);
 }
 
+TEST(RankingTables, AnotherReadingHasAColumnWithThePlaceByIt) {
+  std::vector<DelayMarks> delays = sample();
+  for (DelayMarks& at : delays) {
+    at.beside = {{with(Metric::Onset, 3), with(Metric::Onset, 2, true), with(Metric::Onset, 1)}};
+  }
+  const std::vector<std::string> readings{"by_letter"};
+  const Table table = ranking_table(kNames, delays, readings);
+  EXPECT_EQ(table.columns.back().name, "by_letter");
+  const std::vector<double> expected{2, 3, 1, 1, 3, 2};  // late, soft, unstable; then as ranked
+  ASSERT_EQ(table.rows.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    ASSERT_EQ(table.rows[i].size(), table.columns.size());
+    EXPECT_EQ(table.rows[i].back(), Cell(expected[i])) << i;
+  }
+}
+
 }  // namespace
 }  // namespace thimble::lab
