@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "daemon/coupling/surface_touch.hpp"
 #include "daemon/coupling/symmetric_dot.hpp"
@@ -300,7 +299,9 @@ double GhostPointArm::sum_of_prices_joule(Duration dt) const noexcept {
       prices_joule.push_back(price_joule(contact, rise_m(contact, dt)));
   }
   std::sort(prices_joule.begin(), prices_joule.end());
-  return std::accumulate(prices_joule.begin(), prices_joule.end(), 0.0);
+  double sum_joule = 0;
+  for (const double joule : prices_joule) sum_joule += joule;
+  return sum_joule;
 }
 
 // By how much its spring would grow in a step that its ramp knows of. Only a frame that was pushed
