@@ -1,4 +1,4 @@
-"""What the servo thread of the packaged daemon asks of a stock kernel and of the C library while it drives a real bus: hidraw, usbfs.
+"""What the servo thread of the packaged daemon asks of a stock kernel and of the C library while it drives a real bus: hidraw, usbfs, a serial port.
 
 strace tells the system calls, probes of the kernel in the C library the allocations. Both see the threads of the bus, too, whose calls
 may block and allocate: that is how the tests know that they see. Beside the arm on hidraw the daemon has safety lines on a CP2112, whose every read blocks.
@@ -37,6 +37,7 @@ class Hidraw(guest.GuestTest):
 
     pace = guest.COUNTED
     blocking_call = "write(", "</dev/hidraw"
+    libraries = LIBRARIES
 
     @classmethod
     def setUpClass(cls):
@@ -92,7 +93,7 @@ class Hidraw(guest.GuestTest):
             if name.startswith(SERVO):
                 self.assertEqual(counts, {})
             if name.startswith(BUS):
-                self.assertEqual([call for call in counts if not call.split(" by ")[1].startswith(LIBRARIES)], [])
+                self.assertEqual([call for call in counts if not call.split(" by ")[1].startswith(self.libraries)], [])
         # It does see them: who answers for the status takes memory, by our program and by the C++ library.
         self.assertTrue(any(f"malloc by {taker}" in counts for counts in calls.values() for taker in ("thimbled", "libstdc++.so.6.0.30")))
 
@@ -105,3 +106,15 @@ class Usbfs(Hidraw):
     @classmethod
     def plug_in(cls):
         return arms.Falcon(cls.guest, rate_hz=arms.FULL_HZ)
+
+
+class Serial(Hidraw):
+    """No library is between its bus and the kernel: the thread of the bus takes no memory either."""
+
+    blocking_call = "write(", "</dev/ttyACM"
+    libraries = ()
+    test_its_safety_lines_are_read_by_a_thread_of_their_own = None
+
+    @classmethod
+    def plug_in(cls):
+        return arms.TextArm(cls.guest, arms.FULL_HZ)
