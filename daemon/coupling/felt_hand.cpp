@@ -63,7 +63,8 @@ void FeltHandObserver::learn(const ConstraintSet& set, const ArmInput& input) no
   if (felt_.has_ghost) felt_.ghost = set.ghost;
   felt_.has_ghost_cell = felt_.has_ghost && set.has_ghost_cell;
   if (felt_.has_ghost_cell) felt_.ghost_cell = set.ghost_cell;
-  felt_.has_pressure = set.has_pressure && is_finite(set.pressure);
+  const bool is_held = !felt_.planes.empty();  // without a face nothing presses
+  felt_.has_pressure = is_held && set.has_pressure && is_finite(set.pressure);
   if (felt_.has_pressure) felt_.pressure = set.pressure;
   has_far_ = set.has_far && is_sound(set.far);
   if (has_far_) far_ = set.far;

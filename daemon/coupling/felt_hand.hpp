@@ -21,7 +21,7 @@ struct FeltHand {
   world::Cell ghost_cell{};  // of that ghost, valid when has_ghost_cell
   bool has_ghost_cell{false};
   // ConstraintSet::pressure of the newest answer, N: to be shown beside the force, and none comes
-  // of it. Valid when has_pressure.
+  // of it. Valid when has_pressure, which it never is without planes.
   Force3 pressure{};
   bool has_pressure{false};
 };

@@ -310,6 +310,19 @@ TEST(FeltHand, ShowsThePressureOfTheNewestAnswerUntilTheWorldIsSilent) {
   EXPECT_FALSE(sut.step({0.02, 0, 0}, &set, true).has_pressure) << "no world has that";
 }
 
+TEST(FeltHand, ShowsNoPressureThatNoFacePressesWith) {
+  Shown sut;
+  ConstraintSet set = late_wall(0.015, MonotonicTime{} + kEyeStep);
+  set.has_pressure = true;
+  set.pressure = {-1.5, 0, 0};
+  ASSERT_TRUE(sut.step({0.02, 0, 0}, &set, true).has_pressure);
+  set.planes[0].normal = {};
+  EXPECT_FALSE(sut.step({0.02, 0, 0}, &set, true).has_pressure) << "an unsound plane holds nothing";
+  set.planes.clear();
+  set.pressure.x = 1e308;
+  EXPECT_FALSE(sut.step({0.02, 0, 0}, &set).has_pressure);
+}
+
 TEST(FeltHand, ACarriageThatCannotTellIsTakenByItsRoundTrip) {
   FeltHandObserver sut;
   MonotonicTime now{};
