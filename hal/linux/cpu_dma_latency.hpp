@@ -17,7 +17,7 @@ class CpuDmaLatency {
   static Result<CpuDmaLatency> hold(const char* node = "/dev/cpu_dma_latency");
   CpuDmaLatency(CpuDmaLatency&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
   CpuDmaLatency& operator=(CpuDmaLatency&& other) noexcept {
-    std::swap(fd_, other.fd_);
+    const CpuDmaLatency mine(std::exchange(fd_, std::exchange(other.fd_, -1)));  // ends here
     return *this;
   }
   ~CpuDmaLatency();

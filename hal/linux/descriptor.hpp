@@ -14,7 +14,7 @@ class Descriptor {
   explicit Descriptor(int fd) noexcept : fd_(fd) {}
   Descriptor(Descriptor&& other) noexcept : fd_(other.release()) {}
   Descriptor& operator=(Descriptor&& other) noexcept {
-    std::swap(fd_, other.fd_);
+    const Descriptor mine(std::exchange(fd_, other.release()));  // closed here, not with `other`
     return *this;
   }
   ~Descriptor() {
