@@ -33,6 +33,8 @@ enum class FaultKind : std::uint8_t {
 inline constexpr std::size_t kFaultKindCount = 15;
 inline constexpr std::size_t kHidFaultKindCount = 13;  // the kinds before Halt
 
+inline constexpr std::uint8_t kHidOut = 0x01;  // where a HID device has one at all
+
 // One fault that happens while both windows hold.
 struct ScriptedFault {
   FaultKind kind{};
@@ -44,7 +46,8 @@ struct ScriptedFault {
   std::uint64_t first_report{1};
   std::uint64_t reports{std::numeric_limits<std::uint64_t>::max()};
   Duration delay{};  // DelayIn, DelayOut
-  // Of a bare USB device: that endpoint alone, 0 for its requests. Everything else takes no notice.
+  // Of a bare USB device: that endpoint alone, 0 for its requests. Of a HID device: a Stall of
+  // kHidOut is a write that is blocked, while input passes. Everything else takes no notice.
   std::optional<std::uint8_t> endpoint{};
 
   THIMBLE_RT [[nodiscard]] bool covers(MonotonicTime t) const noexcept;

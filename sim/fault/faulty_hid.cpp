@@ -1,13 +1,36 @@
 #include "sim/fault/faulty_hid.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace thimble::sim {
+namespace {
 
-FaultyHid::FaultyHid(std::unique_ptr<bus::HidDevice> device, const Clock& clock, FaultPlan plan,
-                     std::shared_ptr<FaultTally> tally)
-    : device_(std::move(device)), clock_(&clock), dice_(std::move(plan), std::move(tally)) {}
+bool is_blocked_write(const ScriptedFault& fault) {
+  return fault.kind == FaultKind::Stall && fault.endpoint == kHidOut;
+}
+
+FaultPlan without_blocked_writes(FaultPlan plan) {
+  std::erase_if(plan.script, is_blocked_write);
+  return plan;
+}
+
+FaultPlan blocked_writes_of(const FaultPlan& plan) {
+  FaultPlan blocked;
+  std::copy_if(plan.script.begin(), plan.script.end(), std::back_inserter(blocked.script),
+               is_blocked_write);
+  return blocked;
+}
+
+}  // namespace
+
+FaultyHid::FaultyHid(std::unique_ptr<bus::HidDevice> device, const Clock& clock,
+                     const FaultPlan& plan, std::shared_ptr<FaultTally> tally)
+    : device_(std::move(device)),
+      clock_(&clock),
+      dice_(without_blocked_writes(plan), tally),
+      blocked_writes_(blocked_writes_of(plan), std::move(tally)) {}
 
 FaultyHid::~FaultyHid() { dice_.tally().set_out_under_way(0); }
 
@@ -18,8 +41,10 @@ IoStatus FaultyHid::read_newest(bus::HidReport& out) noexcept {
     lose_stalled_input();
     return IoStatus::NoData;
   }
-  send_delayed(now);
-  send_held(now);
+  if (!is_out_stalled(now)) {
+    send_delayed(now);
+    send_held(now);
+  }
 
   bus::HidReport report;
   const IoStatus status = device_->read_newest(report);
@@ -33,7 +58,7 @@ IoStatus FaultyHid::submit(std::span<const std::uint8_t> report) noexcept {
   const MonotonicTime now = clock_->now();
   if (is_disconnected(now)) return IoStatus::Disconnected;
   if (report.empty() || report.size() > bus::kMaxHidReportBytes) return IoStatus::ProtocolError;
-  if (is_stalled(now)) {
+  if (is_out_stalled(now)) {
     hold(report);
     return IoStatus::Backlogged;
   }
@@ -65,6 +90,10 @@ bool FaultyHid::is_disconnected(MonotonicTime now) noexcept {
 
 bool FaultyHid::is_stalled(MonotonicTime now) const noexcept {
   return now < stalled_until_ || dice_.is_on(FaultKind::Stall, now);
+}
+
+bool FaultyHid::is_out_stalled(MonotonicTime now) const noexcept {
+  return is_stalled(now) || blocked_writes_.is_on(FaultKind::Stall, now);
 }
 
 void FaultyHid::lose_stalled_input() noexcept {

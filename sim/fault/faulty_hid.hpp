@@ -21,7 +21,8 @@ namespace thimble::sim {
 // dropped report does not bring back the one before it. A delayed report is stamped with the
 // time at which it is let through, and reports never overtake each other. `sequence` counts
 // the reports that arrived here, so a dropped one leaves no gap. Stalled input is lost, and the
-// newest stalled output report goes out with the first call after the stall. A delayed output
+// newest stalled output report goes out with the first call after the stall; where only writes are
+// blocked (a Stall of kHidOut), input passes meanwhile. A delayed output
 // report goes out with the first call after its delay, and none overtakes it; where too many
 // wait, the newest takes the place of the one before it.
 //
@@ -31,7 +32,7 @@ namespace thimble::sim {
 // Errors: as the device below; Disconnect latches.
 class FaultyHid final : public bus::HidDevice {
  public:
-  FaultyHid(std::unique_ptr<bus::HidDevice> device, const Clock& clock, FaultPlan plan,
+  FaultyHid(std::unique_ptr<bus::HidDevice> device, const Clock& clock, const FaultPlan& plan,
             std::shared_ptr<FaultTally> tally = std::make_shared<FaultTally>());
   ~FaultyHid() override;
   FaultyHid(const FaultyHid&) = delete;
@@ -57,6 +58,7 @@ class FaultyHid final : public bus::HidDevice {
 
   [[nodiscard]] bool is_disconnected(MonotonicTime now) noexcept;
   [[nodiscard]] bool is_stalled(MonotonicTime now) const noexcept;
+  [[nodiscard]] bool is_out_stalled(MonotonicTime now) const noexcept;
   void lose_stalled_input() noexcept;
   void take_in(bus::HidReport& report) noexcept;
   void spoil(bus::HidReport& report, std::uint64_t number) noexcept;
@@ -77,6 +79,7 @@ class FaultyHid final : public bus::HidDevice {
   std::unique_ptr<bus::HidDevice> device_;
   const Clock* clock_;
   FaultDice dice_;
+  FaultDice blocked_writes_;  // the stalls of output alone
   bool is_disconnected_{false};
   MonotonicTime stalled_until_{Duration::min()};  // by chance; the script knows its own
 

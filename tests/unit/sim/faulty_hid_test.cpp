@@ -130,6 +130,22 @@ TEST(FaultyHid, AStallLosesInputAndHoldsTheNewestOutput) {
   EXPECT_EQ(bench.injected(FaultKind::Stall), 5U) << "three reports lost, two held";
 }
 
+TEST(FaultyHid, ABlockedWriteHoldsTheNewestOutputWhileInputPasses) {
+  ScriptedFault blocked = during(FaultKind::Stall, 2, 3);
+  blocked.endpoint = kHidOut;
+  Bench bench(script_of(blocked));
+  EXPECT_EQ(bench.read_frames(2), (std::vector<int>{1, 2}));
+  EXPECT_EQ(bench.sut->submit(OutBytes{1}), IoStatus::Backlogged);
+  EXPECT_EQ(bench.sut->submit(OutBytes{2}), IoStatus::Backlogged);
+  EXPECT_EQ(bench.read_frames(2), (std::vector<int>{3, 4}));
+  EXPECT_TRUE(bench.script->received.empty());
+  EXPECT_EQ(bench.read_frames(2), (std::vector<int>{5, 6}));
+  ASSERT_EQ(bench.script->received.size(), 1U);
+  EXPECT_EQ(bench.script->received[0][0], 2);
+  EXPECT_EQ(bench.sut->counters().writes_superseded, 1U);
+  EXPECT_EQ(bench.sut->submit(OutBytes{3}), IoStatus::Ok);
+}
+
 TEST(FaultyHid, ASubmitAfterAStallReplacesTheHeldOne) {
   Bench bench(script_of(during(FaultKind::Stall, 0, 2)));
   bench.sut->submit(OutBytes{1});
