@@ -6,8 +6,7 @@ namespace thimble::servo {
 
 void SampleFreshness::restart(MonotonicTime now) noexcept {
   newest_ = now;
-  periods_counted_ = 0;
-  bucket_ = 0;
+  misses_.restart();
   was_stale_ = false;
 }
 
@@ -16,21 +15,11 @@ FreshnessVerdict SampleFreshness::judge(MonotonicTime now, MonotonicTime sampled
   FreshnessVerdict verdict;
   if (is_fresh) {
     newest_ = std::max(newest_, sampled_at);
-    periods_counted_ = 0;
-    bucket_ = std::max(0, bucket_ - 1);
+    misses_.succeed();
     verdict.is_outage_over = was_stale_;
   }
   const Duration age = now - newest_;
-
-  // The sample of the running period may still be on its way: the first period is no miss.
-  const std::int64_t periods = age / settings_.device_period - 1;
-  if (periods > periods_counted_) {
-    const std::int64_t misses = periods - periods_counted_;
-    periods_counted_ = periods;
-    missed_ += static_cast<std::uint64_t>(misses);
-    const std::int64_t filled = bucket_ + 3 * misses;
-    bucket_ = static_cast<int>(std::min<std::int64_t>(filled, settings_.bucket_limit));
-  }
+  misses_.wait(age);
 
   verdict.is_stale = age > settings_.hold;
   was_stale_ = verdict.is_stale;
@@ -40,7 +29,7 @@ FreshnessVerdict SampleFreshness::judge(MonotonicTime now, MonotonicTime sampled
   }
   if (age >= settings_.fault_after) {
     verdict.fault = FaultCode::StaleSample;
-  } else if (bucket_ >= settings_.bucket_limit) {
+  } else if (misses_.is_full()) {
     verdict.fault = FaultCode::MissedExchanges;
   }
   if (verdict.fault != FaultCode::None) verdict.gain = 0;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "daemon/servo/miss_bucket.hpp"
 #include "hal/base/time.hpp"
 #include "hal/device/fault.hpp"
 #include "hal/rt/annotations.hpp"
@@ -33,22 +34,20 @@ struct FreshnessVerdict {
 // Thread: servo. RT: THIMBLE_RT.
 class SampleFreshness {
  public:
-  explicit SampleFreshness(const FreshnessSettings& settings) noexcept : settings_(settings) {}
+  explicit SampleFreshness(const FreshnessSettings& settings) noexcept
+      : settings_(settings), misses_(settings.device_period, settings.bucket_limit) {}
 
   // Forgets everything; the age counts from `now`.
   THIMBLE_RT void restart(MonotonicTime now) noexcept;
   // Once per tick. `sampled_at` belongs to the newest sample, `is_fresh`: it is new this tick.
   THIMBLE_RT FreshnessVerdict judge(MonotonicTime now, MonotonicTime sampled_at,
                                     bool is_fresh) noexcept;
-  [[nodiscard]] std::uint64_t missed() const noexcept { return missed_; }
-  [[nodiscard]] int bucket() const noexcept { return bucket_; }
+  [[nodiscard]] std::uint64_t missed() const noexcept { return misses_.missed(); }
 
  private:
   FreshnessSettings settings_;
+  MissBucket misses_;
   MonotonicTime newest_{};
-  std::int64_t periods_counted_{0};
-  std::uint64_t missed_{0};
-  int bucket_{0};
   bool was_stale_{false};
 };
 
