@@ -21,6 +21,7 @@ ServoLoop::ServoLoop(const ServoParts& parts, const ServoSettings& settings)
       settings_(settings),
       limiter_(settings.limiter),
       freshness_(settings.freshness),
+      commands_(settings.freshness),
       gain_(settings.activation_ramp, settings.release_ramp),
       recorder_(frames_for(settings)),
       has_watchdog_(parts.device.capabilities().device_watchdog > Duration::zero()),
@@ -79,6 +80,8 @@ ServoFrame ServoLoop::begin_frame(Duration lateness) noexcept {
       settings_.is_realtime_required && tick_ > 1 && frame.dt >= 2 * settings_.period();
   if (state_ == OperatingState::Active && (is_command_overdue || is_tick_missed)) {
     fail(is_tick_missed ? FaultCode::ServoLate : fault_of_overdue_command(), frame);
+  } else if (state_ == OperatingState::Active && commands_.is_full()) {
+    fail(FaultCode::MissedExchanges, frame);
   }
   frame.dt = std::min(frame.dt, kLongestStep);
   return frame;
@@ -137,13 +140,9 @@ void ServoLoop::check_place(const ServoFrame& frame) noexcept {
 void ServoLoop::check_freshness(ServoFrame& frame) noexcept {
   is_outage_over_ = false;
   freshness_gain_ = 1;
-  // Before the first sample there is nothing to be stale; after a stop the arm is silent.
-  const bool is_listening = state_ == OperatingState::Calibrating ||
-                            state_ == OperatingState::Inactive || state_ == OperatingState::Active;
-  if (!is_listening) return;
+  if (!is_exchanging()) return;
   const FreshnessVerdict verdict =
       freshness_.judge(frame.now, arm_.sampled_at, frame.read_status == IoStatus::Ok);
-  snapshot_.missed_exchanges = freshness_.missed();
   freshness_gain_ = verdict.gain;
   frame.is_stale = verdict.is_stale;
   is_outage_over_ = verdict.is_outage_over;
@@ -196,6 +195,7 @@ void ServoLoop::advance_lifecycle(ServoFrame& frame) noexcept {
     case OperatingState::Configured:
       if (frame.read_status != IoStatus::Ok) break;
       freshness_.restart(frame.now);
+      commands_.restart();
       velocity_filter_.reset();
       apply(LifecycleEvent::Calibrate);
       break;
@@ -256,6 +256,7 @@ void ServoLoop::enter_active(const ServoFrame& frame) noexcept {
   apply(LifecycleEvent::Activate);
   restart_coupling(frame.now);
   gain_.cut();
+  commands_.restart();  // zeros that did not leave are counted, and stop nothing
   energy_ = {};
   snapshot_.frame.contacts = 0;
 }
@@ -279,8 +280,6 @@ void ServoLoop::estimate_velocity(ServoFrame& frame) noexcept {
     fail(FaultCode::Overspeed, frame);
   }
 }
-
-bool ServoLoop::is_driving() const noexcept { return state_ == OperatingState::Active; }
 
 // Of an arm that is driven; of any other it says nothing.
 bool ServoLoop::may_drive() const noexcept {
@@ -365,6 +364,7 @@ void ServoLoop::write(ServoFrame& frame, const LimitedWrench& wrench) noexcept {
   }
   frame.write_status = parts_.device.write(wrench);
   const bool is_taken = frame.write_status == IoStatus::Ok;
+  if (is_exchanging()) commands_.judge(frame.now, is_taken, frame.sample_age);
   // A servo that is faster than the bus finds it busy now and then: that breaks no row of zeros.
   const bool is_row_broken = frame.now - last_write_ > settings_.command_gap_limit;
   if (is_driving() || is_row_broken) zero_since_.reset();
@@ -390,6 +390,7 @@ void ServoLoop::publish(const ServoFrame& frame) noexcept {
   snapshot_.frame = frame;
   snapshot_.was_pulled = was_pulled_;
   snapshot_.is_place_known = is_place_known(frame);
+  snapshot_.missed_exchanges = freshness_.missed() + commands_.missed();
   snapshot_.felt = felt_.felt();
   const auto gimbal = arm_.joint_position_rad.begin() + kFirstGimbalJoint;
   std::copy_n(gimbal, snapshot_.gimbal_rad.size(), snapshot_.gimbal_rad.begin());

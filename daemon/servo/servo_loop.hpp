@@ -9,6 +9,7 @@
 #include "daemon/coupling/energy_observer.hpp"
 #include "daemon/coupling/felt_hand.hpp"
 #include "daemon/coupling/press_counter.hpp"
+#include "daemon/servo/command_freshness.hpp"
 #include "daemon/servo/drive_gain.hpp"
 #include "daemon/servo/flight_recorder.hpp"
 #include "daemon/servo/sample_freshness.hpp"
@@ -116,7 +117,12 @@ class ServoLoop {
   void fail(FaultCode code, const ServoFrame& frame) noexcept;
   void apply(LifecycleEvent event) noexcept;
   void restart_coupling(MonotonicTime now) noexcept;
-  [[nodiscard]] bool is_driving() const noexcept;
+  [[nodiscard]] bool is_driving() const noexcept { return state_ == OperatingState::Active; }
+  // Before the first sample there is nothing to be missed; after a stop the arm is silent.
+  [[nodiscard]] bool is_exchanging() const noexcept {
+    return state_ == OperatingState::Calibrating || state_ == OperatingState::Inactive ||
+           is_driving();
+  }
   [[nodiscard]] bool is_silent(MonotonicTime now) const noexcept;
   [[nodiscard]] bool may_drive() const noexcept;
 
@@ -124,6 +130,7 @@ class ServoLoop {
   ServoSettings settings_;
   WrenchLimiter limiter_;
   SampleFreshness freshness_;
+  CommandFreshness commands_;
   VelocityFilter velocity_filter_;
   DriveGain gain_;
   coupling::EnergyObserver energy_;  // since activation

@@ -341,44 +341,6 @@ TEST(ServoLoop, AReplyFromBeforeThePauseIsNotAppliedOnActivation) {
   EXPECT_EQ(rig.coupling.replies, 1) << "what comes afterwards counts";
 }
 
-TEST(ServoLoop, AStuckWayOutIsNoFreshCommand) {
-  DrivenRig rig;
-  rig.device.write_status = IoStatus::Backlogged;
-  rig.tick(20);
-  EXPECT_EQ(rig.state(), OperatingState::Active);
-  rig.tick();
-  EXPECT_EQ(rig.snapshot().fault.code, FaultCode::CommandTimeout);
-  EXPECT_EQ(rig.device.written.back(), Force3{});
-}
-
-// The servo ran, late by a little each time: the arm is to blame, and nothing is kept of what was
-// late before a command that was taken.
-TEST(ServoLoop, ACommandThatIsOverdueNamesTheArmUnlessTheServoWasAwayForMostOfTheTime) {
-  for (const int away_ms : {1, 9, 12, 19}) {
-    DrivenRig rig;
-    rig.clock.advance(std::chrono::milliseconds(15));
-    rig.tick();
-    rig.device.write_status = IoStatus::Backlogged;
-    rig.clock.advance(std::chrono::milliseconds(away_ms));
-    rig.tick(20 - away_ms);
-    ASSERT_EQ(rig.state(), OperatingState::Active) << away_ms;
-    rig.tick();
-    EXPECT_EQ(rig.snapshot().fault.code,
-              away_ms > 10 ? FaultCode::ServoLate : FaultCode::CommandTimeout)
-        << away_ms;
-  }
-}
-
-// Not one: a driver whose every command is refused must not be shown as driven for ever.
-TEST(ServoLoop, AnArmThatNeverTookACommandIsNotDriven) {
-  ServoRig rig;
-  rig.device.write_status = IoStatus::ProtocolError;
-  rig.controls.want_active = true;
-  rig.tick(60);
-  EXPECT_EQ(rig.state(), OperatingState::Fault);
-  EXPECT_EQ(rig.snapshot().fault.code, FaultCode::CommandTimeout);
-}
-
 TEST(ServoLoop, ALostArmIsNotShownAsCalibrated) {
   ServoRig rig;
   rig.activate_fully();
