@@ -12,14 +12,14 @@ namespace {
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
-constexpr MonotonicTime kStart{std::chrono::seconds(1)};
+constexpr MonotonicTime kFirstWrite{std::chrono::seconds(1)};
 constexpr Duration kNewSample{};
 
 // A way out that takes one command in every `period`, whenever the first comes, and none while it
 // is blocked: what the mailboxes of a bus say (UsbMailboxes).
 struct WayOut {
   Duration period;
-  MonotonicTime free_at{kStart};
+  MonotonicTime free_at{kFirstWrite};
   MonotonicTime blocked_until{};
 
   bool takes(MonotonicTime now) {
@@ -44,7 +44,7 @@ TEST(CommandFreshness, AHealthyArmNeverCounts) {
       const Duration tick = std::chrono::nanoseconds(1'000'000'000 / rate_hz);
       CommandFreshness sut{of_period(milliseconds(way_ms))};
       WayOut way{.period = milliseconds(way_ms) - microseconds(20)};
-      MonotonicTime now = kStart;
+      MonotonicTime now = kFirstWrite;
       for (int i = 0; i < 20'000; ++i) {
         now = now + tick + microseconds(dice() % 50);
         if (dice() % 500 == 0) now = now + milliseconds(dice() % 15);  // the servo was away
@@ -59,7 +59,7 @@ TEST(CommandFreshness, AHealthyArmNeverCounts) {
 TEST(CommandFreshness, ACommandThatWaitsForOneMorePeriodIsNoMiss) {
   CommandFreshness sut{of_period(milliseconds(1))};
   for (int tick = 1; tick <= 3000; ++tick)
-    sut.judge(kStart + milliseconds(tick), tick % 3 == 0, kNewSample);
+    sut.judge(kFirstWrite + milliseconds(tick), tick % 3 == 0, kNewSample);
   EXPECT_EQ(sut.missed(), 0U);
 }
 
@@ -72,8 +72,9 @@ TEST(CommandFreshness, ABlockCountsItsPeriods) {
       const Duration period = microseconds(period_us);
       const Duration block = microseconds(dice() % 400'000);
       CommandFreshness sut{of_period(period)};
-      MonotonicTime now = kStart;
-      for (; now - kStart < block; now = now + microseconds(125)) sut.judge(now, false, kNewSample);
+      MonotonicTime now = kFirstWrite;
+      for (; now - kFirstWrite < block; now = now + microseconds(125))
+        sut.judge(now, false, kNewSample);
       sut.judge(now, true, kNewSample);
       const std::int64_t least = std::max<std::int64_t>(block / period - 2, 0);
       EXPECT_GE(sut.missed(), static_cast<std::uint64_t>(least)) << block.count();
@@ -85,11 +86,11 @@ TEST(CommandFreshness, ABlockCountsItsPeriods) {
 TEST(CommandFreshness, RepeatedBlocksFillTheBucketAndOneOfTwentyMillisecondsDoesNot) {
   CommandFreshness sut{of_period(milliseconds(1))};
   int ms = 0;
-  for (; ms < 20; ++ms) sut.judge(kStart + milliseconds(ms), false, kNewSample);
+  for (; ms < 20; ++ms) sut.judge(kFirstWrite + milliseconds(ms), false, kNewSample);
   EXPECT_FALSE(sut.is_full());
   while (!sut.is_full() && ms < 100) {
     ++ms;
-    sut.judge(kStart + milliseconds(ms), ms % 10 == 0, kNewSample);
+    sut.judge(kFirstWrite + milliseconds(ms), ms % 10 == 0, kNewSample);
   }
   EXPECT_LT(ms, 40);
 }
@@ -98,7 +99,7 @@ TEST(CommandFreshness, RepeatedBlocksFillTheBucketAndOneOfTwentyMillisecondsDoes
 TEST(CommandFreshness, WhatFailsBothWaysIsNotCountedTwice) {
   CommandFreshness sut{of_period(milliseconds(1))};
   const auto wait_until = [&](int ms, int end_ms, Duration sample_age) {
-    for (; ms < end_ms; ++ms) sut.judge(kStart + milliseconds(ms), false, sample_age);
+    for (; ms < end_ms; ++ms) sut.judge(kFirstWrite + milliseconds(ms), false, sample_age);
   };
   wait_until(0, 5, kNewSample);
   EXPECT_EQ(sut.missed(), 3U);
@@ -110,11 +111,11 @@ TEST(CommandFreshness, WhatFailsBothWaysIsNotCountedTwice) {
 
 TEST(CommandFreshness, ARestartEmptiesTheBucketAndKeepsTheCount) {
   CommandFreshness sut{of_period(milliseconds(1))};
-  for (int ms = 0; ms < 50; ++ms) sut.judge(kStart + milliseconds(ms), false, kNewSample);
+  for (int ms = 0; ms < 50; ++ms) sut.judge(kFirstWrite + milliseconds(ms), false, kNewSample);
   EXPECT_TRUE(sut.is_full());
   const std::uint64_t missed = sut.missed();
   sut.restart();
-  sut.judge(kStart + milliseconds(50), false, kNewSample);
+  sut.judge(kFirstWrite + milliseconds(50), false, kNewSample);
   EXPECT_FALSE(sut.is_full());
   EXPECT_EQ(sut.missed(), missed);
 }
