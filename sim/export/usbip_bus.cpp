@@ -120,7 +120,7 @@ bool UsbipBus::run_round(Connection& connection, MonotonicTime now) {
   } else {
     session.leave_round_out();
   }
-  return send(connection) && is_up && !is_idle(connection, now) && !is_over(connection);
+  return send(connection, now) && is_up && !is_idle(connection, now) && !is_over(connection);
 }
 
 MonotonicTime UsbipBus::next_needed() const noexcept {
@@ -156,13 +156,13 @@ bool UsbipBus::is_over(Connection& connection) noexcept {
 }
 
 UsbipSession& UsbipBus::connect(Socket socket) {
-  connections_.push_back({std::move(socket),
-                          UsbipSession(*model_, persona_, rounds_per_frame_, around_),
-                          around_.clock->now()});
+  const MonotonicTime now = around_.clock->now();
+  connections_.push_back(
+      {std::move(socket), UsbipSession(*model_, persona_, rounds_per_frame_, around_), now, now});
   return connections_.back().session;
 }
 
-// Who does not read the answers is not asked for more.
+// Who does not read the answers is not heard, and so can ask for no more.
 bool UsbipBus::receive(Connection& connection) {
   if (connection.session.outbox().size() > kMostUnsentBytes) return true;
   std::array<std::uint8_t, 16384> buffer;
@@ -176,15 +176,19 @@ bool UsbipBus::receive(Connection& connection) {
   return true;
 }
 
-bool UsbipBus::send(Connection& connection) {
+bool UsbipBus::send(Connection& connection, MonotonicTime now) {
   std::vector<std::uint8_t>& outbox = connection.session.outbox();
   while (connection.sent < outbox.size()) {
     error_code error;
-    connection.sent += connection.socket.write_some(asio::buffer(outbox) + connection.sent, error);
-    if (error) return is_for_later(error);
+    const auto unsent = asio::buffer(outbox) + connection.sent;
+    const std::size_t size = connection.socket.write_some(unsent, error);
+    connection.sent += size;
+    if (size > 0) connection.taken_at = now;
+    if (error) return is_for_later(error) && now - connection.taken_at <= kPatience;
   }
   outbox.clear();
   connection.sent = 0;
+  connection.taken_at = now;
   return true;
 }
 

@@ -27,9 +27,9 @@ namespace thimble::sim {
 class UsbipBus : public Plug, private Event {
  public:
   static constexpr std::size_t kMostConnections = 4;  // ours: one host, and `usbip list` beside it
-  // Who asks nothing for so long, or takes the device and makes no request of it, holds a place
-  // that others want, and is hung up on. Ours: a kernel asks for descriptors within 1 s. A host
-  // that has it may be idle for ever.
+  // Who asks nothing for so long, or takes the device and makes no request of it, or takes nothing
+  // of what it asked for, holds a place that others want, and is hung up on. Ours: a kernel asks
+  // for descriptors within 1 s, and reads whatever comes. A host that has it may be idle for ever.
   static constexpr Duration kPatience = std::chrono::seconds(10);
 
   // A host has it; whether somebody there uses it, is_open() says.
@@ -62,6 +62,7 @@ class UsbipBus : public Plug, private Event {
     Socket socket;
     UsbipSession session;
     MonotonicTime answered_at{};  // or accepted; a byte now and then is no question
+    MonotonicTime taken_at{};     // something of the outbox, or there was nothing in it
     std::size_t sent{0};          // of the session's outbox
   };
   void fire(MonotonicTime now) noexcept override;
@@ -70,7 +71,7 @@ class UsbipBus : public Plug, private Event {
   [[nodiscard]] static bool is_idle(const Connection& connection, MonotonicTime now) noexcept;
   [[nodiscard]] static bool is_over(Connection& connection) noexcept;
   [[nodiscard]] static bool receive(Connection& connection);
-  [[nodiscard]] static bool send(Connection& connection);
+  [[nodiscard]] static bool send(Connection& connection, MonotonicTime now);
   void drop(std::list<Connection>::iterator connection);
 
   plugin::SimUsbModel* model_;

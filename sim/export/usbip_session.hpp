@@ -28,8 +28,10 @@ namespace thimble::sim {
 // with 0: each unlink has one answer.
 //
 // Bounded: a transfer has at most kMaxTransferBytes, and kMaxTransfers wait; who asks for more, or
-// says what is no message, has to be cut off, and so has one that does not take its answers
-// (kMaxOutboxBytes). Thread: one. RT: no. Ownership: model, log and misbehaviour must outlive it.
+// says what is no message, has to be cut off, and so has one that asks for more while
+// kMaxOutboxBytes are in outbox(): take() says so. serve() still answers what waits. Who has the
+// socket has to cut off a host that takes nothing (UsbipBus::kPatience).
+// Thread: one. RT: no. Ownership: model, log and misbehaviour must outlive it.
 // Errors: take() says so.
 class UsbipSession {
  public:

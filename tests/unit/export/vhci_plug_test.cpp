@@ -149,6 +149,29 @@ TEST_F(VhciPlugTest, DetachedByTheKernelItWaitsForTheNextPlug) {
   ASSERT_TRUE(sut_.plug());
   EXPECT_TRUE(sut_.is_attached());
 }
+TEST_F(VhciPlugTest, HangsUpOnWhoTakesNothingOfWhatItAskedFor) {
+  ASSERT_TRUE(sut_.plug());
+  say(host_.control({0x80, 6, 0, 1, 0, 0, 18, 0}));  // a host that may be idle for ever
+  hear(48 + 18);
+  constexpr std::size_t kTransfers = 16;
+  constexpr std::size_t kBytes = UsbipSession::kMaxTransferBytes;
+  script_->to_send[test::ScriptedUsbModel::kBulkIn].assign(kTransfers * kBytes / 64, Bytes(64, 7));
+  for (std::size_t i = 0; i < kTransfers; ++i) {
+    say(host_.read(test::ScriptedUsbModel::kBulkIn, kBytes));
+  }
+  bench_.run_frames(9000);
+  EXPECT_TRUE(sut_.is_attached());
+  Bytes some(2 * kBytes);
+  ASSERT_GT(::recv(kernel_.get(), some.data(), some.size(), MSG_DONTWAIT), 0);
+  bench_.run_frames(9000);
+  EXPECT_TRUE(sut_.is_attached()) << "it took some";
+  bench_.run_frames(2000);
+  EXPECT_FALSE(sut_.is_attached());
+  ASSERT_TRUE(sut_.unplug());
+  ASSERT_TRUE(sut_.plug());
+  script_->to_send[test::ScriptedUsbModel::kBulkIn] = {{4}};
+  EXPECT_EQ(read_bulk(), Bytes{4});
+}
 TEST_F(VhciPlugTest, RefusedItIsNotPluggedIn) {
   refusal_ = "not for you";
   EXPECT_EQ(sut_.plug().error().message, refusal_);
