@@ -79,9 +79,10 @@ SerialFrame frame(std::span<const std::byte> datagram) noexcept {
 void Deframer::on_read(MonotonicTime now) noexcept {
   const bool was_silent = now - std::exchange(read_at_, now) > kLineSilence;
   if (!was_silent || size_ == 0) return;
+  if (!std::exchange(is_behind_silence_, true)) return;
   ++counters_.damaged;
   size_ = 0;
-  is_too_long_ = false;
+  is_too_long_ = is_behind_silence_ = false;
 }
 
 std::optional<std::span<const std::byte>> Deframer::push(std::byte byte) noexcept {
@@ -103,7 +104,7 @@ std::optional<std::span<const std::byte>> Deframer::end_of_frame() noexcept {
   const bool is_counted = is_too_long_;
   const bool is_nothing = size_ == 0;  // two zeros between two frames
   size_ = 0;
-  is_too_long_ = false;
+  is_too_long_ = is_behind_silence_ = false;
   // A receiver that is ten times as fast as the sender hears nothing else.
   if (is_nothing && std::exchange(is_behind_two_zeros_, true)) ++counters_.damaged;
   if (is_nothing || is_counted) return std::nullopt;

@@ -35,7 +35,8 @@ struct SerialFrame {
 
 [[nodiscard]] std::uint32_t crc32(std::span<const std::byte> bytes) noexcept;
 
-// Ours: later than any machine reads, and sooner than who hears no answer asks again.
+// Between two reads. Ours: longer than most machines are late by, and shorter than who hears no
+// answer waits before it asks again.
 inline constexpr Duration kLineSilence = std::chrono::milliseconds(100);
 
 // Finds the datagrams in a stream of bytes, however it is cut.
@@ -45,11 +46,13 @@ class Deframer {
     std::uint64_t frames{0};
     // Wrongly stuffed, of no length, with another checksum, or too long: once for each
     // kMaxSerialFrame bytes without an end. Also each zero that can be no end, behind two others,
-    // and what the line fell silent in.
+    // and what was not over at the second silence.
     std::uint64_t damaged{0};
   };
 
-  // Before the bytes of each read: after a silence of kLineSilence nothing is the rest of a frame.
+  // Before the bytes of each read. A frame may have one kLineSilence in it: a reader that is late
+  // finds its rest then, and where the line was silent in truth the zero before the next frame ends
+  // it. What has no end at another silence is none.
   void on_read(MonotonicTime now) noexcept;
   // The next byte of the line. Where it ends a whole frame, its datagram, until the next call.
   [[nodiscard]] std::optional<std::span<const std::byte>> push(std::byte byte) noexcept;
@@ -62,6 +65,7 @@ class Deframer {
   std::size_t size_{0};
   bool is_too_long_{false};
   bool is_behind_two_zeros_{false};
+  bool is_behind_silence_{false};  // what has no end yet
   MonotonicTime read_at_{};
   std::array<std::byte, kMaxSerialFrame> plain_{};
   Counters counters_{};

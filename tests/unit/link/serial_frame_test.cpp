@@ -127,21 +127,52 @@ TEST(SerialFrame, ZerosThatCanBeNoEndAreCounted) {
   EXPECT_EQ(datagrams_in(sut, whole.view()).size(), 1U);
 }
 
-TEST(SerialFrame, WhatTheLineFellSilentInIsCountedAndNotGoneOnWith) {
+// What a read brings, so long after the one before.
+struct LateReader {
   Deframer sut;
-  const LineBytes datagram{std::byte{7}, std::byte{8}};
-  const SerialFrame whole = frame(datagram);
-  const MonotonicTime begin{std::chrono::seconds(1)};
-  sut.on_read(begin);
-  EXPECT_TRUE(datagrams_in(sut, whole.view().first(4)).empty());
-  sut.on_read(begin + kLineSilence);
-  EXPECT_EQ(datagrams_in(sut, whole.view().subspan(4)).size(), 1U) << "a reader may be late";
-  EXPECT_TRUE(datagrams_in(sut, whole.view().first(4)).empty());
-  sut.on_read(begin + 3 * kLineSilence);
-  EXPECT_EQ(sut.counters().damaged, 1U);
-  EXPECT_EQ(datagrams_in(sut, whole.view()).size(), 1U);
-  sut.on_read(begin + 5 * kLineSilence);
-  EXPECT_EQ(sut.counters().damaged, 1U) << "silence between frames is none";
+  MonotonicTime now{std::chrono::seconds(1)};
+
+  std::size_t frames_in(std::span<const std::byte> bytes, Duration later) {
+    now = now + later;
+    sut.on_read(now);
+    return datagrams_in(sut, bytes).size();
+  }
+};
+constexpr Duration kLate = kLineSilence * 3 / 2;
+
+TEST(SerialFrame, AReaderThatIsLateLosesNothing) {
+  LateReader sut;
+  const SerialFrame whole = frame(LineBytes{std::byte{7}, std::byte{8}});
+  EXPECT_EQ(sut.frames_in(whole.view().first(4), kLate), 0U);
+  LineBytes rest(whole.view().begin() + 4, whole.view().end());
+  rest.insert(rest.end(), whole.view().begin(), whole.view().end());
+  EXPECT_EQ(sut.frames_in(rest, kLate), 2U);
+  EXPECT_EQ(sut.sut.counters().damaged, 0U);
+  EXPECT_EQ(sut.frames_in(whole.view().first(4), kLate), 0U);
+  EXPECT_EQ(sut.frames_in(rest, kLate), 2U) << "and not only once";
+  EXPECT_EQ(sut.sut.counters().damaged, 0U);
+}
+
+TEST(SerialFrame, WhatTheLineFellSilentInIsCountedAndNotGoneOnWith) {
+  LateReader sut;
+  const SerialFrame whole = frame(LineBytes{std::byte{7}, std::byte{8}});
+  EXPECT_EQ(sut.frames_in(whole.view().first(4), kLate), 0U);
+  EXPECT_EQ(sut.frames_in(whole.view(), kLate), 1U);
+  EXPECT_EQ(sut.sut.counters().damaged, 1U);
+  EXPECT_EQ(sut.frames_in({}, kLate), 0U);
+  EXPECT_EQ(sut.sut.counters().damaged, 1U) << "silence between frames is none";
+}
+
+// A receiver that is slower than the sender: an arm that hears no answer asks now and then.
+TEST(SerialFrame, WhatHasNoEndAtTheSecondSilenceIsCounted) {
+  LateReader sut;
+  const LineBytes garbage(20, std::byte{0xE6});
+  for (int i = 0; i < 6; ++i) EXPECT_EQ(sut.frames_in(garbage, kLate), 0U);
+  EXPECT_EQ(sut.sut.counters().damaged, 2U);
+  EXPECT_EQ(sut.frames_in({}, kLate), 0U);
+  EXPECT_EQ(sut.sut.counters().damaged, 3U);
+  EXPECT_EQ(sut.frames_in(frame(LineBytes{std::byte{7}}).view(), kLate), 1U);
+  EXPECT_EQ(sut.sut.counters().damaged, 3U);
 }
 
 TEST(LinePaceTest, KeepsTheRateOfTheLine) {
