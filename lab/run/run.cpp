@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -74,6 +76,12 @@ Result<config::Config> load_one(const std::string& file, const std::vector<std::
   return fail(Errc::InvalidArgument, in_one_line(lines));
 }
 
+// So that who has the findings needs no file to play them again. It could be read a moment ago.
+std::string text_of(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
 void add_to(sim::TraceHash& hash, const servo::ServoFrame& frame) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (const double number : {frame.tip[axis], frame.velocity[axis], frame.offset[axis],
@@ -104,6 +112,7 @@ Result<std::unique_ptr<SessionRun>> SessionRun::load(const RunSettings& settings
                            *run->plugins_.back());
     if (!config) return tl::unexpected(config.error());
     file.config = *std::move(config);
+    run->texts_.push_back(text_of(settings.files[i]));
   }
   const std::vector<std::string> reasons = reasons_not_to_play(run->files_);
   if (!reasons.empty()) {

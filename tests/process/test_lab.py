@@ -175,6 +175,8 @@ source = "box:3"
         self.assertEqual(shown.returncode, 0, shown.stdout + shown.stderr)
         self.assertRegex(shown.stdout, r"virtual time went \d+ times as fast as real time")
         document = json.loads((folder / "run.json").read_text())
+        self.assertEqual(document["parameters"]["configuration"]["value"], config.read_text())
+        self.assertIn('motion = "explore"', document["parameters"]["configuration"]["value"])
         again = self.run_experiment("run", config, "--for", "6", "--out", self.folder / "again")
         self.assertEqual(again.returncode, 0)
         self.assertEqual((self.folder / "again/run.json").read_bytes(), (folder / "run.json").read_bytes())

@@ -46,6 +46,10 @@ TEST(SessionRun, TheArmOfTheBoxIsDrivenAndFindsItsWalls) {
     ASSERT_EQ(row.size(), findings.tables[1].columns.size());
   }
   EXPECT_EQ(tell(findings).find("velocity"), std::string::npos) << "traces are for files";
+  const auto text = std::find_if(findings.parameters.begin(), findings.parameters.end(),
+                                 [](const Parameter& p) { return p.name == "configuration"; });
+  ASSERT_NE(text, findings.parameters.end());
+  EXPECT_NE(std::get<std::string>(text->value).find("[[arm]]"), std::string::npos);
 }
 
 TEST(SessionRun, TheSameSeedGivesTheSameTraceAndAnotherDoesNot) {
