@@ -203,6 +203,16 @@ Table measures_table(const Compared& compared, bool moves) {
   return table;
 }
 
+// Of a row beside: that of the scheme that it is another form of, else the next that is free.
+int style_of(const Grid& grid, std::size_t scheme) {
+  if (scheme < grid.judged()) return 0;
+  for (std::size_t i = 0; i < grid.judged(); ++i) {
+    const bool is_of = grid.schemes()[scheme].name.starts_with(grid.schemes()[i].name + ",");
+    if (is_of) return static_cast<int>(i) + 1;
+  }
+  return static_cast<int>(grid.judged()) + 1;
+}
+
 Plot scores_plot(const Compared& compared) {
   Plot plot{.name = "scores",
             .title = "Score over delay, mean over four networks; lower is better",
@@ -210,7 +220,11 @@ Plot scores_plot(const Compared& compared) {
             .y = {"score [1]", false},
             .series = {}};
   for (std::size_t scheme = 0; scheme < compared.grid.schemes().size(); ++scheme) {
-    Series series{compared.grid.schemes()[scheme].name, Mark::LinePoints, {}};
+    const bool is_beside = scheme >= compared.grid.judged();
+    Series series{compared.grid.schemes()[scheme].name,
+                  is_beside ? Mark::Points : Mark::LinePoints,
+                  {},
+                  style_of(compared.grid, scheme)};
     for (std::size_t delay = 0; delay < kDelays_s.size(); ++delay) {
       for (const Standing& standing : rank(compared.marks_at(delay), kWeights)) {
         if (standing.scheme != scheme) continue;
@@ -219,6 +233,10 @@ Plot scores_plot(const Compared& compared) {
     }
     plot.series.push_back(series);
   }
+  // SOURCE: thesis 4.1, as in teleop.md section 1, "comfort statements".
+  plot.series.push_back(
+      {"thesis: 50 ms, as if there were none", Mark::Dashed, {{50, 0}, {50, 2}}, 7});
+  plot.series.push_back({"thesis: 200 ms, upper end", Mark::Dashed, {{200, 0}, {200, 2}}, 8});
   return plot;
 }
 

@@ -234,6 +234,12 @@ Plot plot_of(const std::vector<Measured>& all, const std::string& name, const st
     }
     plot.series.push_back(series);
   }
+  // SOURCE: thesis 4.1, as in teleop.md section 1, "comfort statements". Up to the highest mark.
+  double most = 0;
+  for (const Measured& one : all) most = std::max(most, one.*number);
+  plot.series.push_back(
+      {"thesis: 50 ms, as if there were none", Mark::Dashed, {{50, 0}, {50, most}}, 7});
+  plot.series.push_back({"thesis: 200 ms, upper end", Mark::Dashed, {{200, 0}, {200, most}}, 8});
   return plot;
 }
 
