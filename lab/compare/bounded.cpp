@@ -41,4 +41,6 @@ bool may_give(coupling::Scheme scheme, bool has_outages) noexcept {
   return scheme == coupling::Scheme::SpringDamper && has_outages;
 }
 
+bool may_ask_for_more(coupling::Scheme scheme) noexcept { return may_give(scheme, true); }
+
 }  // namespace thimble::lab

@@ -45,5 +45,7 @@ inline constexpr double kGrows_m = 0.0005;
 // below B/T of the delay that it measures, and a silence is none. A hand at v has stretched it by
 // v·kOutage_s when the first sample comes through: 16 N at 0.1 m/s and 800 N/m (decision 0477).
 [[nodiscard]] bool may_give(coupling::Scheme scheme, bool has_outages) noexcept;
+// Of force alone, on any network: the scenario of the outage has a silence on each.
+[[nodiscard]] bool may_ask_for_more(coupling::Scheme scheme) noexcept;
 
 }  // namespace thimble::lab
