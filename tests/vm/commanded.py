@@ -1,6 +1,6 @@
 """The force that an arm was commanded, by its log: what its motors were told, in the pose that it had told itself.
 
-That is what a limit of the daemon bounds, whatever the device says: where the pose was a lie the motors push elsewhere. Equations of its own, from the facts of the
+That is what a limit of the daemon bounds, whatever the device says: where the pose was a lie the motors push elsewhere, and what bounds them is what each may be told (`loads`). Equations of its own, from the facts of the
 drivers' tables: drivers/phantom/README.md, "Frames", and the legs of a delta arm.
 """
 
@@ -48,6 +48,14 @@ class Phantom:
         *milliamperes, kind = struct.unpack("<4h", command[:8])
         return [value / 1000 for value in milliamperes] if kind == 0 else None
 
+    def most(self, limit_newton):
+        """A, of each motor: what that force asks for in the pose that asks for most, where its lever is all that the joint moves; never more than its peak."""
+        facts = self.facts
+        _, upper, fore = facts["link_m"]
+        return [min(peak, limit_newton * lever * capstan / drum / constant) for peak, lever, capstan, drum, constant in
+                zip(facts["peak_current_a"], (upper + fore, upper, fore), facts["capstan_diameter_m"], facts["drum_diameter_m"],
+                    facts["torque_constant_newton_m_per_a"])]
+
     def force_in_pose(self, counts):
         """A function: of currents the force at the tip, in that pose."""
         facts = self.facts
@@ -81,6 +89,8 @@ class Text(Phantom):
 
 
 class Falcon:
+    FULL_SCALE = 4095  # what the firmware's source clamps at
+
     def __init__(self, newton_per_count):
         self.facts = model("falcon", "falcon")
         crank_rad = 3 * [self.facts["home_angle_rad"]]
@@ -124,6 +134,10 @@ class Falcon:
     def motors(self, command):
         return self.numbers(command[1:13]) if len(command) == 16 and command[:1] == b"<" else None
 
+    def most(self, _):
+        """Counts, of each motor: its peak. Near full stretch the smallest force asks for all of it."""
+        return 3 * [self.FULL_SCALE]
+
     def force_in_pose(self, counts):
         facts = self.facts
         rad_per_count = 2 * math.pi / facts["counts_per_motor_rev"] * facts["capstan_diameter_m"] / facts["drum_diameter_m"]
@@ -152,3 +166,10 @@ def forces(arm, log):
             if motors is not None:
                 sizes.append(min(math.hypot(*force_of(motors)) for force_of in poses))
     return sizes
+
+
+def loads(arm, log, limit_newton):
+    """Of each command in it that motor's which has most, as a share of what it may have at that limit in whatever pose."""
+    most = arm.most(limit_newton)
+    commands = (arm.motors(bytes.fromhex(entry["out"])) for entry in log if "out" in entry)
+    return [max(abs(told) / may for told, may in zip(motors, most)) for motors in commands if motors is not None]

@@ -95,7 +95,11 @@ class Misbehaviour:
         felt, beside = ([force for _, force in two_arms.forces(one)] for one in (log, self.arms[1 - arm].log(0.5)))
         self.assertGreater(device.status()["trouble"][TROUBLES[verb]], done)
         self.assertLess(max(commanded.forces(self.judges[arm], log), default=0), LIMIT_NEWTON + ROUNDING_NEWTON)
-        if verb != LIES_OF_ITS_POSE:
+        if verb == LIES_OF_ITS_POSE:
+            loads = commanded.loads(self.judges[arm], log, LIMIT_NEWTON)
+            self.assertGreater(max(loads), 0)
+            self.assertLessEqual(max(loads), 1)
+        else:
             self.assertLess(max(felt), SLACK * LIMIT_NEWTON)
         self.assertGreater(min(beside), PRESSED_NEWTON)
         self.assertLess(max(beside), SLACK * LIMIT_NEWTON)
