@@ -26,7 +26,8 @@ for file in /lib/udev/rules.d/*; do
 done
 udevadm control --reload
 """
-MOST_KIB = 16
+# No page more, which is what was measured of all four. The heap grows in steps of 132 KiB, all of them resident: what is kept is seen once it has used up what the heap had free.
+PAGE_KIB = 4
 LOOK = """
 thimble status --json > /run/status
 pid=$(systemctl show thimbled -p MainPID --value)
@@ -61,7 +62,7 @@ class PlugCycles(guest.GuestTest):
     def assert_nothing_kept(self, before, after):
         self.assertEqual({key: after[key] for key in KEPT}, {key: before[key] for key in KEPT})
         print(f"{self._testMethodName}: {before['memory_kib']} KiB, then {after['memory_kib']}", file=sys.stderr)
-        self.assertLess(after["memory_kib"] - before["memory_kib"], MOST_KIB)
+        self.assertLess(after["memory_kib"] - before["memory_kib"], PAGE_KIB)
         self.assertLessEqual(after["recordings"], MOST_RECORDINGS)
 
     def assert_works(self, arm, become_active):
