@@ -13,6 +13,8 @@ import simdev
 SILENT_S = 0.23
 # In a second, of 50: one in two may be late before the relay of that page falls off.
 BEATS = 40
+# In two seconds, of 4: the first and the last may fall outside.
+BLINKS = 2
 
 
 class Arm(arms.HidArm):
@@ -66,6 +68,16 @@ class Estop(guest.GuestTest):
         self.guest.run("sleep 1")
         return lines_of.status()["readings"]["changes_3"] - before
 
+    def lamp(self):
+        """How it looks to a person who has two seconds."""
+        before = self.adapter.status()["readings"]
+        self.guest.run("sleep 2")
+        after = self.adapter.status()["readings"]
+        changes = after["changes_4"] - before["changes_4"]
+        if changes == 0:
+            return "lit" if after["line_4"] else "dark"
+        return "blinks" if changes >= BLINKS else f"{changes} change(s)"
+
     def start_again(self, was_killed=False):
         """`was_killed`: the daemon, after which a person has to ask for the arm."""
         self.wait_for("waiting")
@@ -97,9 +109,11 @@ class Estop(guest.GuestTest):
     def test_2_nothing_moves_and_nothing_beats_before_somebody_clears(self):
         self.wait_for("waiting")
         self.assertEqual(self.beats(), 0)
+        self.assertEqual(self.lamp(), "blinks")
         self.assertEqual(self.status()["arms"][0]["faults"][0]["code"], "estop")
         self.start_again()
         self.assertGreaterEqual(self.beats(), BEATS)
+        self.assertEqual(self.lamp(), "lit")
         self.lean()
 
     def test_3_pressed_is_zero_and_latched_and_the_heartbeat_stops(self):
@@ -108,6 +122,7 @@ class Estop(guest.GuestTest):
         simdev.wait_for_state(self.guest, "fault")
         self.assert_no_force()
         self.assertEqual(self.beats(), 0)
+        self.assertEqual(self.lamp(), "dark")
         code, printed = self.clear()
         self.assertNotEqual(code, 0)
         self.assertIn("emergency stop is pressed", printed)
@@ -116,6 +131,7 @@ class Estop(guest.GuestTest):
         self.release()
         self.wait_for("waiting")
         self.assertEqual(self.beats(), 0)
+        self.assertEqual(self.lamp(), "blinks")
         self.assertEqual(self.status()["arms"][0]["state"], "fault")
         self.assert_no_force()
         self.start_again()
