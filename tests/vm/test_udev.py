@@ -6,8 +6,8 @@ import simdev
 # Model and product id: one of each form that a rule has.
 ON_USB = (("falcon", "cb48"), ("cam-8", "0001"), ("spacemouse", "c635"), ("spacenavigator", "c626"))
 DELAY_MS = 4321  # nobody's default: where it is found the rule was met
-# As it is given to all who want to save power, in a file that comes late.
-SAVER = ('ACTION=="add", SUBSYSTEM=="usb", TEST=="power/control", ATTR{power/control}="auto", '
+# As it is given to all who want to save power, in a file that comes late; for each event, as ours: one for "add" alone is undone by a driver's "bind".
+SAVER = ('SUBSYSTEM=="usb", TEST=="power/control", ATTR{power/control}="auto", '
          f'ATTR{{power/autosuspend_delay_ms}}="{DELAY_MS}"')
 
 
