@@ -134,11 +134,13 @@ TEST_P(SerialPortContract, AMessageThatIsUnderWayIsSentWholeAndThenTheNewest) {
   rig->set_deaf(true);
   EXPECT_EQ(rig->port().submit(pattern(16, 1)), IoStatus::Ok);
   run_ms(5);
-  EXPECT_EQ(rig->port().submit(pattern(16, 2)), IoStatus::Backlogged);
+  const bool is_one_with_kernel = rig->has_kernel();
+  EXPECT_EQ(rig->port().submit(pattern(16, 2)),
+            is_one_with_kernel ? IoStatus::Ok : IoStatus::Backlogged);
   EXPECT_EQ(rig->port().submit(pattern(16, 3)), IoStatus::Backlogged);
   run_ms(5);
   EXPECT_TRUE(rig->received_by_device().empty());
-  EXPECT_EQ(rig->port().counters().messages_out, 0U);
+  EXPECT_EQ(rig->port().counters().messages_out, is_one_with_kernel ? 1U : 0U);
 
   rig->set_deaf(false);
   run_ms(10);

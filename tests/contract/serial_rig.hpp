@@ -27,6 +27,9 @@ class SerialRig {
   virtual void set_deaf(bool is_deaf) = 0;
   virtual void unplug() = 0;
   virtual void run_for(Duration duration) = 0;
+  // A kernel's driver stands between, which takes one message for a device that takes nothing: it
+  // is out then, as far as the port can tell.
+  [[nodiscard]] virtual bool has_kernel() const { return false; }
 };
 
 // How the suite makes a fresh rig for every test.

@@ -1,5 +1,5 @@
-"""The contract suites of HID and USB devices, their enumerator and GPIO lines over a real kernel: hidapi, libusb, libudev and libgpiod as they are, on devices that hang
-on uhid and vhci-hcd; the GPIO chip is a CP2112 under the kernel's own driver.
+"""The contract suites of HID and USB devices, their enumerator, serial ports and GPIO lines over a real kernel: hidapi, libusb, libudev and libgpiod as they are, on devices
+that hang on uhid and vhci-hcd; the serial port is a modem under the kernel's cdc_acm, the GPIO chip is a CP2112 under the kernel's own driver.
 
 What the same suites say of the simulated buses, and of ours over stand-ins for the libraries, runs on any machine: tests/contract.
 """
@@ -15,7 +15,7 @@ class Contract(guest.GuestTest):
 
     def test_every_sentence_of_the_suites_is_true(self):
         for suite, least in (("HidDeviceContract", 22), ("BusEnumeratorContract", 7), ("UsbDeviceContract", 29),
-                             ("GpioLinesContract", 12), ("KernelGpio", 2)):
+                             ("SerialPortContract", 13), ("GpioLinesContract", 12), ("KernelGpio", 2)):
             with self.subTest(suite):
                 status, printed = self.guest.ask(f"/run/bin/kernel_contract --gtest_filter='*{suite}*' 2>&1 | tail -n 60; "
                                                  "exit ${PIPESTATUS[0]}", timeout_s=600)
