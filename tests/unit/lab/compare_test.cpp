@@ -1,3 +1,4 @@
+// lint: long-file one experiment, each of its scenarios and what is made of them
 #include "lab/compare/compare.hpp"
 
 #include <gtest/gtest.h>
@@ -284,6 +285,8 @@ TEST(Judged, ASpringKicksWhenANetworkIsBackThatWasSilent) {
   EXPECT_FALSE(may_give(spring.scheme, false));
   EXPECT_TRUE(may_give(coupling::Scheme::RemoteForce, false));
   EXPECT_FALSE(may_give(coupling::Scheme::Wave, true));
+  EXPECT_TRUE(may_ask_for_more(spring.scheme));
+  EXPECT_FALSE(may_ask_for_more(coupling::Scheme::Wave));
 }
 
 TEST(Compare, ARunIsTheSameAgainAndOfAnotherSeedItIsNot) {
