@@ -92,7 +92,8 @@ class Misbehaviour:
         device.say(verb)
         self.guest.run("sleep 0.4")
         log = device.log(0.5)
-        felt, beside = ([force for _, force in two_arms.forces(one)] for one in (log, self.arms[1 - arm].log(0.5)))
+        log_beside = self.arms[1 - arm].log(0.5)
+        felt, beside = ([force for _, force in two_arms.forces(one)] for one in (log, log_beside))
         self.assertGreater(device.status()["trouble"][TROUBLES[verb]], done)
         self.assertLess(max(commanded.forces(self.judges[arm], log), default=0), LIMIT_NEWTON + ROUNDING_NEWTON)
         if verb == LIES_OF_ITS_POSE:
@@ -101,7 +102,7 @@ class Misbehaviour:
             self.assertLessEqual(max(loads), 1)
         else:
             self.assertLess(max(felt), SLACK * LIMIT_NEWTON)
-        self.assertGreater(min(beside), PRESSED_NEWTON)
+        self.assertGreater(min(beside), PRESSED_NEWTON, (two_arms.longest_gaps(log_beside), self.status(1 - arm)))
         self.assertLess(max(beside), SLACK * LIMIT_NEWTON)
         self.recover(arm)
         self.assertEqual(self.status(1 - arm), before)

@@ -26,6 +26,15 @@ def forces(log):
     return [(entry["machine_s"], simdev.norm(entry["force_newton"])) for entry in log if "tip_m" in entry]
 
 
+def longest_gaps(log):
+    """For the message of a failure: each way, the three longest times between two exchanges, s, and when each began."""
+    gaps = {}
+    for way in GAP_S:
+        at_s = [entry["machine_s"] for entry in log if way in entry]
+        gaps[way] = sorted(((round(later - sooner, 4), round(sooner, 4)) for sooner, later in zip(at_s, at_s[1:])), reverse=True)[:3]
+    return gaps
+
+
 class TwoArms(guest.GuestTest):
     """Both by `way`, uhid or usb of arms.WAYS. Each test goes on where the one before it ended."""
 
