@@ -13,6 +13,9 @@ const Findings& teleoperation() {
   return kFound;
 }
 
+// A mark at one delay, not what was measured.
+bool is_of_thesis(const Series& series) { return series.label.starts_with("thesis: "); }
+
 TEST(Teleoperation, MeetsWhatItAsks) {
   for (const Criterion& criterion : teleoperation().criteria) {
     EXPECT_TRUE(criterion.is_met) << criterion.text;
@@ -25,8 +28,10 @@ TEST(Teleoperation, ComparesEachPairAtEachDelayOnEachNetwork) {
   EXPECT_EQ(table.rows.size(), 3U * 8U * 3U);
   for (const auto& row : table.rows) EXPECT_EQ(row.size(), table.columns.size());
   for (const Plot& plot : teleoperation().plots) {
-    EXPECT_EQ(plot.series.size(), 3U);
-    for (const Series& series : plot.series) EXPECT_EQ(series.points.size(), 8U);
+    EXPECT_EQ(plot.series.size(), 3U + 2U) << "and what the thesis says of 50 and of 200 ms";
+    for (const Series& series : plot.series) {
+      EXPECT_EQ(series.points.size(), is_of_thesis(series) ? 2U : 8U) << series.label;
+    }
   }
 }
 
@@ -35,6 +40,7 @@ TEST(Teleoperation, ComparesEachPairAtEachDelayOnEachNetwork) {
 TEST(Teleoperation, OnlyTheGhostPointKeepsItsStiffnessWithDelay) {
   const Plot& stiffness = teleoperation().plots.at(0);
   for (const Series& series : stiffness.series) {
+    if (is_of_thesis(series)) continue;
     const double at_1_ms = series.points.front().second;
     const double at_500_ms = series.points.back().second;
     if (series.label.starts_with("ghost-point")) {
