@@ -231,7 +231,7 @@ void ServoLoop::lose_arm(const ServoFrame& frame) noexcept {
   snapshot_.fault = {FaultCode::Disconnected, frame.now, frame.tick};
   if (state_ == OperatingState::Active && has_motors_) {
     fail(FaultCode::Disconnected, frame);
-  } else if (was_active_ && !latch_.is_latched()) {
+  } else if (was_active_) {
     // Who was never driven stopped nothing: an arm that comes and goes as it likes fills no disk.
     stops_.push_back(snapshot_.fault);
   }

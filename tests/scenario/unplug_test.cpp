@@ -3,6 +3,7 @@
 #include <chrono>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/scenario/at_each_rate.hpp"
@@ -216,16 +217,18 @@ TEST_P(Unplug, AClearThatComesTooSoonIsRefusedAtAnyMomentOfTheCalibration) {
   EXPECT_EQ(watch.breach(), "");
 }
 
-// One bad contact is enough: reports that stop for a moment, or for so long that it forgets.
+// One bad contact is enough: reports that stop for a moment, or for so long that it forgets. An arm
+// of the text protocol that forgets has to be switched off and on: it is spared that.
 TEST_P(Unplug, OneThatFallsSilentAgainAndAgainIsClearedLastAllTheSame) {
-  for (const char* device : {"sim:phantom-vintage", "sim:phantom-vintage-serial"}) {
+  for (const auto& [device, longest_ms] :
+       {std::pair("sim:phantom-vintage", 600), std::pair("sim:phantom-vintage-serial", 90)}) {
     SCOPED_TRACE(device);
     ClosedLoop::Setup setup;
     sim::ScriptedFault silence;
     silence.kind = sim::FaultKind::DropIn;
     for (int i = 0; i < 12; ++i) {
       silence.from = MonotonicTime{std::chrono::milliseconds(10'100 + 470 * i)};
-      silence.lasts = std::chrono::milliseconds(i % 3 == 2 ? 600 : 25 + 60 * (i % 3));
+      silence.lasts = std::chrono::milliseconds(i % 3 == 2 ? longest_ms : 25 + 60 * (i % 3));
       setup.cables.script.push_back(silence);
     }
     ClosedLoop sut(with({std::string("arm.0.device=") + device, "arm.hand.motion=still"}), setup);

@@ -342,13 +342,15 @@ TEST_F(ServoReturn, AClearInTheTickThatLosesItAgainIsRefused) {
 }
 
 // A host may learn late of a cable: transfers fail at once, the hub says why some time after.
-TEST_F(ServoReturn, OneThatFellSilentBeforeItIsLostIsOneStopAndIsClearedLastToo) {
+TEST_F(ServoReturn, OneThatFellSilentBeforeItIsLostIsOneFaultAndIsClearedLastToo) {
   rig.device.next_status = IoStatus::NoData;
   rig.tick(30);
   ASSERT_EQ(rig.state(), OperatingState::Fault);
   lose();
   EXPECT_EQ(rig.snapshot().fault.code, FaultCode::StaleSample);
+  EXPECT_EQ(rig.snapshot().faults, 1U);
   EXPECT_EQ(rig.sut.recorder().take().cause.code, FaultCode::StaleSample);
+  EXPECT_EQ(rig.sut.recorder().take().cause.code, FaultCode::Disconnected) << "beside it";
   EXPECT_FALSE(rig.sut.recorder().is_frozen());
   put_back();
   ASSERT_EQ(rig.state(), OperatingState::Calibrating);
