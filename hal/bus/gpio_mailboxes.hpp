@@ -11,8 +11,9 @@
 
 namespace thimble::bus {
 
-// The levels that the outputs shall have.
-struct GpioWish {
+// The levels that the outputs shall have. Aligned as one word: so its atomic is one for every
+// compiler.
+struct alignas(std::uint64_t) GpioWish {
   std::uint32_t number{0};  // of this wish; 0: low, as they are opened
   std::uint32_t high{0};    // bit i: output i
 };
