@@ -392,6 +392,7 @@ Result<Findings> run_compare(const CompareSettings& settings) {
   const auto names = compared.names();
   const auto marks = compared.marks_by_delay();
   std::vector<std::string> readings;
+  readings.reserve(kReadingsBeside.size());
   for (const Reading reading : kReadingsBeside) readings.emplace_back(to_string(reading));
   return Findings{.experiment = name_of(settings),
                   .title = title_of(settings),
