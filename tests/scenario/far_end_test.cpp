@@ -52,10 +52,18 @@ SessionFelt expect_felt(const std::vector<std::string>& said) {
   return felt;
 }
 
+// A sanitizer has seen a guard at work in unit_coupling, and takes minutes for these.
+#ifdef THIMBLE_UNDER_SANITIZER
+constexpr bool kPlaysGuards = false;
+#else
+constexpr bool kPlaysGuards = true;
+#endif
+
 // Bare, and through a guard (arm.coupling.passivity): felt all the same, and the hand is given no
 // more, less where it was given more than the guard's bound. The frame is that of the bare run.
 SessionFelt expect_felt_also_through_a_guard(const std::vector<std::string>& said) {
   const SessionFelt bare = expect_felt(said);
+  if (!kPlaysGuards) return bare;
   const SessionFelt guarded = expect_felt(with(said, {"arm.coupling.passivity=true"}));
   EXPECT_LE(guarded.most_given_joule, bare.most_given_joule);
   if (bare.most_given_joule > coupling::PassivitySettings{}.bound_joule) {
