@@ -100,7 +100,8 @@ tl::expected<std::string, std::string> read_file(const std::filesystem::path& pa
   return text;
 }
 
-ConfigResult one_mistake(const std::filesystem::path& file, std::string message) {
+tl::unexpected<std::vector<ConfigError>> one_mistake(const std::filesystem::path& file,
+                                                     std::string message) {
   return tl::unexpected<std::vector<ConfigError>>(
       std::vector<ConfigError>{{escaped(file.string()), 0, 0, "", std::move(message)}});
 }
@@ -122,10 +123,16 @@ ConfigResult parse(std::string_view text, const std::filesystem::path& file,
   return config;
 }
 
-ConfigResult load(const std::filesystem::path& file, std::span<const std::string> overrides,
-                  const Inspector& inspect) {
+tl::expected<std::string, std::vector<ConfigError>> read_text(const std::filesystem::path& file) {
   auto text = read_file(file);
   if (!text) return one_mistake(file, std::move(text.error()));
+  return *std::move(text);
+}
+
+ConfigResult load(const std::filesystem::path& file, std::span<const std::string> overrides,
+                  const Inspector& inspect) {
+  auto text = read_text(file);
+  if (!text) return tl::unexpected(std::move(text.error()));
   return parse(*text, file, overrides, inspect);
 }
 

@@ -60,7 +60,11 @@ using Inspector = std::function<std::vector<Objection>(const Config&)>;
 [[nodiscard]] ConfigResult load(const std::filesystem::path& file,
                                 std::span<const std::string> overrides = {},
                                 const Inspector& inspect = {});
-// The same for a text that is already in memory; total: any bytes give a value or errors.
+// The bytes of such a file, for parse(); longer ones are cut behind what that refuses. Waits for
+// nobody: only a regular file is read. Errors: one mistake.
+[[nodiscard]] tl::expected<std::string, std::vector<ConfigError>> read_text(
+    const std::filesystem::path& file);
+// The same as load() for a text that is already in memory; total: any bytes give a value or errors.
 [[nodiscard]] ConfigResult parse(std::string_view text, const std::filesystem::path& file,
                                  std::span<const std::string> overrides = {},
                                  const Inspector& inspect = {});

@@ -11,7 +11,8 @@ namespace thimble::lab {
 
 // A configuration, and what it is called among those that are played together.
 struct PlayedFile {
-  std::string name;  // of the file, without its folder and its end
+  std::string name;    // of the file, without its folder and its end
+  std::string text{};  // what was read of it
   config::Config config{};
 };
 

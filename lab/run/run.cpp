@@ -2,8 +2,6 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -65,21 +63,24 @@ Result<void> check_names(const RunSettings& settings, const std::vector<PlayedFi
   return {};
 }
 
-Result<config::Config> load_one(const std::string& file, const std::vector<std::string>& overrides,
-                                session::Plugins& plugins) {
-  config::ConfigResult config = config::load(file, overrides, [&](const config::Config& said) {
-    return session::inspect_with_plugins(said, plugins);
-  });
-  if (config) return *std::move(config);
+tl::unexpected<Error> mistakes(const std::vector<config::ConfigError>& errors) {
   std::vector<std::string> lines;
-  for (const config::ConfigError& error : config.error()) lines.push_back(to_string(error));
+  for (const config::ConfigError& error : errors) lines.push_back(to_string(error));
   return fail(Errc::InvalidArgument, in_one_line(lines));
 }
 
-// So that who has the findings needs no file to play them again. It could be read a moment ago.
-std::string text_of(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
+// The text, too: so that who has the findings needs no file to play them again.
+Result<void> load_into(PlayedFile& into, const std::string& file,
+                       const std::vector<std::string>& overrides, session::Plugins& plugins) {
+  auto text = config::read_text(file);
+  if (!text) return mistakes(text.error());
+  into.text = *std::move(text);
+  auto config = config::parse(into.text, file, overrides, [&](const config::Config& said) {
+    return session::inspect_with_plugins(said, plugins);
+  });
+  if (!config) return mistakes(config.error());
+  into.config = *std::move(config);
+  return {};
 }
 
 void add_to(sim::TraceHash& hash, const servo::ServoFrame& frame) {
@@ -108,11 +109,10 @@ Result<std::unique_ptr<SessionRun>> SessionRun::load(const RunSettings& settings
   for (std::size_t i = 0; i < settings.files.size(); ++i) {
     PlayedFile& file = run->files_[i];
     run->plugins_.push_back(std::make_unique<session::Plugins>());
-    auto config = load_one(settings.files[i], overrides_of(settings.overrides, file.name),
-                           *run->plugins_.back());
-    if (!config) return tl::unexpected(config.error());
-    file.config = *std::move(config);
-    run->texts_.push_back(text_of(settings.files[i]));
+    const Result<void> good =
+        load_into(file, settings.files[i], overrides_of(settings.overrides, file.name),
+                  *run->plugins_.back());
+    if (!good) return tl::unexpected(good.error());
   }
   const std::vector<std::string> reasons = reasons_not_to_play(run->files_);
   if (!reasons.empty()) {

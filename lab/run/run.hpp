@@ -62,7 +62,6 @@ class SessionRun {
   RunSettings settings_;
   std::vector<std::unique_ptr<session::Plugins>> plugins_;  // by file
   std::vector<PlayedFile> files_;
-  std::vector<std::string> texts_;  // of each file, as it was loaded
   std::unique_ptr<VirtualSession> session_;
   std::uint64_t shown_every_{1};  // ticks
   std::vector<ArmTrace> traces_;

@@ -173,9 +173,9 @@ Findings SessionRun::findings() const {
                                ": safety: its lines are watched in real time; "
                                "nobody presses the stop here, and the deadman is held");
   }
-  for (std::size_t i = 0; i < texts_.size(); ++i) {
+  for (std::size_t i = 0; i < files_.size(); ++i) {
     findings.parameters.push_back(
-        {"configuration" + (i == 0 ? "" : "_" + std::to_string(i + 1)), "", texts_[i]});
+        {"configuration" + (i == 0 ? "" : "_" + std::to_string(i + 1)), "", files_[i].text});
   }
   for (const std::string& override : settings_.overrides) {
     findings.parameters.push_back({"set " + override.substr(0, override.find('=')), "", override});
