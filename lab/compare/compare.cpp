@@ -14,6 +14,7 @@
 #include "lab/compare/ranking.hpp"
 #include "lab/compare/ranking_tables.hpp"
 #include "lab/compare/scenarios.hpp"
+#include "lab/trial/comfort_marks.hpp"
 #include "lab/trial/parameters.hpp"
 
 namespace thimble::lab {
@@ -234,10 +235,7 @@ Plot scores_plot(const Compared& compared) {
     }
     plot.series.push_back(series);
   }
-  // SOURCE: thesis 4.1, as in teleop.md section 1, "comfort statements".
-  plot.series.push_back(
-      {"thesis: 50 ms, as if there were none", Mark::Dashed, {{50, 0}, {50, 2}}, 7});
-  plot.series.push_back({"thesis: 200 ms, upper end", Mark::Dashed, {{200, 0}, {200, 2}}, 8});
+  add_comfort_marks(plot, 2);
   return plot;
 }
 
@@ -254,8 +252,7 @@ std::size_t index_of(const Compared& compared, std::string_view name) {
 Criterion bounded_criterion(const Compared& compared) {
   Criterion criterion{
       "only remote-force gives the hand energy, or asks for more than 8.5 N, and spring-damper "
-      "after "
-      "a silence of the network",
+      "after a silence of the network",
       true};
   for (std::size_t i = 0; i < compared.measures.size(); ++i) {
     if (!compared.grid.is_judged(i)) continue;

@@ -10,6 +10,7 @@
 #include "daemon/coupling/ghost_point_arm.hpp"
 #include "daemon/coupling/spring_damper_arm.hpp"
 #include "daemon/coupling/wave_arm.hpp"
+#include "lab/trial/comfort_marks.hpp"
 #include "lab/trial/finger.hpp"
 #include "lab/trial/pair_loop.hpp"
 #include "lab/trial/parameters.hpp"
@@ -234,12 +235,10 @@ Plot plot_of(const std::vector<Measured>& all, const std::string& name, const st
     }
     plot.series.push_back(series);
   }
-  // SOURCE: thesis 4.1, as in teleop.md section 1, "comfort statements". Up to the highest mark.
+  // Up to the highest mark.
   double most = 0;
   for (const Measured& one : all) most = std::max(most, one.*number);
-  plot.series.push_back(
-      {"thesis: 50 ms, as if there were none", Mark::Dashed, {{50, 0}, {50, most}}, 7});
-  plot.series.push_back({"thesis: 200 ms, upper end", Mark::Dashed, {{200, 0}, {200, most}}, 8});
+  add_comfort_marks(plot, most);
   return plot;
 }
 
