@@ -21,6 +21,11 @@ def norm(vector):
     return math.sqrt(sum(value * value for value in vector))
 
 
+def gaps(at_s):
+    """Between those moments, s, which are in order: each with when it began."""
+    return [(later - sooner, sooner) for sooner, later in zip(at_s, at_s[1:])]
+
+
 def wait_for_state(guest, *states, arm=0):
     """Until the daemon's arm, counted as in its configuration, is in one of them: what the status says of that arm."""
     return guest.wait_for_module("status_until", f"arms.{arm}.state", *states)

@@ -93,7 +93,7 @@ class Paced(guest.GuestTest):
         begin_s, end_s, packets = log
         for way, those in packets.items():
             at_s = [at_s for at_s, size in those if size >= self.least_bytes]
-            longest_s = max(later - sooner for sooner, later in zip(at_s, at_s[1:]))
+            longest_s, _ = max(simdev.gaps(at_s))
             print(f"{type(self).__name__}, {way}: {len(at_s)} in {end_s - begin_s:.2f} s, {1000 * longest_s:.4f} ms between two at most", file=sys.stderr)
             self.assertGreaterEqual(len(at_s), exchanges_hz * (end_s - begin_s) - AT_BOTH_ENDS)
             self.assertLess(longest_s, 1 / exchanges_hz + HALF_A_FRAME_S, way)
