@@ -10,8 +10,8 @@
 namespace thimble::coupling {
 
 // The world half of the ghost point scheme: a probe follows the hand through the world, and
-// what holds it back is the answer. Buttons that were just pressed, and
-// actions that were asked, are told to the world.
+// what holds it back is the answer. Buttons that were just pressed, and actions
+// that were asked, are told to the world.
 //
 // Thread: the world's thread. Not RT; answer() neither allocates nor blocks.
 // Ownership: `world` must outlive it; the destructor closes.
