@@ -65,6 +65,7 @@ Result<void> check_names(const RunSettings& settings, const std::vector<PlayedFi
 
 tl::unexpected<Error> mistakes(const std::vector<config::ConfigError>& errors) {
   std::vector<std::string> lines;
+  lines.reserve(errors.size());
   for (const config::ConfigError& error : errors) lines.push_back(to_string(error));
   return fail(Errc::InvalidArgument, in_one_line(lines));
 }
