@@ -121,10 +121,8 @@ class SerialLine(ProcessTest):
         arm.stop()
         arm = self.arm("thimble")
         arm.status_when(lambda s: link(s)["is_up"])
-        for verb, is_free in (("free", True), ("reset", False)):
-            told = self.thimble(arm, verb)
-            self.assertEqual((told.returncode, told.stderr), (0, ""), told.stdout)
-            world.status_when(lambda s, is_free=is_free: s["worlds"][0]["pieces"]["is_free_motion"] == is_free)
+        for verb, wish, is_free in (("free", "to switch free motion", True), ("reset", "for a reset", False)):
+            self.ask_the_far_world(arm, verb, f"arm right: its world was asked {wish}\n", world, is_free)
 
     def test_noise_is_counted_and_the_link_comes_back(self):
         world, arm = self.world(), self.arm("thimble")

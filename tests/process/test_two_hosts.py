@@ -100,13 +100,9 @@ class TwoHosts(ProcessTest):
         desk = self.start(name="desk", config=PIECES.format(address=f"udp://127.0.0.1:{port}", key=f'key_file = "{self.key}"'))
         arm = self.start(name="arm", config=ARM.format(port=port, key=self.key, scheme="ghost-point", seed=1))
         arm.status_when(lambda s: link(s)["is_up"])
-        for verb, is_free in (("free", True), ("free", False), ("free", True)):
-            told = self.thimble(arm, verb)
-            self.assertEqual((told.returncode, told.stderr), (0, ""), told.stdout)
-            self.assertEqual(told.stdout, "arm right: its world was asked to switch free motion\n")
-            desk.status_when(lambda s, is_free=is_free: s["worlds"][0]["pieces"]["is_free_motion"] == is_free)
-        self.assertEqual(self.thimble(arm, "reset", "right").stdout, "arm right: its world was asked for a reset\n")
-        desk.status_when(lambda s: not s["worlds"][0]["pieces"]["is_free_motion"])
+        for verb, wish, is_free in (("free", "to switch free motion", True), ("free", "to switch free motion", False),
+                                    ("free", "to switch free motion", True), ("reset", "for a reset", False)):
+            self.ask_the_far_world(arm, verb, f"arm right: its world was asked {wish}\n", desk, is_free)
         arm.stop()
         with self.subTest("an arm that comes again asks for nothing of before"):
             again = self.start(name="again", config=ARM.format(port=port, key=self.key, scheme="wave", seed=1))
