@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <limits>
 
 namespace thimble::world {
 namespace {
@@ -10,6 +11,8 @@ namespace {
 constexpr std::size_t kAnswers = 2048;
 constexpr std::size_t kFarLooks = 8;
 constexpr int kWindow = static_cast<int>(kWindowEdge_blocks);
+constexpr std::uint64_t kKnown = std::numeric_limits<std::uint64_t>::max();
+constexpr std::uint16_t kNowhere = std::numeric_limits<std::uint16_t>::max();
 
 struct Offset {
   std::array<std::int8_t, 3> by{};
@@ -67,8 +70,7 @@ std::uint64_t slice_of(const VoxelGrid& grid, const std::array<std::int16_t, 3>&
   return slice;
 }
 
-// Calls `visit` with the blocks of the window about `middle`, the nearest first, until it says
-// false.
+// Calls `visit` with the blocks of the window about `middle`, the nearest first.
 void visit_window(const VoxelGrid& grid, const std::array<std::int16_t, 3>& middle,
                   const auto& visit) {
   std::array<int, 3> begin{};
@@ -88,8 +90,7 @@ void visit_window(const VoxelGrid& grid, const std::array<std::int16_t, 3>& midd
       if (place >= begin[axis] + kWindow) place -= kWindow;
       at[axis] = static_cast<std::int16_t>(place);
     }
-    const bool is_there = at[0] < end[0] && at[1] < end[1] && at[2] < end[2];
-    if (is_there && !visit(at, offset)) return;
+    if (at[0] < end[0] && at[1] < end[1] && at[2] < end[2]) visit(at, offset);
   }
 }
 
@@ -98,6 +99,12 @@ void visit_window(const VoxelGrid& grid, const std::array<std::int16_t, 3>& midd
 void OccupancyTeller::reset() {
   slots_.assign(kMirrorSlots, Slot{});
   answers_.assign(kAnswers, Answer{});
+  window_.clear();
+  window_.reserve(kMirrorSlots);
+  told_in_.clear();
+  told_in_.reserve(kMirrorSlots);
+  places_.assign(kMirrorSlots, kNowhere);
+  near_ = 0;
   told_ = 0;
   versions_ = 0;
   turn_ = 0;
@@ -119,17 +126,45 @@ void OccupancyTeller::acknowledge(std::uint64_t newest, std::uint64_t before) no
   }
 }
 
+// Once: he says it in each sample until 64 others came after it.
 void OccupancyTeller::apply(std::uint64_t number) noexcept {
-  const Answer& answer = answers_[number % kAnswers];
+  Answer& answer = answers_[number % kAnswers];
   if (answer.number != number) return;
   for (std::size_t i = 0; i < answer.count; ++i) {
-    Slot& slot = slots_[answer.slots[i]];
+    const std::uint16_t which = answer.slots[i];
+    Slot& slot = slots_[which];
     slot.known_version = std::max(slot.known_version, answer.versions[i]);
+    if (places_[which] != kNowhere) mark(places_[which]);
   }
+  answer.count = 0;
 }
 
-void OccupancyTeller::look_at(const VoxelGrid& grid,
-                              const std::array<std::int16_t, 3>& at) noexcept {
+void OccupancyTeller::center(const VoxelGrid& grid, const At& middle) noexcept {
+  middle_ = middle;
+  window_.clear();
+  told_in_.clear();
+  near_ = 0;
+  std::fill(places_.begin(), places_.end(), kNowhere);
+  visit_window(grid, middle, [&](const At& at, const Offset& offset) {
+    const std::size_t place = window_.size();
+    if (is_near(offset)) near_ = place + 1;
+    places_[slot_of(at)] = static_cast<std::uint16_t>(place);
+    window_.push_back(at);
+    told_in_.push_back(kKnown);
+    mark(place);
+  });
+}
+
+// What has not been looked at since the window moved is not told: the slot has another block.
+void OccupancyTeller::mark(std::size_t place) noexcept {
+  const Slot& slot = slots_[slot_of(window_[place])];
+  const bool is_mine = slot.block.version > 0 && slot.block.at == window_[place];
+  const bool is_open = is_mine && slot.known_version != slot.block.version;
+  told_in_[place] = is_open ? slot.told_in : kKnown;
+}
+
+void OccupancyTeller::look_at(const VoxelGrid& grid, std::size_t place) noexcept {
+  const At& at = window_[place];
   Slot& slot = slots_[slot_of(at)];
   const bool is_mine = slot.block.version > 0 && slot.block.at == at;
   if (is_mine && slot.seen_at == grid.revision()) return;
@@ -141,41 +176,41 @@ void OccupancyTeller::look_at(const VoxelGrid& grid,
   if (is_mine && slot.block.slices == slices) return;
   slot.block = {at, ++versions_, slices};
   slot.told_in = 0;
+  mark(place);
 }
 
-void OccupancyTeller::look_around(const VoxelGrid& grid,
-                                  const std::array<std::int16_t, 3>& middle) noexcept {
-  std::size_t place = 0;
-  const std::size_t first = turn_;
+void OccupancyTeller::look_around(const VoxelGrid& grid) noexcept {
+  for (std::size_t place = 0; place < near_; ++place) look_at(grid, place);
+  for (std::size_t i = 0; i < kFarLooks; ++i) {
+    const std::size_t place = (turn_ + i) % kMirrorSlots;
+    if (place >= near_ && place < window_.size()) look_at(grid, place);
+  }
   turn_ = (turn_ + kFarLooks) % kMirrorSlots;
   looks_ += kFarLooks;
-  visit_window(grid, middle, [&](const std::array<std::int16_t, 3>& at, const Offset& offset) {
-    const bool is_turn = (place + kMirrorSlots - first) % kMirrorSlots < kFarLooks;
-    ++place;
-    if (is_turn || is_near(offset)) look_at(grid, at);
-    return true;
-  });
 }
 
 ToldBlocks OccupancyTeller::tell(const VoxelGrid& grid, Cell ghost, std::uint64_t number) noexcept {
-  const std::array<std::int16_t, 3> middle = block_of(ghost);
+  const At middle = block_of(ghost);
   told_ = number;
   Answer& answer = answers_[number % kAnswers];
   answer = {.number = number};
   ToldBlocks told;
-  if (looks_ == 0 || revision_ != grid.revision() || middle_ != middle) {
+  const bool is_elsewhere = window_.empty() || middle_ != middle;
+  if (is_elsewhere) center(grid, middle);
+  if (is_elsewhere || revision_ != grid.revision()) {
     revision_ = grid.revision();
-    middle_ = middle;
     looks_ = 0;
     is_quiet_ = false;
   }
   if (is_quiet_) return told;
   // Once around, all has been looked at as it is.
-  if (looks_ < kMirrorSlots) look_around(grid, middle);
-  for (const std::uint16_t which : choose(grid, middle)) {
+  if (looks_ < kMirrorSlots) look_around(grid);
+  for (const std::size_t place : choose()) {
+    const std::size_t which = slot_of(window_[place]);
     Slot& slot = slots_[which];
     slot.told_in = number;
-    answer.slots[answer.count] = which;
+    told_in_[place] = number;
+    answer.slots[answer.count] = static_cast<std::uint16_t>(which);
     answer.versions[answer.count++] = slot.block.version;
     told.push_back(slot.block);
   }
@@ -183,24 +218,20 @@ ToldBlocks OccupancyTeller::tell(const VoxelGrid& grid, Cell ghost, std::uint64_
   return told;
 }
 
-OccupancyTeller::Chosen OccupancyTeller::choose(
-    const VoxelGrid& grid, const std::array<std::int16_t, 3>& middle) const noexcept {
+OccupancyTeller::Chosen OccupancyTeller::choose() const noexcept {
   Chosen chosen;
-  visit_window(grid, middle, [&](const std::array<std::int16_t, 3>& at, const Offset&) {
-    const auto which = static_cast<std::uint16_t>(slot_of(at));
-    const Slot& slot = slots_[which];
-    const bool is_mine = slot.block.version > 0 && slot.block.at == at;
-    if (!is_mine || slot.known_version == slot.block.version) return true;
+  std::uint64_t before = kKnown;  // what comes among the chosen was told before
+  for (std::size_t place = 0; place < told_in_.size(); ++place) {
+    if (told_in_[place] >= before) continue;
     // Of those told equally long ago the nearer, which was met first, stays before.
-    std::size_t place = chosen.size();
-    while (place > 0 && slots_[chosen[place - 1]].told_in > slot.told_in) --place;
-    if (place == kMostBlocksTold) return true;
-    if (chosen.size() < kMostBlocksTold) chosen.push_back(which);
-    for (std::size_t i = chosen.size() - 1; i > place; --i) chosen[i] = chosen[i - 1];
-    chosen[place] = which;
-    // No other comes before four that were never told.
-    return chosen.size() < kMostBlocksTold || slots_[chosen[kMostBlocksTold - 1]].told_in > 0;
-  });
+    if (chosen.size() < kMostBlocksTold) chosen.push_back(place);
+    std::size_t i = chosen.size() - 1;
+    for (; i > 0 && told_in_[chosen[i - 1]] > told_in_[place]; --i) chosen[i] = chosen[i - 1];
+    chosen[i] = place;
+    if (chosen.size() < kMostBlocksTold) continue;
+    before = told_in_[chosen[kMostBlocksTold - 1]];
+    if (before == 0) break;  // no other comes before four that were never told
+  }
   return chosen;
 }
 

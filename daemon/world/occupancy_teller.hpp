@@ -21,8 +21,9 @@ namespace thimble::world {
 // answer, at a few of the others in turn.
 //
 // Thread: the world's. Not RT: neither blocks nor, after reset(), allocates; a look at 35 blocks an
-// answer, and nothing at all once the peer knows a grid that stays. Ownership: none; the grid is
-// given to each call. Errors: none; answers that were never given are not acknowledged.
+// answer, and nothing at all once the peer knows a grid that stays. What each answer asks of every
+// block stands by itself in 4 KiB, of which a processor keeps many sessions'. Ownership: none; the
+// grid is given to each call. Errors: none; answers that were never given are not acknowledged.
 class OccupancyTeller {
  public:
   // A new session: the peer knows nothing. Allocates once.
@@ -52,21 +53,29 @@ class OccupancyTeller {
     std::array<std::uint32_t, kMostBlocksTold> versions{};
     std::size_t count{0};
   };
-  using Chosen = rt::StaticVector<std::uint16_t, kMostBlocksTold>;
-  void look_at(const VoxelGrid& grid, const std::array<std::int16_t, 3>& at) noexcept;
-  void look_around(const VoxelGrid& grid, const std::array<std::int16_t, 3>& middle) noexcept;
+  using At = std::array<std::int16_t, 3>;
+  using Chosen = rt::StaticVector<std::size_t, kMostBlocksTold>;
+  void center(const VoxelGrid& grid, const At& middle) noexcept;
+  void look_at(const VoxelGrid& grid, std::size_t place) noexcept;
+  void look_around(const VoxelGrid& grid) noexcept;
   void apply(std::uint64_t number) noexcept;
-  [[nodiscard]] Chosen choose(const VoxelGrid& grid,
-                              const std::array<std::int16_t, 3>& middle) const noexcept;
+  void mark(std::size_t place) noexcept;
+  [[nodiscard]] Chosen choose() const noexcept;
 
   std::vector<Slot> slots_{};
+  // The blocks of the window, the nearest first.
+  std::vector<At> window_{};
+  std::vector<std::uint64_t>
+      told_in_{};  // Slot's, of a block that the peer is to hear of; else kKnown
+  std::vector<std::uint16_t> places_{};  // by slot: in the two above
+  std::size_t near_{0};                  // of them: the first, which touch the middle
   std::vector<Answer> answers_{};
   std::uint64_t told_{0};  // the newest answer
   std::uint32_t versions_{0};
   std::size_t turn_{0};  // of the looks at blocks far away
   // What was looked at without a break: as the grid is, around one place.
   std::uint64_t revision_{0};
-  std::array<std::int16_t, 3> middle_{};
+  At middle_{};
   std::size_t looks_{0};
   bool is_quiet_{false};  // all has been looked at since, and the peer has it
 };

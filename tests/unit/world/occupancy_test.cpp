@@ -1,11 +1,13 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdlib>
 #include <map>
 #include <random>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include "daemon/world/ghost_slide.hpp"
 #include "daemon/world/occupancy_mirror.hpp"
@@ -231,6 +233,56 @@ TEST(Occupancy, WhatIsNotKnownToHaveArrivedIsToldAgainTheLongestAgoFirst) {
   EXPECT_EQ(sut.open_blocks(), 6U) << "an answer that was never given has not arrived";
   sut.acknowledge(2, 1);
   EXPECT_EQ(sut.open_blocks(), 0U);
+}
+
+// Of each block in which answer it was told last, kept beside the teller, and whether it has
+// arrived.
+TEST(Occupancy, OfAllThatIsOpenTheFourThatWereToldTheLongestAgoAreNextUnderRandomAcknowledgements) {
+  const VoxelGrid grid = empty_grid({64, 64, 64});
+  std::mt19937 random(707);
+  OccupancyTeller sut;
+  sut.reset();
+  std::map<std::size_t, std::uint64_t> open;
+  std::vector<ToldBlocks> answers(1);
+  for (std::uint64_t number = 1; number < 1500; ++number) {
+    std::vector<std::uint64_t> longest_ago;
+    for (const auto& [slot, told_in] : open) longest_ago.push_back(told_in);
+    std::sort(longest_ago.begin(), longest_ago.end());
+    longest_ago.resize(std::min(longest_ago.size(), kMostBlocksTold));
+    answers.push_back(sut.tell(grid, {32, 32, 32}, number));
+    std::vector<std::uint64_t> told_again;
+    for (const OccupancyBlock& block : answers.back()) {
+      std::uint64_t& told_in = open[slot_of(block.at)];
+      if (told_in > 0) told_again.push_back(std::exchange(told_in, number));
+      told_in = number;
+    }
+    // In the first 128 all is told for the first time.
+    EXPECT_EQ(told_again, number <= 128 ? std::vector<std::uint64_t>{} : longest_ago) << number;
+    if (number < 200 || random() % 4 != 0) continue;
+    const std::uint64_t arrived = number - random() % 150;
+    sut.acknowledge(arrived, 0);
+    for (const OccupancyBlock& block : answers[arrived]) open.erase(slot_of(block.at));
+  }
+  EXPECT_LT(open.size(), 100U);
+}
+
+TEST(Occupancy, ABlockThatTheGhostLeftAndCameBackToIsToldUntilItHasArrived) {
+  const VoxelGrid grid = empty_grid({400, 8, 8});
+  OccupancyTeller sut;
+  sut.reset();
+  const Cell here{100, 4, 4};
+  const Cell far{300, 4, 4};
+  std::set<std::int16_t> told;
+  for (std::uint64_t number = 1; number <= 200; ++number) {
+    const bool is_here = number % 2 == 0;
+    for (const OccupancyBlock& block : sut.tell(grid, is_here ? here : far, number)) {
+      EXPECT_LE(std::abs(block.at[0] - (is_here ? 12 : 37)), 4) << "it is not of this window";
+      told.insert(block.at[0]);
+    }
+  }
+  EXPECT_TRUE(told.contains(12));
+  EXPECT_TRUE(told.contains(37));
+  EXPECT_FALSE(sut.tell(grid, here, 201).empty());
 }
 
 TEST(OccupancyMirror, AGhostSlidesThroughItAsThroughTheGridBitForBit) {
