@@ -36,12 +36,15 @@ class Simdev:
 
     # Above the servo: what is hardware does not wait for software.
     policy = "-p CPUSchedulingPolicy=fifo -p CPUSchedulingPriority=85"
+    # Above other hardware and the threads that carry it, which one that misbehaves keeps at work: equals wait for each other.
+    first = "-p CPUSchedulingPolicy=fifo -p CPUSchedulingPriority=87"
 
-    def __init__(self, guest, name, *options):
+    def __init__(self, guest, name, *options, policy=None):
         self.guest = guest
         self.unit = f"simdev-{name}"
         self.socket = f"/run/{self.unit}.sock"
         self.options = options
+        self.policy = self.policy if policy is None else policy
         self.start()
 
     def start(self):

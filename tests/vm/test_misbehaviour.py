@@ -35,8 +35,8 @@ TEXT_IDS = "16c0 0483"
 SERIAL_LIES = "serial-no-union serial-union-with-none serial-union-with-itself serial-short-union serial-endless-union serial-no-data serial-no-pair serial-half-a-pair serial-no-notices serial"
 
 
-def arm_beside(one, *way):
-    return simdev.Simdev(one, "left", *way, "--serial", two_arms.BESIDE, "phantom-vintage")
+def arm_beside(one, *way, policy=None):
+    return simdev.Simdev(one, "left", *way, "--serial", two_arms.BESIDE, "phantom-vintage", policy=policy)
 
 
 class Misbehaviour:
@@ -180,7 +180,7 @@ class TextArm(Misbehaviour, guest.GuestTest):
 
     @classmethod
     def plug_in(cls):
-        return TextArmThatIsSwitchedOff(cls.guest, is_named=False), arm_beside(cls.guest, "--uhid")
+        return TextArmThatIsSwitchedOff(cls.guest, is_named=False), arm_beside(cls.guest, "--uhid", policy=simdev.Simdev.first)
 
     def test_4_serial_ports_that_lie_in_place_of_it(self):
         self.lie_in_place_of_the_right_arm(TEXT_IDS, SERIAL_LIES)
