@@ -6,6 +6,7 @@
 
 #include "drivers/falcon/falcon_wire.hpp"
 #include "drivers/falcon/firmware_image.hpp"
+#include "sim/model/falcon/falcon_arm_model.hpp"
 #include "tests/support/arm_watch.hpp"
 #include "tests/support/closed_loop.hpp"
 #include "tests/support/falcon_image.hpp"
@@ -35,6 +36,49 @@ TEST(FalconSession, IsHomedByItsPersonAndPushesBackFromAWall) {
   EXPECT_EQ(norm(sut.frame().force), 0);
   EXPECT_EQ(norm(sut.truth().motor_force), 0);
   EXPECT_EQ(sut.snapshot().fault.code, FaultCode::Estop);
+}
+
+// Somebody set its bridge back to what it has after power-up (or it never took the driver's wish).
+TEST(FalconSession, ABridgeThatSendsEach16MsIsStoppedAsOftenAsItIsClearedUntilItIsMended) {
+  test::ClosedLoop sut(kFalcon);
+  test::ArmWatch watch(sut);
+  auto& falcon = dynamic_cast<sim::FalconArmModel&>(sut.sim_arm().backend());
+  const auto see = [&] { watch.see(); };
+  const auto set_latency_timer = [&](std::uint16_t ms) {
+    return falcon.control({.request = falcon::wire::kRequestLatencyTimer, .value = ms}, {});
+  };
+  const auto is_pushing = [&] {
+    watch.see();
+    return sut.frame().force.x < -1;
+  };
+  const auto has_stopped = [&] {
+    watch.see();
+    return sut.frame().state == OperatingState::Fault;
+  };
+  ASSERT_TRUE(sut.run_until(10, [&] { return sut.frame().gain >= 1; }));
+  sut.sim_arm().backend().push_tip({4.5, 0, 0});
+  ASSERT_TRUE(sut.run_until(1, is_pushing));
+
+  ASSERT_EQ(set_latency_timer(16).handshake, plugin::UsbHandshake::Ack);
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(sut.run_until(0.2, has_stopped)) << i;
+    EXPECT_EQ(sut.snapshot().fault.code, FaultCode::MissedExchanges);
+    sut.run(0.05, see);
+    EXPECT_EQ(norm(sut.truth().motor_force), 0);
+    sut.controls().request_clear(sut.snapshot().fault.number);
+    sut.run(0.005, see);
+    EXPECT_NE(sut.frame().state, OperatingState::Fault) << i << ": a person may try";
+  }
+  ASSERT_TRUE(sut.run_until(0.2, has_stopped));
+  ASSERT_EQ(set_latency_timer(1).handshake, plugin::UsbHandshake::Ack);
+  sut.run(0.05, see);
+  sut.controls().request_clear(sut.snapshot().fault.number);
+  // From inside the wall: it is not pushed out, but felt when it comes anew.
+  sut.sim_arm().backend().push_tip({-4.5, 0, 0});
+  sut.run(0.3, see);
+  sut.sim_arm().backend().push_tip({4.5, 0, 0});
+  EXPECT_TRUE(sut.run_until(2, is_pushing)) << to_string(sut.frame().state);
+  EXPECT_EQ(watch.breach(), "");
 }
 
 TEST(FalconSession, UploadsTheImageOfItsConfigurationAndPushesAsAskedOnceItIsMeasured) {
