@@ -23,6 +23,7 @@ using testing::Finger;
 using testing::LinkedLoop;
 using testing::Reference;
 
+constexpr Duration kServo = std::chrono::milliseconds(1);
 constexpr double kServo_s = 1e-3;
 constexpr double kFar_m = 1000;  // a box without walls
 constexpr double kBox_m = 0.015;
@@ -30,13 +31,18 @@ constexpr double kBox_m = 0.015;
 // Both halves of it on a link.
 struct Waves {
   Waves(const WaveSettings& settings, const link::ImpairmentSettings& impairment,
-        double half_m = kFar_m, const WaveWorldSettings& world_settings = {})
+        double half_m = kFar_m, const WaveWorldSettings& world_settings = {},
+        Duration servo = kServo)
       : arm(settings),
         box(half_m),
         world(box, 1, world_settings),
-        loop(arm, world, Finger::kServo, impairment) {}
+        loop(arm, world, servo, impairment) {}
 
   ArmOutput tick(double x_m, double v_m_per_s) { return loop.tick({x_m, 0, 0}, {v_m_per_s, 0, 0}); }
+  [[nodiscard]] double servo_s() const { return seconds(loop.dt()); }
+  [[nodiscard]] int ticks(double for_s) const {
+    return static_cast<int>(std::lround(for_s / servo_s()));
+  }
 
   WaveArm arm;
   FakeBox box;
@@ -51,13 +57,23 @@ WaveSettings unfiltered(double b) { return {.impedance = {b}, .filter = {}, .fil
 constexpr double kLightSlave_kg = 0.02;
 WaveWorldSettings light_slave() { return {.slave = {.mass_kg = kLightSlave_kg}}; }
 
+// What theory says of waves, and what they promise, holds at each.
+class WaveAtEachRate : public ::testing::TestWithParam<int> {
+ protected:
+  [[nodiscard]] static Duration servo() {
+    return std::chrono::microseconds(1'000'000 / GetParam());
+  }
+};
+INSTANTIATE_TEST_SUITE_P(, WaveAtEachRate, ::testing::Values(500, 1000, 4000),
+                         [](const auto& of) { return std::to_string(of.param) + "Hz"; });
+
 // What a hand feels that swings slowly in free space, less the slave's own mass, kg.
 double felt_mass_kg(Waves& sut, double one_way_s) {
   const double omega = 0.1 / one_way_s;  // b·tan(ωT) is b·ωT within 0.4 %
-  const auto period = static_cast<int>(std::lround(2 * std::numbers::pi / omega / kServo_s));
+  const int period = sut.ticks(2 * std::numbers::pi / omega);
   double in_phase = 0;
   for (int i = 0; i < 3 * period; ++i) {
-    const double phase = omega * kServo_s * i;
+    const double phase = omega * sut.servo_s() * i;
     const ArmOutput out = sut.tick(0.02 * std::sin(phase), 0.02 * omega * std::cos(phase));
     if (i >= period) in_phase += out.force.x * std::sin(phase);
   }
@@ -65,10 +81,10 @@ double felt_mass_kg(Waves& sut, double one_way_s) {
 }
 
 // teleop.md 2(c): b·T within 10 %.
-TEST(Wave, InFreeSpaceIsFeltAsAMassOfImpedanceTimesDelay) {
+TEST_P(WaveAtEachRate, InFreeSpaceIsFeltAsAMassOfImpedanceTimesDelay) {
   for (const double b : {2.0, 10.0, 40.0}) {
     for (const double one_way_s : {0.02, 0.05, 0.1}) {
-      Waves sut(unfiltered(b), delayed_by(2 * one_way_s), kFar_m, light_slave());
+      Waves sut(unfiltered(b), delayed_by(2 * one_way_s), kFar_m, light_slave(), servo());
       const double kg = felt_mass_kg(sut, one_way_s);
       EXPECT_NEAR(kg, b * one_way_s, 0.1 * b * one_way_s) << b << ", " << one_way_s;
       RecordProperty("mass_b_" + std::to_string(static_cast<int>(b)) + "_T_" +
@@ -78,8 +94,9 @@ TEST(Wave, InFreeSpaceIsFeltAsAMassOfImpedanceTimesDelay) {
   }
 }
 
-TEST(Wave, TheFilterMakesTheDelayThatMuchLonger) {
-  Waves sut({.impedance = {10}, .filter_share = 1}, delayed_by(0.1), kFar_m, light_slave());
+TEST_P(WaveAtEachRate, TheFilterMakesTheDelayThatMuchLonger) {
+  Waves sut({.impedance = {10}, .filter_share = 1}, delayed_by(0.1), kFar_m, light_slave(),
+            servo());
   EXPECT_NEAR(felt_mass_kg(sut, 0.05), 10 * 0.075, 0.1 * 10 * 0.075);
 }
 
@@ -87,20 +104,20 @@ TEST(Wave, TheFilterMakesTheDelayThatMuchLonger) {
 double felt_stiffness(Waves& sut, double depth_m) {
   double x_m = 0;
   double newton = 0;
-  for (int i = 0; i < 12'000; ++i) {
+  for (int i = 0; i < sut.ticks(12); ++i) {
     const double v = x_m < kBox_m + depth_m ? 0.05 : 0;
-    x_m += kServo_s * v;
+    x_m += sut.servo_s() * v;
     newton = -sut.tick(x_m, v).force.x;
   }
   return newton / (x_m - kBox_m);
 }
 
 // b/T within 10 %, when the slave's controller and the wall, in series with it, are taken off.
-TEST(Wave, InContactIsFeltAsAStiffnessOfImpedanceByDelay) {
+TEST_P(WaveAtEachRate, InContactIsFeltAsAStiffnessOfImpedanceByDelay) {
   const double others = 1 / WaveWorldSettings{}.stiffness.newton_per_m + 1 / 800.0;
   for (const double b : {2.0, 10.0, 40.0}) {
     for (const double one_way_s : {0.02, 0.05, 0.1}) {
-      Waves sut(unfiltered(b), delayed_by(2 * one_way_s), kBox_m);
+      Waves sut(unfiltered(b), delayed_by(2 * one_way_s), kBox_m, {}, servo());
       const double felt = felt_stiffness(sut, 0.01);
       const double theory = b / one_way_s;
       EXPECT_NEAR(1 / (1 / felt - others), theory, 0.1 * theory) << b << ", " << one_way_s;
@@ -112,28 +129,29 @@ TEST(Wave, InContactIsFeltAsAStiffnessOfImpedanceByDelay) {
 }
 
 // The same two of the settings as shipped. The filter is in the way back, so of the round trip
-// 2·T: b·tanh(s·T) of teleop.md 2(c) with 1/(1 + s/λ) there is, for slow hands, that of T + 1/(2λ).
-TEST(Wave, AsShippedTheFilterIsHalfOfItsTimeOfDelay) {
+// 2·T: b·tanh(s·T) of teleop.md 2(c) with 1/(1 + s/λ) there is, for slow hands, that of T + 1/(2λ);
+// and half a period more of the servo that holds each wave, as in 2(a): 1 ms of 500 Hz beside 5 ms.
+TEST_P(WaveAtEachRate, AsShippedTheFilterIsHalfOfItsTimeOfDelay) {
   const WaveSettings shipped;
   const double b = shipped.impedance.newton_s_per_m;
   const double others = 1 / WaveWorldSettings{}.stiffness.newton_per_m + 1 / 800.0;
   for (const double one_way_s : {0.005, 0.02, 0.05, 0.1}) {
     const double filter_s = std::max(seconds(shipped.filter), shipped.filter_share * one_way_s);
-    const double longer_s = one_way_s + filter_s / 2;
-    Waves in_space(shipped, delayed_by(2 * one_way_s), kFar_m, light_slave());
+    const double longer_s = one_way_s + filter_s / 2 + seconds(servo()) / 2;
+    Waves in_space(shipped, delayed_by(2 * one_way_s), kFar_m, light_slave(), servo());
     const double kg = felt_mass_kg(in_space, one_way_s);
     EXPECT_NEAR(kg, b * longer_s, 0.1 * b * longer_s) << one_way_s;
-    Waves at_wall(shipped, delayed_by(2 * one_way_s), kBox_m);
+    Waves at_wall(shipped, delayed_by(2 * one_way_s), kBox_m, {}, servo());
     const double felt = 1 / (1 / felt_stiffness(at_wall, 0.01) - others);
     EXPECT_NEAR(felt, b / longer_s, 0.1 * b / longer_s) << one_way_s;
   }
 }
 
-TEST(Wave, BeforeTheFirstAnswerADamperIsFelt) {
-  Waves sut(of_impedance(10), delayed_by(0.1));
-  for (int i = 0; i < 1000; ++i) sut.tick(0, 0);
-  for (int i = 1; i < 95; ++i) {
-    EXPECT_NEAR(sut.tick(1e-4 * i, 0.1).force.x, -10 * 0.1, 0.05);
+TEST_P(WaveAtEachRate, BeforeTheFirstAnswerADamperIsFelt) {
+  Waves sut(of_impedance(10), delayed_by(0.1), kFar_m, {}, servo());
+  for (int i = 0; i < sut.ticks(1); ++i) sut.tick(0, 0);
+  for (int i = 1; i < sut.ticks(0.095); ++i) {
+    EXPECT_NEAR(sut.tick(0.1 * sut.servo_s() * i, 0.1).force.x, -10 * 0.1, 0.05);
   }
 }
 
@@ -217,6 +235,7 @@ TEST(Wave, JitterLossAndReorderingGiveTheHandNoEnergyEither) {
 Position3 roam(double t_s) {
   return {0.022 * std::sin(2.1 * t_s), 0.020 * std::sin(3.3 * t_s), 0.018 * std::sin(1.7 * t_s)};
 }
+
 Velocity3 roam_speed(double t_s) {
   return {0.022 * 2.1 * std::cos(2.1 * t_s), 0.020 * 3.3 * std::cos(3.3 * t_s),
           0.018 * 1.7 * std::cos(1.7 * t_s)};
@@ -251,7 +270,7 @@ TEST(Wave, NoWayGivesOutMoreEnergyThanWentInAndTheSlaveEndsWhereTheHandIs) {
 }
 
 // However b is turned, and whenever: no energy comes out of either end that did not go in.
-TEST(Wave, ImpedanceTunedAtAnyMomentGivesTheHandNoEnergy) {
+TEST_P(WaveAtEachRate, ImpedanceTunedAtAnyMomentGivesTheHandNoEnergy) {
   std::mt19937_64 random(640);
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     Waves sut(of_impedance(10),
@@ -259,20 +278,20 @@ TEST(Wave, ImpedanceTunedAtAnyMomentGivesTheHandNoEnergy) {
                .jitter_s = seed % 2 == 0 ? 0.03 : 0,
                .loss = seed % 3 == 0 ? 0.1 : 0,
                .seed = seed},
-              seed % 4 == 0 ? kFar_m : kBox_m);
-    for (int i = 0; i < 800; ++i) sut.tick(0, 0);  // until the force has risen
+              seed % 4 == 0 ? kFar_m : kBox_m, {}, servo());
+    for (int i = 0; i < sut.ticks(0.8); ++i) sut.tick(0, 0);  // until the force has risen
     double t_s = 0;
     double x_m = 0;
     double given_joule = 0;
     int tuned = 0;
-    for (int i = 0; i < 15'000; ++i, t_s += kServo_s) {
-      if (random() % 300 == 0) {
+    for (int i = 0; i < sut.ticks(6); ++i, t_s += sut.servo_s()) {
+      if (random() % static_cast<unsigned>(sut.ticks(0.15)) == 0) {
         ++tuned;
         sut.arm.set_impedance(
             {std::exp(std::uniform_real_distribution<double>(-2.3, 3.7)(random))});
       }
-      const double next_m = roam(t_s + kServo_s).x;
-      const ArmOutput out = sut.tick(x_m, (next_m - x_m) / kServo_s);
+      const double next_m = roam(t_s + sut.servo_s()).x;
+      const ArmOutput out = sut.tick(x_m, (next_m - x_m) / sut.servo_s());
       given_joule += out.force.x * (next_m - x_m);
       x_m = next_m;
       ASSERT_LE(given_joule, 0) << seed << ", " << i;
