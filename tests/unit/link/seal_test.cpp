@@ -6,8 +6,11 @@
 #include <algorithm>
 #include <cstring>
 #include <random>
+#include <string>
 #include <string_view>
 #include <vector>
+
+#include "golden_datagrams.hpp"
 
 namespace thimble::link {
 namespace {
@@ -152,6 +155,42 @@ TEST(SealTest, IsWhatThePageSays) {
                 half_of_keys("thimble 1 handshake", {}, true).data()),
             0);
   EXPECT_EQ(clear[31], 42);
+}
+
+// Both ways: what is packed are those bytes, and they open to the clear datagram's content.
+template <class Message>
+void expect_golden(const std::string& name, const Seal& seal, std::span<const std::byte> sealed) {
+  SCOPED_TRACE(name);
+  const auto clear = std::span(testing::golden().at(name));
+  const auto content = clear.subspan(kThimbleHeaderSize);
+  Message message;
+  ASSERT_TRUE(decode(content, message).has_value());
+  const RandomBytes random = [](std::span<std::byte> out) {
+    const Nonce counted = testing::counted_from(160);
+    std::copy_n(counted.begin(), out.size(), out.begin());
+  };
+  ThimbleDatagram out;
+  ASSERT_TRUE(seal.pack(decode_header(clear).value(), message, random, out).has_value());
+  EXPECT_TRUE(std::ranges::equal(out.view(), sealed));
+  std::array<std::byte, kMaxThimbleContent> room{};
+  const auto opened = seal.open(decode_header(sealed).value(), sealed, room);
+  ASSERT_TRUE(opened.has_value());
+  EXPECT_TRUE(std::ranges::equal(*opened, content));
+}
+
+// Written without libsodium: a seal that changed at both ends would open, and talk to no other.
+TEST(SealTest, GoldenBytesAreWrittenAndOpened) {
+  const auto sealed = testing::datagrams_in("thimble_sealed_datagrams.txt");
+  ASSERT_EQ(sealed.size(), 3U);
+  const LinkKey key(testing::counted_from(128));
+  const auto of_session = [&key](Towards towards) {
+    return Seal::of_session(key, towards, testing::counted_from(0), testing::counted_from(64),
+                            0x0123456789ABCDEF);
+  };
+  expect_golden<ThimbleHello>("hello", Seal::of_handshake(key, Towards::World), sealed.at("hello"));
+  expect_golden<ThimbleSample>("sample_least", of_session(Towards::World),
+                               sealed.at("sample_least"));
+  expect_golden<ThimbleIdle>("idle", of_session(Towards::Arm), sealed.at("idle"));
 }
 
 TEST(SealTest, TheLargestMessageFitsWithItsSeal) {

@@ -3,44 +3,25 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <limits>
-#include <map>
 #include <random>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "golden_datagrams.hpp"
+
 namespace thimble::link {
 namespace {
 
 using std::chrono::nanoseconds;
+using testing::counted_from;
+using testing::golden;
 
 constexpr std::uint64_t kSession = 0x0123456789ABCDEF;
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
 MonotonicTime at(std::int64_t ns) { return {nanoseconds(ns)}; }
-
-Nonce counted_from(unsigned first) {
-  Nonce nonce{};
-  for (std::size_t i = 0; i < nonce.size(); ++i) nonce[i] = std::byte(first + i);
-  return nonce;
-}
-
-// What thimble_datagrams.py wrote.
-const std::map<std::string, std::vector<std::byte>>& golden() {
-  static const auto read = [] {
-    std::map<std::string, std::vector<std::byte>> out;
-    std::ifstream file(THIMBLE_SOURCE_DIR "/tests/data/thimble_datagrams.txt");
-    for (std::string name, hex; file >> name >> hex;) {
-      for (std::size_t i = 0; i + 1 < hex.size(); i += 2) {
-        out[name].push_back(std::byte(std::stoi(hex.substr(i, 2), nullptr, 16)));
-      }
-    }
-    return out;
-  }();
-  return read;
-}
 
 template <class Message>
 std::vector<std::byte> content_of(const Message& message) {

@@ -1,18 +1,23 @@
 #!/usr/bin/env python3
 """Thimble's datagrams written field by field from docs/link-protocol.md, without the codec.
 
-  thimble_datagrams.py > tests/data/thimble_datagrams.txt    the golden vectors of unit_link
-  thimble_datagrams.py --check FILE                          whether FILE is what this program writes
-  thimble_datagrams.py --corpus FOLDER                       the same as seeds of the fuzz target
+  thimble_datagrams.py > tests/data/thimble_datagrams.txt                    the golden vectors of unit_link
+  thimble_datagrams.py --sealed > tests/data/thimble_sealed_datagrams.txt    the same of some of them, sealed
+  thimble_datagrams.py --check FILE SEALED_FILE      whether those are what this program writes
+  thimble_datagrams.py --corpus FOLDER               those without a seal as seeds of the fuzz target
 """
 
 import pathlib
 import struct
 import sys
 
+import thimble_seal
+
 HELLO, CHALLENGE, WELCOME, REFUSAL, SAMPLE, CONSTRAINTS, IDLE = 1, 2, 3, 4, 16, 17, 19
 ARM_NONCE = bytes(range(32))
 WORLD_NONCE = bytes(range(64, 96))
+LINK_KEY = bytes(range(128, 160))
+SEAL_NONCE = bytes(range(160, 184))  # of a handshake
 
 
 def header(kind, session, sequence, is_sealed=False):
@@ -110,20 +115,38 @@ def datagrams():
     }
 
 
-def text():
-    return "".join(f"{key} {value.hex()}\n" for key, value in datagrams().items())
+def sealed_datagrams():
+    """Some of those, sealed: of the handshake, and of a session in either direction."""
+    clear = datagrams()
+
+    def parts(key):
+        as_sealed = clear[key][:6] + struct.pack(">H", 1) + clear[key][8:24]
+        return as_sealed, clear[key][24:]
+
+    return {
+        "hello": thimble_seal.handshake(LINK_KEY, True, SEAL_NONCE, *parts("hello")),
+        "sample_least": thimble_seal.session(LINK_KEY, True, ARM_NONCE, WORLD_NONCE, *parts("sample_least")),
+        "idle": thimble_seal.session(LINK_KEY, False, ARM_NONCE, WORLD_NONCE, *parts("idle")),
+    }
+
+
+def text(of):
+    return "".join(f"{key} {value.hex()}\n" for key, value in of.items())
 
 
 def main(arguments):
-    if arguments[:1] == ["--check"] and len(arguments) == 2:
-        return 0 if pathlib.Path(arguments[1]).read_text() == text() else f"{arguments[1]} is not what this writes"
+    if arguments[:1] == ["--check"] and len(arguments) == 3:
+        for file, of in zip(arguments[1:], (datagrams(), sealed_datagrams())):
+            if pathlib.Path(file).read_text() != text(of):
+                return f"{file} is not what this writes"
+        return 0
     if arguments[:1] == ["--corpus"] and len(arguments) == 2:
         for key, value in datagrams().items():
             pathlib.Path(arguments[1], key).write_bytes(value)
         return 0
-    if arguments:
+    if arguments not in ([], ["--sealed"]):
         return __doc__
-    sys.stdout.write(text())
+    sys.stdout.write(text(sealed_datagrams() if arguments else datagrams()))
     return 0
 
 
