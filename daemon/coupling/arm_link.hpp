@@ -10,6 +10,7 @@ namespace thimble::coupling {
 //
 // Thread: the servo thread. RT: all THIMBLE_RT but send(), which is THIMBLE_RT_IO (at most
 // one non-blocking eventfd write to wake the net plane).
+// Ownership: samples and replies are copied; a link outlives the servo loop that it is given to.
 // Errors: none; a link that is down shows in quality(), and what it cannot carry is not sent.
 class ArmLink {
  public:

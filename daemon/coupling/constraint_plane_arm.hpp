@@ -46,7 +46,7 @@ struct ConstraintPlaneCounters {
   std::uint64_t late_walls{0};       // replies for which frame or walls had to give way
   std::uint64_t news{0};             // planes that were new or had moved, told of inside or not
   std::uint64_t redetections{0};     // a plane pressed again within the guard: chatter
-  std::uint64_t rejected_planes{0};  // not finite, normal not of unit length, absurdly far
+  std::uint64_t rejected_planes{0};  // not is_sound() (wall_penalty.hpp)
   bool operator==(const ConstraintPlaneCounters&) const = default;
 };
 

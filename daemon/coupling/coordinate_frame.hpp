@@ -29,11 +29,15 @@ class CoordinateFrame {
   Displacement3 offset_{};
 };
 
-// Relaxation stops this far before a wall.
+// Relaxation stops this far before a wall. Ours: a thousand times kNegligible_m, so that rounding
+// does not touch it; the hardest wall (kHardestTool) would push with 3 mN there.
 inline constexpr double kStandoff_m = 1e-6;
-// A servo that stalled longer does not move the frame by the whole stall at once.
+// A servo that stalled longer does not move the frame by the whole stall at once. Ours: the
+// lateness that is a fault (DESIGN section 4, "servo late"); at 25 mm/s the 0.5 mm of the
+// hysteresis.
 inline constexpr double kLongestStep_s = 0.02;
-// Shifts below are rounding, not events.
+// Shifts below are rounding, not events. Ours: of a plane as far as one may be (1000 km, decision
+// 0056) a double rounds by 0.1 nm.
 inline constexpr double kNegligible_m = 1e-9;
 
 }  // namespace thimble::coupling

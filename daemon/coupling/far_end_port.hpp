@@ -9,7 +9,7 @@
 
 namespace thimble::coupling {
 
-// Whether every number of it is finite and none absurd.
+// Whether every number of it is finite and none above 1e9 in its SI unit (kAbsurd).
 [[nodiscard]] THIMBLE_RT bool is_sound(const FarEnd& far) noexcept;
 
 // What the arm halves have in common that leave the hand where it is, with no offset: which replies

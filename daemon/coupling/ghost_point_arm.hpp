@@ -39,7 +39,7 @@ struct GhostPointSettings {
 struct GhostPointCounters {
   std::uint64_t offset_events{0};    // the frame was shifted by a constraint
   std::uint64_t redetections{0};     // a face pressed again within the guard: chatter
-  std::uint64_t rejected_planes{0};  // not finite, normal not of unit length, absurdly far
+  std::uint64_t rejected_planes{0};  // not is_sound() (wall_penalty.hpp)
   bool operator==(const GhostPointCounters&) const = default;
 };
 

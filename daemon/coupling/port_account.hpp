@@ -18,8 +18,8 @@ namespace thimble::coupling {
 // the newest says all that the others did, so that delay, loss and disorder only lower `left`. What
 // is left is never more than `credit`, lest a drag of minutes pays for a blow (PassivityGuard).
 //
-// Errors: an E_told that is not finite, negative, absurd or less than known is as good as none.
-// Thread: one. RT: THIMBLE_RT. Units: J.
+// Errors: an E_told that is not finite, negative, above 1e9 J or less than known is as good as
+// none. Thread: one. RT: THIMBLE_RT. Units: J.
 class PortAccount {
  public:
   PortAccount(double bound_joule, double credit_joule) noexcept
@@ -32,7 +32,7 @@ class PortAccount {
     left_joule_ = std::min(left_joule_, bound_joule_);
   }
   THIMBLE_RT void hear(double told_joule) noexcept {
-    constexpr double kAbsurd_joule = 1e9;
+    constexpr double kAbsurd_joule = 1e9;  // ours: as in far_end_port.cpp, no sum of hours
     if (!(told_joule >= 0) || told_joule > kAbsurd_joule) return;
     const double gain_joule = has_heard_ ? told_joule - told_joule_ : 0;
     if (gain_joule < 0) return;

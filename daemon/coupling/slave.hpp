@@ -20,8 +20,8 @@ struct SlaveSettings {
 // world push, wall_penalty(). m·dv/dt = F_controller + F_walls, semi-implicit Euler in steps of at
 // most kStep; the probe goes along once in kProbePace of the world's time, however samples come.
 //
-// Stable for any controller of up to 3000 N/m and 200 N·s/m (kHardestController): (K·h² + B·h)/m <
-// 4 for walls of kHardestTool beside it.
+// Stable for (K·h² + 2·B·h)/m < 4, h a step, K and B of controller and walls together: 1.1 with
+// kHardestController at a wall of kHardestTool.
 //
 // Thread: the world's. Not RT; neither allocates nor blocks where move_probe() does not.
 // Ownership: the world must outlive it; the destructor closes the probe. Frame: world.
@@ -29,7 +29,10 @@ struct SlaveSettings {
 //         says false where the world is silent.
 class Slave {
  public:
+  // Ours: a quarter of kProbePace, which is too long for the hardest (4.5); the rest is for walls
+  // that meet.
   static constexpr Duration kStep = std::chrono::microseconds(250);
+  // Ours: as often as a servo of 1 kHz (teleop.md 1) moves the probe of a scheme without a slave.
   static constexpr Duration kProbePace = std::chrono::milliseconds(1);
 
   Slave(world::World& world, const SlaveSettings& settings) noexcept
@@ -78,7 +81,8 @@ class Slave {
   Velocity3 velocity_{};
 };
 
-// Of a controller that pulls a slave.
+// Of a controller that pulls a slave. K: kHardestTool's. B, ours: what 800 N/m ask for (B > K_c·T,
+// teleop.md 2(b)) at 500 ms there and back, the longest delay of table 4.1.
 inline constexpr ToolProperties kHardestController{.stiffness = {3000}, .damping = {200}};
 
 }  // namespace thimble::coupling

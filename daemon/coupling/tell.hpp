@@ -8,7 +8,7 @@
 
 namespace thimble::coupling {
 
-// A face of the world, as messages say it. Errors: none.
+// A face of the world, as messages say it. World frame. Pure; thread: any. Errors: none.
 inline ConstraintPlane plane_of(const world::ContactPlane& plane) noexcept {
   return {.normal = plane.normal,
           .offset_m = plane.offset_m,
@@ -18,7 +18,7 @@ inline ConstraintPlane plane_of(const world::ContactPlane& plane) noexcept {
                       .temperature_kelvin = plane.temperature_kelvin}};
 }
 
-// What holds a probe back. Errors: none.
+// What holds a probe back, likewise. Pure; thread: any. Errors: none.
 inline PlaneList planes_of(const world::ProbeMotion& motion) noexcept {
   static_assert(world::kMaxContactPlanes <= kMaxPlanes, "every push_back() below finds room");
   PlaneList planes;
@@ -30,7 +30,7 @@ inline PlaneList planes_of(const world::ProbeMotion& motion) noexcept {
 
 // Makes `set` the next reply of its session: what the world says of the hand in `sample`. The
 // ghost is left to the caller.
-// Thread: the world's thread. Errors: none.
+// Thread: the world's thread. RT: not; neither allocates nor blocks. Errors: none.
 inline void tell(const world::ProbeMotion& motion, const HandSample& sample,
                  ConstraintSet& set) noexcept {
   ++set.sequence;
@@ -45,7 +45,8 @@ inline void tell(const world::ProbeMotion& motion, const HandSample& sample,
 // Moves a probe that is open after the hand of `sample`, tells the world its buttons and actions,
 // and makes `set` the next reply, ghost included. Nothing, and `set` as it was: the hand is
 // nowhere, or the world cannot say; to the arm it then looks silent.
-// Thread: the world's thread. Errors: none.
+// Thread: the world's thread. RT: not; waits and allocates no more than ProbeInWorld's hear() and
+// move(). Errors: none.
 inline std::optional<world::ProbeMotion> follow_and_tell(ProbeInWorld& probe,
                                                          const HandSample& sample, Duration dt,
                                                          ConstraintSet& set) noexcept {

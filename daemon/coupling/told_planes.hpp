@@ -9,11 +9,14 @@
 // What an arm half makes of the planes that it is told. World frame. Pure; thread: any.
 namespace thimble::coupling {
 
-// Normals closer than 14° are the same face of a curved surface; voxel faces differ by 90°.
+// Normals closer than 14° are the same face of a curved surface; voxel faces differ by 90°. Ours:
+// on a ball of 20 mm 14° are 5 mm, the way of a hand at 0.2 m/s between answers that are 25 ms
+// apart.
 inline constexpr double kSameFaceCosine = 0.97;
 
 // How far a hand is past a plane, m; < 0: on its free side.
-[[nodiscard]] inline double depth_m(const ConstraintPlane& plane, Position3 hand) noexcept {
+[[nodiscard]] THIMBLE_RT inline double depth_m(const ConstraintPlane& plane,
+                                               Position3 hand) noexcept {
   return dot(plane.normal, hand) - plane.offset_m;
 }
 
@@ -41,6 +44,6 @@ template <class Faces, class Taken>
 
 // How deep a finger is left inside a wall that was learned of late: min(hysteresis, cell/4), so
 // that fine worlds do not swallow it; `cell_m` 0: the world has none.
-[[nodiscard]] double effective_hysteresis_m(double hysteresis_m, double cell_m) noexcept;
+[[nodiscard]] THIMBLE_RT double effective_hysteresis_m(double hysteresis_m, double cell_m) noexcept;
 
 }  // namespace thimble::coupling

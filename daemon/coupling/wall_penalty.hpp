@@ -12,7 +12,8 @@ inline constexpr ToolProperties kHardestTool{.stiffness = {3000}, .damping = {20
 [[nodiscard]] THIMBLE_RT ToolProperties sound_tool(const ToolProperties& asked,
                                                    const ToolProperties& ceiling) noexcept;
 
-// Whether a plane is one: finite, its normal of unit length, not absurdly far.
+// Whether a plane is one: finite, its normal of unit length, at most 1000 km from the origin
+// (kMaxPlaneOffset_m, decision 0056).
 [[nodiscard]] THIMBLE_RT bool is_sound(const ConstraintPlane& plane) noexcept;
 
 // The force of walls on a point that is inside them (teleop.md 2(a)), N:

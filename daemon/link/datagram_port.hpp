@@ -49,7 +49,8 @@ class DatagramPort {
   [[nodiscard]] virtual const std::string& last_error() const noexcept = 0;
 };
 
-// Thread: one. Ownership: outlives its ports.
+// Thread: one. RT: not; allocates its ports. Ownership: outlives its ports, which are the caller's.
+// Errors: none; a port says its own when it is opened.
 class DatagramNetwork {
  public:
   virtual ~DatagramNetwork() = default;

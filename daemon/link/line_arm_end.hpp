@@ -17,8 +17,8 @@ namespace thimble::link {
 // A line has no room for every sample: a sample of our own takes 36 ms at 38,400 bit/s. So nothing
 // is handed to it before it is free (LinePace), and what then leaves is the newest.
 //
-// Thread: one, the net plane's. RT: not. Errors: none end it; all are counted, damaged frames as
-// receive errors.
+// Thread: one, the net plane's. RT: not. Ownership: all that it has is its own; bytes are read
+// before the call returns. Errors: none end it; all are counted, damaged frames as receive errors.
 class LineArmEnd {
  public:
   virtual ~LineArmEnd() = default;

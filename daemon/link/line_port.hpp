@@ -43,7 +43,8 @@ class LinePort {
   [[nodiscard]] virtual const std::string& last_error() const noexcept = 0;
 };
 
-// The serial ports of a machine. Thread: one. Ownership: outlives its ports.
+// The serial ports of a machine. Thread: one. RT: not; allocates its ports. Ownership: outlives its
+// ports, which are the caller's. Errors: none; a port says its own in last_error().
 class LinePorts {
  public:
   virtual ~LinePorts() = default;

@@ -23,7 +23,9 @@ namespace thimble::link {
 class OutstandingRequests {
  public:
   static constexpr std::size_t kCapacity = 4096;  // 0.5 s of round trip at 8 kHz
+  // The least age at which frames freeze (DESIGN section 4), as SendGate::kMinTimeout.
   static constexpr Duration kSlack = std::chrono::milliseconds(20);
+  // While no round trip is known. Ours: kSilence, after which the peer is gone.
   static constexpr Duration kUnknownLimit = std::chrono::seconds(1);
 
   void on_sent(MonotonicTime now) noexcept;

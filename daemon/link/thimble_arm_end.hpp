@@ -40,9 +40,12 @@ class ThimbleArmEnd {
     std::optional<ThimbleHalf> else_half{};
     double deadband_m{0};  // of a stream; 0: every sample is sent
   };
+  // Ours: four in a kSilence, so that one that is lost delays a session by less than a silence
+  // does.
   static constexpr Duration kHelloPeriod = std::chrono::milliseconds(250);
   // Ours: two round trips of the longest delay that can be injected; then all is asked anew.
   static constexpr Duration kAttempt = std::chrono::seconds(5);
+  // Ours: a kSilence, after which the place of who is gone is free.
   static constexpr Duration kRefusedPause = std::chrono::seconds(1);
 
   ThimbleArmEnd(const Settings& settings, RandomBytes random);

@@ -38,8 +38,8 @@ class ThimbleWorldEnd {
     ImpairmentSettings impairment{};        // validated by the caller
     std::optional<Endpoint> pinned_peer{};  // only this address, whatever its port
     std::optional<LinkKey> key{};
-    std::size_t max_sessions{8};
-    ThimbleWelcome welcome{};  // what is told of the world
+    std::size_t max_sessions{8};  // ours: world::kMaxProbes, a world takes no more hands
+    ThimbleWelcome welcome{};     // what is told of the world
     // There is no world here, but an arm with this scheme (coupling/arm_pair.hpp): who cannot be
     // coupled to an arm is refused.
     std::optional<ShortName> arm_scheme{};
