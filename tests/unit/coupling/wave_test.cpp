@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
@@ -14,6 +13,7 @@
 #include "fake_box.hpp"
 #include "finger.hpp"
 #include "linked_loop.hpp"
+#include "watched_waves.hpp"
 
 namespace thimble::coupling {
 namespace {
@@ -23,6 +23,7 @@ using testing::FakeBox;
 using testing::Finger;
 using testing::LinkedLoop;
 using testing::Reference;
+using testing::WatchedWaves;
 
 constexpr Duration kServo = std::chrono::milliseconds(1);
 constexpr double kServo_s = 1e-3;
@@ -237,103 +238,6 @@ Position3 roam(double t_s) {
   return {0.022 * std::sin(2.1 * t_s), 0.020 * std::sin(3.3 * t_s), 0.018 * std::sin(1.7 * t_s)};
 }
 
-// The energy of one way, reckoned from the distances alone: sums of joule could be wrong together.
-class ReckonedEnergy {
- public:
-  void begin(const WaveDistance3& distance) { last_ = distance; }
-  // `distance` is that of the sums `dt_s` later.
-  void add(const WaveDistance3& distance, double dt_s) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double wave = (distance[axis] - last_[axis]) / dt_s;
-      joule_[axis] += wave * wave * dt_s / 2;
-    }
-    last_ = distance;
-  }
-  [[nodiscard]] double joule(std::size_t axis) const { return joule_[axis]; }
-
- private:
-  WaveDistance3 last_{};
-  std::array<double, 3> joule_{};
-};
-
-double dot(Force3 force, Displacement3 way) {
-  return force.x * way.x + force.y * way.y + force.z * way.z;
-}
-
-// A far end that is asked for each of the slave's steps by itself, in which no wave changes.
-class WatchedWorld final : public WorldCoupling {
- public:
-  explicit WatchedWorld(WaveWorld& world) : world_(world) {}
-
-  Result<void> open(const HandSample& first) override {
-    const Result<void> opened = world_.open(first);
-    came_out.begin(world_.incoming().taken().distance);
-    went_in.begin(world_.sent().distance);
-    last_ = first;
-    return opened;
-  }
-  ConstraintSet answer(const HandSample& sample, Duration dt) noexcept override {
-    for (; dt > Slave::kStep; dt -= Slave::kStep) (void)step(last_, Slave::kStep);
-    last_ = sample;
-    return step(sample, dt);
-  }
-  void close() noexcept override { world_.close(); }
-
-  // F·v·dt that left by the slave's port: what the slave carries and the walls took, J.
-  [[nodiscard]] double slave_joule() const {
-    const double speed = norm(world_.slave().velocity());
-    return walls_joule_ + SlaveSettings{}.mass_kg * speed * speed / 2;
-  }
-
-  ReckonedEnergy came_out;  // of the way from the arm
-  ReckonedEnergy went_in;   // to the way back
-
- private:
-  ConstraintSet step(const HandSample& sample, Duration dt) noexcept {
-    const Position3 at = world_.slave().at();
-    const Force3 wall = world_.slave().wall_force();
-    ConstraintSet reply = world_.answer(sample, dt);
-    walls_joule_ -= dot(wall, world_.slave().at() - at);
-    if (dt <= Duration::zero()) return reply;
-    came_out.add(world_.incoming().taken().distance, seconds(dt));
-    went_in.add(world_.sent().distance, seconds(dt));
-    return reply;
-  }
-
-  WaveWorld& world_;
-  HandSample last_{};
-  double walls_joule_{0};
-};
-
-// Both halves of it on a link, and what passes through each port.
-struct WatchedWaves {
-  WatchedWaves(const WaveSettings& settings, const link::ImpairmentSettings& impairment,
-               Duration servo)
-      : arm(settings), loop(arm, far_end, servo, impairment) {}
-
-  void move(Position3 to) {
-    const double dt_s = seconds(loop.dt());
-    const Displacement3 way = to - at;
-    const ArmOutput out = loop.tick(at, Velocity3{way.x / dt_s, way.y / dt_s, way.z / dt_s});
-    at = to;
-    hand_joule -= dot(out.force, way);
-    hardest_newton = std::max(hardest_newton, norm(out.force));
-    went_in.add(out.sample.waves.distance, dt_s);
-    came_out.add(arm.incoming().taken().distance, dt_s);
-  }
-
-  WaveArm arm;
-  FakeBox box{kBox_m};
-  WaveWorld world{box, 1, {}};
-  WatchedWorld far_end{world};
-  LinkedLoop loop;
-  Position3 at{};
-  double hand_joule{0};  // F·v·dt that the hand put in
-  double hardest_newton{0};
-  ReckonedEnergy went_in;   // to the way to the world
-  ReckonedEnergy came_out;  // of the way back
-};
-
 // By the counters, by what went over the wire, and by force and way at both ends.
 void expect_passive(const WatchedWaves& sut) {
   constexpr double kRounding = 1 + 1e-9;
@@ -356,7 +260,7 @@ TEST_P(WaveAtEachRate, NoWayGivesOutMoreEnergyThanWentInAndTheSlaveEndsWhereTheH
                       .duplicate = 0.05,
                       .reorder = 0.1,
                       .seed = seed},
-                     servo());
+                     kBox_m, servo());
     for (int i = 0; i < GetParam(); ++i) sut.move({});  // until the force has risen
     for (int i = 1; i <= 15 * GetParam(); ++i) {
       const int tune_at = 4 * GetParam();
