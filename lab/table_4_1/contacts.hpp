@@ -34,7 +34,8 @@ struct ContactStatistics {
   double travel_m{0};       // dynamic hand: from one contact to the opposite one, mean
 };
 
-// Ends early, with fewer contacts or none, where the hand is back before it could feel them.
+// Ends early, with fewer contacts or none, where the hand is back before it could feel them:
+// contact_criterion() judges that.
 // Deterministic. Errors: none but what says that the box cannot be made.
 [[nodiscard]] Result<ContactStatistics> run_contacts(const ContactRun& of);
 

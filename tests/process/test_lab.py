@@ -47,7 +47,7 @@ class Lab(ProcessTest):
         folder = self.folder / "out"
         shown = self.run_experiment("table-4.1", "--contacts", "600", "--out", folder)
         self.assertEqual(shown.returncode, 0, shown.stdout + shown.stderr)
-        self.assertEqual(shown.stdout.count("as it must be: "), 8)
+        self.assertEqual(shown.stdout.count("as it must be: "), 9)
         document = json.loads((folder / "table-4.1.json").read_text())
         self.assertEqual(document["parameters"]["contacts_per_row"]["value"], 600)
         self.assertEqual(document["parameters"]["seed"]["value"], 1)

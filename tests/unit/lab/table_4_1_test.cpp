@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <string>
 
+#include "lab/table_4_1/contact_counts.hpp"
 #include "lab/table_4_1/contacts.hpp"
 
 namespace thimble::lab {
@@ -74,15 +75,32 @@ TEST(Contacts, TheSameSeedGivesTheSameAndAnotherDoesNot) {
   EXPECT_NE(contacts_of(run).offset_m.mean(), once);
 }
 
+TEST(ContactCounts, RowsWithFewerContactsThanAskedFailAndAreNamed) {
+  const ContactCount whole{"streamed, constant, 1 ms", 1000, 1000};
+  EXPECT_TRUE(contact_criterion({whole, {"one more", 1000, 1001}}).is_met);
+  const Criterion missed = contact_criterion(
+      {whole, {"lock-step, loss 1 %, 500 ms", 4000, 3999}, {"finger, streamed, 1 ms", 1000, 0}});
+  EXPECT_FALSE(missed.is_met);
+  EXPECT_NE(missed.text.find("asked for: not lock-step, loss 1 %, 500 ms (3999 of 4000); finger, "
+                             "streamed, 1 ms (0 of 1000)"),
+            std::string::npos)
+      << missed.text;
+  EXPECT_EQ(missed.text.find(whole.row), std::string::npos);
+  EXPECT_FALSE(contact_criterion({}).is_met) << "nothing was played";
+}
+
 TEST(Table41, AFewContactsAreNoMeanAndTheCriteriaSaySo) {
   const auto findings = run_table_4_1({.contacts = 1, .seed = 1});
   ASSERT_TRUE(findings) << findings.error().message;
   const auto met = std::count_if(findings->criteria.begin(), findings->criteria.end(),
                                  [](const Criterion& criterion) { return criterion.is_met; });
   EXPECT_FALSE(findings->is_met()) << tell(*findings);
-  EXPECT_EQ(met, 5) << "those of lock-step are of a mean over its phases";
-  EXPECT_EQ(findings->criteria.size(), 8U);
+  EXPECT_EQ(met, 6) << "those of lock-step are of a mean over its phases";
+  EXPECT_EQ(findings->criteria.size(), 9U);
   EXPECT_NE(tell(*findings).find("as it must be: finger, streamed, 500 ms: 0 of 1 contacts"),
+            std::string::npos);
+  EXPECT_NE(tell(*findings).find("as it must be: each row, but the finger's, streamed, at 500 ms, "
+                                 "has the contacts that were asked for\n"),
             std::string::npos);
   EXPECT_NE(tell(*findings).find("NOT as it must be: finger: offset"), std::string::npos);
   EXPECT_NE(tell(*findings).find("NOT as it must be: lock-step"), std::string::npos);
