@@ -25,7 +25,6 @@ using testing::LinkedLoop;
 using testing::Reference;
 using testing::WatchedWaves;
 
-constexpr Duration kServo = std::chrono::milliseconds(1);
 constexpr double kServo_s = 1e-3;
 constexpr double kFar_m = 1000;  // a box without walls
 constexpr double kBox_m = 0.015;
@@ -34,7 +33,7 @@ constexpr double kBox_m = 0.015;
 struct Waves {
   Waves(const WaveSettings& settings, const link::ImpairmentSettings& impairment,
         double half_m = kFar_m, const WaveWorldSettings& world_settings = {},
-        Duration servo = kServo)
+        Duration servo = Finger::kServo)
       : arm(settings),
         box(half_m),
         world(box, 1, world_settings),
