@@ -81,6 +81,22 @@ class TwoHosts(ProcessTest):
     def sessions(self):
         return [one for one in self.world.status()["links"] if one["kind"] == "thimble"]
 
+    def assert_goes_on(self, arm, meanwhile=lambda: None):
+        """Its servo ticks without a fault and its session, the one it had, is answered, while `meanwhile` is done again
+        and again."""
+        before = arm.status()
+
+        def has_gone_on(status):
+            meanwhile()
+            ticks, accepted = (status["servos"][0]["ticks"], link(status)["events"]["accepted"])
+            return (ticks >= before["servos"][0]["ticks"] + 500
+                    and accepted >= link(before)["events"]["accepted"] + 500)
+
+        after = arm.status_when(has_gone_on)
+        self.assertEqual(after["arms"][0]["faults"], [])
+        self.assertTrue(link(after)["is_up"])
+        self.assertEqual(link(after)["events"]["sessions_opened"], link(before)["events"]["sessions_opened"])
+
     def test_every_scheme_is_felt(self):
         for scheme in ("ghost-point", "constraint-plane", "remote-force", "spring-damper", "wave", "buffer-zone",
                        "composite"):
@@ -121,11 +137,13 @@ class TwoHosts(ProcessTest):
 
     def test_a_wrong_key_hears_nothing_and_is_counted(self):
         good = self.arm("good")
+        good.status_when(lambda s: link(s)["is_up"])
         wrong = self.arm("wrong", key=self.key_file("wrong.key", "0e" * 32))
         self.world.status_when(lambda s: s["links"][0]["events"]["bad_seal"] >= 3)
         self.assertFalse(link(wrong.status())["is_up"])
         self.assertEqual(link(wrong.status())["received"], 0)
-        good.status_when(lambda s: link(s)["is_up"])
+        self.assert_servo_goes_on(wrong)
+        self.assert_goes_on(good)
         self.assertEqual(len(self.sessions()), 1)
 
     def test_a_key_that_others_may_read_ends_the_start(self):
@@ -140,8 +158,7 @@ class TwoHosts(ProcessTest):
         stopped.process.send_signal(signal.SIGSTOP)
         try:
             self.world.status_when(lambda s: s["links"][0]["events"]["sessions_released"] >= 1)
-            before = link(other.status())
-            other.status_when(lambda s: link(s)["events"]["accepted"] >= before["events"]["accepted"] + 500)
+            self.assert_goes_on(other)
             self.assertEqual(link(other.status())["events"]["sessions_opened"], 1)
             self.assertEqual(len(self.sessions()), 1)
         finally:
@@ -154,6 +171,7 @@ class TwoHosts(ProcessTest):
         arm.status_when(lambda s: link(s)["is_up"] and link(s)["scheme"] == "composite")
         self.world.stop(signal.SIGKILL)
         arm.status_when(lambda s: not link(s)["is_up"])
+        self.assert_servo_goes_on(arm)
         simple = WORLD.format(port=self.port, key=self.key) + 'constraint_model = "simple"\n'
         self.start(name="again", config=simple)
         status = arm.status_when(lambda s: link(s)["is_up"] and link(s)["scheme"] == "ghost-point")
@@ -184,27 +202,33 @@ class TwoHosts(ProcessTest):
             self.start(name="again", config=HOST_ARM.format(port=port, key=self.key))
             right.status_when(lambda s: link(s)["is_up"])
 
-    def test_a_world_that_is_stopped_stalls_no_servo(self):
-        arm = self.arm("arm")
-        arm.status_when(lambda s: link(s)["is_up"])
+    def test_a_world_that_is_stopped_stalls_no_servo_and_no_other_world(self):
+        port = free_udp_port()
+        self.start(name="beside", config=WORLD.format(port=port, key=self.key))
+        # Both links of one daemon: they have one net plane.
+        texts = [ARM.format(port=one, key=self.key, scheme="ghost-point", seed=1) for one in (port, self.port)]
+        arms = self.start(name="arms", config=texts[0] + texts[1].replace('"right"', '"left"'))
+        arms.status_when(lambda s: s["links"][0]["is_up"] and s["links"][1]["is_up"])
         self.world.process.send_signal(signal.SIGSTOP)
         try:
-            arm.status_when(lambda s: not link(s)["is_up"])
-            before = arm.status()["servos"][0]["ticks"]
-            status = arm.status_when(lambda s: s["servos"][0]["ticks"] >= before + 500)
-            self.assertEqual(status["arms"][0]["state"], "active")
+            arms.status_when(lambda s: not s["links"][1]["is_up"])
+            self.assert_goes_on(arms)
+            before = arms.status()["servos"]
+            status = arms.status_when(lambda s: all(now["ticks"] >= then["ticks"] + 500
+                                                    for now, then in zip(s["servos"], before)))
+            self.assertEqual([(arm["state"], arm["faults"]) for arm in status["arms"]], [("active", [])] * 2)
         finally:
             self.world.process.send_signal(signal.SIGCONT)
-        arm.status_when(lambda s: link(s)["is_up"])
+        arms.status_when(lambda s: s["links"][1]["is_up"])
 
     def test_a_flood_is_counted_and_takes_no_session_away(self):
-        arm = self.arm("arm")
-        arm.status_when(lambda s: link(s)["is_up"])
-        before = link(arm.status())["events"]["accepted"]
+        arms = self.arm("arm"), self.arm("other", seed=2)
+        for arm in arms:
+            arm.status_when(lambda s: link(s)["is_up"])
         source = random.Random(4)
         sealed_hello = b"THMB\x01\x01\x00\x01" + bytes(8)
         with udp_socket() as flood:
-            def pour(status):
+            def pour():
                 for _ in range(500):
                     noise = source.randbytes(source.randrange(0, 1400))
                     kind = source.randrange(3)
@@ -213,40 +237,50 @@ class TwoHosts(ProcessTest):
                     elif kind == 2:
                         noise = b"THMB" + noise[:1190]
                     flood.sendto(noise, ("127.0.0.1", self.port))
-                return link(status)["events"]["accepted"] >= before + 500
-            status = arm.status_when(pour)
-        self.assertTrue(link(status)["is_up"])
-        self.assertEqual(link(status)["events"]["sessions_opened"], 1)
+
+            for arm in arms:
+                self.assert_goes_on(arm, meanwhile=pour)
         world = self.world.status()
         self.assertGreater(world["links"][0]["rejected"], 500)
         self.assertGreater(world["links"][0]["events"]["bad_seal"], 10)
-        self.assertEqual(len(self.sessions()), 1)
+        self.assertEqual(len(self.sessions()), 2)
 
     def test_a_capture_that_is_played_again_moves_nothing(self):
         with Wiretap(self.port) as tap:
             arm = self.start(name="arm", config=ARM.format(port=tap.port, key=self.key, scheme="ghost-point", seed=1))
             arm.status_when(lambda s: link(s)["events"]["accepted"] >= 300)
+            other_arm = self.arm("other", seed=2)
+            other_arm.status_when(lambda s: link(s)["is_up"])
             captured = list(tap.captured)
             with udp_socket() as other:  # from elsewhere: no session of its own, and none taken
                 self.play(captured, other, lambda s: s["links"][0]["events"]["wrong_peer"] >= 100)
             # from the arm's own address
             self.play(captured, tap.out, lambda s: s["links"][0]["stale"] >= 100)
-            before = link(arm.status())["events"]["accepted"]
-            status = arm.status_when(lambda s: link(s)["events"]["accepted"] >= before + 300)
-            self.assertEqual(link(status)["events"]["sessions_opened"], 1)
-            self.assertEqual(len(self.sessions()), 1)
+            with udp_socket() as other:
+                for one in (arm, other_arm):
+                    self.assert_goes_on(one, meanwhile=self.sayer(captured, other))
+                    self.assertEqual(link(one.status())["events"]["sessions_opened"], 1)
+            self.assertEqual(len(self.sessions()), 2)
 
     def play(self, captured, out, counted):
         """Says `captured` again and again, a few at a time, since a kernel drops what comes to a
         busy world in one go, until the world has `counted`."""
-        datagrams = itertools.cycle(captured)
+        say_some = self.sayer(captured, out)
 
-        def say_some(status):
-            for datagram in itertools.islice(datagrams, 32):
-                out.sendto(datagram, ("127.0.0.1", self.port))
+        def say_and_count(status):
+            say_some()
             return counted(status)
 
-        self.world.status_when(say_some)
+        self.world.status_when(say_and_count)
+
+    def sayer(self, captured, out):
+        datagrams = itertools.cycle(captured)
+
+        def say_some():
+            for datagram in itertools.islice(datagrams, 32):
+                out.sendto(datagram, ("127.0.0.1", self.port))
+
+        return say_some
 
 
 class Wiretap:
