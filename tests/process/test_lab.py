@@ -113,7 +113,7 @@ class Lab(ProcessTest):
 
     @_reckons
     def test_they_are_compared_before_a_wall_that_moves_and_with_a_guard(self):
-        # Half a minute of two processors each: before the wall that moves a guard adds nothing to be seen here.
+        # Half a minute of two processors each. Before the wall that moves guards are left to a person: docs/lab.md.
         for name, criteria in (("compare-moving", 2), ("compare-guarded", 3), ("compare-two-port", 3)):
             with self.subTest(name):
                 shown = self.run_experiment(name)
