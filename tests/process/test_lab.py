@@ -40,7 +40,21 @@ def pixels_of_png(content):
 class Lab(ProcessTest):
     def run_experiment(self, *arguments):
         # A minute of one processor, at most, and several on one that others use.
-        return self.run_program("thimble", "lab", *arguments, timeout=280)
+        shown = self.run_program("thimble", "lab", *arguments, timeout=280)
+        if "--out" in arguments and shutil.which("gnuplot"):
+            self.assert_all_is_drawn(arguments[arguments.index("--out") + 1])
+        return shown
+
+    def assert_all_is_drawn(self, folder):
+        plots = sorted(folder.glob("*.gp"))
+        self.assertTrue(plots, "nothing to draw")
+        for plot in plots:
+            with self.subTest(plot.name):
+                drawn = xml.etree.ElementTree.parse(plot.with_suffix(".svg"))
+                self.assertTrue(any(group.get("id", "").startswith("gnuplot_plot_") for group in drawn.iter(_SVG + "g")))
+                _, _, rows = pixels_of_png(plot.with_suffix(".png").read_bytes())
+                # Rows are stored as differences: an empty picture has hardly any that is not 0.
+                self.assertGreater(len(rows) - rows.count(0), 10000)
 
     @_reckons
     def test_table_4_1_is_as_the_facts_have_it_and_is_written(self):
@@ -116,7 +130,7 @@ class Lab(ProcessTest):
         # Half a minute of two processors each. Before the wall that moves guards are left to a person: docs/lab.md.
         for name, criteria in (("compare-moving", 2), ("compare-guarded", 3), ("compare-two-port", 3)):
             with self.subTest(name):
-                shown = self.run_experiment(name)
+                shown = self.run_experiment(name, "--out", self.folder / name)
                 self.assertEqual(shown.returncode, 0, shown.stdout[-400:] + shown.stderr)
                 self.assertEqual(shown.stdout.count("as it must be: "), criteria)
 
@@ -140,7 +154,7 @@ class Lab(ProcessTest):
 
     @_reckons
     def test_the_ball_of_the_thesis_swings_only_where_forces_come_back_late(self):
-        shown = self.run_experiment("hello-sphere")
+        shown = self.run_experiment("hello-sphere", "--out", self.folder / "sphere")
         self.assertEqual(shown.returncode, 0, shown.stdout[-800:] + shown.stderr)
         self.assertEqual(shown.stdout.count("as it must be: "), 3)
 
@@ -200,10 +214,8 @@ source = "box:3"
         self.assertEqual(len(series), (folder / "table-4.1-offsets.gp").read_text().count(" << EOD\n"))
         for one in series:
             self.assertTrue(list(one.iter(_SVG + "use")) + list(one.iter(_SVG + "path")), "a series without a mark")
-        width, height, rows = pixels_of_png((folder / "table-4.1-offsets.png").read_bytes())
+        width, height, _ = pixels_of_png((folder / "table-4.1-offsets.png").read_bytes())
         self.assertEqual((width, height), (1350, 900))
-        # Rows are stored as differences: an empty picture has hardly any that is not 0.
-        self.assertGreater(len(rows) - rows.count(0), 10000)
 
     def run_on_a_terminal(self, *arguments):
         """Exit code, standard output, and what a terminal at standard error was shown."""
