@@ -4,6 +4,7 @@ import contextlib
 import csv
 import json
 import os
+import pathlib
 import pty
 import re
 import select
@@ -41,8 +42,8 @@ class Lab(ProcessTest):
     def run_experiment(self, *arguments):
         # A minute of one processor, at most, and several on one that others use.
         shown = self.run_program("thimble", "lab", *arguments, timeout=280)
-        if "--out" in arguments and shutil.which("gnuplot"):
-            self.assert_all_is_drawn(arguments[arguments.index("--out") + 1])
+        if shown.returncode == 0 and "--out" in arguments and shutil.which("gnuplot"):
+            self.assert_all_is_drawn(pathlib.Path(arguments[arguments.index("--out") + 1]))
         return shown
 
     def assert_all_is_drawn(self, folder):
