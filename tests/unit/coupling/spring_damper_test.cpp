@@ -104,8 +104,9 @@ TEST_P(SpringDamperAtEachRate, BoundOfTheTheoryIsSafeAndAsConservativeAsKnown) {
   constexpr double kStiffness = 800;
   for (const auto& [one_way_s, known] : {std::pair{0.010, 0.81}, {0.050, 0.32}, {0.100, 0.17}}) {
     const double bound = kStiffness * one_way_s;
+    const double round_trip_s = 2 * one_way_s;
     const auto is_stable_with = [&](double damping) {
-      return is_stable(untuned(ForceAt::Both, kStiffness, damping), 2 * one_way_s, kFar_m, servo());
+      return is_stable(untuned(ForceAt::Both, kStiffness, damping), round_trip_s, kFar_m, servo());
     };
     EXPECT_TRUE(is_stable_with(bound)) << one_way_s;
     EXPECT_TRUE(is_stable_with(1.15 * known * bound)) << one_way_s;
