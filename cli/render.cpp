@@ -125,8 +125,10 @@ void add_link(Lines& lines, const api::LinkStatus& link, Glyphs glyphs) {
       "sent " + std::to_string(link.sent) + "  received " + std::to_string(link.received) +
           "  lost " + std::to_string(link.lost) + "  rejected " + std::to_string(link.rejected) +
           "  stale " + std::to_string(link.stale));
-  if (!link.scheme_reason.empty()) {
-    add_plain(lines, "", "scheme " + link.scheme + ": " + link.scheme_reason);
+  if (!link.scheme.empty()) {
+    add_plain(
+        lines, "",
+        "scheme " + link.scheme + (link.scheme_reason.empty() ? "" : ": " + link.scheme_reason));
   }
   if (link.is_up && link.clocks) {
     add(lines, "",

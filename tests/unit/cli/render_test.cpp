@@ -272,6 +272,17 @@ TEST(RenderStatus, TellsWhyALinkIsDownAndNoRoundTripOfIt) {
               AllOf(HasSubstr("in-process idle  round trip -"), Not(HasSubstr("DOWN"))));
 }
 
+TEST(RenderStatus, NamesTheSchemeOfALinkAndWhyWhereItWasChosen) {
+  api::Status status = sample_status();
+  status.links[0].scheme.clear();
+  EXPECT_THAT(render_status(status, Glyphs::Ascii), Not(HasSubstr("scheme")));
+  status.links[0].scheme = "wave";
+  EXPECT_THAT(render_status(status, Glyphs::Ascii), HasSubstr("scheme wave\n"));
+  status.links[0].scheme_reason = "the world goes with it";
+  EXPECT_THAT(render_status(status, Glyphs::Ascii),
+              HasSubstr("scheme wave: the world goes with it\n"));
+}
+
 TEST(RenderLine, IsOneLineForEachArm) {
   api::Status status = sample_status();
   EXPECT_EQ(render_line(status),
