@@ -99,12 +99,10 @@ void visit_window(const VoxelGrid& grid, const std::array<std::int16_t, 3>& midd
 void OccupancyTeller::reset() {
   slots_.assign(kMirrorSlots, Slot{});
   answers_.assign(kAnswers, Answer{});
-  window_.clear();
+  window_.clear();  // center() makes it and what goes with it
   window_.reserve(kMirrorSlots);
-  told_in_.clear();
   told_in_.reserve(kMirrorSlots);
   places_.assign(kMirrorSlots, kNowhere);
-  near_ = 0;
   told_ = 0;
   versions_ = 0;
   turn_ = 0;
@@ -158,15 +156,14 @@ void OccupancyTeller::center(const VoxelGrid& grid, const At& middle) noexcept {
 // What has not been looked at since the window moved is not told: the slot has another block.
 void OccupancyTeller::mark(std::size_t place) noexcept {
   const Slot& slot = slots_[slot_of(window_[place])];
-  const bool is_mine = slot.block.version > 0 && slot.block.at == window_[place];
-  const bool is_open = is_mine && slot.known_version != slot.block.version;
+  const bool is_open = slot.holds(window_[place]) && slot.known_version != slot.block.version;
   told_in_[place] = is_open ? slot.told_in : kKnown;
 }
 
 void OccupancyTeller::look_at(const VoxelGrid& grid, std::size_t place) noexcept {
   const At& at = window_[place];
   Slot& slot = slots_[slot_of(at)];
-  const bool is_mine = slot.block.version > 0 && slot.block.at == at;
+  const bool is_mine = slot.holds(at);
   if (is_mine && slot.seen_at == grid.revision()) return;
   slot.seen_at = grid.revision();
   std::array<std::uint64_t, kBlockSlices> slices{};
@@ -209,7 +206,7 @@ ToldBlocks OccupancyTeller::tell(const VoxelGrid& grid, Cell ghost, std::uint64_
     const std::size_t which = slot_of(window_[place]);
     Slot& slot = slots_[which];
     slot.told_in = number;
-    told_in_[place] = number;
+    mark(place);
     answer.slots[answer.count] = static_cast<std::uint16_t>(which);
     answer.versions[answer.count++] = slot.block.version;
     told.push_back(slot.block);

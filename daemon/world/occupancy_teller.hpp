@@ -41,7 +41,13 @@ class OccupancyTeller {
   [[nodiscard]] std::size_t open_blocks() const noexcept;
 
  private:
+  using At = std::array<std::int16_t, 3>;
   struct Slot {
+    // Otherwise it has another block's place: none was looked at since the window moved.
+    [[nodiscard]] bool holds(const At& at) const noexcept {
+      return block.version > 0 && block.at == at;
+    }
+
     OccupancyBlock block{};          // as it is now; version 0: not in the window yet
     std::uint32_t known_version{0};  // what the peer has
     std::uint64_t told_in{0};        // the newest answer that has it as it is now; 0: none
@@ -53,7 +59,6 @@ class OccupancyTeller {
     std::array<std::uint32_t, kMostBlocksTold> versions{};
     std::size_t count{0};
   };
-  using At = std::array<std::int16_t, 3>;
   using Chosen = rt::StaticVector<std::size_t, kMostBlocksTold>;
   void center(const VoxelGrid& grid, const At& middle) noexcept;
   void look_at(const VoxelGrid& grid, std::size_t place) noexcept;
@@ -65,10 +70,9 @@ class OccupancyTeller {
   std::vector<Slot> slots_{};
   // The blocks of the window, the nearest first.
   std::vector<At> window_{};
-  std::vector<std::uint64_t>
-      told_in_{};  // Slot's, of a block that the peer is to hear of; else kKnown
-  std::vector<std::uint16_t> places_{};  // by slot: in the two above
-  std::size_t near_{0};                  // of them: the first, which touch the middle
+  std::vector<std::uint64_t> told_in_{};  // Slot's, of what the peer is to hear of; else kKnown
+  std::vector<std::uint16_t> places_{};   // by slot: in the two above
+  std::size_t near_{0};                   // of them: the first, which touch the middle
   std::vector<Answer> answers_{};
   std::uint64_t told_{0};  // the newest answer
   std::uint32_t versions_{0};
