@@ -30,10 +30,6 @@ class ReckonedEnergy {
   std::array<double, 3> joule_{};
 };
 
-inline double dot(Force3 force, Displacement3 way) {
-  return force.x * way.x + force.y * way.y + force.z * way.z;
-}
-
 // A far end that is asked for each of the slave's steps by itself, in which no wave changes.
 class WatchedWorld final : public WorldCoupling {
  public:
