@@ -10,6 +10,7 @@ import guest_states
 
 
 CONFIGURATION = "/etc/thimble/thimble.toml"
+FALCON = "usb:v0403pCB48d0600"
 LATER = "9.0"
 LATER_LINE = "# of a later version"
 LATER_DEBS = "/run/debs/later-{}.deb"
@@ -45,6 +46,7 @@ class Package(guest.GuestTest):
             repacked(deb, pathlib.Path(share.name, pathlib.Path(LATER_DEBS.format(name)).name))
         cls.guest = guest_states.start_bare(share.name)
         cls.addClassCleanup(cls.guest.close)
+        cls.of_the_guest = cls.called_after_us()
 
     def state(self, package="thimbled"):
         return self.guest.ask(f"dpkg-query -W -f '${{db:Status-Status}}' {package}")[1]
@@ -62,12 +64,25 @@ class Package(guest.GuestTest):
     def configuration(self, suffix=""):
         return self.guest.run(f"cat {CONFIGURATION}{suffix}").splitlines()
 
+    def of_the_hwdb(self):
+        """What udev knows by our words alone: the public list has no Falcon."""
+        return self.guest.run(f"systemd-hwdb query {FALCON} | grep -i falcon || true")
+
+    @classmethod
+    def called_after_us(cls):
+        """All that is, on the disk and in /run."""
+        return set(cls.guest.run("find / /run -xdev -iname '*thimble*'").split())
+
+    def left(self):
+        return sorted(self.called_after_us() - self.of_the_guest)
+
     def test_1_installation_starts_and_enables_the_service(self):
         words = self.guest.install(*NAMES)
         self.assertNotRegex(words, r"(?i)error|warning|failed")
         self.assertEqual(self.guest.run("dpkg --audit"), "")
         self.assertEqual(self.guest.run("systemctl is-enabled thimbled; systemctl is-active thimbled").split(),
                          ["enabled", "active"])
+        self.assertIn("Novint Falcon", self.of_the_hwdb())
 
     def test_2_users_and_folders_are_those_of_the_decision(self):
         self.assertEqual(self.guest.run("stat -c '%U:%G %a' /var/lib/thimble /run/thimble /run/thimble/thimble.sock").splitlines(),
@@ -103,13 +118,16 @@ class Package(guest.GuestTest):
         self.assertEqual(self.guest.run("pgrep -c thimbled || true").strip(), "0")
         self.guest.run("test -e /etc/thimble/thimble.toml -a -e /var/lib/thimble/recording")
         self.guest.run("! ls /lib/udev/rules.d/ | grep thimble")
+        # Nor does anything of it go on: no unit, no process, no socket, no word of its in udev's data base.
+        self.assertEqual(self.guest.run("systemctl list-units --all --no-legend --plain 'thimble*' | grep -v ' not-found ' || true"), "")
+        self.assertEqual(self.guest.run("pgrep -a thimble || true"), "")
+        self.assertEqual(self.guest.run("ls -d /run/thimble* 2> /dev/null || true"), "")
+        self.assertEqual(self.of_the_hwdb(), "")
 
     def test_6_a_purge_leaves_nothing_but_the_users(self):
         self.dpkg("-P thimbled")
         self.assertNotIn(self.state(), ("installed", "config-files"))
-        left = self.guest.run("find / -xdev \\( -path /proc -o -path /sys \\) -prune -o -name '*thimbled*' -print | "
-                              "grep -v -e /usr/share/doc -e /var/log -e ^/run || true")
-        self.assertEqual(left.strip(), "")
+        self.assertEqual([path for path in self.left() if "thimbled" in path], [])
         self.guest.run("! test -e /etc/thimble -o -e /var/lib/thimble")
         self.guest.run("id thimble")
 
@@ -131,3 +149,5 @@ class Package(guest.GuestTest):
         words += self.dpkg("-P thimbled")
         self.assertNotIn(self.state(), ("installed", "config-files"))
         self.assertNotRegex(words, r"(?i)error|warning|failed|not found")
+        # Users and groups stay, by name in files that are others'.
+        self.assertEqual(self.left(), [])
