@@ -10,11 +10,11 @@ SERVO = "$(ps -L -o lwp=,comm= -p $(systemctl show thimbled -p MainPID --value) 
 
 # A device that its unit does not name, with rights that let everybody read it.
 NODE = "/dev/thimble-probe"
-PROBE = f"/usr/bin/python3 -B /run/tests/sandbox.py {NODE}"
+PROBE = "/usr/bin/python3 -B /run/tests/sandbox.py"
 DROP_IN = "/run/systemd/system/thimbled.service.d/probe.conf"
 # What the unit, with all that it says, runs in place of the daemon.
-IN_ITS_PLACE = f"[Service]\nType=oneshot\nRestart=no\nWatchdogSec=0\nExecStart=\nExecStart={PROBE}\nStandardOutput=truncate:/run/probed"
-# In the sandbox, and without it: /boot and /usr are seen as read-only before anybody asks for rights.
+IN_ITS_PLACE = "[Service]\\nType=oneshot\\nRestart=no\\nWatchdogSec=0\\nExecStart=\\nExecStart={}\\nStandardOutput=truncate:/run/probed\\n"
+# In the sandbox and its limits, and without: /boot and /usr are seen as read-only before anybody asks for rights.
 TRIES = {
     "new /usr/lib/thimble-probe": ("EROFS", "EACCES"),
     "new /etc/thimble-probe": ("EROFS", "EACCES"),
@@ -26,6 +26,10 @@ TRIES = {
     "executable memory": ("EPERM", "done"),
     "others' processes": ("ENOENT", "done"),
     "homes": ("EACCES", "done"),
+    "real time": ("done", "EPERM"),
+    "more real time": ("EPERM", "EPERM"),
+    "locked memory": ("done", "ENOMEM"),
+    "tasks": ("EAGAIN", "done"),
 }
 
 
@@ -70,13 +74,29 @@ class Boot(guest.GuestTest):
         self.assertEqual(status["NoNewPrivs"].strip(), "1")
         self.assertEqual(status["Seccomp"].strip(), "2")
 
-    def test_its_sandbox_refuses_what_its_user_may_do(self):
-        self.guest.run(f"mknod -m 666 {NODE} b $(stat -c '0x%t 0x%T' /dev/vda); mkdir -p $(dirname {DROP_IN}); printf '{IN_ITS_PLACE}\n' > {DROP_IN}; "
-                       "systemctl daemon-reload; systemctl restart thimbled")
+    def in_its_place(self, words):
+        """What the unit, with all that it says, made of the probe; afterwards it runs the daemon again."""
+        self.guest.run(f"mkdir -p $(dirname {DROP_IN}); printf '{IN_ITS_PLACE.format(f'{PROBE} {words}')}' > {DROP_IN}; systemctl daemon-reload")
+        self.guest.ask("systemctl restart thimbled")
+        result = self.properties("Result", "ExecMainStatus")
+        self.guest.run(f"rm {DROP_IN}; systemctl daemon-reload; systemctl reset-failed thimbled; systemctl restart thimbled")
+        return result
+
+    def test_its_sandbox_and_limits_are_what_makes_the_difference(self):
+        self.guest.run(f"mknod -m 666 {NODE} b $(stat -c '0x%t 0x%T' /dev/vda)")
+        self.assertEqual(self.in_its_place(NODE), {"Result": "success", "ExecMainStatus": "0"})
         inside = json.loads(self.guest.run("cat /run/probed"))
-        outside = json.loads(self.guest.run(f"runuser -u thimble -g thimble-users -- {PROBE}"))
-        self.guest.run(f"rm {NODE} {DROP_IN}; systemctl daemon-reload; systemctl reset-failed thimbled; systemctl restart thimbled")
+        outside = json.loads(self.guest.run(f"runuser -u thimble -g thimble-users -- {PROBE} {NODE}"))
+        self.guest.run(f"rm {NODE}")
         self.assertEqual({name: (inside[name], outside[name]) for name in inside}, TRIES)
+
+    def test_one_that_takes_a_processor_in_real_time_for_good_is_ended(self):
+        self.assertEqual(self.in_its_place("--spin"), {"Result": "signal", "ExecMainStatus": "9"})
+
+    def test_it_needs_little_of_the_memory_that_it_may_have(self):
+        used, most = (int(word) for word in self.guest.run("cd /sys/fs/cgroup$(systemctl show thimbled -p ControlGroup --value); cat memory.peak memory.max").split())
+        self.assertEqual(most, 2 << 30)
+        self.assertLess(used, most // 10)
 
     def test_its_servo_has_real_time_rights_within_it(self):
         self.assertRegex(self.guest.run(f"chrt -p {SERVO}"), r"policy: SCHED_FIFO[^\n]*\n[^\n]*priority: 80")
