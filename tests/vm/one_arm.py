@@ -6,6 +6,7 @@ What is felt is judged by the arm's own log, of what its motors did.
 import json
 
 import guest
+import nodes
 import simdev
 
 WALL_NEWTON = 0.25
@@ -30,8 +31,7 @@ class OneArm(guest.GuestTest):
     def assert_node(self, node):
         """The daemon's, as the rules say."""
         self.guest.wait_for("systemctl is-active thimbled")
-        self.assertEqual(self.guest.run(f"stat -c '%U:%G %a' {node}").strip(), "root:thimble 660")
-        self.assertIn(":systemd:", self.guest.run(f"udevadm info --query=property --property=TAGS {node}"))
+        nodes.assert_closed(self, self.guest, node)
         self.daemon_has_open(node)
         self.assertEqual(self.arm.status()["counters"]["malformed"], 0)
 

@@ -2,6 +2,7 @@
 while one is pushed. What the same moves lead to on a board within the daemon comes of them there, too.
 """
 
+import nodes
 import pieces
 import simdev
 
@@ -39,7 +40,7 @@ class CamUsb(pieces.Pieces):
     def test_1_its_node_is_the_daemons(self):
         port = self.guest.run("dirname $(grep -lx 'CAM-8 board' /sys/bus/usb/devices/*/product)").strip()
         node = "/dev/" + self.guest.run(f"udevadm info --query=name {port}").strip()
-        self.assertEqual(self.guest.run(f"stat -c '%U:%G %a' {node}").strip(), "root:thimble 660")
+        nodes.assert_closed(self, self.guest, node)
         self.assertEqual(self.guest.run(f"cat {port}/power/control").strip(), "on")
 
     def test_2_pieces_on_it_are_grasped_moved_and_dropped(self):
