@@ -24,12 +24,17 @@ std::string instruction_for(ArmRig& rig) {
   if (seen.frame.state == OperatingState::Lost) {
     return session.config().device + " is gone: plug it in again, then calibrate it";
   }
-  if (seen.frame.state == OperatingState::Fault) {
-    if (seen.was_pulled && seen.is_place_known) {
-      return "it is calibrated again; to go on: thimble clear-fault " + name;
-    }
-    const bool is_mute = seen.was_pulled && seen.frame.calibration == CalibrationState::Ok;
-    if (is_mute) return "it does not report its position; check its power and cable";
+  const bool is_fault = seen.frame.state == OperatingState::Fault;
+  if (is_fault && seen.was_pulled && seen.is_place_known) {
+    return "it is calibrated again; to go on: thimble clear-fault " + name;
+  }
+  // Calibrated, it has spoken; whatever it waits for, the next thing that it says brings it on.
+  const bool waits_for_report =
+      seen.frame.state == OperatingState::Configured || (is_fault && seen.was_pulled);
+  if (waits_for_report && seen.frame.calibration == CalibrationState::Ok) {
+    return "it does not report its position; check its power and cable";
+  }
+  if (is_fault) {
     return "see to what the fault says, then: thimble clear-fault " + name;
   }
   return std::string(session.device().calibration_instruction());

@@ -1,4 +1,5 @@
-// A real arm in whose opening or closing the kernel hangs: what a person is told of it.
+// A real arm in whose opening or closing the kernel hangs, or that says nothing any more: what a
+// person is told of it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -69,6 +70,27 @@ TEST_F(HangingArm, IsToldOfAsThatAndNotAsGone) {
     EXPECT_EQ(state(kRight), OperatingState::Active) << has_been_there;
     EXPECT_EQ(session::instruction_for(rig(kRight)), "");
   }
+}
+
+// Nothing else stands there: its fault is cleared, and it is as calibrated as it was.
+TEST_F(HangingArm, ThatSaysNothingOnceItsFaultIsClearedIsToldOf) {
+  plug(kRight);
+  const MonotonicTime mute = clock_.now() + std::chrono::seconds(6);
+  bus_.faults["hid:right"].script = {
+      {.kind = sim::FaultKind::Stall, .from = mute, .lasts = std::chrono::seconds(4)}};
+  start();
+  run(seconds(mute - clock_.now()) - 0.1);
+  ASSERT_EQ(state(kRight), OperatingState::Active);
+  run(0.5);
+  ASSERT_EQ(rig(kRight).session().snapshot().fault.code, FaultCode::StaleSample);
+  clear(kRight);
+  run(0.5);
+  EXPECT_EQ(state(kRight), OperatingState::Configured);
+  EXPECT_EQ(session::instruction_for(rig(kRight)),
+            "it does not report its position; check its power and cable");
+  run(7);
+  EXPECT_EQ(state(kRight), OperatingState::Active);
+  EXPECT_EQ(session::instruction_for(rig(kRight)), "");
 }
 
 // Who asks for a guard has the device's file in his hands for a while: closed meanwhile, it would

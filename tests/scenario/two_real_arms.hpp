@@ -12,6 +12,7 @@
 #include "daemon/config/load.hpp"
 #include "daemon/session/plugins.hpp"
 #include "daemon/session/runtime.hpp"
+#include "sim/fault/faulty_hid.hpp"
 #include "sim/model/hand/person.hpp"
 #include "tests/support/postponed_executor.hpp"
 
@@ -37,10 +38,10 @@ source = "box:3"
 inline constexpr const char* kAddresses[] = {"hid:left", "hid:right"};
 inline constexpr std::size_t kLeft = 0;
 inline constexpr std::size_t kRight = 1;
-// A bus that refuses some of its devices, and shows some under other ids.
+// A bus that refuses some of its devices, shows some under other ids, and on which some are faulty.
 class RefusingBus final : public bus::BusEnumerator {
  public:
-  explicit RefusingBus(sim::SimEnumerator& below) : below_(below) {}
+  RefusingBus(sim::SimEnumerator& below, const Clock& clock) : below_(below), clock_(clock) {}
   [[nodiscard]] std::vector<bus::BusDeviceInfo> list() override {
     std::vector<bus::BusDeviceInfo> devices = below_.list();
     for (bus::BusDeviceInfo& device : devices) {
@@ -53,8 +54,12 @@ class RefusingBus final : public bus::BusEnumerator {
       const bus::DeviceAddress& address) override {
     ++tries[address.text];
     if (throwing.count(address.text) > 0) throw std::runtime_error(address.text + " broke");
-    if (refusals.count(address.text) == 0) return below_.open_hid(address);
-    return fail(refusals[address.text], address.text + " is refused today");
+    if (refusals.count(address.text) > 0) {
+      return fail(refusals[address.text], address.text + " is refused today");
+    }
+    auto device = below_.open_hid(address);
+    if (!device || faults.count(address.text) == 0) return device;
+    return std::make_unique<sim::FaultyHid>(*std::move(device), clock_, faults[address.text]);
   }
   [[nodiscard]] Result<std::unique_ptr<bus::UsbDevice>> open_usb(
       const bus::DeviceAddress& address, const bus::UsbClaim& claim) override {
@@ -64,10 +69,12 @@ class RefusingBus final : public bus::BusEnumerator {
   std::map<std::string, Errc> refusals;
   std::set<std::string> throwing;                // instead of being opened
   std::map<std::string, std::uint16_t> vendors;  // instead of the models' own
+  std::map<std::string, sim::FaultPlan> faults;
   std::map<std::string, int> tries;
 
  private:
   sim::SimEnumerator& below_;
+  const Clock& clock_;
 };
 
 // Guards of which is known whom they watch, and which may refuse.
@@ -174,7 +181,7 @@ class TwoRealArms {
   session::Plugins plugins_;
   sim::VirtualClock clock_;
   sim::SimEnumerator plugs_{clock_};
-  RefusingBus bus_{plugs_};
+  RefusingBus bus_{plugs_, clock_};
   KnownGuards guards_;
   // What the kernel is asked for lasts until the test says so; else it is done at once.
   bool is_work_postponed_{false};
