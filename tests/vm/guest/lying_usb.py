@@ -3,7 +3,7 @@
 usage: lying_usb.py VENDOR PRODUCT SERIAL LIE…    (ids in hexadecimal; LIE: of LIES; one device after the other)
 
 It answers what it is asked of its descriptors, takes every configuration, stalls other requests and never answers a transfer. Pulled out
-of PORT when nobody has asked anything for REST_S; prints how much was asked. The protocol: linux Documentation/usb/usbip_protocol.rst; tables: USB 2.0, chapter 9.
+when nobody has asked anything for REST_S, or after MOST_S; prints how much was asked. The protocol: linux Documentation/usb/usbip_protocol.rst; tables: USB 2.0, chapter 9; HID 1.11, section 6.2.1.
 """
 
 import errno
@@ -14,14 +14,16 @@ import struct
 import sys
 import time
 
+import uhid_device
+
 REST_S = 0.3
+MOST_S = 3  # who sends an arm its commands as requests never stops
 FIRST_S = 10  # the kernel's hubs are looked after by one thread, which may be busy with the one before
-PORT = 0
 FULL_SPEED = 2
 VHCI = pathlib.Path("/sys/devices/platform/vhci_hcd.0")
 SUBMIT, UNLINK, SUBMITTED, UNLINKED = 1, 2, 3, 4
-DEVICE, CONFIGURATION, STRING, INTERFACE, ENDPOINT = 1, 2, 3, 4, 5
-GET_DESCRIPTOR, SET_CONFIGURATION, SET_INTERFACE = 6, 9, 11
+DEVICE, CONFIGURATION, STRING, INTERFACE, ENDPOINT, REPORT = 1, 2, 3, 4, 5, 0x22
+GET_DESCRIPTOR, SET_CONFIGURATION, SET_IDLE, SET_INTERFACE = 6, 9, 10, 11
 
 
 def endpoint(address=0x81, attributes=2, packet=64, interval=0):
@@ -83,20 +85,53 @@ LIES.update({
 })
 
 
+# Of an arm on HID: what class it is, and how long the descriptor of its reports is.
+REPORTS = uhid_device.DESCRIPTOR
+PIPES = [endpoint(0x81, 3, 64, 1), endpoint(0x01, 3, 64, 1)]
+
+
+def hid_class(reports=len(REPORTS), length=9, count=1):
+    return struct.pack("<BBHBBBH", length, 0x21, 0x0111, 0, count, REPORT, reports)
+
+
+def hid(kind=None, pipes=None, reports=REPORTS):
+    functions = [hid_class()] if kind is None else [kind]
+    return {"configuration": configuration(interface(PIPES if pipes is None else pipes, kind=3, functions=functions)), "reports": reports}
+
+
+LIES.update({
+    "hid": hid(),  # in all that it says
+    "hid-no-class": hid(b""),
+    "hid-short-class": hid(hid_class(length=6)[:6]),
+    "hid-endless-class": hid(hid_class(length=255)),
+    "hid-many-classes": hid(hid_class(count=255)),
+    "hid-longer-reports": hid(hid_class(4096)),
+    "hid-huge-reports": hid(hid_class(0xFFFF)),
+    "hid-no-reports": hid(hid_class(0)),
+    "hid-cut-reports": hid(hid_class(7)),
+    "hid-stalled-reports": hid(reports=b""),
+    "hid-no-input": hid(pipes=PIPES[1:]),
+    "hid-no-output": hid(pipes=PIPES[:1]),
+    "hid-bulk": hid(pipes=PAIR),
+    "hid-no-packets": hid(pipes=[endpoint(0x81, 3, 0, 1), endpoint(0x01, 3, 0, 1)]),
+    "hid-small-packets": hid(pipes=[endpoint(0x81, 3, 1, 255), endpoint(0x01, 3, 1, 255)]),
+})
+
+
 def descriptors_of(vendor, product, serial, lie):
     said = {"configuration": HONEST, "serial": text(serial), **LIES[lie]}
     device = struct.pack("<BBHBBBBHHHBBBB", 18, DEVICE, 0x0200, 0, 0, 0, 64, vendor, product, 0x0600, 1, 2, 3, 1)
     return {(DEVICE, 0): device, (CONFIGURATION, 0): said["configuration"], (STRING, 0): bytes([4, STRING, 9, 4]),
-            (STRING, 1): text("FALCON"), (STRING, 2): text("FALCON HAPTIC"), (STRING, 3): said["serial"]}
+            (STRING, 1): text("FALCON"), (STRING, 2): text("FALCON HAPTIC"), (STRING, 3): said["serial"], (REPORT, 0): said.get("reports")}
 
 
 def answer(setup, descriptors):
     """The data of a request to endpoint 0; None: it stalls."""
     kind, request, value, _, length = struct.unpack("<BBHHH", setup)
-    if kind == 0x80 and request == GET_DESCRIPTOR:
+    if kind in (0x80, 0x81) and request == GET_DESCRIPTOR:
         data = descriptors.get((value >> 8, value & 0xFF))
         return data[:length] if data else None
-    if (kind, request) in ((0x00, SET_CONFIGURATION), (0x01, SET_INTERFACE)):
+    if (kind, request) in ((0x00, SET_CONFIGURATION), (0x01, SET_INTERFACE), (0x21, SET_IDLE)):
         return b""
     return None
 
@@ -112,8 +147,8 @@ def read(channel, size):
 
 
 def serve(channel, descriptors):
-    requests = 0
-    while select.select([channel], [], [], REST_S if requests else FIRST_S)[0]:
+    requests, end = 0, None
+    while (end is None or time.monotonic() < end) and select.select([channel], [], [], REST_S if requests else FIRST_S)[0]:
         header = read(channel, 48)
         command, number, _, is_in, pipe, _, length = struct.unpack_from(">IIIIIII", header)
         if command == UNLINK:
@@ -124,6 +159,7 @@ def serve(channel, descriptors):
         if pipe != 0:
             continue
         requests += 1
+        end = end or time.monotonic() + MOST_S
         data = answer(header[40:], descriptors)
         status = -errno.EPIPE if data is None else 0
         data = (data or b"")[:length] if is_in else b""
@@ -131,25 +167,27 @@ def serve(channel, descriptors):
     return requests
 
 
-def is_free():
-    """Whether the port has nothing: 4 is VDEV_ST_NULL of drivers/usb/usbip/usbip_common.h."""
-    lines = (VHCI / "status").read_text(encoding="ascii").splitlines()[1:]
-    return any(line.split()[:3] == ["hs", f"{PORT:04}", "004"] for line in lines)
+def free_ports():
+    """Those that have nothing: 4 is VDEV_ST_NULL of drivers/usb/usbip/usbip_common.h."""
+    lines = (line.split() for line in (VHCI / "status").read_text(encoding="ascii").splitlines()[1:])
+    return [int(port) for hub, port, state, *_ in lines if (hub, state) == ("hs", "004")]
 
 
-def plug(descriptors):
+def plug(descriptors, port):
     """Until it is pulled out again: how many requests it was asked."""
     ours, kernels = socket.socketpair()
     with ours, kernels:
-        (VHCI / "attach").write_text(f"{PORT} {kernels.fileno()} 65537 {FULL_SPEED}", encoding="ascii")
+        (VHCI / "attach").write_text(f"{port} {kernels.fileno()} 65537 {FULL_SPEED}", encoding="ascii")
         return serve(ours, descriptors)
 
 
 def main(vendor, product, serial, *lies):
+    # A Falcon is known by where it hangs: that is the first one again.
+    port = free_ports()[0]
     for lie in lies:
-        asked = plug(descriptors_of(int(vendor, 16), int(product, 16), serial, lie))
+        asked = plug(descriptors_of(int(vendor, 16), int(product, 16), serial, lie), port)
         print(lie, asked, flush=True)
-        while not is_free():
+        while port not in free_ports():
             time.sleep(0.05)
 
 

@@ -1,0 +1,154 @@
+"""Devices that do what no device may, beside one that must not notice: they stall, say nothing, send bits turned over, too little, too much, or lie about what they are.
+
+Each presses on a wall so hard that its limit binds. Whatever one of them does, what it is commanded stays within its limit in the pose that it told, the other one notices
+nothing, the daemon goes on, and when a person has seen to it the arm works again.
+"""
+
+import json
+
+import arms
+import commanded
+import guest
+import simdev
+import two_arms
+
+# Half of what the wall would push back with, 7 mm behind its face.
+LIMIT_NEWTON = 0.5
+DEEP = "move 0.022 0 0 0.1"
+# The ramp after an activation may not be over yet.
+BOUND_NEWTON = 0.8 * LIMIT_NEWTON
+PRESSED_NEWTON = 0.2
+# Half a count of each of a Falcon's motors; those of the others are finer.
+ROUNDING_NEWTON = 0.003
+# Of what is felt, where nothing told a lie: the arm moves on while a command is under way. Where a pose was a lie the motors push elsewhere, and may push harder.
+SLACK = 1.02
+LIES_OF_ITS_POSE = "corrupt 50"
+# What the device is told, and what of it it counts.
+TROUBLES = {"nak 0.3": "unanswered", "stall 0.3": "refused", "corrupt 50": "corrupted", "short 50": "shortened", "babble 50": "babbled"}
+LIMIT = f"limits.force_newton = {LIMIT_NEWTON}\n"
+MUTE = "it does not report its position; check its power and cable"
+NAMES = ("right", "left")
+RIGHT, HID = 0, 1
+
+
+def arm_beside(one, *way, policy=None):
+    return simdev.Simdev(one, "left", *way, "--serial", two_arms.BESIDE, "phantom-vintage", policy=policy)
+
+
+class Misbehaviour:
+    """Numbered: each test goes on where the one before it ended. `plug_in()`: makes the right arm, and the HID arm beside it; `judge`: of the right one, of
+    commanded.py; `seen`: of an arm, that nothing of the other one may change."""
+
+    pace = guest.COUNTED
+    seen = ("state", "is_in_contact", "contacts", "faults")
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.arms = right, _ = cls.plug_in()
+        cls.guest.wait_for(f"thimble devices | grep -q {two_arms.BESIDE}")
+        right.words = f"{right.words}\nworld = \"box\"\n{LIMIT}{two_arms.LEFT}{LIMIT}"
+        # At half of that a report that misses its frame is 3 ms old before the next one is read, which is stale: the wall is let go for a moment.
+        right.configure(arms.FULL_HZ)
+        cls.judges = cls.judge, commanded.Phantom("phantom-vintage")
+        cls.pid = cls.properties("MainPID")
+
+    def status(self, arm):
+        """Of the arm; why late periods are not counted: two_arms.py."""
+        status = json.loads(self.guest.run("thimble status --json"))
+        return {**{key: status["arms"][arm][key] for key in self.seen},
+                "malformed_reports": status["servos"][arm]["malformed_reports"]}
+
+    def recover(self, arm):
+        """As a person does, until it is active and presses on the wall with all that its limit allows."""
+        device = self.arms[arm]
+        for _ in range(8):
+            seen = json.loads(simdev.wait_for_state(self.guest, "fault", "calibrating", "configured", "active", arm=arm))
+            if seen["state"] == "active":
+                break
+            if seen["state"] == "fault":
+                self.guest.ask(f"thimble clear-fault {NAMES[arm]}")
+                self.guest.run("sleep 0.2")
+            elif seen["state"] == "calibrating":
+                device.calibrate()
+            elif seen["instruction"] == MUTE:
+                # What the kernel's cdc_acm makes of a device that stalls for a while (decision 0487).
+                device.say("unplug", "plug")
+                device.attach()
+                simdev.wait_for_state(self.guest, "calibrating", arm=arm)
+        # From outside: a wall that an arm is in when it becomes active does not push it out.
+        self.guest.run(f"{device.command('move 0 0 0 0.1')} && sleep 0.12 && {device.command(DEEP)} && sleep 0.3")
+        status = self.status(arm)
+        self.assertEqual((status["state"], status["is_in_contact"]), ("active", True), status)
+        log = device.log(0.1)
+        felt = [force for _, force in two_arms.forces(log)]
+        self.assertGreater(min(felt), BOUND_NEWTON)
+        # Who judges commands agrees with what the motors did.
+        self.assertAlmostEqual(max(commanded.forces(self.judges[arm], log)), max(felt), delta=(SLACK - 1) * LIMIT_NEWTON)
+
+    def assert_bounded(self, arm, verb):
+        before = self.status(1 - arm)
+        self.assertEqual((before["state"], before["is_in_contact"]), ("active", True))
+        device = self.arms[arm]
+        done = device.status()["trouble"][TROUBLES[verb]]
+        device.say(verb)
+        self.guest.run("sleep 0.4")
+        log = device.log(0.5)
+        log_beside = self.arms[1 - arm].log(0.5)
+        felt, beside = ([force for _, force in two_arms.forces(one)] for one in (log, log_beside))
+        self.assertGreater(device.status()["trouble"][TROUBLES[verb]], done)
+        self.assertLess(max(commanded.forces(self.judges[arm], log), default=0), LIMIT_NEWTON + ROUNDING_NEWTON)
+        if verb == LIES_OF_ITS_POSE:
+            loads = commanded.loads(self.judges[arm], log, LIMIT_NEWTON)
+            self.assertGreater(max(loads), 0)
+            self.assertLessEqual(max(loads), 1)
+        else:
+            self.assertLess(max(felt), SLACK * LIMIT_NEWTON)
+        self.assertGreater(min(beside), PRESSED_NEWTON, (two_arms.longest_gaps(log_beside), self.status(1 - arm)))
+        self.assertLess(max(beside), SLACK * LIMIT_NEWTON)
+        self.recover(arm)
+        self.assertEqual(self.status(1 - arm), before)
+
+    def test_1_both_press_on_a_wall(self):
+        for arm in (RIGHT, HID):
+            self.recover(arm)
+
+    def assert_bounded_by_each(self, arm):
+        for verb in TROUBLES:
+            with self.subTest(verb):
+                self.assert_bounded(arm, verb)
+
+    def lie_in_place_of(self, arm, ids, lies):
+        """Each lie in turn; after them the arm is lost as before, and works when it is back."""
+        # Not its contacts: devices that come keep the guest's only processor at work, where the thread of the worlds waits for its
+        # turn as every ordinary process does; answers that come late let the wall go for a moment.
+        before = {**self.status(1 - arm), "contacts": None}
+        serial = self.arms[arm].status()["serial_number"]
+        self.arms[arm].say("unplug")
+        simdev.wait_for_state(self.guest, "lost", arm=arm)
+        asked = dict(line.split() for line in self.guest.call("lying_usb", *ids.split(), serial, *lies.split(), timeout_s=600).splitlines())
+        self.assertEqual(list(asked), lies.split())
+        self.assertGreater(min(int(requests) for requests in asked.values()), 0, asked)
+        json.loads(self.guest.run("thimble devices --json"))
+        simdev.wait_for_state(self.guest, "lost", arm=arm)
+        self.arms[arm].say("plug")
+        self.arms[arm].attach()
+        self.recover(arm)
+        self.assertEqual({**self.status(1 - arm), "contacts": None}, before)
+
+    def test_9_the_daemon_is_the_one_that_it_was(self):
+        self.assertEqual(self.properties("MainPID"), self.pid)
+        self.assertEqual(self.properties("NRestarts"), {"NRestarts": "0"})
+
+
+class FalconBesideHid(Misbehaviour):
+    """Both over USB/IP: on usbfs and on hidraw."""
+
+    judge = commanded.Falcon(arms.NEWTON_PER_COUNT)
+
+    @classmethod
+    def plug_in(cls):
+        falcon = arms.Falcon(cls.guest, is_named=False)
+        beside = arm_beside(cls.guest, "--vhci")
+        beside.attach()
+        return falcon, beside

@@ -1,0 +1,20 @@
+"""Devices that lie in their descriptors, plugged in where a Falcon was, or a HID arm, while the other one presses on a wall: misbehaviour.py."""
+
+import guest
+import misbehaviour
+
+FALCON_IDS, HID_IDS = "0403 cb48", "1234 0006"
+# As guest/lying_usb.py has them. Each list ends with one that is what it says, and answers no transfer.
+LIES = "longer shorter no-endpoints more-endpoints long-length large-packets both-in interrupts no-serial strange-serial none"
+HID_LIES = ("hid-no-class hid-short-class hid-endless-class hid-many-classes hid-longer-reports hid-huge-reports hid-no-reports hid-cut-reports "
+            "hid-stalled-reports hid-no-input hid-no-output hid-bulk hid-no-packets hid-small-packets hid")
+
+
+class Lies(misbehaviour.FalconBesideHid, guest.GuestTest):
+    """Numbered: each test goes on where the one before it ended."""
+
+    def test_2_in_place_of_the_falcon(self):
+        self.lie_in_place_of(misbehaviour.RIGHT, FALCON_IDS, LIES)
+
+    def test_3_in_place_of_the_hid_arm(self):
+        self.lie_in_place_of(misbehaviour.HID, HID_IDS, HID_LIES)
