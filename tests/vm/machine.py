@@ -62,7 +62,7 @@ CHEAP_TO_EMULATE = "mitigations=off psi=0 cpuidle.off=1 clearcpuid=112"
 # program runs, the device has its frames (decision 0382). No memory is gathered into huge pages: that takes the only processor for 1.5 ms
 # (decision 0383).
 COUNTED = Pace("counted", (*ONE_PROCESSOR, "-accel", "tcg,thread=single", "-icount", "shift=0,sleep=off"),
-               f"clocksource=tsc tsc=reliable transparent_hugepage=never preempt=full {CHEAP_TO_EMULATE}", is_counted=True)
+               f"clocksource=tsc tsc=reliable transparent_hugepage=never {CHEAP_TO_EMULATE}", is_counted=True)
 PACES = (AS_IT_COMES, ON_TWO, COUNTED)
 
 
