@@ -139,8 +139,13 @@ void add_link(Lines& lines, const api::LinkStatus& link, Glyphs glyphs) {
             (link.peer_world.empty() ? "" : "  world " + plain(link.peer_world)) +
             (link.peer_arm.empty() ? "" : "  arm " + plain(link.peer_arm)));
   }
-  if (!link.is_up && !link.last_error.empty()) {
+  if (link.is_up) return;
+  if (!link.last_error.empty()) {
     add_plain(lines, "", "last trouble: " + link.last_error);
+  } else if (link.kind != "in-process" && !link.arm.empty() && link.sent > 0) {
+    // Whoever has another key is not answered, and not told so: he might be anybody.
+    add_plain(lines, "",
+              "no answer: does the other daemon run, at that address, with the same key?");
   }
 }
 

@@ -272,6 +272,25 @@ TEST(RenderStatus, TellsWhyALinkIsDownAndNoRoundTripOfIt) {
               AllOf(HasSubstr("in-process idle  round trip -"), Not(HasSubstr("DOWN"))));
 }
 
+TEST(RenderStatus, AsksWhatMayBeWrongWithAPeerThatDoesNotAnswer) {
+  const std::string hint = "no answer: does the other daemon run, at that address";
+  api::Status status = sample_status();
+  api::LinkStatus& link = status.links[0];
+  link.kind = "thimble";
+  link.last_error.clear();
+  EXPECT_THAT(render_status(status, Glyphs::Ascii), Not(HasSubstr(hint)));
+  link.is_up = false;
+  EXPECT_THAT(render_status(status, Glyphs::Ascii), HasSubstr(hint));
+  link.last_error = "the network is unreachable";
+  EXPECT_THAT(render_status(status, Glyphs::Ascii), Not(HasSubstr(hint)));
+  link.last_error.clear();
+  link.sent = 0;  // nothing was asked yet
+  EXPECT_THAT(render_status(status, Glyphs::Ascii), Not(HasSubstr(hint)));
+  link.sent = 7;
+  link.arm.clear();
+  EXPECT_THAT(render_status(status, Glyphs::Ascii), Not(HasSubstr(hint))) << "a world waits";
+}
+
 TEST(RenderStatus, NamesTheSchemeOfALinkAndWhyWhereItWasChosen) {
   api::Status status = sample_status();
   status.links[0].scheme.clear();
