@@ -24,6 +24,7 @@ class LetsGo:
 
     pace = guest.COUNTED
     STARTED_ANEW = "calibrating"
+    FREE, IN_A_WALL = "move 0 0 0 0.1", "move 0.018 0 0 0.15"
     # Of systemd's seconds, those that surely pass: RestartSec, and WatchdogSec before it.
     RESTART_S = 1.2
     WATCHDOG_S = 3.9
@@ -42,9 +43,9 @@ class LetsGo:
             self.start_anew()
         type(self).is_first = False
         self.arm.activate()
-        self.arm.say("move 0 0 0 0.1")
+        self.arm.say(self.FREE)
         self.guest.run("sleep 0.15")
-        self.arm.say("move 0.018 0 0 0.15")
+        self.arm.say(self.IN_A_WALL)
         self.guest.run("sleep 0.3")
         self.guest.run("systemctl list-units --no-legend 'thimble-guard@*' | grep -q running")
 
@@ -101,11 +102,13 @@ class HidArm(LetsGo, guest.GuestTest):
 
 
 class HidArmWithoutUsb(LetsGo, guest.GuestTest):
-    """Its guard has hidraw alone."""
+    """Its guard has hidraw alone. The form of the family whose reports, and so whose zero, have 64 bytes."""
+
+    FREE, IN_A_WALL = "move 0 -0.034 0.0495 0.1", "move 0 -0.034 0.064 0.15"
 
     @classmethod
     def plug_in(cls):
-        return arms.HidArm(cls.guest)
+        return arms.TeensyArm(cls.guest)
 
 
 class TextArm(LetsGo, guest.GuestTest):
