@@ -5,7 +5,7 @@ import misbehaviour
 
 FALCON_IDS, HID_IDS = "0403 cb48", "1234 0006"
 # As guest/lying_usb.py has them. Each list ends with one that is what it says, and answers no transfer.
-LIES = "longer shorter no-endpoints more-endpoints long-length large-packets both-in interrupts no-serial strange-serial none"
+LIES = "longer shorter no-endpoints more-endpoints long-length large-packets both-in interrupts no-serial strange-serial vendor"
 HID_LIES = ("hid-no-class hid-short-class hid-endless-class hid-many-classes hid-longer-reports hid-huge-reports hid-no-reports hid-cut-reports "
             "hid-stalled-reports hid-no-input hid-no-output hid-bulk hid-no-packets hid-small-packets hid")
 
@@ -17,4 +17,4 @@ class Lies(misbehaviour.FalconBesideHid, guest.GuestTest):
         self.lie_in_place_of(misbehaviour.RIGHT, FALCON_IDS, LIES)
 
     def test_3_in_place_of_the_hid_arm(self):
-        self.lie_in_place_of(misbehaviour.HID, HID_IDS, HID_LIES)
+        self.lie_in_place_of(misbehaviour.LEFT, HID_IDS, HID_LIES)

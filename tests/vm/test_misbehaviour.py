@@ -11,4 +11,4 @@ class Misbehaving(misbehaviour.FalconBesideHid, guest.GuestTest):
         self.assert_bounded_by_each(misbehaviour.RIGHT)
 
     def test_3_the_hid_arm_misbehaves(self):
-        self.assert_bounded_by_each(misbehaviour.HID)
+        self.assert_bounded_by_each(misbehaviour.LEFT)

@@ -29,6 +29,7 @@ class TextArmThatIsSwitchedOff(arms.TextArm):
 class SerialArm(misbehaviour.Misbehaviour, guest.GuestTest):
     """On the kernel's cdc_acm; beside an arm on uhid, which is the cheapest to emulate."""
 
+    may_fall_mute = True
     judge = commanded.Text("phantom-vintage")
     seen = ("state", "is_in_contact", "faults")  # a device comes after each fault: as with those that lie
 

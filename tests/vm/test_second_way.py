@@ -57,7 +57,7 @@ class SecondWay(guest.GuestTest):
         after = self.servo()
         self.assertGreater(after["ticks"], before_hold["ticks"])
         self.assertEqual(after["overruns"], before_hold["overruns"], "the servo waited for hidraw")
-        # A write that blocks is an exchange that is missed, each millisecond anew, until after 20 of them the arm is stopped.
+        # Each millisecond anew, until after 20 of them the arm is stopped: an arm that hears nothing says nothing.
         self.assertGreater(after["missed_exchanges"] - before_hold["missed_exchanges"], 15)
         self.assertLess(max(at_s for at_s, force in samples if force > simdev.NOTHING_NEWTON) - held_s, LET_GO_S)
 

@@ -3,7 +3,7 @@
 usage: lying_usb.py VENDOR PRODUCT SERIAL LIE…    (ids in hexadecimal; LIE: of LIES; one device after the other)
 
 It answers what it is asked of its descriptors, takes every configuration, stalls other requests and never answers a transfer. Pulled out
-when nobody has asked anything for REST_S, or after MOST_S; prints how much was asked. The protocol: linux Documentation/usb/usbip_protocol.rst; tables: USB 2.0, chapter 9; HID 1.11, section 6.2.1.
+when nobody has asked anything for REST_S, or after MOST_S; prints how many requests there were, and how many transfers: those are of who has opened it. The protocol: linux Documentation/usb/usbip_protocol.rst; tables: USB 2.0, chapter 9; HID 1.11, section 6.2.1.
 """
 
 import errno
@@ -58,7 +58,7 @@ LIES = {
     "interrupts": {"configuration": configuration(interface([endpoint(0x81, 3, 64, 1), endpoint(0x02, 3, 64, 1)]))},
     "no-serial": {"serial": b""},
     "strange-serial": {"serial": bytes([12, STRING]) + b"\n\0\x00\xd8\x1b\0\"\0/\0"},
-    "none": {},  # but it never answers a transfer
+    "vendor": {},  # in all that it says; but it never answers a transfer
 }
 
 # Of a serial port, CDC 1.2, section 5.2.3: header, ACM, and the union of its two interfaces.
@@ -147,7 +147,7 @@ def read(channel, size):
 
 
 def serve(channel, descriptors):
-    requests, end = 0, None
+    requests, transfers, end = 0, 0, None
     while (end is None or time.monotonic() < end) and select.select([channel], [], [], REST_S if requests else FIRST_S)[0]:
         header = read(channel, 48)
         command, number, _, is_in, pipe, _, length = struct.unpack_from(">IIIIIII", header)
@@ -157,6 +157,7 @@ def serve(channel, descriptors):
         if not is_in:
             read(channel, length)
         if pipe != 0:
+            transfers += 1
             continue
         requests += 1
         end = end or time.monotonic() + MOST_S
@@ -164,7 +165,7 @@ def serve(channel, descriptors):
         status = -errno.EPIPE if data is None else 0
         data = (data or b"")[:length] if is_in else b""
         channel.sendall(struct.pack(">IIIIIiIIII8x", SUBMITTED, number, 0, 0, 0, status, len(data), 0, 0, 0) + data)
-    return requests
+    return requests, transfers
 
 
 def free_ports():
@@ -174,7 +175,7 @@ def free_ports():
 
 
 def plug(descriptors, port):
-    """Until it is pulled out again: how many requests it was asked."""
+    """Until it is pulled out again: how many requests there were, and how many transfers."""
     ours, kernels = socket.socketpair()
     with ours, kernels:
         (VHCI / "attach").write_text(f"{port} {kernels.fileno()} 65537 {FULL_SPEED}", encoding="ascii")
@@ -185,8 +186,8 @@ def main(vendor, product, serial, *lies):
     # A Falcon is known by where it hangs: that is the first one again.
     port = free_ports()[0]
     for lie in lies:
-        asked = plug(descriptors_of(int(vendor, 16), int(product, 16), serial, lie), port)
-        print(lie, asked, flush=True)
+        requests, transfers = plug(descriptors_of(int(vendor, 16), int(product, 16), serial, lie), port)
+        print(lie, requests, transfers, flush=True)
         while port not in free_ports():
             time.sleep(0.05)
 
