@@ -1,5 +1,6 @@
 #include "daemon/app/application.hpp"
 
+#include <fcntl.h>
 #include <spdlog/sinks/base_sink.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
@@ -52,11 +53,20 @@ void log_to_standard_error() {
   spdlog::set_default_logger(std::move(logger));
 }
 
-// Writes nothing when there is no place. `how` leaves or replaces what is there.
-bool write_summary(const std::optional<std::string>& path, std::ios::openmode how,
-                   const std::string& text) {
+// Leaves what is there. Not a pipe that nobody reads: opening it would last for ever.
+bool can_be_written(const std::optional<std::string>& path) {
   if (!path) return true;
-  std::ofstream file(*path, how);
+  constexpr int kHow = O_WRONLY | O_CREAT | O_APPEND | O_NONBLOCK | O_NOCTTY | O_CLOEXEC;
+  const int file = ::open(path->c_str(), kHow, 0666);
+  if (file < 0) return false;
+  ::close(file);
+  return true;
+}
+
+// Replaces what is there; writes nothing when there is no place.
+bool write_summary(const std::optional<std::string>& path, const std::string& text) {
+  if (!path) return true;
+  std::ofstream file(*path, std::ios::trunc);
   file << text;
   file.close();
   return !file.fail();
@@ -72,7 +82,7 @@ void say_without_waiting(const std::string& text) {
 bool write_last_summary(const std::optional<std::string>& path, const std::string& text) {
   const auto is_written = std::make_shared<std::atomic<bool>>(false);
   linux::BackgroundWorker worker;
-  worker.post([=] { *is_written = write_summary(path, std::ios::trunc, text); });
+  worker.post([=] { *is_written = write_summary(path, text); });
   if (worker.wait(kSummaryPatience) && *is_written) return true;
   say_without_waiting("the summary could not be written to " + path.value_or(""));
   return false;
@@ -115,7 +125,7 @@ int run_checked(const Options& options) {
   }
   // A place that cannot be written is told before an experiment, not after it; what an earlier one
   // left there stays until there is something better.
-  if (!write_summary(options.summary, std::ios::app, "")) {
+  if (!can_be_written(options.summary)) {
     say_without_waiting("the summary could not be written to " + *options.summary);
     return kExitFailure;
   }

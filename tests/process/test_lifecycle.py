@@ -1,5 +1,6 @@
 """thimbled from its command line to its last command: --check, --for, --summary, signals."""
 
+import os
 import pathlib
 import re
 import signal
@@ -174,6 +175,14 @@ class Run(ProcessTest):
                                "--summary", self.folder / "no" / "folder.json")
         self.assertEqual(result.returncode, 1)
         self.assert_one_sentence(result.stderr, "folder.json")
+
+    def test_a_summary_into_a_pipe_that_nobody_reads_is_refused_and_not_waited_for(self):
+        os.mkfifo(self.folder / "pipe")
+        result = self.thimbled("--config", EXAMPLES / "hello-voxel.toml", "--for", 0.1,
+                               "--set", f"daemon.socket={self.folder}/s",
+                               "--summary", self.folder / "pipe")
+        self.assertEqual(result.returncode, 1)
+        self.assert_one_sentence(result.stderr, "/pipe")
 
     def test_a_summary_that_finds_the_disk_full_at_the_end_is_said(self):
         result = self.thimbled("--config", EXAMPLES / "hello-voxel.toml", "--for", 0.1,
