@@ -63,7 +63,7 @@ class SecondWay(guest.GuestTest):
 
     def test_3_when_hidraw_is_free_nothing_comes_back(self):
         arm = json.loads(simdev.wait_for_state(self.guest, "fault"))
-        # Reports go in and out through the one lock: which of the two is missed first is the kernel's affair.
+        # Its board answers what it hears, and so falls silent with the commands: which of the two is missed first is the kernel's affair.
         self.assertTrue({"command-timeout", "stale-sample"} & {fault["code"] for fault in arm["faults"]}, arm["faults"])
         self.guest.run("sleep 1")
         self.assertLess(max(self.arm.forces()), simdev.NOTHING_NEWTON)
