@@ -76,8 +76,9 @@ TEST_F(HangingArm, IsToldOfAsThatAndNotAsGone) {
 TEST_F(HangingArm, ThatSaysNothingOnceItsFaultIsClearedIsToldOf) {
   plug(kRight);
   const MonotonicTime mute = clock_.now() + std::chrono::seconds(6);
-  bus_.faults["hid:right"].script = {
-      {.kind = sim::FaultKind::Stall, .from = mute, .lasts = std::chrono::seconds(4)}};
+  sim::FaultPlan plan;
+  plan.script = {{.kind = sim::FaultKind::Stall, .from = mute, .lasts = std::chrono::seconds(4)}};
+  cables_.set_plan({"hid:right"}, plan);
   start();
   run(seconds(mute - clock_.now()) - 0.1);
   ASSERT_EQ(state(kRight), OperatingState::Active);

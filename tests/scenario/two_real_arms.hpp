@@ -12,7 +12,7 @@
 #include "daemon/config/load.hpp"
 #include "daemon/session/plugins.hpp"
 #include "daemon/session/runtime.hpp"
-#include "sim/fault/faulty_hid.hpp"
+#include "sim/fault/faulty_enumerator.hpp"
 #include "sim/model/hand/person.hpp"
 #include "tests/support/postponed_executor.hpp"
 
@@ -38,10 +38,10 @@ source = "box:3"
 inline constexpr const char* kAddresses[] = {"hid:left", "hid:right"};
 inline constexpr std::size_t kLeft = 0;
 inline constexpr std::size_t kRight = 1;
-// A bus that refuses some of its devices, shows some under other ids, and on which some are faulty.
+// A bus that refuses some of its devices, and shows some under other ids.
 class RefusingBus final : public bus::BusEnumerator {
  public:
-  RefusingBus(sim::SimEnumerator& below, const Clock& clock) : below_(below), clock_(clock) {}
+  explicit RefusingBus(sim::SimEnumerator& below) : below_(below) {}
   [[nodiscard]] std::vector<bus::BusDeviceInfo> list() override {
     std::vector<bus::BusDeviceInfo> devices = below_.list();
     for (bus::BusDeviceInfo& device : devices) {
@@ -54,12 +54,8 @@ class RefusingBus final : public bus::BusEnumerator {
       const bus::DeviceAddress& address) override {
     ++tries[address.text];
     if (throwing.count(address.text) > 0) throw std::runtime_error(address.text + " broke");
-    if (refusals.count(address.text) > 0) {
-      return fail(refusals[address.text], address.text + " is refused today");
-    }
-    auto device = below_.open_hid(address);
-    if (!device || faults.count(address.text) == 0) return device;
-    return std::make_unique<sim::FaultyHid>(*std::move(device), clock_, faults[address.text]);
+    if (refusals.count(address.text) == 0) return below_.open_hid(address);
+    return fail(refusals[address.text], address.text + " is refused today");
   }
   [[nodiscard]] Result<std::unique_ptr<bus::UsbDevice>> open_usb(
       const bus::DeviceAddress& address, const bus::UsbClaim& claim) override {
@@ -69,12 +65,10 @@ class RefusingBus final : public bus::BusEnumerator {
   std::map<std::string, Errc> refusals;
   std::set<std::string> throwing;                // instead of being opened
   std::map<std::string, std::uint16_t> vendors;  // instead of the models' own
-  std::map<std::string, sim::FaultPlan> faults;
   std::map<std::string, int> tries;
 
  private:
   sim::SimEnumerator& below_;
-  const Clock& clock_;
 };
 
 // Guards of which is known whom they watch, and which may refuse.
@@ -114,7 +108,7 @@ class TwoRealArms {
     const config::ConfigResult config = config::parse(kTwoArms, "two-arms.toml", overrides);
     if (!config) throw std::runtime_error(to_string(config.error().front()));
     session::RigParts parts{plugins_.models, plugins_.drivers};
-    parts.real_buses = &bus_;
+    parts.real_buses = &cables_;
     parts.guards = &guards_;
     parts.real_clock = &clock_;
     parts.executor_for_board = [this](const std::string&) -> devices::DeviceExecutor& {
@@ -181,7 +175,8 @@ class TwoRealArms {
   session::Plugins plugins_;
   sim::VirtualClock clock_;
   sim::SimEnumerator plugs_{clock_};
-  RefusingBus bus_{plugs_, clock_};
+  RefusingBus bus_{plugs_};
+  sim::FaultyEnumerator cables_{bus_, clock_};
   KnownGuards guards_;
   // What the kernel is asked for lasts until the test says so; else it is done at once.
   bool is_work_postponed_{false};
