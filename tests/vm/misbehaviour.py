@@ -10,6 +10,7 @@ import sys
 import arms
 import commanded
 import guest
+import kept
 import simdev
 import two_arms
 
@@ -40,15 +41,6 @@ RIGHT, LEFT = 0, 1
 
 def arm_beside(one, *way, policy=None):
     return simdev.Simdev(one, "left", *way, "--serial", two_arms.BESIDE, "phantom-vintage", policy=policy)
-
-
-def longest_below(least, forces):
-    """s; `forces`: as of two_arms.forces()."""
-    longest_s, since_s = 0, None
-    for at_s, force in forces:
-        since_s = None if force >= least else at_s if since_s is None else since_s
-        longest_s = max(longest_s, 0 if since_s is None else at_s - since_s)
-    return longest_s
 
 
 class Misbehaviour:
@@ -121,7 +113,7 @@ class Misbehaviour:
         felt, beside = ([force for _, force in two_arms.forces(one)] for one in (log, log_beside))
         self.assertGreater(device.status()["trouble"][TROUBLES[verb]], done)
         if verb in SILENCES:
-            self.assertNotEqual(json.loads(self.guest.run("thimble status --json"))["arms"][arm]["faults"], [], "it was driven on")
+            self.assertNotEqual(self.status(arm)["faults"], [], "it was driven on")
         self.assertLess(max(commanded.forces(self.judges[arm], log), default=0), LIMIT_NEWTON + ROUNDING_NEWTON)
         if verb == LIES_OF_ITS_POSE:
             loads = commanded.loads(self.judges[arm], log, LIMIT_NEWTON)
@@ -145,16 +137,14 @@ class Misbehaviour:
 
     def kept(self):
         """By the daemon. One thread more is none of each: who reads of a device that comes has one from the first on."""
-        counts = self.guest.run("udevadm settle; cd /proc/$(systemctl show thimbled -p MainPID --value); for look in 1 2 3 4 5; do ls fd | wc -l; sleep 0.1; done | sort -n | head -1; "
-                                "ls task | wc -l; systemctl list-units --all --no-legend 'thimble-guard@*' | wc -l").split()
-        return dict(zip(("descriptors", "threads", "guards"), map(int, counts)))
+        return json.loads(self.guest.run(f"udevadm settle; pid={arms.PID}; echo \"{{{kept.COUNTS}}}\""))
 
     def lie_in_place_of(self, arm, ids, lies):
         """Each lie in turn; after them the arm is lost as before, and works when it is back."""
         # Devices that come keep the guest's only processor at work, where the thread of the worlds waits for its turn as every ordinary
         # process does; answers that come late let the wall go for a moment: no more than one each.
         before = self.status(1 - arm)
-        kept = self.kept()
+        kept_before = self.kept()
         serial = self.arms[arm].status()["serial_number"]
         self.arms[arm].say("unplug")
         simdev.wait_for_state(self.guest, "lost", arm=arm)
@@ -163,7 +153,9 @@ class Misbehaviour:
         self.assertGreater(min(int(requests) for requests in told[1::3]), 0, told)
         # The last one tells no lie: it is opened, so the others were looked at.
         self.assertGreater(int(told[-1]), 0, told)
-        self.assertLess(longest_below(PRESSED_NEWTON, two_arms.forces(self.arms[1 - arm].log(2))), LET_GO_S)
+        beside = two_arms.forces(self.arms[1 - arm].log(2))
+        pressed_s = [at_s for at_s, force in beside if force > PRESSED_NEWTON]
+        self.assertLess(max(simdev.gaps([beside[0][0], *pressed_s, beside[-1][0]]))[0], LET_GO_S)
         json.loads(self.guest.run("thimble devices --json"))
         simdev.wait_for_state(self.guest, "lost", arm=arm)
         self.arms[arm].say("plug")
@@ -171,7 +163,7 @@ class Misbehaviour:
         self.recover(arm)
         kept_after = self.kept()
         for name, most in (("descriptors", 0), ("threads", 1), ("guards", 0)):
-            self.assertLessEqual(kept_after[name], kept[name] + most, name)
+            self.assertLessEqual(kept_after[name], kept_before[name] + most, name)
         after = self.status(1 - arm)
         print(f"{self._testMethodName}: let go {after.get('contacts', 0) - before.get('contacts', 0)} times", file=sys.stderr)
         self.assertLessEqual(after.pop("contacts", 0), before.pop("contacts", 0) + len(lies))

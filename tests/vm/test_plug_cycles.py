@@ -10,6 +10,7 @@ import sys
 
 import arms
 import guest
+import kept
 import simdev
 
 # By then it has all that it needs once.
@@ -32,8 +33,7 @@ LOOK = """
 thimble status --json > /run/status
 pid=$(systemctl show thimbled -p MainPID --value)
 echo "{\\"pid\\": $pid, \\"restarts\\": $(systemctl show thimbled -p NRestarts --value),
-\\"descriptors\\": $(for look in 1 2 3 4 5; do ls /proc/$pid/fd | wc -l; sleep 0.1; done | sort -n | head -1), \\"threads\\": $(ls /proc/$pid/task | wc -l),
-\\"guards\\": $(systemctl list-units --all --no-legend 'thimble-guard@*' | wc -l),
+""" + kept.COUNTS + """,
 \\"recordings\\": $(ls /var/lib/thimble | wc -l),
 \\"memory_kib\\": $(awk '/^VmRSS/ {print $2}' /proc/$pid/status),
 \\"state\\": \\"$(python3 -c 'import json; print(json.load(open("/run/status"))["arms"][0]["state"])')\\"}"
