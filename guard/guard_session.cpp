@@ -35,7 +35,7 @@ GuardSession::GuardSession(int socket, Received received, SharedPage page,
                            linux::DeviceCalls& calls) noexcept
     : socket_(socket),
       page_(std::move(page)),
-      writer_(received.handover, std::move(received.device), calls) {}
+      writer_(received.handover, std::move(received.node), calls) {}
 
 // Nothing is ever said after the handover: whatever can be read is the end, or no daemon of ours.
 bool GuardSession::has_ended() noexcept {

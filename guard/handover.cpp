@@ -15,18 +15,14 @@
 namespace thimble::guard {
 namespace {
 
-constexpr std::array<std::uint8_t, 3> kMark{'T', 'G', 1};
+constexpr std::array<std::uint8_t, 3> kMark{'T', 'G', 2};
 constexpr std::size_t kHead = kMark.size() + 2;
-constexpr std::size_t kMostDescriptors = 3;
+constexpr std::size_t kDescriptors = 2;
 
-std::size_t descriptors_of(ZeroRoute route) noexcept {
-  return route == ZeroRoute::HiddevAndWrite ? 3 : 2;
-}
-
-// Room for one packet and one more byte, so that a longer one is seen to be longer.
+// Room for one packet, one more byte and one more descriptor, so that more are seen to be more.
 struct Packet {
   std::array<std::uint8_t, kHead + kMaxZeroBytes + 1> bytes{};
-  alignas(cmsghdr) std::array<char, CMSG_SPACE(kMostDescriptors * sizeof(int))> control{};
+  alignas(cmsghdr) std::array<char, CMSG_SPACE((kDescriptors + 1) * sizeof(int))> control{};
   iovec part{};
   msghdr message{};
 
@@ -58,9 +54,9 @@ Result<Handover> parse_handover(std::span<const std::uint8_t> packet) {
                 "handover: expected 6 to 70 bytes, found " + std::to_string(packet.size()));
   }
   if (!std::equal(kMark.begin(), kMark.end(), packet.begin())) {
-    return fail(Errc::Malformed, "handover: not one of version 1");
+    return fail(Errc::Malformed, "handover: not one of version 2");
   }
-  if (packet[kMark.size()] > static_cast<std::uint8_t>(ZeroRoute::HiddevAndWrite)) {
+  if (packet[kMark.size()] > static_cast<std::uint8_t>(ZeroRoute::Hiddev)) {
     return fail(Errc::Malformed,
                 "handover: there is no route " + std::to_string(packet[kMark.size()]));
   }
@@ -68,15 +64,11 @@ Result<Handover> parse_handover(std::span<const std::uint8_t> packet) {
   handover.route = static_cast<ZeroRoute>(packet[kMark.size()]);
   handover.endpoint = packet[kMark.size() + 1];
   handover.size = packet.size() - kHead;
-  if (handover.route == ZeroRoute::HiddevAndWrite && handover.size < 2) {
-    return fail(Errc::Malformed, "handover: a report of no bytes");
-  }
   std::copy(packet.begin() + kHead, packet.end(), handover.bytes.begin());
   return handover;
 }
 
-Result<void> send_handover(int socket, const Handover& handover, const linux::SharedDevice& device,
-                           int page) {
+Result<void> send_handover(int socket, const Handover& handover, int node, int page) {
   Packet packet;
   const std::vector<std::uint8_t> bytes = encode(handover);
   std::copy(bytes.begin(), bytes.end(), packet.bytes.begin());
@@ -84,8 +76,8 @@ Result<void> send_handover(int socket, const Handover& handover, const linux::Sh
   cmsghdr* const rights = CMSG_FIRSTHDR(&packet.message);
   rights->cmsg_level = SOL_SOCKET;
   rights->cmsg_type = SCM_RIGHTS;
-  const std::array<int, kMostDescriptors> descriptors{device.node.get(), page, device.hiddev.get()};
-  const std::size_t size = descriptors_of(handover.route) * sizeof(int);
+  const std::array<int, kDescriptors> descriptors{node, page};
+  constexpr std::size_t size = sizeof descriptors;
   rights->cmsg_len = CMSG_LEN(size);
   packet.message.msg_controllen = CMSG_SPACE(size);
   std::memcpy(CMSG_DATA(rights), descriptors.data(), size);
@@ -108,14 +100,11 @@ Result<Received> receive_handover(int socket, int timeout_ms) {
   if (size == 0) return fail(Errc::Disconnected, "no arm was handed over");
   auto handover = parse_handover({packet.bytes.data(), static_cast<std::size_t>(size)});
   if (!handover) return tl::unexpected(handover.error());
-  const std::size_t expected = descriptors_of(handover->route);
-  if (descriptors.size() != expected || (packet.message.msg_flags & MSG_CTRUNC) != 0) {
-    return fail(Errc::Malformed, "handover: expected " + std::to_string(expected) +
+  if (descriptors.size() != kDescriptors || (packet.message.msg_flags & MSG_CTRUNC) != 0) {
+    return fail(Errc::Malformed, "handover: expected " + std::to_string(kDescriptors) +
                                      " descriptors, found " + std::to_string(descriptors.size()));
   }
-  Received received{*handover, {std::move(descriptors[0]), {}}, std::move(descriptors[1])};
-  if (expected > 2) received.device.hiddev = std::move(descriptors[2]);
-  return received;
+  return Received{*handover, std::move(descriptors[0]), std::move(descriptors[1])};
 }
 
 }  // namespace thimble::guard

@@ -13,19 +13,16 @@ bool ZeroWriter::write() noexcept {
 
 bool ZeroWriter::try_once() noexcept {
   const auto size = static_cast<unsigned>(handover_.size);
-  if (handover_.route == ZeroRoute::HiddevAndWrite) {
-    // Whether the device took it, nobody says: the other way does.
-    static_cast<void>(report_.send(device_.hiddev.get(), *calls_));
-  }
-  if (handover_.route != ZeroRoute::UsbBulk) {
-    return calls_->write(device_.node.get(), handover_.zero()) == static_cast<ssize_t>(size);
+  if (handover_.route == ZeroRoute::Hiddev) return hiddev_.write(handover_.zero());
+  if (handover_.route == ZeroRoute::Write) {
+    return calls_->write(node_.get(), handover_.zero()) == static_cast<ssize_t>(size);
   }
   usbdevfs_bulktransfer transfer{};
   transfer.ep = handover_.endpoint;
   transfer.len = size;
   transfer.timeout = kBulkTimeout_ms;
   transfer.data = handover_.bytes.data();
-  return calls_->control(device_.node.get(), USBDEVFS_BULK, &transfer) == static_cast<int>(size);
+  return calls_->control(node_.get(), USBDEVFS_BULK, &transfer) == static_cast<int>(size);
 }
 
 }  // namespace thimble::guard

@@ -32,9 +32,9 @@ guard::Handover handover_of(const linux::SharedDevice& device, const ZeroCommand
   guard::Handover handover;
   handover.endpoint = zero.endpoint;
   if (zero.endpoint != 0) handover.route = guard::ZeroRoute::UsbBulk;
-  if (device.hiddev.get() >= 0) handover.route = guard::ZeroRoute::HiddevAndWrite;
+  if (device.way == linux::NodeWay::Hiddev) handover.route = guard::ZeroRoute::Hiddev;
   static_assert(ZeroCommand::kMaxBytes + 1 <= guard::kMaxZeroBytes);
-  const std::size_t first = device.takes_leading_zero ? 1 : 0;
+  const std::size_t first = device.way == linux::NodeWay::HidrawAfterZero ? 1 : 0;
   std::copy(zero.bytes.begin(), zero.bytes.end(), handover.bytes.begin() + first);
   handover.size = first + zero.bytes.size();
   return handover;
@@ -57,7 +57,7 @@ class GuardProcess final : public devices::ArmGuard {
     auto connection = keeper_.connect();
     if (!connection) return tl::unexpected(connection.error());
     const Result<void> sent = guard::send_handover(connection->get(), handover_of(*device, zero),
-                                                   *device, page_.descriptor());
+                                                   device->node.get(), page_.descriptor());
     if (!sent) return fail(Errc::System, kEnded);
     connection_ = *std::move(connection);
     return {};

@@ -41,7 +41,7 @@ struct HidCounters {
 // RT: both THIMBLE_RT_IO: an exchange with the bus's mailboxes, at most one non-blocking
 //     system call, never a wait. Whatever blocks does so on the bus's own thread.
 // Ownership: closing is the destructor's. Of what was submitted before it the newest report is
-//     still sent: over a kernel perhaps long afterwards, for a write may last (5 s in hidraw); a
+//     still sent: over a kernel perhaps long afterwards, for a write may last (10 s); a
 //     simulated bus, on which no time passes meanwhile, drops it. After it the device ends silent.
 // Errors: IoStatus::Disconnected latches.
 class HidDevice {

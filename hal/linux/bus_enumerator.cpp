@@ -15,7 +15,7 @@ BusEnumerator::BusEnumerator(const BusSettings& settings, UdevScan::IsArm is_arm
     : settings_(settings),
       scan_(std::make_shared<UdevScan>(std::move(is_arm))),
       watch_(scan_),
-      hids_(settings) {}
+      hids_(settings, calls_) {}
 
 std::vector<bus::BusDeviceInfo> BusEnumerator::list() {
   std::vector<bus::BusDeviceInfo> devices;

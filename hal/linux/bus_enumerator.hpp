@@ -54,6 +54,7 @@ class BusEnumerator final : public bus::BusEnumerator {
   BusSettings settings_;
   std::shared_ptr<UdevScan> scan_;
   DeviceWatch watch_;
+  KernelCalls calls_;
   HidHost hids_;
   std::mutex open_list_;  // of:
   std::map<bus::DeviceAddress, std::weak_ptr<const SharedDevice>> open_;

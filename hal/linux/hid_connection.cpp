@@ -24,23 +24,25 @@ void wait_for(EventFd& event, int patience_ms) noexcept {
 Result<std::unique_ptr<HidConnection>> HidConnection::start(HidNodes nodes,
                                                             const bus::BusDeviceInfo& info,
                                                             const BusSettings& settings,
-                                                            std::mutex& opening) {
+                                                            std::mutex& opening,
+                                                            DeviceCalls& calls) {
   // The constructor is private, so make_unique cannot reach it.
   std::unique_ptr<HidConnection> connection(
-      new HidConnection(std::move(nodes), info, settings, opening));
+      new HidConnection(std::move(nodes), info, settings, opening, calls));
   const Result<void> started = connection->start();
   if (!started.has_value()) return tl::unexpected(started.error());
   return connection;
 }
 
 HidConnection::HidConnection(HidNodes nodes, const bus::BusDeviceInfo& info,
-                             const BusSettings& settings, std::mutex& opening)
+                             const BusSettings& settings, std::mutex& opening, DeviceCalls& calls)
     : nodes_(std::move(nodes)),
       address_(info.address),
       has_report_ids_(info.has_report_ids),
       output_report_bytes_(info.output_report_bytes),
       settings_(&settings),
       opening_(&opening),
+      calls_(&calls),
       mail_(info.output_report_bytes) {}
 
 HidConnection::~HidConnection() {
@@ -118,25 +120,31 @@ void HidConnection::close() noexcept {
 }
 
 Result<void> HidConnection::open() {
-  // Without it everything works as well, but holds others up.
-  if (!nodes_.hiddev.empty()) {
-    hiddev_ = Descriptor(::open(nodes_.hiddev.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-  }
-  auto transfers =
-      HidTransfers::open(nodes_.hidraw, has_report_ids_, mail_, settings_->clock, *opening_);
+  const std::optional<HiddevOutput> hiddev = open_hiddev();
+  auto transfers = HidTransfers::open(nodes_.hidraw, has_report_ids_, mail_, settings_->clock,
+                                      *opening_, hiddev);
   if (!transfers.has_value()) return tl::unexpected(transfers.error());
   transfers_ = std::move(transfers.value());
-  if (Result<void> shared = open_for_guard(); !shared.has_value()) return shared;
+  if (Result<void> shared = open_for_guard(hiddev.has_value()); !shared.has_value()) return shared;
   auto reader = RealtimeThread::start(settings_->thread, settings_->process, [this] { read(); });
   if (!reader.has_value()) return tl::unexpected(reader.error());
   reader_ = std::move(reader.value());
   return {};
 }
 
+// Without it everything works as well, but holds others up.
+std::optional<HiddevOutput> HidConnection::open_hiddev() {
+  if (nodes_.hiddev.empty()) return std::nullopt;
+  hiddev_ = Descriptor(::open(nodes_.hiddev.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  if (hiddev_.get() < 0 || has_report_ids_) return std::nullopt;
+  if (!takes_plain_bytes(hiddev_.get(), output_report_bytes_, *calls_)) return std::nullopt;
+  return HiddevOutput(hiddev_.get(), *calls_);
+}
+
 // Here and now, since a guard is asked for when nobody may wait for the kernel.
-Result<void> HidConnection::open_for_guard() {
-  auto shared =
-      open_hid_to_share(nodes_.hidraw, nodes_.hiddev, has_report_ids_, output_report_bytes_);
+Result<void> HidConnection::open_for_guard(bool has_hiddev) {
+  auto shared = has_hiddev ? share_node(hiddev_.get(), NodeWay::Hiddev)
+                           : open_hidraw_to_share(nodes_.hidraw, has_report_ids_);
   if (!shared.has_value()) return tl::unexpected(shared.error());
   shared_ = std::make_shared<const SharedDevice>(std::move(shared.value()));
   return {};

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "hal/base/result.hpp"
@@ -12,25 +13,29 @@
 #include "hal/bus/hid_mailboxes.hpp"
 #include "hal/linux/bus_settings.hpp"
 #include "hal/linux/descriptor.hpp"
+#include "hal/linux/device_calls.hpp"
 #include "hal/linux/event_fd.hpp"
 #include "hal/linux/hid_transfers.hpp"
+#include "hal/linux/hiddev.hpp"
 #include "hal/linux/realtime_thread.hpp"
 #include "hal/linux/shared_device.hpp"
 
 namespace thimble::linux {
 
 // Of one HID device: "/dev/hidraw0", and "/dev/usb/hiddev0" where the kernel makes one, else empty.
+// What comes in is read from hidraw; what goes out leaves over hiddev where it takes plain bytes.
 struct HidNodes {
   std::string hidraw;
   std::string hiddev;
 };
 
 // The threads of one opened HID device, and their mailboxes. One opens it, writes what is
-// submitted and closes it: all three last as long as the kernel lets any HID device's write last.
+// submitted and closes it: to open and to close last as long as the kernel lets any HID device's
+// write to hidraw last, to write over hiddev as long as this device does.
 // The other one reads meanwhile. Both have the settings' priority, and neither is RT.
 //
 // Thread: any non-RT one, one at a time; mail() as there, wake() from any.
-// Ownership: settings and `opening` must outlive it; the destructor waits for the kernel.
+// Ownership: settings, `opening` and `calls` must outlive it; the destructor waits for the kernel.
 class HidConnection {
  public:
   // Begins to open `nodes`, of the device that `info` describes. `opening` is held while hidapi
@@ -38,7 +43,8 @@ class HidConnection {
   [[nodiscard]] static Result<std::unique_ptr<HidConnection>> start(HidNodes nodes,
                                                                     const bus::BusDeviceInfo& info,
                                                                     const BusSettings& settings,
-                                                                    std::mutex& opening);
+                                                                    std::mutex& opening,
+                                                                    DeviceCalls& calls);
   ~HidConnection();
   HidConnection(const HidConnection&) = delete;
   HidConnection& operator=(const HidConnection&) = delete;
@@ -46,11 +52,11 @@ class HidConnection {
   // Whether the kernel has let it be opened, or refused it.
   [[nodiscard]] bool has_opened() const noexcept { return state_.load() != State::Opening; }
   // How the opening went; Timeout while it goes on after `patience`. Errors: of
-  // HidTransfers::open(), open_hid_to_share() and, for the thread that reads,
-  // RealtimeThread::start().
+  // HidTransfers::open(), open_hidraw_to_share(), share_node() and, for the thread that reads,
+  // RealtimeThread::start(). Where only hiddev cannot be had, everything goes over hidraw.
   [[nodiscard]] Result<void> opened(Duration patience);
   [[nodiscard]] bus::HidMailboxes& mail() noexcept { return mail_; }
-  // Once opened; expires when it closes. Where only the second way cannot be had, that is left out.
+  // Once opened: by which its reports leave. Expires when it closes.
   [[nodiscard]] std::weak_ptr<const SharedDevice> shared() const noexcept { return shared_; }
   // Something was submitted.
   THIMBLE_RT_IO void wake() noexcept { wake_->signal(); }
@@ -64,11 +70,12 @@ class HidConnection {
   enum class State : std::uint8_t { Opening, Open, Refused, Closed };
 
   HidConnection(HidNodes nodes, const bus::BusDeviceInfo& info, const BusSettings& settings,
-                std::mutex& opening);
+                std::mutex& opening, DeviceCalls& calls);
   [[nodiscard]] Result<void> start();
   void run() noexcept;
   [[nodiscard]] Result<void> open();
-  [[nodiscard]] Result<void> open_for_guard();
+  [[nodiscard]] std::optional<HiddevOutput> open_hiddev();
+  [[nodiscard]] Result<void> open_for_guard(bool has_hiddev);
   void close() noexcept;
   void read() noexcept;
   void reach(State state) noexcept;
@@ -80,6 +87,7 @@ class HidConnection {
   std::size_t output_report_bytes_;
   const BusSettings* settings_;
   std::mutex* opening_;
+  DeviceCalls* calls_;
   bus::HidMailboxes mail_;
   std::unique_ptr<EventFd> wake_;
   std::unique_ptr<EventFd> changed_;

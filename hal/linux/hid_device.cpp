@@ -29,7 +29,7 @@ Result<std::unique_ptr<HidDevice>> HidHost::open(const HidNodes& nodes,
   }
   const Result<void> is_over = await_end_of_older(info.address);
   if (!is_over.has_value()) return tl::unexpected(is_over.error());
-  auto started = HidConnection::start(nodes, info, settings_, opening_);
+  auto started = HidConnection::start(nodes, info, settings_, opening_, *calls_);
   if (!started.has_value()) return tl::unexpected(started.error().in(info.address.text));
   std::unique_ptr<HidConnection> connection = std::move(started.value());
   const Result<void> opened = connection->opened(kPatience);

@@ -52,11 +52,12 @@ class HidDevice final : public bus::HidDevice {
 // submitted when it is closed the newest is still written, then nothing.
 //
 // Thread: any, one at a time for each device; the devices as bus::HidDevice. Not RT.
-// Ownership: must outlive the devices. The destructor waits for the kernel, up to 5 s for a device
-// that takes nothing.
+// Ownership: must outlive the devices, and the calls it. The destructor waits for the kernel, up to
+// 5 s over hidraw and 20 s over hiddev for a device that takes nothing.
 class HidHost {
  public:
-  explicit HidHost(BusSettings settings) : settings_(std::move(settings)) {}
+  HidHost(BusSettings settings, DeviceCalls& calls)
+      : settings_(std::move(settings)), calls_(&calls) {}
 
   // `nodes` are those of the device that `info` describes. Waits kPatience twice at most.
   // NotFound, Permission, System; Busy when a daemon holds it, when it is not closed yet, or while
@@ -83,6 +84,7 @@ class HidHost {
   void close(std::unique_ptr<HidConnection> connection);
 
   BusSettings settings_;
+  DeviceCalls* calls_;
   std::mutex opening_;
   std::mutex closing_list_;  // of:
   std::vector<std::unique_ptr<HidConnection>> closing_;

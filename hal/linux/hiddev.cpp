@@ -39,7 +39,7 @@ std::string hiddev_node_of(udev_device* hid) {
 }
 
 bool takes_plain_bytes(int hiddev, std::size_t bytes, DeviceCalls& calls) noexcept {
-  if (bytes == 0 || bytes > HiddevReport::kMaxBytes) return false;
+  if (bytes == 0 || bytes > HiddevOutput::kMaxBytes) return false;
   // The first report of all; the kernel says its number.
   hiddev_report_info report{};
   report.report_type = HID_REPORT_TYPE_OUTPUT;
@@ -54,19 +54,20 @@ bool takes_plain_bytes(int hiddev, std::size_t bytes, DeviceCalls& calls) noexce
          field.logical_maximum == kLargestByte;
 }
 
-HiddevReport::HiddevReport(std::span<const std::uint8_t> bytes) noexcept {
-  const std::size_t size = std::min(bytes.size(), kMaxBytes);
+HiddevOutput::HiddevOutput(int hiddev, DeviceCalls& calls) noexcept
+    : hiddev_(hiddev), calls_(&calls) {
   values_.uref.report_type = HID_REPORT_TYPE_OUTPUT;
   values_.uref.report_id = kNoNumber;
-  values_.num_values = static_cast<std::uint32_t>(size);
-  std::copy_n(bytes.begin(), size, std::begin(values_.values));
   report_.report_type = HID_REPORT_TYPE_OUTPUT;
   report_.report_id = kNoNumber;
 }
 
-bool HiddevReport::send(int hiddev, DeviceCalls& calls) noexcept {
-  return calls.control(hiddev, HIDIOCSUSAGES, &values_) >= 0 &&
-         calls.control(hiddev, HIDIOCSREPORT, &report_) >= 0;
+bool HiddevOutput::write(std::span<const std::uint8_t> report) noexcept {
+  const std::size_t size = std::min(report.size(), kMaxBytes);
+  values_.num_values = static_cast<std::uint32_t>(size);
+  std::copy_n(report.begin(), size, std::begin(values_.values));
+  return calls_->control(hiddev_, HIDIOCSUSAGES, &values_) >= 0 &&
+         calls_->control(hiddev_, HIDIOCSREPORT, &report_) >= 0;
 }
 
 }  // namespace thimble::linux

@@ -15,7 +15,8 @@ namespace thimble::linux {
 
 // The kernel's other interface to a HID device on USB (Documentation/hid/hiddev.rst), beside
 // hidraw: reports are sets of values there. It takes no lock but that device's own, so that a
-// report passes where hidraw's one lock is held (docs/decisions/0358-hidraw-has-one-lock.md).
+// report passes where hidraw's one lock is held (docs/decisions/0358-hidraw-has-one-lock.md), and
+// one that hangs holds nobody else up (0488-an-arms-reports-leave-over-hiddev.md).
 
 // "/dev/usb/hiddev0" of the device whose HID device `hid` is; empty where the kernel makes none:
 // what is on no USB, what is for input only. Thread: that of its udev. Not RT.
@@ -25,20 +26,23 @@ namespace thimble::linux {
 // value each: such a one goes out as it was given. Thread: any. Not RT.
 [[nodiscard]] bool takes_plain_bytes(int hiddev, std::size_t bytes, DeviceCalls& calls) noexcept;
 
-// One output report of a device that takes plain bytes.
+// Where the output reports of a device that takes plain bytes leave.
 //
-// Thread: one. RT: no allocation; send() waits in the kernel until the device took it, about a
-// frame, at most 10 s (usbhid_wait_io()). It is under way before anything waits.
-class HiddevReport {
+// Thread: one. RT: no allocation; write() waits in the kernel until the device took it, about a
+// frame, at most 10 s (usbhid_wait_io()). It is under way before anything waits, after what was
+// written before. Ownership: the opened node and the calls must outlive it.
+class HiddevOutput {
  public:
-  // Of `bytes`, at most kMaxBytes; the rest is left out.
-  explicit HiddevReport(std::span<const std::uint8_t> bytes) noexcept;
-  // True: the kernel took it, which does not say that the device did.
-  bool send(int hiddev, DeviceCalls& calls) noexcept;
+  HiddevOutput(int hiddev, DeviceCalls& calls) noexcept;
+  // Of a report of more than kMaxBytes the rest is left out. True: the kernel took it, which does
+  // not say that the device did: the kernel answers so whatever became of it.
+  bool write(std::span<const std::uint8_t> report) noexcept;
 
   static constexpr std::size_t kMaxBytes = HID_MAX_MULTI_USAGES;
 
  private:
+  int hiddev_;
+  DeviceCalls* calls_;
   hiddev_usage_ref_multi values_{};
   hiddev_report_info report_{};
 };

@@ -3,11 +3,13 @@
 // is the same. Over a real kernel it is for the VM tier to run.
 #include <deque>
 #include <mutex>
+#include <optional>
 #include <utility>
 
 #include "hal/linux/hid_transfers.hpp"
 #include "sim/time/virtual_clock.hpp"
 #include "tests/contract/hid_device_contract.hpp"
+#include "tests/support/fake_hid_kernel.hpp"
 #include "tests/support/fake_hidapi.hpp"
 
 namespace thimble::test {
@@ -21,8 +23,11 @@ constexpr std::size_t kOutputBytes = 8;
 
 class LinuxHidRig final : public HidRig {
  public:
-  LinuxHidRig() {
-    auto opened = linux::HidTransfers::open(wire_.node(), false, mail_, clock_, hidapi_);
+  enum class WayOut : std::uint8_t { Hidraw, Hiddev };
+
+  explicit LinuxHidRig(WayOut way) : way_(way) {
+    kernel_.fields = {{kOutputBytes}};
+    auto opened = linux::HidTransfers::open(wire_.node(), false, mail_, clock_, hidapi_, hiddev());
     EXPECT_TRUE(opened.has_value());
     transfers_ = std::move(opened.value());
   }
@@ -36,8 +41,16 @@ class LinuxHidRig final : public HidRig {
   void device_sends(std::span<const std::uint8_t> report) override {
     to_send_.emplace_back(report.begin(), report.end());
   }
-  std::vector<Report> received_by_device() override { return wire_.received_by_device(); }
-  void unplug() override { wire_.unplug(); }
+  std::vector<Report> received_by_device() override {
+    std::vector<Report> all = wire_.received_by_device();
+    EXPECT_TRUE(way_ == WayOut::Hidraw || all.empty()) << "it left by hidraw";
+    for (const FakeHidKernel::Report& report : kernel_.sent) all.push_back(report.bytes);
+    return all;
+  }
+  void unplug() override {
+    wire_.unplug();
+    kernel_.has_hiddev = false;
+  }
   void run_for(Duration duration) override {
     for (Duration run{}; run < duration; run += frame_period()) {
       if (!to_send_.empty()) {
@@ -57,6 +70,14 @@ class LinuxHidRig final : public HidRig {
   Duration frame_period() const override { return milliseconds(1); }
 
  private:
+  std::optional<linux::HiddevOutput> hiddev() {
+    if (way_ == WayOut::Hidraw) return std::nullopt;
+    return linux::HiddevOutput(kNode, kernel_);
+  }
+
+  static constexpr int kNode = 7;
+  WayOut way_;
+  FakeHidKernel kernel_;
   sim::VirtualClock clock_;
   std::mutex hidapi_;
   FakeHidWire wire_;
@@ -65,10 +86,16 @@ class LinuxHidRig final : public HidRig {
   std::deque<Report> to_send_;
 };
 
-std::unique_ptr<HidRig> make() { return std::make_unique<LinuxHidRig>(); }
+template <LinuxHidRig::WayOut way>
+std::unique_ptr<HidRig> make() {
+  return std::make_unique<LinuxHidRig>(way);
+}
 
-INSTANTIATE_TEST_SUITE_P(Linux, HidDeviceContract,
-                         testing::Values(HidRigFactory{"HidTransfers", &make}), rig_name);
+INSTANTIATE_TEST_SUITE_P(
+    Linux, HidDeviceContract,
+    testing::Values(HidRigFactory{"HidTransfers", &make<LinuxHidRig::WayOut::Hidraw>},
+                    HidRigFactory{"HidTransfersOverHiddev", &make<LinuxHidRig::WayOut::Hiddev>}),
+    rig_name);
 
 struct HidTransfersTest : testing::Test {
   sim::VirtualClock clock;
@@ -78,7 +105,8 @@ struct HidTransfersTest : testing::Test {
   const Report out = Report(kOutputBytes, 7);
 
   std::unique_ptr<linux::HidTransfers> open(bool has_report_ids = false) {
-    return linux::HidTransfers::open(wire.node(), has_report_ids, mail, clock, hidapi).value();
+    return linux::HidTransfers::open(wire.node(), has_report_ids, mail, clock, hidapi, std::nullopt)
+        .value();
   }
   ~HidTransfersTest() override {
     EXPECT_EQ(wire.breaches(), std::vector<std::string>{});
@@ -167,20 +195,24 @@ TEST_F(HidTransfersTest, AWriteIntoAnUnplugFailsAndReadingSaysThatItIsGone) {
 
 TEST_F(HidTransfersTest, TheNodeIsLockedUntilItIsClosed) {
   auto sut = open();
-  const auto second = linux::HidTransfers::open(wire.node(), false, mail, clock, hidapi);
+  const auto second =
+      linux::HidTransfers::open(wire.node(), false, mail, clock, hidapi, std::nullopt);
   ASSERT_FALSE(second.has_value());
   EXPECT_EQ(second.error().code, Errc::Busy);
   EXPECT_NE(second.error().message.find(wire.node()), std::string::npos);
   sut.reset();
-  EXPECT_TRUE(linux::HidTransfers::open(wire.node(), false, mail, clock, hidapi).has_value());
+  EXPECT_TRUE(
+      linux::HidTransfers::open(wire.node(), false, mail, clock, hidapi, std::nullopt).has_value());
 }
 
 TEST_F(HidTransfersTest, ARefusalLeaksNothing) {
-  const auto nowhere = linux::HidTransfers::open(wire.node() + "0", false, mail, clock, hidapi);
+  const auto nowhere =
+      linux::HidTransfers::open(wire.node() + "0", false, mail, clock, hidapi, std::nullopt);
   ASSERT_FALSE(nowhere.has_value());
   EXPECT_EQ(nowhere.error().code, Errc::NotFound);
   wire.refuse_next_opening(1);
-  const auto refused = linux::HidTransfers::open(wire.node(), false, mail, clock, hidapi);
+  const auto refused =
+      linux::HidTransfers::open(wire.node(), false, mail, clock, hidapi, std::nullopt);
   ASSERT_FALSE(refused.has_value());
   EXPECT_EQ(refused.error().code, Errc::System);
   EXPECT_EQ(FakeHidWire::alive(), 0);

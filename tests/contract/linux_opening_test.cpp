@@ -44,7 +44,7 @@ TEST_F(LinuxEnumerator, SharesTheNodeOfAnOpenHidDeviceWithWhoMayHaveToLetItGo) {
   ASSERT_TRUE(device.has_value()) << device.error().message;
   const auto shared = sut->share({"hid:X"});
   ASSERT_TRUE(shared.has_value()) << shared.error().message;
-  EXPECT_TRUE(shared->takes_leading_zero);
+  EXPECT_EQ(shared->way, linux::NodeWay::HidrawAfterZero);
   EXPECT_EQ(::write(shared->node.get(), "zero", 4), 4);
   std::string written(4, ' ');
   const int node = ::open("/dev/hidraw0", O_RDONLY | O_CLOEXEC);
@@ -76,7 +76,7 @@ TEST_F(LinuxEnumerator, AReportWithANumberIsSharedWithoutAZeroBeforeIt) {
   ASSERT_TRUE(device.has_value()) << device.error().message;
   const auto shared = sut->share({"hid:P1"});
   ASSERT_TRUE(shared.has_value()) << shared.error().message;
-  EXPECT_FALSE(shared->takes_leading_zero);
+  EXPECT_EQ(shared->way, linux::NodeWay::AsTheyAre);
 }
 
 TEST_F(LinuxEnumerator, TheHiddevOfAHidDeviceIsThatOfItsInterface) {
@@ -123,17 +123,20 @@ TEST_F(LinuxEnumerator, TheHiddevOfAnArmIsOpenBeforeItsHidrawNodeAndUntilItIsClo
   EXPECT_FALSE(is_open_here("hiddev7"));
 }
 
-TEST_F(LinuxEnumerator, WithoutASecondWayThatAnswersTheFirstIsSharedAlone) {
+TEST_F(LinuxEnumerator, WithoutAHiddevThatAnswersHidrawIsTheWay) {
   FakeHidWire wire;
   wire.attach("/dev/hidraw0");
   plug_arm("1-4", "X", 0);
   machine.plug_hiddev("1-4", 0, "hiddev0");  // a plain file: no report, says the kernel
-  const auto device = sut->open_hid({"hid:X"});
+  auto device = sut->open_hid({"hid:X"});
   ASSERT_TRUE(device.has_value()) << device.error().message;
   const auto shared = sut->share({"hid:X"});
   ASSERT_TRUE(shared.has_value()) << shared.error().message;
-  EXPECT_GE(shared->node.get(), 0);
-  EXPECT_LT(shared->hiddev.get(), 0);
+  EXPECT_EQ(shared->way, linux::NodeWay::HidrawAfterZero);
+  const std::vector<std::uint8_t> zero(14, 0);
+  EXPECT_EQ((*device)->submit(zero), IoStatus::Ok);
+  device->reset();
+  EXPECT_EQ(wire.received_by_device(), (std::vector<FakeHidWire::Report>{zero}));
 }
 
 TEST_F(LinuxEnumerator, SharesNoUsbDeviceThatItDidNotOpen) {

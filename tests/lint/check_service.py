@@ -19,7 +19,7 @@ _EXPOSURE = re.compile(r"Overall exposure level for \S+: ([0-9.]+)")
 # a machine where the packages are installed, and nowhere else.
 NODES = {
     "hidraw": ("DeviceAllow=char-hidraw rw", "arms on HID"),
-    "usbmisc": ("DeviceAllow=char-usb r", "a guard's second way to an arm on HID"),
+    "usbmisc": ("DeviceAllow=char-usb r", "the way out to an arm on HID"),
     "usb": ("DeviceAllow=char-usb_device rw", "arms on bare USB"),
     "tty": ("DeviceAllow=char-ttyACM rw", "arms on USB serial"),
     "gpiochip": ("DeviceAllow=char-gpiochip rw", "e-stop and deadman"),

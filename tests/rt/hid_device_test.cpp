@@ -1,6 +1,7 @@
 // linux::HidHost and its devices with their threads, over the hidapi of tests/support.
 #include "hal/linux/hid_device.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -13,6 +14,7 @@
 #include "tests/rt/held_opening.hpp"
 #include "tests/rt/wait_until.hpp"
 #include "tests/support/allocation_count.hpp"
+#include "tests/support/fake_hid_kernel.hpp"
 #include "tests/support/fake_hidapi.hpp"
 
 namespace thimble::linux {
@@ -26,8 +28,8 @@ constexpr std::size_t kBytes = 14;
 struct HidDeviceTest : testing::Test {
   MonotonicClock clock;
   FakeHidWire wire;
-  std::unique_ptr<HidHost> host =
-      std::make_unique<HidHost>(BusSettings{clock, {.name = "hid-test"}, {}});
+  test::FakeHidKernel kernel;  // of hiddev, where a test says that there is one
+  std::unique_ptr<HidHost> host = make_host(clock);
   bus::BusDeviceInfo info;
 
   HidDeviceTest() {
@@ -41,6 +43,9 @@ struct HidDeviceTest : testing::Test {
     host.reset();
     EXPECT_EQ(wire.breaches(), std::vector<std::string>{});
     EXPECT_EQ(FakeHidWire::alive(), 0);
+  }
+  std::unique_ptr<HidHost> make_host(const Clock& its_clock) {
+    return std::make_unique<HidHost>(BusSettings{its_clock, {.name = "hid-test"}, {}}, kernel);
   }
   Result<std::unique_ptr<bus::HidDevice>> open() { return host->open({wire.node(), ""}, info); }
   static Report report(std::uint8_t seed) { return Report(kBytes, seed); }
@@ -122,7 +127,7 @@ class AskedClock final : public Clock {
 
 TEST_F(HidDeviceTest, ToOpenASickDeviceAnewHoldsUpNoOtherOne) {
   AskedClock still;
-  host = std::make_unique<HidHost>(BusSettings{still, {.name = "hid-test"}, {}});
+  host = make_host(still);
   FakeHidWire other_wire;
   bus::BusDeviceInfo other = info;
   other.address = {"hid:2"};
@@ -151,7 +156,7 @@ TEST_F(HidDeviceTest, ToOpenASickDeviceAnewHoldsUpNoOtherOne) {
 
 TEST_F(HidDeviceTest, ANodeThatHangsWhenItIsOpenedHoldsUpNoOtherOne) {
   AskedClock still;
-  host = std::make_unique<HidHost>(BusSettings{still, {.name = "hid-test"}, {}});
+  host = make_host(still);
   FakeHidWire other_wire;
   bus::BusDeviceInfo other = info;
   other.address = {"hid:2"};
@@ -236,6 +241,57 @@ TEST_F(HidDeviceTest, OpeningAndClosingInAHurryLeaksNothing) {
   }
   EXPECT_TRUE(test::wait_until([&] { return host->lingering() == 0; }));
   EXPECT_EQ(FakeHidWire::alive(), 0);
+}
+
+// Any file will do: who answers is the test's kernel.
+struct HidDeviceOverHiddev : HidDeviceTest {
+  HidDeviceOverHiddev() { kernel.fields = {{kBytes}}; }
+  std::unique_ptr<HidDevice> open_both() {
+    return host->open({wire.node(), "/dev/null"}, info).value();
+  }
+};
+
+TEST_F(HidDeviceOverHiddev, WhatIsSubmittedLeavesByThatAloneAndSoDoesAGuardsZero) {
+  auto sut = open_both();
+  const auto shared = share_again(*sut->shared().lock());
+  ASSERT_TRUE(shared.has_value()) << shared.error().message;
+  EXPECT_EQ(shared->way, NodeWay::Hiddev);
+  EXPECT_EQ(::fcntl(shared->node.get(), F_GETFL) & O_ACCMODE, O_RDONLY) << "the hiddev node's file";
+  sut->submit(report(9));
+  sut->submit(report(3));
+  sut.reset();
+  host.reset();
+  ASSERT_FALSE(kernel.sent.empty());
+  EXPECT_EQ(kernel.sent.back(), (test::FakeHidKernel::Report{"dev", report(3)}));
+  EXPECT_TRUE(wire.received_by_device().empty());
+}
+
+// Another device's writer holds hidraw's lock: nothing of ours waits for it.
+TEST_F(HidDeviceOverHiddev, AHidrawThatTakesNothingHoldsNothingUp) {
+  const auto sut = open_both();
+  wire.block_writes();
+  bus::HidReport read;
+  for (std::uint8_t i = 1; i < 50; ++i) {
+    EXPECT_TRUE(test::wait_until([&] { return sut->submit(report(i)) == IoStatus::Ok; })) << +i;
+    wire.device_sends(report(i));
+    ASSERT_TRUE(test::wait_until([&] { return sut->read_newest(read) == IoStatus::Ok; })) << +i;
+  }
+  EXPECT_TRUE(test::wait_until([&] { return sut->counters().reports_out > 40; }));
+  EXPECT_FALSE(wire.is_write_blocked());
+}
+
+TEST_F(HidDeviceOverHiddev, OneThatDoesNotTakeTheReportAsItIsIsLeftAlone) {
+  for (const auto& fields : {std::vector<test::FakeHidKernel::Field>{},
+                             std::vector<test::FakeHidKernel::Field>{{kBytes - 1}}}) {
+    kernel.fields = fields;
+    auto sut = open_both();
+    EXPECT_EQ(sut->shared().lock()->way, NodeWay::HidrawAfterZero);
+    sut->submit(report(4));
+    sut.reset();
+    ASSERT_TRUE(test::wait_until([&] { return host->lingering() == 0; }));
+    EXPECT_EQ(wire.received_by_device().back(), report(4));
+  }
+  EXPECT_TRUE(kernel.sent.empty());
 }
 
 TEST_F(HidDeviceTest, ARefusalNamesTheDeviceAndWhy) {

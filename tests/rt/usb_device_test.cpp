@@ -73,7 +73,7 @@ TEST_F(UsbDeviceTest, IsSharedAsLongAsItIsOpen) {
   const auto copy = share_again(*shared.lock());
   ASSERT_TRUE(copy.has_value()) << copy.error().message;
   EXPECT_NE(copy->node.get(), shared.lock()->node.get()) << "another number";
-  EXPECT_FALSE(copy->takes_leading_zero);
+  EXPECT_EQ(copy->way, NodeWay::AsTheyAre);
   sut.reset();
   EXPECT_TRUE(shared.expired());
 }

@@ -33,12 +33,12 @@ class FakeHidKernel final : public linux::DeviceCalls {
   std::uint32_t report_number{0};
   std::vector<Field> fields{{2}};
   bool has_hiddev{true};
-  // Before hidraw's write goes out: time may pass.
-  std::function<void()> on_write = [] {};
+  // Before a report goes out: time may pass.
+  std::function<void()> on_send = [] {};
   std::vector<Report> sent;
 
   std::ptrdiff_t write(int /*node*/, std::span<const std::uint8_t> bytes) noexcept override {
-    on_write();
+    on_send();
     sent.push_back({"raw", {bytes.begin(), bytes.end()}});
     return static_cast<std::ptrdiff_t>(bytes.size());
   }
@@ -99,6 +99,7 @@ class FakeHidKernel final : public linux::DeviceCalls {
   }
   int send(const hiddev_report_info& report) {
     if (!is_there(report.report_type, report.report_id)) return refuse(EINVAL);
+    on_send();
     sent.push_back({"dev", values_});
     return 0;
   }

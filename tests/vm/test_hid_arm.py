@@ -63,8 +63,8 @@ class Usbip(Uhid):
     walls = one_arm.OneArm.walls
     test_5b_upgraded_while_the_hand_pushes_it_is_let_go_and_comes_back = None  # dear, and once is enough
 
-    def test_2b_its_guard_has_the_second_way_which_is_nobody_elses(self):
-        """The kernel makes a hiddev of the arm, and the guard holds it (decision 0341)."""
+    def test_2b_its_guard_has_the_way_out_which_is_nobody_elses(self):
+        """The kernel makes a hiddev of the arm, and the guard holds it (decision 0488)."""
         self.guest.run("ls -l /proc/$(pgrep -x thimble-guard)/fd | grep -q /dev/usb/hiddev")
         self.assertEqual(self.guest.run("stat -c '%U:%G %a' /dev/usb/hiddev0").strip(), "root:thimble 660")
 

@@ -34,10 +34,7 @@ class GuardKeeperTest : public testing::Test {
     settings_.share = [this](const bus::DeviceAddress& address) -> Result<linux::SharedDevice> {
       asked_for_ = address.text;
       if (is_gone_) return fail(Errc::NotFound, "no device at " + address.text);
-      linux::SharedDevice device{
-          Descriptor(::fcntl(node_.get(), F_DUPFD_CLOEXEC, 0)), {}, takes_leading_zero_};
-      if (has_second_way_) device.hiddev = Descriptor(::open("/dev/null", O_RDONLY | O_CLOEXEC));
-      return device;
+      return linux::share_node(node_.get(), way_);
     };
     zero_.bytes.push_back(7);
     zero_.bytes.push_back(9);
@@ -73,8 +70,7 @@ class GuardKeeperTest : public testing::Test {
   GuardSettings settings_;
   std::string asked_for_;
   bool is_gone_{false};
-  bool has_second_way_{false};
-  bool takes_leading_zero_{true};
+  linux::NodeWay way_{linux::NodeWay::HidrawAfterZero};
   ZeroCommand zero_;
   std::unique_ptr<GuardKeeper> keeper_;
 };
@@ -95,7 +91,7 @@ TEST_F(GuardKeeperTest, StartsAGuardThatLetsTheArmGoWhenTheBeatsStop) {
 
 // A serial port; a HID device whose reports are numbered: 7 is the number.
 TEST_F(GuardKeeperTest, WhatWantsNoZeroInFrontTakesTheBytesAsTheyAre) {
-  takes_leading_zero_ = false;
+  way_ = linux::NodeWay::AsTheyAre;
   for (const char* address : {"serial:42", "hid:42"}) {
     const auto guard = make();
     ASSERT_EQ(refusal(*guard, address), "");
@@ -156,11 +152,11 @@ TEST_F(GuardKeeperTest, PrefersTheSocketOfTheServiceAndSeesItsGuardEnd) {
     connection = Descriptor(::accept4(listener.get(), nullptr, nullptr, SOCK_CLOEXEC));
     const auto received = guard::receive_handover(connection.get(), kPatience_ms);
     EXPECT_TRUE(received.has_value());
-    EXPECT_EQ(received->handover.route, guard::ZeroRoute::HiddevAndWrite);
-    EXPECT_GE(received->device.hiddev.get(), 0);
+    EXPECT_EQ(received->handover.route, guard::ZeroRoute::Hiddev);
+    EXPECT_EQ(received->handover.size, 2U) << "no number before it";
     EXPECT_EQ(::send(connection.get(), "W", 1, 0), 1);
   });
-  has_second_way_ = true;
+  way_ = linux::NodeWay::Hiddev;
   EXPECT_EQ(refusal(*guard), "");
   service.join();
   EXPECT_TRUE(is_watching(*guard));

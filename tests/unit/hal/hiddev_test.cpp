@@ -54,21 +54,34 @@ TEST(Hiddev, WhatIsSentIsWhatWasGivenTimeAndAgain) {
     for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(random());
     FakeHidKernel kernel;
     kernel.fields = {{static_cast<std::uint32_t>(bytes.size())}};
-    HiddevReport sut(bytes);
-    EXPECT_TRUE(sut.send(kNode, kernel));
-    EXPECT_TRUE(sut.send(kNode, kernel));
-    EXPECT_EQ(kernel.sent, (std::vector<FakeHidKernel::Report>{{"dev", bytes}, {"dev", bytes}}));
+    HiddevOutput sut(kNode, kernel);
+    const Bytes others(bytes.rbegin(), bytes.rend());
+    EXPECT_TRUE(sut.write(bytes));
+    EXPECT_TRUE(sut.write(bytes));
+    EXPECT_TRUE(sut.write(others));
+    EXPECT_EQ(kernel.sent, (std::vector<FakeHidKernel::Report>{
+                               {"dev", bytes}, {"dev", bytes}, {"dev", others}}));
   }
+}
+
+TEST(Hiddev, OfAReportThatIsTooLongTheRestIsLeftOut) {
+  FakeHidKernel kernel;
+  kernel.fields = {{HiddevOutput::kMaxBytes}};
+  Bytes bytes(HiddevOutput::kMaxBytes + 1, 9);
+  HiddevOutput sut(kNode, kernel);
+  EXPECT_TRUE(sut.write(bytes));
+  bytes.pop_back();
+  EXPECT_EQ(kernel.sent, (std::vector<FakeHidKernel::Report>{{"dev", bytes}}));
 }
 
 TEST(Hiddev, OfADeviceThatIsGoneNothingIsSent) {
   FakeHidKernel kernel;
   kernel.has_hiddev = false;
-  HiddevReport sut(Bytes{1, 2});
-  EXPECT_FALSE(sut.send(kNode, kernel));
+  HiddevOutput sut(kNode, kernel);
+  EXPECT_FALSE(sut.write(Bytes{1, 2}));
   kernel.has_hiddev = true;
   kernel.fields = {{1}};
-  EXPECT_FALSE(sut.send(kNode, kernel)) << "shorter than the report";
+  EXPECT_FALSE(sut.write(Bytes{1, 2})) << "shorter than the report";
   EXPECT_TRUE(kernel.sent.empty());
 }
 
