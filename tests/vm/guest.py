@@ -1,5 +1,6 @@
 """What a test of the guest names: the base class, the guest itself, the paces that it can have."""
 
+import sys
 import unittest
 
 import guest_states
@@ -25,6 +26,21 @@ class GuestTest(unittest.TestCase):
     @classmethod
     def start_guest(cls):
         return guest_states.start(cls.kernel, cls.pace)
+
+    def run(self, result=None):
+        """The first test of a class that fails says what the daemon says of itself: the rest fails for that."""
+        result = result or self.defaultTestResult()
+        failed = len(result.failures) + len(result.errors)
+        super().run(result)
+        if failed == 0 and result.failures + result.errors:
+            print(self.words_of_the_daemon(), file=sys.stderr)
+        return result
+
+    def words_of_the_daemon(self):
+        try:
+            return self.guest.ask("thimble status; journalctl -u thimbled -u 'thimble-guard@*' -n 30 --no-pager")[1]
+        except (GuestError, OSError) as error:
+            return f"The guest says no more: {error}"
 
     @classmethod
     def properties(cls, *names, unit="thimbled.service"):
