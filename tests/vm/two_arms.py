@@ -51,8 +51,14 @@ class TwoArms(guest.GuestTest):
         if cls.way == "usb":
             cls.left.attach()
         cls.guest.wait_for(f"thimble devices | grep -q {BESIDE}")
+        # Before the arms are looked at: its coming takes the only processor for longer than a servo waits.
+        cls.plug_in_others()
         cls.right.words = f"{cls.right.words}\nworld = \"box\"\n{LEFT}"
         cls.right.configure()
+
+    @classmethod
+    def plug_in_others(cls):
+        """Devices that are nobody's arm."""
 
     def press(self, arm):
         """From the middle of the box, where nothing is felt, to where its wall pushes back."""
