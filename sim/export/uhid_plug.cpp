@@ -149,9 +149,9 @@ void UhidPlug::answer(const uhid::GetReport& request, MonotonicTime now) {
   const std::size_t prefix = info_.has_report_ids ? 0 : 1;
   const bool is_refused = around_.misbehaviour->refuses(now);
   const std::span<std::uint8_t> room(report.data() + prefix, bus::kMaxHidReportBytes);
-  const std::size_t size =
-      is_refused ? 0
-                 : std::min(model_->get_report(request.kind, request.number, room), room.size());
+  std::size_t size = is_refused ? 0 : model_->get_report(request.kind, request.number, room);
+  size = std::min(size, room.size());
+  if (size > 0) size = std::min(around_.misbehaviour->spoil(room, size), room.size());
   if (size == 0) {
     write_event(uhid::get_report_reply(request.id, EPIPE, {}));
     return;

@@ -49,6 +49,7 @@ class Misbehaviour:
 
     pace = guest.COUNTED
     may_fall_mute = False
+    more_words = ""  # of the configuration
     seen = ("state", "is_in_contact", "contacts", "faults")
 
     @classmethod
@@ -57,7 +58,7 @@ class Misbehaviour:
         cls.guest.run(GIVES_WAY)
         cls.arms = right, _ = cls.plug_in()
         cls.guest.wait_for(f"thimble devices | grep -q {two_arms.BESIDE}")
-        right.words = f"{right.words}\nworld = \"box\"\n{LIMIT}{two_arms.LEFT}{LIMIT}"
+        right.words = f"{right.words}\nworld = \"box\"\n{LIMIT}{two_arms.LEFT}{LIMIT}{cls.more_words}"
         # At half of that a report that misses its frame is 3 ms old before the next one is read, which is stale: the wall is let go for a moment.
         right.configure(arms.FULL_HZ)
         cls.judges = cls.judge, commanded.Phantom("phantom-vintage")

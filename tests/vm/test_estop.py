@@ -223,6 +223,28 @@ class Estop(guest.GuestTest):
         self.adapter.say("plug")
         self.start_again()
 
+    def test_7d_one_that_answers_nonsense_can_stop_the_arm_and_the_stop_works_meanwhile_and_after_it(self):
+        pid = self.properties("MainPID")
+        for verb, trouble in (("corrupt 30", "corrupted"), ("short 30", "shortened"), ("babble 30", "babbled")):
+            with self.subTest(verb):
+                self.arm.say("move 0 0 0 0.1")
+                self.guest.run("sleep 0.2")
+                self.lean()
+                felt_newton = max(self.arm.forces(0.3))
+                done = self.adapter.status()["trouble"][trouble]
+                self.adapter.say(verb)
+                self.guest.run("sleep 0.5")
+                self.assertGreater(self.adapter.status()["trouble"][trouble], done + 5)
+                self.assertLess(max(self.arm.forces(0.5)), 1.05 * felt_newton)
+                self.press()
+                # For some of the nonsense says that it is not pressed.
+                self.guest.run("sleep 2")
+                self.assertEqual(self.status()["safety"]["state"], "stopped")
+                self.assert_no_force()
+                self.release()
+                self.start_again()
+        self.assertEqual(self.properties("MainPID"), pid)
+
     def test_8_the_heartbeat_stops_with_a_daemon_that_hangs_is_killed_or_stopped(self):
         for signal in ("STOP", "KILL"):
             with self.subTest(signal):

@@ -304,6 +304,22 @@ TEST_P(UhidRequestTest, AStalledDeviceRefusesAll) {
   EXPECT_TRUE(model_.set_.empty());
 }
 
+TEST_P(UhidRequestTest, AReportThatIsAskedForIsSpoiltAsOthersAre) {
+  const int before = GetParam() ? 0 : 1;  // the kernel's byte for the number
+  bench_.misbehaviour.shorten(1);
+  EXPECT_EQ(get(3).size, before + 1);
+  bench_.misbehaviour.babble(1);
+  EXPECT_EQ(get(3).size, before + 5);
+  bench_.misbehaviour.corrupt(1);
+  const auto turned = get(3);
+  EXPECT_EQ(turned.size, before + 2);
+  EXPECT_FALSE(turned.data[before] == 3 && turned.data[before + 1] == 0xAB);
+  EXPECT_EQ(get(3).data[before + 1], 0xAB) << "one each";
+  bench_.misbehaviour.shorten(1);
+  EXPECT_EQ(get(10).err, EPIPE);
+  EXPECT_EQ(bench_.misbehaviour.struck().shortened, 1U) << "none is no report";
+}
+
 INSTANTIATE_TEST_SUITE_P(Numbers, UhidRequestTest, ::testing::Bool());
 
 TEST(UhidPlugOfAnArm, CarriesTheExchangeOfTheBoard) {

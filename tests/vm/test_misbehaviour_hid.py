@@ -1,0 +1,60 @@
+"""Two HID arms and a puck on the kernel's USB stack: an arm and the puck misbehave in turn, and the others must not notice: misbehaviour.py.
+
+What they have in common in the kernel is more than a Falcon and a HID arm have: usbhid, and hidraw with its one lock (decision 0488).
+"""
+
+import json
+
+import arms
+import commanded
+import guest
+import misbehaviour
+import simdev
+import two_arms
+
+PUCK = "VM-PUCK-1"
+PUSHED = "push 0 5 0"
+
+
+class Misbehaving(misbehaviour.Misbehaviour, guest.GuestTest):
+    """Numbered: each test goes on where the one before it ended."""
+
+    judge = commanded.Phantom("phantom-vintage")
+
+    @classmethod
+    def plug_in(cls):
+        right = arms.HidArm(cls.guest, "usb", arms.FULL_HZ, is_named=False)
+        beside = misbehaviour.arm_beside(cls.guest, "--vhci")
+        cls.puck = simdev.Simdev(cls.guest, "puck", "--vhci", "--serial", PUCK, "spacemouse")
+        for device in (beside, cls.puck):
+            device.attach()
+        address = cls.guest.wait_for("thimble devices --json | grep -o 'hid:[^\"]*' | grep -v ARM").split()[0]
+        cls.more_words = f'world = "box"\n\n[[arm]]\nname = "puck"\ndevice = "{address}"\n'
+        return right, beside
+
+    def test_2_an_arm_misbehaves(self):
+        self.assert_bounded_by_each(misbehaviour.RIGHT)
+
+    def test_3_the_puck_misbehaves(self):
+        before = [self.status(arm) for arm in (misbehaviour.RIGHT, misbehaviour.LEFT)]
+        for verb, trouble in misbehaviour.TROUBLES.items():
+            with self.subTest(verb):
+                done = self.puck.status()["trouble"][trouble]
+                self.puck.say(PUSHED, verb)
+                self.guest.run("sleep 0.5")
+                self.assertGreater(self.puck.status()["trouble"][trouble], done)
+                for device in self.arms:
+                    felt = [force for _, force in two_arms.forces(device.log(0.5))]
+                    self.assertGreater(min(felt), misbehaviour.PRESSED_NEWTON)
+                    self.assertLess(max(felt), misbehaviour.SLACK * misbehaviour.LIMIT_NEWTON)
+                self.assertEqual([self.status(arm) for arm in (misbehaviour.RIGHT, misbehaviour.LEFT)], before)
+
+    def test_4_the_puck_moves_its_point_again(self):
+        self.guest.run("thimble clear-fault puck || true")
+        simdev.wait_for_state(self.guest, "active", arm=2)
+        places = []
+        for verb in ("push 10 0 0", "push -10 0 0"):
+            self.puck.say(verb)
+            self.guest.run("sleep 0.5")
+            places.append(json.loads(self.guest.run("thimble status --json"))["arms"][2]["position_m"][0])
+        self.assertLess(places[1], places[0])
