@@ -4,13 +4,20 @@
 #include <poll.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <utility>
+
+#include "hal/linux/system_error.hpp"
 
 namespace thimble::linux {
 namespace {
 
 // How long closing waits for a device that says nothing; one that speaks ends the wait.
 constexpr int kReadWait_ms = 10;
+// udevd gives each node its rights when it comes to it, and hiddev's may come after hidraw's. Ours:
+// within HidHost::kPatience.
+constexpr Duration kNodePatience = std::chrono::milliseconds(150);
+constexpr int kNodeLook_ms = 5;
 
 // Until somebody signals, at most until `patience_ms` have passed; below 0: for ever.
 void wait_for(EventFd& event, int patience_ms) noexcept {
@@ -120,7 +127,8 @@ void HidConnection::close() noexcept {
 }
 
 Result<void> HidConnection::open() {
-  const std::optional<HiddevOutput> hiddev = open_hiddev();
+  if (const Result<void> node = open_hiddev_node(); !node.has_value()) return node;
+  const std::optional<HiddevOutput> hiddev = hiddev_output();
   auto transfers = HidTransfers::open(nodes_.hidraw, has_report_ids_, mail_, settings_->clock,
                                       *opening_, hiddev);
   if (!transfers.has_value()) return tl::unexpected(transfers.error());
@@ -132,12 +140,28 @@ Result<void> HidConnection::open() {
   return {};
 }
 
-// Without it everything works as well, but holds others up.
-std::optional<HiddevOutput> HidConnection::open_hiddev() {
-  if (nodes_.hiddev.empty()) return std::nullopt;
-  hiddev_ = Descriptor(::open(nodes_.hiddev.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+// One that is there and may not be opened is a refusal: over hidraw the arm could be held up by
+// any other HID device, and nobody would know.
+Result<void> HidConnection::open_hiddev_node() {
+  if (nodes_.hiddev.empty()) return {};
+  const MonotonicTime deadline = settings_->clock.now() + kNodePatience;
+  for (;;) {
+    hiddev_ = Descriptor(::open(nodes_.hiddev.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+    const int code = errno;
+    const bool is_there = code == EACCES || code == EPERM;
+    if (hiddev_.get() >= 0 || !is_there) return {};
+    if (is_over_.load() || settings_->clock.now() >= deadline) {
+      return tl::unexpected(system_error(nodes_.hiddev + " cannot be opened", code));
+    }
+    wait_for(*wake_, kNodeLook_ms);
+  }
+}
+
+std::optional<HiddevOutput> HidConnection::hiddev_output() {
   if (hiddev_.get() < 0 || has_report_ids_) return std::nullopt;
   if (!takes_plain_bytes(hiddev_.get(), output_report_bytes_, *calls_)) return std::nullopt;
+  // Before hidraw is opened, where the answers would be read as samples.
+  have_reports_asked_for(hiddev_.get(), *calls_);
   return HiddevOutput(hiddev_.get(), *calls_);
 }
 

@@ -53,7 +53,8 @@ class HidConnection {
   [[nodiscard]] bool has_opened() const noexcept { return state_.load() != State::Opening; }
   // How the opening went; Timeout while it goes on after `patience`. Errors: of
   // HidTransfers::open(), open_hidraw_to_share(), share_node() and, for the thread that reads,
-  // RealtimeThread::start(). Where only hiddev cannot be had, everything goes over hidraw.
+  // RealtimeThread::start(); Permission or System of a hiddev node that is there and cannot be
+  // opened. Where there is none, or it takes no plain bytes, everything goes over hidraw.
   [[nodiscard]] Result<void> opened(Duration patience);
   [[nodiscard]] bus::HidMailboxes& mail() noexcept { return mail_; }
   // Once opened: by which its reports leave. Expires when it closes.
@@ -74,7 +75,8 @@ class HidConnection {
   [[nodiscard]] Result<void> start();
   void run() noexcept;
   [[nodiscard]] Result<void> open();
-  [[nodiscard]] std::optional<HiddevOutput> open_hiddev();
+  [[nodiscard]] Result<void> open_hiddev_node();
+  [[nodiscard]] std::optional<HiddevOutput> hiddev_output();
   [[nodiscard]] Result<void> open_for_guard(bool has_hiddev);
   void close() noexcept;
   void read() noexcept;
@@ -96,8 +98,9 @@ class HidConnection {
   Error refusal_;  // once Refused
   // Of the thread that writes. The kernel sleeps 50 ms when a HID device on USB is opened first
   // (usbhid_open(), Linux 6.1), and stops its transfers when it is closed last; within hidraw that
-  // would be behind the lock for which every other arm's writes wait. So hiddev, which has no such
-  // lock, is the first and the last (docs/decisions/0358).
+  // would be behind the lock for which all writes to hidraw wait, of strangers and of arms that
+  // have no hiddev. So hiddev, which has no such lock, is the first and the last
+  // (docs/decisions/0358).
   Descriptor hiddev_;
   std::shared_ptr<const SharedDevice> shared_;
   std::unique_ptr<HidTransfers> transfers_;

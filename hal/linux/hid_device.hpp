@@ -52,8 +52,9 @@ class HidDevice final : public bus::HidDevice {
 // submitted when it is closed the newest is still written, then nothing.
 //
 // Thread: any, one at a time for each device; the devices as bus::HidDevice. Not RT.
-// Ownership: must outlive the devices, and the calls it. The destructor waits for the kernel, up to
-// 5 s over hidraw and 20 s over hiddev for a device that takes nothing.
+// Ownership: must outlive the devices, and the calls it. The destructor waits for the kernel: of a
+// device that takes nothing for the report under way and for the last one, over hidraw 10 s
+// together, over hiddev 20 and as much again where a guard writes to it meanwhile.
 class HidHost {
  public:
   HidHost(BusSettings settings, DeviceCalls& calls)

@@ -16,9 +16,10 @@ struct hid_device_;
 namespace thimble::linux {
 
 // What the bus does with an opened HID device: hidapi's calls, on a node of the kernel's hidraw.
-// Two handles of one node, one to read and one to write: a write may last, and hidapi's memory of
-// its last error is one of the handle and takes no second thread. Where the device has another way
-// out it is written by that alone (docs/decisions/0488-an-arms-reports-leave-over-hiddev.md).
+// One handle to read, and where the device has no hiddev that takes plain bytes another one of the
+// same node to write: a write may last, and hidapi's memory of its last error is one of the handle
+// and takes no second thread. Where it has one it is written over that alone
+// (docs/decisions/0488-an-arms-reports-leave-over-hiddev.md).
 //
 // The node is locked (flock) against another daemon. hidapi's words for errors are not used.
 //
@@ -26,7 +27,7 @@ namespace thimble::linux {
 // or fewer. hidapi's memory of errors wants one opening at a time in the process: one mutex for
 // all. Not RT: the kernel (6.1, hidraw.c) holds one lock over all HID devices during a write to
 // hidraw, which may last 5 s on one whose device takes nothing, and wants the same lock to open and
-// to close any of them. The other way holds no other device up, and may last 10 s.
+// to close any of them. A write over hiddev holds no other device up, and may last 10 s.
 // Ownership: the mailboxes and the clock must outlive it, and what `hiddev` needs.
 // Errors: Result when opening; a device that is gone shows in the mailboxes.
 class HidTransfers {

@@ -54,6 +54,10 @@ bool takes_plain_bytes(int hiddev, std::size_t bytes, DeviceCalls& calls) noexce
          field.logical_maximum == kLargestByte;
 }
 
+void have_reports_asked_for(int hiddev, DeviceCalls& calls) noexcept {
+  static_cast<void>(calls.control(hiddev, HIDIOCINITREPORT, nullptr));
+}
+
 HiddevOutput::HiddevOutput(int hiddev, DeviceCalls& calls) noexcept
     : hiddev_(hiddev), calls_(&calls) {
   values_.uref.report_type = HID_REPORT_TYPE_OUTPUT;

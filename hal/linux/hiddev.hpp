@@ -26,16 +26,27 @@ namespace thimble::linux {
 // value each: such a one goes out as it was given. Thread: any. Not RT.
 [[nodiscard]] bool takes_plain_bytes(int hiddev, std::size_t bytes, DeviceCalls& calls) noexcept;
 
-// Where the output reports of a device that takes plain bytes leave.
+// Lets the kernel ask the device at `hiddev` for all its reports, once and now: else it would do so
+// before the first one that is sent, and whoever reads from the device would have the answers for
+// what it says by itself (usbhid_init_reports()). A device need not answer. Thread: any; waits for
+// the kernel, 10 s for each report of a device that says nothing at all. Not RT.
+void have_reports_asked_for(int hiddev, DeviceCalls& calls) noexcept;
+
+// Where the output reports of a device that takes plain bytes leave, whose reports were asked for.
 //
 // Thread: one. RT: no allocation; write() waits in the kernel until the device took it, about a
-// frame, at most 10 s (usbhid_wait_io()). It is under way before anything waits, after what was
-// written before. Ownership: the opened node and the calls must outlive it.
+// frame, at most 10 s (usbhid_wait_io()); before that for another write to the same device, as long
+// as that one lasts. Once it waits for the device it leaves after what was written before, whatever
+// becomes of the process. Ownership: the opened node and the calls must outlive it.
+//
+// The values that leave are the device's, not the writer's: of two processes that write at once one
+// may send what the other one set. Who has the last word (a guard) says it several times.
 class HiddevOutput {
  public:
   HiddevOutput(int hiddev, DeviceCalls& calls) noexcept;
-  // Of a report of more than kMaxBytes the rest is left out. True: the kernel took it, which does
-  // not say that the device did: the kernel answers so whatever became of it.
+  // A whole one: of a shorter one the rest is what was set last, of more than kMaxBytes the rest is
+  // left out. True: the kernel took it, which does not say that the device did: the kernel answers
+  // so whatever became of it.
   bool write(std::span<const std::uint8_t> report) noexcept;
 
   static constexpr std::size_t kMaxBytes = HID_MAX_MULTI_USAGES;

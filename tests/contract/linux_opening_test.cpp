@@ -5,8 +5,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
+#include <functional>
 #include <map>
+#include <memory>
+#include <utility>
 
 #include "hal/linux/udev_scan.hpp"
 #include "tests/contract/linux_enumerator_fixture.hpp"
@@ -14,6 +18,8 @@
 
 namespace thimble::test {
 namespace {
+
+namespace fs = std::filesystem;
 
 TEST_F(LinuxEnumerator, ANodeThatBecameAnotherDevicesWhileItWasOpenedIsRefused) {
   FakeHidWire wire;
@@ -137,6 +143,63 @@ TEST_F(LinuxEnumerator, WithoutAHiddevThatAnswersHidrawIsTheWay) {
   EXPECT_EQ((*device)->submit(zero), IoStatus::Ok);
   device->reset();
   EXPECT_EQ(wire.received_by_device(), (std::vector<FakeHidWire::Report>{zero}));
+}
+
+// Does something each time somebody asks for the time.
+class WatchedClock final : public Clock {
+ public:
+  explicit WatchedClock(std::function<void()> happening) : happening_(std::move(happening)) {}
+  [[nodiscard]] MonotonicTime now() const noexcept override {
+    happening_();
+    return running_.now();
+  }
+  Duration sleep_until(MonotonicTime) noexcept override { return {}; }
+
+ private:
+  std::function<void()> happening_;
+  linux::MonotonicClock running_;
+};
+
+// An arm on hidraw whose hiddev is there and nobody's, for who has no rights but to hidraw.
+struct ClosedHiddev : LinuxEnumerator {
+  ClosedHiddev() {
+    wire.attach("/dev/hidraw0");
+    plug_arm("1-4", "X", 0);
+    machine.plug_hiddev("1-4", 0, "hiddev7");
+    machine.let_others_look();
+    fs::permissions(machine.file_of("/dev/hidraw0"), fs::perms(0666));
+    fs::permissions(hiddev, fs::perms::none);
+    fs::permissions(fs::path(hiddev).parent_path(), fs::perms(0755));
+    EXPECT_EQ(::chown(hiddev.c_str(), kNobody, kNobody), 0);
+  }
+  // How it goes, where each look at the clock makes something happen.
+  std::string open(const std::function<void()>& happening) {
+    return in_child_process(Rights::None, [&] {
+      const WatchedClock watched(happening);
+      linux::BusEnumerator buses(linux::BusSettings{watched, {}, {}});
+      const auto opened = buses.open_hid({"hid:X"});
+      if (opened.has_value()) return std::string("opened");
+      return std::string(to_string(opened.error().code)) + " " + opened.error().message;
+    });
+  }
+
+  static constexpr ::uid_t kNobody = 65534;
+  FakeHidWire wire;
+  const std::string hiddev = machine.file_of("/dev/usb/hiddev7");
+};
+
+TEST_F(ClosedHiddev, IsARefusalThatNamesIt) {
+  const std::string said = open([] {});
+  EXPECT_EQ(said.find(std::string(to_string(Errc::Permission)) + " hid:X: /dev/usb/hiddev7"), 0U)
+      << said;
+}
+
+// udevd comes to one node after the other.
+TEST_F(ClosedHiddev, ItsRightsMayComeAMomentLater) {
+  const std::string said = open([this, looks = std::make_shared<std::atomic<int>>(0)] {
+    if (++*looks == 20) fs::permissions(hiddev, fs::perms(0400));
+  });
+  EXPECT_EQ(said, "opened");
 }
 
 TEST_F(LinuxEnumerator, SharesNoUsbDeviceThatItDidNotOpen) {

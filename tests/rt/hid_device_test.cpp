@@ -266,6 +266,14 @@ TEST_F(HidDeviceOverHiddev, WhatIsSubmittedLeavesByThatAloneAndSoDoesAGuardsZero
   EXPECT_TRUE(wire.received_by_device().empty());
 }
 
+// What it answers then would be a sample that it never sent.
+TEST_F(HidDeviceOverHiddev, WhatTheKernelAsksItForIsAskedBeforeAnybodyReads) {
+  bool is_asked_before = false;
+  wire.at_next_opening([&] { is_asked_before = kernel.is_initialized; });
+  const auto sut = open_both();
+  EXPECT_TRUE(is_asked_before);
+}
+
 // Another device's writer holds hidraw's lock: nothing of ours waits for it.
 TEST_F(HidDeviceOverHiddev, AHidrawThatTakesNothingHoldsNothingUp) {
   const auto sut = open_both();

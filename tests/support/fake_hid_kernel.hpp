@@ -33,6 +33,9 @@ class FakeHidKernel final : public linux::DeviceCalls {
   std::uint32_t report_number{0};
   std::vector<Field> fields{{2}};
   bool has_hiddev{true};
+  bool is_gone{false};
+  // The device was asked for its reports, of itself before values are first set.
+  bool is_initialized{false};
   // Before a report goes out: time may pass.
   std::function<void()> on_send = [] {};
   std::vector<Report> sent;
@@ -45,7 +48,11 @@ class FakeHidKernel final : public linux::DeviceCalls {
 
   int control(int /*node*/, unsigned long request, void* argument) noexcept override {
     if (!has_hiddev) return refuse(ENOTTY);
+    if (is_gone) return refuse(ENODEV);
     switch (request) {
+      case HIDIOCINITREPORT:
+        is_initialized = true;
+        return 0;
       case HIDIOCGREPORTINFO:
         return tell_report(*static_cast<hiddev_report_info*>(argument));
       case HIDIOCGFIELDINFO:
@@ -86,6 +93,7 @@ class FakeHidKernel final : public linux::DeviceCalls {
     return 0;
   }
   int set(const hiddev_usage_ref_multi& values) {
+    is_initialized = true;
     const hiddev_usage_ref& at = values.uref;
     if (!is_there(at.report_type, at.report_id) || at.field_index >= fields.size() ||
         at.usage_index + values.num_values > fields[at.field_index].values) {

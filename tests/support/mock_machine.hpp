@@ -77,6 +77,8 @@ class MockMachine {
   void answer(const std::string& path, const std::string& attribute);
   // Without rights to the nodes.
   void let_others_look();
+  // The plain file to which the name of a node leads, "/dev/hidraw0", for its owner and rights.
+  [[nodiscard]] std::string file_of(const std::string& node) const { return root() + node; }
 
  private:
   [[nodiscard]] std::string root() const;

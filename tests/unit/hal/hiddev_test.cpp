@@ -25,7 +25,7 @@ TEST(Hiddev, AReportOfOneFieldOfBytesIsTakenAsItIs) {
   EXPECT_TRUE(kernel.sent.empty()) << "to ask sends nothing";
 }
 
-TEST(Hiddev, ANodeOfAnythingElseIsNoSecondWay) {
+TEST(Hiddev, ANodeOfAnythingElseIsNoWayOut) {
   FakeHidKernel kernel;
   const auto is_taken = [&] { return takes_plain_bytes(kNode, 2, kernel); };
   ASSERT_TRUE(is_taken());
@@ -64,6 +64,15 @@ TEST(Hiddev, WhatIsSentIsWhatWasGivenTimeAndAgain) {
   }
 }
 
+TEST(Hiddev, ToLookAtADeviceAsksItForNothingUntilThatIsWanted) {
+  FakeHidKernel kernel;
+  EXPECT_TRUE(takes_plain_bytes(kNode, 2, kernel));
+  EXPECT_FALSE(kernel.is_initialized);
+  have_reports_asked_for(kNode, kernel);
+  EXPECT_TRUE(kernel.is_initialized);
+  EXPECT_TRUE(kernel.sent.empty());
+}
+
 TEST(Hiddev, OfAReportThatIsTooLongTheRestIsLeftOut) {
   FakeHidKernel kernel;
   kernel.fields = {{HiddevOutput::kMaxBytes}};
@@ -76,10 +85,10 @@ TEST(Hiddev, OfAReportThatIsTooLongTheRestIsLeftOut) {
 
 TEST(Hiddev, OfADeviceThatIsGoneNothingIsSent) {
   FakeHidKernel kernel;
-  kernel.has_hiddev = false;
+  kernel.is_gone = true;
   HiddevOutput sut(kNode, kernel);
   EXPECT_FALSE(sut.write(Bytes{1, 2}));
-  kernel.has_hiddev = true;
+  kernel.is_gone = false;
   kernel.fields = {{1}};
   EXPECT_FALSE(sut.write(Bytes{1, 2})) << "shorter than the report";
   EXPECT_TRUE(kernel.sent.empty());
