@@ -29,9 +29,9 @@ class GuardSession {
   [[nodiscard]] static Result<GuardSession> accept(int socket, int timeout_ms,
                                                    linux::DeviceCalls& calls);
 
-  // One look; where zero is to be written it blocks as ZeroWriter::write() does, seconds on hidraw.
+  // One look; where zero is to be written it blocks as ZeroWriter::write() does.
   // False: the connection has ended, and nothing is left to do. Of an arm that was driven that
-  // comes 100 ms after the first zero that it took then, or 10 s after the end (WatchSettings).
+  // comes 100 ms after the first zero that it took then, or 25 s after the end (WatchSettings).
   [[nodiscard]] bool step(const Clock& clock) noexcept;
   // Until the next look is due, or the connection ends; after a step.
   void await_next(Clock& clock) noexcept;

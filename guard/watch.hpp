@@ -13,14 +13,15 @@ struct WatchSettings {
   // cuts at the same age at which the servo would stop by itself; it counts from the beginning of
   // the last tick that came to its end.
   Duration patience{std::chrono::milliseconds(20)};
-  // Zero is written for so long after the first that the arm took; then it hears nothing and its
+  // Zero is written for so long after the first that the arm took (over hiddev: that the kernel
+  // took, which does not tell what the arm refuses); then it hears nothing and its
   // own watchdog, if it has one, takes the power away: as the servo does after a fault, and for as
   // long as that (ServoSettings::zero_before_silence). Ours.
   Duration zero_for{std::chrono::milliseconds(100)};
   // Who is gone for good is not asked again: an arm that takes no zero for so long takes none.
-  // Ours, and no shorter than what the kernel may keep one write for: hiddev's 10 s (decision
-  // 0341).
-  Duration gives_up_after{std::chrono::seconds(10)};
+  // Ours, and no shorter than what the kernel may keep one write over hiddev for: 10 s, and before
+  // them 10 s of the daemon's that was under way (decision 0488).
+  Duration gives_up_after{std::chrono::seconds(25)};
   // Of zeros, while they are written. Ours: two of a full-speed device's frames.
   Duration zero_every{std::chrono::milliseconds(2)};
   // At an arm that is not driven. Ours: half of the patience, so that the first force of all is

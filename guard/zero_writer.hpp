@@ -28,7 +28,8 @@ class ZeroWriter {
   ZeroWriter(const Handover& handover, linux::Descriptor node, linux::DeviceCalls& calls) noexcept
       : handover_(handover), node_(std::move(node)), calls_(&calls), hiddev_(node_.get(), calls) {}
 
-  // True: the arm's node took the whole zero. What became of one on hiddev nobody says.
+  // True: the arm's node took the whole zero. What became of one over hiddev nobody says: an arm
+  // that refuses it is let go by its own watchdog, which such an arm must have (decision 0358).
   bool write() noexcept;
   // Calls of write() that gave true, and false; calls, not zeros that reached the arm.
   [[nodiscard]] std::uint64_t written() const noexcept { return written_; }

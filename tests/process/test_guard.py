@@ -75,7 +75,7 @@ class Guarded(unittest.TestCase):
         for descriptor in (self.arm, self.node, self.page_file):
             os.close(descriptor)
 
-    def hand_over(self, packet=b"TG\1" + bytes([0, 0]) + ZERO):
+    def hand_over(self, packet=b"TG\2" + bytes([0, 0]) + ZERO):
         socket.send_fds(self.daemon, [packet], [self.node, self.page_file])
 
     def begin(self, *arguments):
@@ -169,7 +169,7 @@ class Guarded(unittest.TestCase):
     def test_a_packet_that_is_no_handover_ends_the_guard_with_a_word(self):
         self.hand_over(b"GET / HTTP/1.1\r\n\r\n")
         self.assertEqual(self.guard.wait(TIMEOUT_S), 1)
-        self.assertIn(b"not one of version 1", self.guard.stderr.read())
+        self.assertIn(b"not one of version 2", self.guard.stderr.read())
         self.assertEqual(self.zeros(), 0)
 
 

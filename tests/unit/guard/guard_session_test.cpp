@@ -211,8 +211,7 @@ TEST(GuardSession, AnArmThatIsDrivenOverHiddevIsLetGoOverThatAlone) {
   EXPECT_EQ(kernel.sent, std::vector<Report>(51, kZeroByHiddev));
 }
 
-// The arm takes nothing for a while, and what the daemon had on its way leaves when it does, before
-// the guard's own: zero must follow for as long as ever.
+// The arm takes nothing for a while: the one zero that waited is not the last.
 TEST(GuardSession, WhereAWriteHangsZeroFollowsForAsLongAsEver) {
   Rig rig;
   test::FakeHidKernel kernel;
