@@ -225,22 +225,23 @@ class Estop(guest.GuestTest):
 
     def test_7d_one_that_answers_nonsense_can_stop_the_arm_and_the_stop_works_meanwhile_and_after_it(self):
         pid = self.properties("MainPID")
-        for verb, trouble in (("corrupt 30", "corrupted"), ("short 30", "shortened"), ("babble 30", "babbled")):
+        for verb, trouble in (("corrupt", "corrupted"), ("short", "shortened"), ("babble", "babbled")):
             with self.subTest(verb):
                 self.arm.say("move 0 0 0 0.1")
                 self.guest.run("sleep 0.2")
                 self.lean()
                 felt_newton = max(self.arm.forces(0.3))
                 done = self.adapter.status()["trouble"][trouble]
-                self.adapter.say(verb)
+                self.adapter.say(f"{verb} 100000")
                 self.guest.run("sleep 0.5")
                 self.assertGreater(self.adapter.status()["trouble"][trouble], done + 5)
                 self.assertLess(max(self.arm.forces(0.5)), 1.05 * felt_newton)
                 self.press()
-                # For some of the nonsense says that it is not pressed.
-                self.guest.run("sleep 2")
-                self.assertEqual(self.status()["safety"]["state"], "stopped")
+                # A look of the kernel's may be told that it is not pressed; not one after the other.
+                self.guest.run("sleep 0.5")
                 self.assert_no_force()
+                self.adapter.say(f"{verb} 0")
+                self.wait_for("stopped")
                 self.release()
                 self.start_again()
         self.assertEqual(self.properties("MainPID"), pid)
