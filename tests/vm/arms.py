@@ -27,6 +27,11 @@ PID = "$(systemctl show thimbled -p MainPID --value)"
 SERVO = f"$(ps -L -o lwp=,comm= -p {PID} | awk '$2 == \"servo-right\" {{print $1}}')"
 
 
+def signal(name):
+    """Sends it to the daemon and prints when."""
+    return f"python3 -c 'import os, signal, sys, time; print(time.monotonic()); os.kill(int(sys.argv[1]), signal.{name})' {PID}"
+
+
 # How a HID arm comes to the kernel.
 WAYS = {"uhid": ("--uhid",), "usb": ("--vhci",), "usbip": ("--usbip", simdev.PORT)}
 

@@ -176,7 +176,7 @@ class Misbehaviour:
 
 
 class FalconBesideHid(Misbehaviour):
-    """Both over USB/IP: on usbfs and on hidraw."""
+    """Both on USB: on usbfs and on the kernel's HID stack."""
 
     judge = commanded.Falcon(arms.NEWTON_PER_COUNT)
 

@@ -1,4 +1,4 @@
-"""A world of pieces on some CAM board, felt with an arm on hidraw: the same moves, which lead to the same on every board."""
+"""A world of pieces on some CAM board, felt with a HID arm: the same moves, which lead to the same on every board."""
 
 import json
 

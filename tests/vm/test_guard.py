@@ -14,11 +14,6 @@ import simdev
 LET_GO_S = 0.05
 
 
-def signal(name):
-    """Sends it and prints when."""
-    return f"python3 -c 'import os, signal, sys, time; print(time.monotonic()); os.kill(int(sys.argv[1]), signal.{name})' {arms.PID}"
-
-
 class LetsGo:
     """Whatever happens to the daemon. `plug_in()`: makes the arm; `STARTED_ANEW`: the state that the next daemon finds it in."""
 
@@ -71,11 +66,11 @@ class LetsGo:
         self.assert_without_force()
 
     def test_killed(self):
-        self.assertLess(self.let_go_after(signal("SIGKILL")), LET_GO_S)
+        self.assertLess(self.let_go_after(arms.signal("SIGKILL")), LET_GO_S)
         self.assert_started_anew_without_force(self.RESTART_S)
 
     def test_stopped(self):
-        self.assertLess(self.let_go_after(signal("SIGSTOP")), LET_GO_S)
+        self.assertLess(self.let_go_after(arms.signal("SIGSTOP")), LET_GO_S)
         self.assert_started_anew_without_force(self.WATCHDOG_S)
 
     def test_a_servo_that_hangs(self):
@@ -88,7 +83,7 @@ class LetsGo:
 
 
 class HidArm(LetsGo, guest.GuestTest):
-    """On USB: its guard has two ways."""
+    """On USB: its guard has hiddev."""
 
     @classmethod
     def plug_in(cls):
@@ -102,7 +97,7 @@ class HidArm(LetsGo, guest.GuestTest):
 
 
 class HidArmWithoutUsb(LetsGo, guest.GuestTest):
-    """Its guard has hidraw alone. The form of the family whose reports, and so whose zero, have 64 bytes."""
+    """Its guard has hidraw. The form of the family whose reports, and so whose zero, have 64 bytes."""
 
     FREE, IN_A_WALL = "move 0 -0.034 0.0495 0.1", "move 0 -0.034 0.064 0.15"
 

@@ -41,8 +41,9 @@ class Uhid(one_arm.OneArm):
 
 
 class Teensy(Uhid):
-    """The form of the family that reports 64 bytes."""
+    """The form of the family that reports 64 bytes, on USB: they leave over its hiddev, too."""
 
+    way = "usb"
     walls = ((2, 1),)
     rest_m = (0.0, -0.034, 0.0495)  # its home
     to_wall_m = 0.0145
@@ -56,6 +57,7 @@ class Teensy(Uhid):
         log = self.arm.log(0.1)
         for way in ("in", "out"):
             self.assertEqual({len(entry[way]) // 2 for entry in log if way in entry}, {64}, way)
+        self.guest.run("ls -l /proc/$(pgrep -x thimble-guard)/fd | grep -q /dev/usb/hiddev")
 
 
 class Usbip(Uhid):

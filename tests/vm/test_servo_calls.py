@@ -1,7 +1,7 @@
-"""What the servo thread of the packaged daemon asks of a stock kernel and of the C library while it drives a real bus: hidraw, usbfs, a serial port.
+"""What the servo thread of the packaged daemon asks of a stock kernel and of the C library while it drives a real bus: HID on USB, usbfs, a serial port.
 
 strace tells the system calls, probes of the kernel in the C library the allocations. Both see the threads of the bus, too, whose calls
-may block and allocate: that is how the tests know that they see. Beside the arm on hidraw the daemon has safety lines on a CP2112, whose every read blocks.
+may block and allocate: that is how the tests know that they see. Beside the HID arm the daemon has safety lines on a CP2112, whose every read blocks.
 """
 
 import json
@@ -32,11 +32,11 @@ class ArmWithLines(arms.HidArm):
         super().activate()
 
 
-class Hidraw(guest.GuestTest):
-    """The arm hangs on USB/IP, so that a write to its node takes a frame of the bus."""
+class Hid(guest.GuestTest):
+    """The arm hangs on USB, so that what leaves for it, over its hiddev, takes a frame of the bus."""
 
     pace = guest.COUNTED
-    blocking_call = "write(", "</dev/hidraw"
+    blocking_call = "ioctl(", "</dev/usb/hiddev", "HIDIOCSREPORT"
     libraries = LIBRARIES
 
     @classmethod
@@ -98,7 +98,7 @@ class Hidraw(guest.GuestTest):
         self.assertTrue(any(f"malloc by {taker}" in counts for counts in calls.values() for taker in ("thimbled", "libstdc++.so.6.0.30")))
 
 
-class Usbfs(Hidraw):
+class Usbfs(Hid):
     pace = guest.COUNTED
     blocking_call = "ioctl(", "USBDEVFS_SUBMITURB"
     test_its_safety_lines_are_read_by_a_thread_of_their_own = None  # it has none
@@ -108,7 +108,7 @@ class Usbfs(Hidraw):
         return arms.Falcon(cls.guest, rate_hz=arms.FULL_HZ)
 
 
-class Serial(Hidraw):
+class Serial(Hid):
     """No library is between its bus and the kernel: the thread of the bus takes no memory either."""
 
     blocking_call = "write(", "</dev/ttyACM"

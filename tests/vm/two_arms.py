@@ -15,7 +15,7 @@ model = "phantom-vintage"
 amplifier_max_a = 3.0
 """
 # A sample older than that is stale, and its arm begins to let go (DESIGN): the arm beside never comes near. A command waits longer where
-# another device comes and goes, behind the kernel's one lock of hidraw (decision 0358); at 20 ms the servo would stop the arm.
+# another device comes and goes, on uhid behind the kernel's one lock of hidraw (decision 0358); at 20 ms the servo would stop the arm.
 GAP_S = {"in": 0.003, "out": 0.005}
 IN_THE_WALL = "move 0.018 0 0 0.15"
 WALL_NEWTON = 0.3
@@ -36,9 +36,10 @@ def longest_gaps(log):
 
 
 class TwoArms(guest.GuestTest):
-    """Both by `way`, uhid or usb of arms.WAYS. Each test goes on where the one before it ended."""
+    """Both by `way`, uhid or usb of arms.WAYS. Each test goes on where the one before it ended. `gap_s`: as GAP_S."""
 
     way = "uhid"
+    gap_s = GAP_S
 
     # Two devices take a third of the processor here; at twice the time an instruction the world's thread would wait for them.
     pace = guest.COUNTED
@@ -102,7 +103,7 @@ class TwoArms(guest.GuestTest):
         felt = [force for _, force in forces(log)]
         self.assertGreater(len(felt), 500)
         self.assertGreater(min(felt), WALL_NEWTON)
-        for way, gap_s in GAP_S.items():
+        for way, gap_s in self.gap_s.items():
             at_s = [entry["machine_s"] for entry in log if way in entry]
             self.assertGreater(len(at_s), 500, way)
             self.assertLess(max(simdev.gaps(at_s))[0], gap_s, way)
