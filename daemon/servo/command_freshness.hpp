@@ -19,10 +19,10 @@ namespace thimble::servo {
 // Thread: servo. RT: THIMBLE_RT.
 class CommandFreshness {
  public:
-  // Of `settings` it uses the device's period and the bucket's limit.
+  // Of `settings` it uses the period of exchanges and the bucket's limit.
   explicit CommandFreshness(const FreshnessSettings& settings) noexcept
-      : device_period_(settings.device_period),
-        misses_(settings.device_period, settings.bucket_limit) {}
+      : exchange_period_(settings.exchange_period),
+        misses_(settings.exchange_period, settings.bucket_limit) {}
 
   // Forgets all but the count.
   THIMBLE_RT void restart() noexcept {
@@ -37,7 +37,7 @@ class CommandFreshness {
     }
     shut_since_ = shut_since_.value_or(now);
     const Duration age = now - *shut_since_;
-    if (sample_age >= 2 * device_period_) return misses_.pass(age);  // SampleFreshness counts it
+    if (sample_age >= 2 * exchange_period_) return misses_.pass(age);  // SampleFreshness counts it
     misses_.wait(age);
   }
   // FaultCode::MissedExchanges is due: only of repeated blocks, for a single one meets
@@ -46,7 +46,7 @@ class CommandFreshness {
   [[nodiscard]] std::uint64_t missed() const noexcept { return misses_.missed(); }
 
  private:
-  Duration device_period_;
+  Duration exchange_period_;
   MissBucket misses_;
   std::optional<MonotonicTime> shut_since_;
 };

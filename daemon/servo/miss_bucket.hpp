@@ -8,16 +8,16 @@
 
 namespace thimble::servo {
 
-// Counts the device periods in which something did not come that should come once in each, from
-// its age, and fills a leaky bucket with them: +3 a miss, -1 a success. The first period is no
+// Counts the periods of exchanges in which something did not come that should come once in each,
+// from its age, and fills a leaky bucket with them: +3 a miss, -1 a success. The first period is no
 // miss: what belongs to the running one may still be on its way.
 //
 // Thread: servo. RT: THIMBLE_RT.
 class MissBucket {
  public:
   // `limit`: where it is full.
-  MissBucket(Duration device_period, int limit) noexcept
-      : device_period_(device_period), limit_(limit) {}
+  MissBucket(Duration exchange_period, int limit) noexcept
+      : exchange_period_(exchange_period), limit_(limit) {}
 
   // Empty; what was counted stays.
   THIMBLE_RT void restart() noexcept {
@@ -30,7 +30,7 @@ class MissBucket {
   }
   // What has not come is `age` old, which only grows until it succeeds.
   THIMBLE_RT void wait(Duration age) noexcept {
-    const std::int64_t periods = age / device_period_ - 1;
+    const std::int64_t periods = age / exchange_period_ - 1;
     if (periods <= periods_counted_) return;
     const std::int64_t misses = periods - periods_counted_;
     periods_counted_ = periods;
@@ -39,13 +39,13 @@ class MissBucket {
   }
   // The same of periods that are counted elsewhere.
   THIMBLE_RT void pass(Duration age) noexcept {
-    periods_counted_ = std::max<std::int64_t>(periods_counted_, age / device_period_ - 1);
+    periods_counted_ = std::max<std::int64_t>(periods_counted_, age / exchange_period_ - 1);
   }
   [[nodiscard]] bool is_full() const noexcept { return bucket_ >= limit_; }
   [[nodiscard]] std::uint64_t missed() const noexcept { return missed_; }
 
  private:
-  Duration device_period_;
+  Duration exchange_period_;
   int limit_;
   std::int64_t periods_counted_{0};
   std::uint64_t missed_{0};

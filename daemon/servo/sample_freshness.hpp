@@ -11,7 +11,8 @@ namespace thimble::servo {
 
 // DESIGN section 4, row "no fresh sample from the arm".
 struct FreshnessSettings {
-  Duration device_period{std::chrono::milliseconds(1)};
+  // Of exchanges: the longer one of the device's and the servo's.
+  Duration exchange_period{std::chrono::milliseconds(1)};
   Duration hold{std::chrono::milliseconds(3)};
   Duration ramp_out{std::chrono::milliseconds(20)};
   Duration fault_after{std::chrono::milliseconds(20)};
@@ -28,14 +29,14 @@ struct FreshnessVerdict {
 };
 
 // Judges the age of the arm's newest sample. An exchange counts as missed when the sample's
-// age passes another whole device period beyond the first, so two free-running clocks that
+// age passes another whole period of exchanges beyond the first, so two free-running clocks that
 // beat against each other miss nothing. Misses fill a leaky bucket: +3 a miss, -1 a success.
 //
 // Thread: servo. RT: THIMBLE_RT.
 class SampleFreshness {
  public:
   explicit SampleFreshness(const FreshnessSettings& settings) noexcept
-      : settings_(settings), misses_(settings.device_period, settings.bucket_limit) {}
+      : settings_(settings), misses_(settings.exchange_period, settings.bucket_limit) {}
 
   // Forgets everything; the age counts from `now`.
   THIMBLE_RT void restart(MonotonicTime now) noexcept;

@@ -36,8 +36,11 @@ Result<servo::ServoSettings> servo_settings(const config::ArmConfig& arm,
   settings.rate_hz = servo.rate_hz;
   settings.limiter = *limiter;
   if (capabilities.sample_period > Duration::zero()) {
-    settings.freshness.device_period = capabilities.sample_period;
+    settings.freshness.exchange_period = capabilities.sample_period;
   }
+  // An arm that answers what it hears does so no more often than it is asked (decision 0081).
+  settings.freshness.exchange_period =
+      std::max(settings.freshness.exchange_period, settings.period());
   settings.overspeed_m_per_s = arm.limits.overspeed_m_per_s;
   settings.activation_ramp = from_seconds(arm.limits.ramp_s);
   settings.is_realtime_required = servo.realtime == config::Realtime::Required;

@@ -31,7 +31,7 @@ struct WayOut {
 
 FreshnessSettings of_period(Duration period) {
   FreshnessSettings settings;
-  settings.device_period = period;
+  settings.exchange_period = period;
   return settings;
 }
 

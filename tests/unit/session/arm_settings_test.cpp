@@ -2,11 +2,17 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <random>
 #include <typeinfo>
+#include <utility>
 #include <vector>
 
 #include "daemon/coupling/passivity_guard.hpp"
 #include "daemon/coupling/two_port_arm.hpp"
+#include "daemon/servo/sample_freshness.hpp"
 
 namespace thimble::session {
 namespace {
@@ -37,6 +43,77 @@ double wall_newton(coupling::ArmCoupling& sut, double asked_newton_per_m) {
   input.fresh = nullptr;
   input.now = now + milliseconds(1);
   return -sut.step(input).force.x;
+}
+
+// A board on full-speed USB that answers what it hears, in milliseconds: a command leaves with the
+// next frame, the answer comes in the one after. The servo's clock runs 20 ppm slow against the
+// frames', and each of its ticks comes a little sooner or later.
+class BeatingArm {
+ public:
+  explicit BeatingArm(std::uint64_t seed) : random_(seed) {}
+
+  // Faults there are until `seconds` have passed, and how many exchanges were missed.
+  std::pair<FaultCode, std::uint64_t> drive(const servo::ServoSettings& settings, double jitter_ms,
+                                            int seconds) {
+    servo::SampleFreshness sut(settings.freshness);
+    const double period_ms = 1000 / settings.rate_hz;
+    sut.restart(at(0));
+    for (int tick = 1; tick * period_ms < 1000.0 * seconds; ++tick) {
+      const double now_ms = tick * period_ms * (1 + 20e-6) + jitter_ms * noise_(random_);
+      run_frames_until(now_ms);
+      const auto verdict = sut.judge(at(now_ms), at(newest_ms_), take_answer(now_ms));
+      if (verdict.fault != FaultCode::None) return {verdict.fault, sut.missed()};
+      if (waiting_since_ms_ < 0) waiting_since_ms_ = now_ms;
+    }
+    return {FaultCode::None, sut.missed()};
+  }
+
+ private:
+  static constexpr double kWithinFrame_ms = 0.05;
+
+  static MonotonicTime at(double ms) { return MonotonicTime(from_seconds(1 + 1e-3 * ms)); }
+  void run_frames_until(double now_ms) {
+    const double leaves_ms = std::ceil(std::max(waiting_since_ms_, busy_until_ms_));
+    if (waiting_since_ms_ < 0 || leaves_ms > now_ms) return;
+    waiting_since_ms_ = -1;
+    busy_until_ms_ = leaves_ms + kWithinFrame_ms;
+    answers_ms_.push_back(leaves_ms + 1 + kWithinFrame_ms);
+  }
+  bool take_answer(double now_ms) {
+    bool is_fresh = false;
+    while (!answers_ms_.empty() && answers_ms_.front() <= now_ms) {
+      newest_ms_ = answers_ms_.front();
+      answers_ms_.pop_front();
+      is_fresh = true;
+    }
+    return is_fresh;
+  }
+
+  std::mt19937_64 random_;
+  std::normal_distribution<double> noise_;
+  double waiting_since_ms_{-1};
+  double busy_until_ms_{-1};
+  double newest_ms_{0};
+  std::deque<double> answers_ms_;
+};
+
+TEST(ServoSettings, AnArmWhoseFramesBeatAgainstTheServoMissesNothingAtAnyRate) {
+  HapticCapabilities arm = arm_of(500);
+  arm.is_actuated = false;
+  arm.sample_period = std::chrono::milliseconds(1);
+  for (const double rate_hz : {500.0, 1000.0, 2000.0, 4000.0, 8000.0}) {
+    config::ServoConfig servo;
+    servo.rate_hz = rate_hz;
+    const auto settings = servo_settings({}, servo, arm);
+    ASSERT_TRUE(settings.has_value()) << settings.error().message;
+    for (const double jitter_ms : {0.002, 0.02, 0.1}) {
+      for (std::uint64_t seed = 1; seed < 5; ++seed) {
+        const auto [fault, missed] = BeatingArm(seed).drive(*settings, jitter_ms, 60);
+        EXPECT_EQ(fault, FaultCode::None) << rate_hz << ' ' << jitter_ms << ' ' << seed;
+        EXPECT_EQ(missed, 0U) << rate_hz << ' ' << jitter_ms << ' ' << seed;
+      }
+    }
+  }
 }
 
 TEST(MakeCoupling, LetsNoWorldAskForMoreThanTheArmCanRender) {
