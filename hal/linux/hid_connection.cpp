@@ -18,6 +18,11 @@ constexpr int kReadWait_ms = 10;
 // within HidHost::kPatience.
 constexpr Duration kNodePatience = std::chrono::milliseconds(150);
 constexpr int kNodeLook_ms = 5;
+// No device of full speed takes a report in less: the kernel put it into its queue, as it does
+// while the device is reset, and would fill that with what is old by then. Ours: beside 10 µs that
+// the two calls take by themselves.
+constexpr Duration kNobodyTakesIn = std::chrono::microseconds(30);
+constexpr int kFrame_ms = 1;
 
 // Until somebody signals, at most until `patience_ms` have passed; below 0: for ever.
 void wait_for(EventFd& event, int patience_ms) noexcept {
@@ -109,7 +114,7 @@ void HidConnection::run() noexcept {
   }
   reach(State::Open);
   while (!is_over_.load()) {
-    transfers_->send();
+    send();
     wait_for(*wake_, -1);
   }
   // The last is the newest that the servo wanted, zero after a fault: an older one that the kernel
@@ -117,6 +122,15 @@ void HidConnection::run() noexcept {
   transfers_->send();
   close();
   reach(State::Closed);
+}
+
+// After one that only waits in the kernel's queue no more than one a frame: of 64 that it holds
+// some must be left for the zeros that come after a fault (docs/decisions/0488).
+void HidConnection::send() noexcept {
+  const MonotonicTime began = settings_->clock.now();
+  const bool is_sent = transfers_->send();
+  if (!is_sent || !writes_to_hiddev_) return;
+  if (settings_->clock.now() - began < kNobodyTakesIn) ::poll(nullptr, 0, kFrame_ms);
 }
 
 void HidConnection::close() noexcept {
@@ -129,6 +143,7 @@ void HidConnection::close() noexcept {
 Result<void> HidConnection::open() {
   if (const Result<void> node = open_hiddev_node(); !node.has_value()) return node;
   const std::optional<HiddevOutput> hiddev = hiddev_output();
+  writes_to_hiddev_ = hiddev.has_value();
   auto transfers = HidTransfers::open(nodes_.hidraw, has_report_ids_, mail_, settings_->clock,
                                       *opening_, hiddev);
   if (!transfers.has_value()) return tl::unexpected(transfers.error());
@@ -148,17 +163,23 @@ Result<void> HidConnection::open_hiddev_node() {
   for (;;) {
     hiddev_ = Descriptor(::open(nodes_.hiddev.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
     const int code = errno;
-    const bool is_there = code == EACCES || code == EPERM;
-    if (hiddev_.get() >= 0 || !is_there) return {};
-    if (is_over_.load() || settings_->clock.now() >= deadline) {
+    if (hiddev_.get() >= 0 || !wants_hiddev()) return {};
+    if (code == ENOENT || code == ENODEV || code == ENXIO) return {};
+    const bool may_come = code == EACCES || code == EPERM;
+    if (!may_come || is_over_.load() || settings_->clock.now() >= deadline) {
       return tl::unexpected(system_error(nodes_.hiddev + " cannot be opened", code));
     }
     wait_for(*wake_, kNodeLook_ms);
   }
 }
 
+// Of pucks, whose reports have numbers and to which nothing is sent, it is nobody's by our rules.
+bool HidConnection::wants_hiddev() const noexcept {
+  return !has_report_ids_ && output_report_bytes_ > 0;
+}
+
 std::optional<HiddevOutput> HidConnection::hiddev_output() {
-  if (hiddev_.get() < 0 || has_report_ids_) return std::nullopt;
+  if (hiddev_.get() < 0 || !wants_hiddev()) return std::nullopt;
   if (!takes_plain_bytes(hiddev_.get(), output_report_bytes_, *calls_)) return std::nullopt;
   // Before hidraw is opened, where the answers would be read as samples.
   have_reports_asked_for(hiddev_.get(), *calls_);

@@ -53,8 +53,9 @@ class HidConnection {
   [[nodiscard]] bool has_opened() const noexcept { return state_.load() != State::Opening; }
   // How the opening went; Timeout while it goes on after `patience`. Errors: of
   // HidTransfers::open(), open_hidraw_to_share(), share_node() and, for the thread that reads,
-  // RealtimeThread::start(); Permission or System of a hiddev node that is there and cannot be
-  // opened. Where there is none, or it takes no plain bytes, everything goes over hidraw.
+  // RealtimeThread::start(); Permission or System of a hiddev node that is there, cannot be opened,
+  // and is wanted. Where there is none, the reports have numbers, or it takes no plain bytes,
+  // everything goes over hidraw.
   [[nodiscard]] Result<void> opened(Duration patience);
   [[nodiscard]] bus::HidMailboxes& mail() noexcept { return mail_; }
   // Once opened: by which its reports leave. Expires when it closes.
@@ -76,7 +77,9 @@ class HidConnection {
   void run() noexcept;
   [[nodiscard]] Result<void> open();
   [[nodiscard]] Result<void> open_hiddev_node();
+  [[nodiscard]] bool wants_hiddev() const noexcept;
   [[nodiscard]] std::optional<HiddevOutput> hiddev_output();
+  void send() noexcept;
   [[nodiscard]] Result<void> open_for_guard(bool has_hiddev);
   void close() noexcept;
   void read() noexcept;
@@ -102,6 +105,7 @@ class HidConnection {
   // have no hiddev. So hiddev, which has no such lock, is the first and the last
   // (docs/decisions/0358).
   Descriptor hiddev_;
+  bool writes_to_hiddev_{false};
   std::shared_ptr<const SharedDevice> shared_;
   std::unique_ptr<HidTransfers> transfers_;
   std::unique_ptr<RealtimeThread> reader_;

@@ -59,12 +59,13 @@ bool HidTransfers::receive(int wait_ms) noexcept {
   return true;
 }
 
-void HidTransfers::send() noexcept {
-  if (mail_->is_disconnected()) return;
+bool HidTransfers::send() noexcept {
+  if (mail_->is_disconnected()) return false;
   const std::span<const std::uint8_t> report = mail_->take_out();
-  if (report.empty()) return;
+  if (report.empty()) return false;
   // That the device is gone, reading says.
   mail_->finish_out(hiddev_ ? hiddev_->write(report) : write_to_hidraw(report));
+  return true;
 }
 
 bool HidTransfers::write_to_hidraw(std::span<const std::uint8_t> report) noexcept {

@@ -46,8 +46,8 @@ class HidTransfers {
 
   // Brings one report to the mailbox. Waits for it, `wait_ms` at most; false: none came.
   bool receive(int wait_ms) noexcept;
-  // Writes what waits in the mailbox, if anything, and returns when the kernel does.
-  void send() noexcept;
+  // Writes what waits in the mailbox, and returns when the kernel does; false: nothing waited.
+  bool send() noexcept;
 
  private:
   HidTransfers(int lock, bool has_report_ids, bus::HidMailboxes& mail, const Clock& clock,

@@ -55,7 +55,11 @@ bool takes_plain_bytes(int hiddev, std::size_t bytes, DeviceCalls& calls) noexce
 }
 
 void have_reports_asked_for(int hiddev, DeviceCalls& calls) noexcept {
-  static_cast<void>(calls.control(hiddev, HIDIOCINITREPORT, nullptr));
+  // Any of the requests that need them; HIDIOCINITREPORT would ask each time.
+  hiddev_usage_ref value{};
+  value.report_type = HID_REPORT_TYPE_OUTPUT;
+  value.report_id = kNoNumber;
+  static_cast<void>(calls.control(hiddev, HIDIOCGUSAGE, &value));
 }
 
 HiddevOutput::HiddevOutput(int hiddev, DeviceCalls& calls) noexcept

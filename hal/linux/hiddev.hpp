@@ -26,10 +26,10 @@ namespace thimble::linux {
 // value each: such a one goes out as it was given. Thread: any. Not RT.
 [[nodiscard]] bool takes_plain_bytes(int hiddev, std::size_t bytes, DeviceCalls& calls) noexcept;
 
-// Lets the kernel ask the device at `hiddev` for all its reports, once and now: else it would do so
-// before the first one that is sent, and whoever reads from the device would have the answers for
-// what it says by itself (usbhid_init_reports()). A device need not answer. Thread: any; waits for
-// the kernel, 10 s for each report of a device that says nothing at all. Not RT.
+// Lets the kernel ask the device at `hiddev` for all its reports, which it does once a plugging and
+// would else do before the first one that is sent: whoever reads from the device then has the
+// answers for what it says by itself (usbhid_init_reports()). A device need not answer. Thread:
+// any; waits for the kernel, 10 s for each report of a device that says nothing at all. Not RT.
 void have_reports_asked_for(int hiddev, DeviceCalls& calls) noexcept;
 
 // Where the output reports of a device that takes plain bytes leave, whose reports were asked for.

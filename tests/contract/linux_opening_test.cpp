@@ -160,11 +160,13 @@ class WatchedClock final : public Clock {
   linux::MonotonicClock running_;
 };
 
-// An arm on hidraw whose hiddev is there and nobody's, for who has no rights but to hidraw.
+// A device on hidraw whose hiddev is there and nobody's, for who has no rights but to hidraw.
 struct ClosedHiddev : LinuxEnumerator {
-  ClosedHiddev() {
+  // Of a device with these reports.
+  void plug(const MockMachine::Bytes& reports) {
     wire.attach("/dev/hidraw0");
-    plug_arm("1-4", "X", 0);
+    machine.plug(Usb{.serial_number = "X"});
+    machine.plug(Hid{.serial_number = "X", .report_descriptor = reports});
     machine.plug_hiddev("1-4", 0, "hiddev7");
     machine.let_others_look();
     fs::permissions(machine.file_of("/dev/hidraw0"), fs::perms(0666));
@@ -189,6 +191,7 @@ struct ClosedHiddev : LinuxEnumerator {
 };
 
 TEST_F(ClosedHiddev, IsARefusalThatNamesIt) {
+  plug(plain_report_descriptor(14, 14));
   const std::string said = open([] {});
   EXPECT_EQ(said.find(std::string(to_string(Errc::Permission)) + " hid:X: /dev/usb/hiddev7"), 0U)
       << said;
@@ -196,10 +199,21 @@ TEST_F(ClosedHiddev, IsARefusalThatNamesIt) {
 
 // udevd comes to one node after the other.
 TEST_F(ClosedHiddev, ItsRightsMayComeAMomentLater) {
+  plug(plain_report_descriptor(14, 14));
   const std::string said = open([this, looks = std::make_shared<std::atomic<int>>(0)] {
     if (++*looks == 20) fs::permissions(hiddev, fs::perms(0400));
   });
   EXPECT_EQ(said, "opened");
+}
+
+TEST_F(ClosedHiddev, IsNoneOfAPucksAffairs) {
+  plug(numbered_reports(13, 2));
+  EXPECT_EQ(open([] {}), "opened");
+}
+
+TEST_F(ClosedHiddev, NorOfADeviceToWhichNothingIsSent) {
+  plug(plain_report_descriptor(14, 0));
+  EXPECT_EQ(open([] {}), "opened");
 }
 
 TEST_F(LinuxEnumerator, SharesNoUsbDeviceThatItDidNotOpen) {

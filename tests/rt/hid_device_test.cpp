@@ -288,6 +288,21 @@ TEST_F(HidDeviceOverHiddev, AHidrawThatTakesNothingHoldsNothingUp) {
   EXPECT_FALSE(wire.is_write_blocked());
 }
 
+// As while a device is reset: what the kernel takes at once waits in its queue, and zeros must find
+// room there.
+TEST_F(HidDeviceOverHiddev, AKernelThatTakesAllAtOnceIsGivenNoMoreThanOneAFrame) {
+  auto sut = open_both();
+  std::vector<MonotonicTime> sent_at;
+  kernel.on_send = [&] { sent_at.push_back(clock.now()); };
+  while (sut->counters().reports_out < 20) sut->submit(report(1));
+  sut.reset();
+  host.reset();
+  ASSERT_GE(sent_at.size(), 20U);
+  for (std::size_t i = 1; i < 20; ++i) {
+    EXPECT_GE(sent_at[i] - sent_at[i - 1], std::chrono::microseconds(990)) << i;
+  }
+}
+
 TEST_F(HidDeviceOverHiddev, OneThatDoesNotTakeTheReportAsItIsIsLeftAlone) {
   for (const auto& fields : {std::vector<test::FakeHidKernel::Field>{},
                              std::vector<test::FakeHidKernel::Field>{{kBytes - 1}}}) {

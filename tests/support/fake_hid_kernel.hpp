@@ -50,7 +50,7 @@ class FakeHidKernel final : public linux::DeviceCalls {
     if (!has_hiddev) return refuse(ENOTTY);
     if (is_gone) return refuse(ENODEV);
     switch (request) {
-      case HIDIOCINITREPORT:
+      case HIDIOCGUSAGE:
         is_initialized = true;
         return 0;
       case HIDIOCGREPORTINFO:
