@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <string>
 #include <vector>
+
+#include "tests/support/closed_loop.hpp"
 
 namespace thimble::test {
 
@@ -16,6 +19,11 @@ class AtEachRate : public testing::TestWithParam<int> {
     return more;
   }
 };
+
+// How many exchanges such a loop has in that time: no more than its servo asks for.
+[[nodiscard]] inline std::uint64_t exchanges_within(Duration time, ClosedLoop& loop) {
+  return static_cast<std::uint64_t>(time / loop.settings().freshness.exchange_period);
+}
 
 }  // namespace thimble::test
 

@@ -61,9 +61,11 @@ class BeatingArm {
     for (int tick = 1; tick * period_ms < 1000.0 * seconds; ++tick) {
       const double now_ms = tick * period_ms * (1 + 20e-6) + jitter_ms * noise_(random_);
       run_frames_until(now_ms);
-      const auto verdict = sut.judge(at(now_ms), at(newest_ms_), take_answer(now_ms));
-      if (verdict.fault != FaultCode::None) return {verdict.fault, sut.missed()};
+      const bool is_fresh = take_answer(now_ms);
       if (waiting_since_ms_ < 0) waiting_since_ms_ = now_ms;
+      if (newest_ms_ == 0) continue;  // it has answered nothing yet
+      const auto verdict = sut.judge(at(now_ms), at(newest_ms_), is_fresh);
+      if (verdict.fault != FaultCode::None) return {verdict.fault, sut.missed()};
     }
     return {FaultCode::None, sut.missed()};
   }
