@@ -77,10 +77,10 @@ Result<void> send_handover(int socket, const Handover& handover, int node, int p
   rights->cmsg_level = SOL_SOCKET;
   rights->cmsg_type = SCM_RIGHTS;
   const std::array<int, kDescriptors> descriptors{node, page};
-  constexpr std::size_t size = sizeof descriptors;
-  rights->cmsg_len = CMSG_LEN(size);
-  packet.message.msg_controllen = CMSG_SPACE(size);
-  std::memcpy(CMSG_DATA(rights), descriptors.data(), size);
+  constexpr std::size_t kSize = sizeof descriptors;
+  rights->cmsg_len = CMSG_LEN(kSize);
+  packet.message.msg_controllen = CMSG_SPACE(kSize);
+  std::memcpy(CMSG_DATA(rights), descriptors.data(), kSize);
   if (::sendmsg(socket, &packet.message, MSG_NOSIGNAL | MSG_DONTWAIT) < 0) {
     return tl::unexpected(linux::system_error("cannot hand the arm over", errno));
   }

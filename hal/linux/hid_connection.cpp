@@ -141,7 +141,7 @@ void HidConnection::close() noexcept {
 }
 
 Result<void> HidConnection::open() {
-  if (const Result<void> node = open_hiddev_node(); !node.has_value()) return node;
+  if (Result<void> node = open_hiddev_node(); !node.has_value()) return node;
   const std::optional<HiddevOutput> hiddev = hiddev_output();
   writes_to_hiddev_ = hiddev.has_value();
   auto transfers = HidTransfers::open(nodes_.hidraw, has_report_ids_, mail_, settings_->clock,
