@@ -73,7 +73,7 @@ class BeatingArm {
  private:
   static constexpr double kWithinFrame_ms = 0.05;
 
-  static MonotonicTime at(double ms) { return MonotonicTime(from_seconds(1 + 1e-3 * ms)); }
+  static MonotonicTime at(double ms) { return MonotonicTime{from_seconds(1 + 1e-3 * ms)}; }
   void run_frames_until(double now_ms) {
     const double leaves_ms = std::ceil(std::max(waiting_since_ms_, busy_until_ms_));
     if (waiting_since_ms_ < 0 || leaves_ms > now_ms) return;
