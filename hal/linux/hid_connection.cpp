@@ -129,7 +129,7 @@ void HidConnection::run() noexcept {
 void HidConnection::send() noexcept {
   const MonotonicTime began = settings_->clock.now();
   const bool is_sent = transfers_->send();
-  if (!is_sent || !writes_to_hiddev_) return;
+  if (!is_sent || shared_->way != NodeWay::Hiddev) return;
   if (settings_->clock.now() - began < kNobodyTakesIn) ::poll(nullptr, 0, kFrame_ms);
 }
 
@@ -143,7 +143,6 @@ void HidConnection::close() noexcept {
 Result<void> HidConnection::open() {
   if (Result<void> node = open_hiddev_node(); !node.has_value()) return node;
   const std::optional<HiddevOutput> hiddev = hiddev_output();
-  writes_to_hiddev_ = hiddev.has_value();
   auto transfers = HidTransfers::open(nodes_.hidraw, has_report_ids_, mail_, settings_->clock,
                                       *opening_, hiddev);
   if (!transfers.has_value()) return tl::unexpected(transfers.error());

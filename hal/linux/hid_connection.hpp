@@ -105,7 +105,6 @@ class HidConnection {
   // have no hiddev. So hiddev, which has no such lock, is the first and the last
   // (docs/decisions/0358).
   Descriptor hiddev_;
-  bool writes_to_hiddev_{false};
   std::shared_ptr<const SharedDevice> shared_;
   std::unique_ptr<HidTransfers> transfers_;
   std::unique_ptr<RealtimeThread> reader_;
