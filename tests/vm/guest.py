@@ -15,6 +15,7 @@ class GuestTest(unittest.TestCase):
     kernel = "amd64"
     pace = AS_IT_COMES
     runs_daemon = True
+    is_told = False  # why a test failed
 
     @classmethod
     def setUpClass(cls):
@@ -32,7 +33,8 @@ class GuestTest(unittest.TestCase):
         result = result or self.defaultTestResult()
         failed = len(result.failures) + len(result.errors)
         super().run(result)
-        if failed == 0 and result.failures + result.errors:
+        if len(result.failures) + len(result.errors) > failed and not self.is_told:
+            type(self).is_told = True
             print(self.words_of_the_daemon(), file=sys.stderr)
         return result
 

@@ -102,6 +102,12 @@ class Misbehaviour:
         # Who judges commands agrees with what the motors did.
         self.assertAlmostEqual(max(commanded.forces(self.judges[arm], log)), max(felt), delta=(SLACK - 1) * LIMIT_NEWTON)
 
+    def assert_presses(self, arm, log):
+        """All the while, within its limit."""
+        felt = [force for _, force in two_arms.forces(log)]
+        self.assertGreater(min(felt), PRESSED_NEWTON, (two_arms.longest_gaps(log), self.status(arm)))
+        self.assertLess(max(felt), SLACK * LIMIT_NEWTON)
+
     def assert_bounded(self, arm, verb):
         before = self.status(1 - arm)
         self.assertEqual((before["state"], before["is_in_contact"]), ("active", True))
@@ -111,7 +117,7 @@ class Misbehaviour:
         self.guest.run("sleep 0.4")
         log = device.log(0.5)
         log_beside = self.arms[1 - arm].log(0.5)
-        felt, beside = ([force for _, force in two_arms.forces(one)] for one in (log, log_beside))
+        felt = [force for _, force in two_arms.forces(log)]
         self.assertGreater(device.status()["trouble"][TROUBLES[verb]], done)
         if verb in SILENCES:
             self.assertNotEqual(self.status(arm)["faults"], [], "it was driven on")
@@ -122,8 +128,7 @@ class Misbehaviour:
             self.assertLessEqual(max(loads), 1)
         else:
             self.assertLess(max(felt), SLACK * LIMIT_NEWTON)
-        self.assertGreater(min(beside), PRESSED_NEWTON, (two_arms.longest_gaps(log_beside), self.status(1 - arm)))
-        self.assertLess(max(beside), SLACK * LIMIT_NEWTON)
+        self.assert_presses(1 - arm, log_beside)
         self.recover(arm)
         self.assertEqual(self.status(1 - arm), before)
 

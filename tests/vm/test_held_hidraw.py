@@ -47,6 +47,14 @@ class HeldHidraw(two_arms.TwoArms):
     def node_of(self, serial):
         return self.guest.run(f"for node in /sys/class/hidraw/*; do grep -lqx HID_UNIQ={serial} $node/device/uevent && basename $node; done; true").strip()
 
+    def hold(self, serial):
+        """A script: a stranger's write to that device, which takes nothing, has hidraw's lock from then on."""
+        return f"(python3 -B /run/tests/hold_hidraw.py /dev/{self.node_of(serial)} > /run/held 2>&1 &)"
+
+    def was_held(self):
+        """From when until when."""
+        return (float(line) for line in self.guest.wait_for("test $(wc -l < /run/held) = 2 && cat /run/held").split())
+
     def status(self, arm):
         status = json.loads(self.guest.run("thimble status --json"))
         return {**{key: status["arms"][arm][key] for key in ("state", "is_in_contact", "contacts", "faults")},
@@ -63,9 +71,8 @@ class HeldHidraw(two_arms.TwoArms):
 
     def while_held(self, serial):
         """Of SERIAL's device, which takes nothing meanwhile: what the left and the right arm felt while a stranger's write to it had the lock."""
-        node = self.node_of(serial)
-        at_s, *logs = self.log_around(f"(python3 -B /run/tests/hold_hidraw.py /dev/{node} > /run/held 2>&1 &)", LOOK_S)
-        held_s, free_s = (float(line) for line in self.guest.wait_for("test $(wc -l < /run/held) = 2 && cat /run/held").split())
+        at_s, *logs = self.log_around(self.hold(serial), LOOK_S)
+        held_s, free_s = self.was_held()
         self.assertGreater(free_s - max(held_s, at_s), HELD_S, "hidraw was never held up: nothing was tried")
         return logs
 
@@ -134,10 +141,9 @@ class HeldHidraw(two_arms.TwoArms):
         self.guest.run("systemctl reset-failed thimbled; systemctl restart thimbled")
         self.press_both()
         self.hung.say("nak 30")
-        hold = f"(python3 -B /run/tests/hold_hidraw.py /dev/{self.node_of(HUNG)} > /run/held 2>&1 &)"
-        fell_s = float(self.guest.run(f"{hold}; sleep 0.5; {arms.signal('SIGSTOP')}; sleep 1").split()[0])
+        fell_s = float(self.guest.run(f"{self.hold(HUNG)}; sleep 0.5; {arms.signal('SIGSTOP')}; sleep 1").split()[0])
         logs = [arm.log(3) for arm in (self.right, self.left)]
-        held_s, free_s = (float(line) for line in self.guest.wait_for("test $(wc -l < /run/held) = 2 && cat /run/held").split())
+        held_s, free_s = self.was_held()
         self.assertTrue(held_s + 0.1 < fell_s < free_s - 1, "hidraw was free: nothing was tried")
         for log in logs:
             self.assertLess(self.pressed_until(log, fell_s), LET_GO_S)

@@ -24,6 +24,9 @@ class Uhid(one_arm.OneArm):
         self.assertEqual(self.guest.run(f"path=$(readlink -f /sys/class/hidraw/{node}/device/../../power/control); "
                                         "case $path in */usb*) cat $path;; *) echo on;; esac").strip(), "on")
 
+    def assert_guard_has_hiddev(self):
+        self.guest.run("ls -l /proc/$(pgrep -x thimble-guard)/fd | grep -q /dev/usb/hiddev")
+
     def test_5b_upgraded_while_the_hand_pushes_it_is_let_go_and_comes_back(self):
         """By the same package, which is what an upgrade does to a service; its guard has the arm meanwhile."""
         self.assertGreater(simdev.norm(self.press()), one_arm.WALL_NEWTON)
@@ -57,7 +60,7 @@ class Teensy(Uhid):
         log = self.arm.log(0.1)
         for way in ("in", "out"):
             self.assertEqual({len(entry[way]) // 2 for entry in log if way in entry}, {64}, way)
-        self.guest.run("ls -l /proc/$(pgrep -x thimble-guard)/fd | grep -q /dev/usb/hiddev")
+        self.assert_guard_has_hiddev()
 
 
 class Usbip(Uhid):
@@ -67,7 +70,7 @@ class Usbip(Uhid):
 
     def test_2b_its_guard_has_the_way_out_which_is_nobody_elses(self):
         """The kernel makes a hiddev of the arm, and the guard holds it (decision 0488)."""
-        self.guest.run("ls -l /proc/$(pgrep -x thimble-guard)/fd | grep -q /dev/usb/hiddev")
+        self.assert_guard_has_hiddev()
         self.assertEqual(self.guest.run("stat -c '%U:%G %a' /dev/usb/hiddev0").strip(), "root:thimble 660")
 
 
