@@ -5,9 +5,9 @@ _thimble_simdev() {
   COMPREPLY=()
   case $before in
     --socket) mapfile -t COMPREPLY < <(compgen -f -- "$word"); return ;;
-    --usbip | --serial | --amplifier-max-a | --frames-at-once | --seed) return ;;
+    --usbip | --serial | --amplifier-max-a | --frames-at-once | --slices-per-frame | --seed) return ;;
   esac
-  mapfile -t COMPREPLY < <(compgen -W "--help --version --uhid --vhci --usbip --socket --serial --amplifier-max-a --frames-at-once --seed" -- "$word")
+  mapfile -t COMPREPLY < <(compgen -W "--help --version --uhid --vhci --usbip --socket --serial --amplifier-max-a --frames-at-once --slices-per-frame --seed" -- "$word")
 }
 
 complete -o filenames -F _thimble_simdev thimble-simdev

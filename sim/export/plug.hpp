@@ -46,6 +46,8 @@ class Plug {
   // Waits on the machine's clock: true as soon as the kernel has said something for which a round
   // is needed before next_needed().
   [[nodiscard]] virtual bool wait_for_kernel(MonotonicTime until) noexcept = 0;
+  // The model goes on to `t`, which is before the next round, and nobody is looked at.
+  virtual void advance_model(MonotonicTime t) noexcept = 0;
   // Rounds before that are passed without a look, and what they would have done is left undone.
   virtual void leave_out_until(MonotonicTime t) noexcept = 0;
 };

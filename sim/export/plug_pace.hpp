@@ -15,22 +15,31 @@ namespace thimble::sim {
 // late as that; of reports through uhid, which nothing holds up, the newest counts for all of it.
 // To the model each round is at its own time.
 //
+// With `slice` > 0 the model goes on whenever so much time has passed since the last round, in
+// place of all at once in the next: it takes the processor for shorter at a time, for a machine on
+// which others wait for it. What is said, and when, stays the same.
+//
 // Thread: the one that runs the model's clock. RT: no; it sleeps. Ownership: all must outlive it.
 class PlugPace {
  public:
-  PlugPace(VirtualClock& clock, Clock& machine, Plug& plug, Duration at_once = {}) noexcept;
+  struct Grain {
+    Duration at_once{};
+    Duration slice{};  // one of them is 0
+  };
+  PlugPace(VirtualClock& clock, Clock& machine, Plug& plug, Grain grain) noexcept;
   // Sleeps until the next round that matters, and runs it; or those of `at_once`.
   void run_next() noexcept;
 
  private:
   [[nodiscard]] MonotonicTime await_next() noexcept;
+  [[nodiscard]] bool hears_before(MonotonicTime needed) noexcept;
   void run_at_once() noexcept;
   void run_until(MonotonicTime next) noexcept;
 
   VirtualClock* clock_;
   Clock* machine_;
   Plug* plug_;
-  Duration at_once_;
+  Grain grain_;
   RealTimeBrake brake_;
   bool is_anchored_{false};
 };

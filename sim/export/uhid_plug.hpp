@@ -44,6 +44,7 @@ class UhidPlug final : public Plug, private Event {
     return around_.clock->now() + round_period();
   }
   [[nodiscard]] bool wait_for_kernel(MonotonicTime) noexcept override { return false; }
+  void advance_model(MonotonicTime t) noexcept override { model_->advance(t); }
   void leave_out_until(MonotonicTime) noexcept override {}
 
  private:

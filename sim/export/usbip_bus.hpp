@@ -44,6 +44,7 @@ class UsbipBus : public Plug, private Event {
   [[nodiscard]] Duration round_period() const noexcept override;
   [[nodiscard]] MonotonicTime next_needed() const noexcept override;
   [[nodiscard]] bool wait_for_kernel(MonotonicTime until) noexcept override;
+  void advance_model(MonotonicTime t) noexcept override { model_->advance(t); }
   void leave_out_until(MonotonicTime t) noexcept override { left_out_until_ = t; }
 
  protected:

@@ -8,7 +8,8 @@ namespace {
 constexpr std::string_view kScheme = "sim:";
 // Ours: an arm that is asked in each of them still answers before a servo takes it for silent.
 constexpr unsigned kMostFramesAtOnce = 8;
-constexpr double kMostAmpere = 32.767;  // what a board's report can say
+constexpr unsigned kMostSlicesPerFrame = 10;  // the mechanics' own steps
+constexpr double kMostAmpere = 32.767;        // what a board's report can say
 
 }  // namespace
 
@@ -38,11 +39,19 @@ tl::expected<SimdevOptions, int> parse_simdev_options(int argc, const char* cons
                  "full scale of its motor amplifiers, A")
       ->type_name("A")
       ->check(CLI::Range(0.0, kMostAmpere));
-  cli.add_option("--frames-at-once", options.frames_at_once,
-                 "frames of its bus that are run in one go, at the end of the last: fewer wake-ups "
-                 "of this machine, and answers up to so many frames late")
+  CLI::Option* at_once =
+      cli.add_option(
+             "--frames-at-once", options.frames_at_once,
+             "frames of its bus that are run in one go, at the end of the last: fewer wake-ups "
+             "of this machine, and answers up to so many frames late")
+          ->type_name("NUMBER")
+          ->check(CLI::Range(1U, kMostFramesAtOnce));
+  cli.add_option("--slices-per-frame", options.slices_per_frame,
+                 "what moves in it is computed in so many parts of a frame, each at its own time, "
+                 "in place of all at the end: it takes the processor for shorter at a time")
       ->type_name("NUMBER")
-      ->check(CLI::Range(1U, kMostFramesAtOnce));
+      ->check(CLI::Range(1U, kMostSlicesPerFrame))
+      ->excludes(at_once);
   cli.add_option("--seed", options.seed, "of what is left to chance in it")->type_name("NUMBER");
   cli.set_version_flag("--version", std::string("thimble-simdev " THIMBLE_VERSION));
   try {

@@ -19,6 +19,8 @@ struct SimdevOptions {
   std::string serial_number;   // empty: as the model says
   double amplifier_max_a{0};   // 0: as the model says
   unsigned frames_at_once{0};  // 0: each round of each frame at its own time
+  // Of a frame's model time; 0: all of it is computed when the bus looks. Not with frames_at_once.
+  unsigned slices_per_frame{0};
   // Of what is left to chance: in the model, and in the faults that it is told to show.
   std::uint64_t seed{0};
 };

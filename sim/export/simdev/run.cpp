@@ -66,6 +66,12 @@ Result<linux::Descriptor> open_uhid() {
   return node;
 }
 
+PlugPace::Grain grain(const SimdevOptions& options) {
+  const Duration slice =
+      options.slices_per_frame == 0 ? Duration(0) : kUsbFrame / options.slices_per_frame;
+  return {.at_once = options.frames_at_once * kUsbFrame, .slice = slice};
+}
+
 // All that one device needs, in the order in which it may go.
 class Simdev {
  public:
@@ -94,11 +100,10 @@ class Simdev {
     return {};
   }
   // Until a signal, or until the kernel let go of it.
-  void run(unsigned frames_at_once) {
+  void run(PlugPace::Grain grain) {
     // A device may have longer frames of its own.
-    const Duration asked = frames_at_once * kUsbFrame;
-    const Duration at_once = asked > plug_->round_period() ? asked : Duration(0);
-    PlugPace pace(clock_, machine_, *plug_, at_once);
+    if (grain.at_once <= plug_->round_period()) grain.at_once = {};
+    PlugPace pace(clock_, machine_, *plug_, grain);
     while (!is_over_ && !plug_->is_broken()) {
       pace.run_next();
       io_.poll_one();  // one piece of a reply, and the next frame is due
@@ -191,7 +196,7 @@ Result<void> run_simdev(const SimdevOptions& options) {
               device.info().address.text.c_str(), device.way().c_str(),
               device.info().serial_number.c_str());
   std::fflush(stdout);
-  device.run(options.frames_at_once);
+  device.run(grain(options));
   return {};
 }
 

@@ -46,11 +46,17 @@ class ScriptedPlug final : public Plug, private Event {
     machine_->sleep_until(is_in_time ? *heard_at : until);
     return is_in_time;
   }
+  void advance_model(MonotonicTime t) noexcept override {
+    advanced_to.push_back(t.since_epoch);
+    advanced_at.push_back(machine_->now());
+  }
   void leave_out_until(MonotonicTime t) noexcept override { left_out_until_ = t; }
 
   int needed{8};
   std::optional<MonotonicTime> heard_at;  // on the machine's clock
   std::vector<Duration> looked_at;        // since the start
+  std::vector<Duration> advanced_to;      // by slices; and when
+  std::vector<MonotonicTime> advanced_at;
 
  private:
   void fire(MonotonicTime now) noexcept override {
@@ -73,7 +79,7 @@ struct PlugPaceTest : testing::Test {
   VirtualClock clock;
   JumpingClock machine;
   ScriptedPlug plug{clock, machine};
-  PlugPace sut{clock, machine, plug};
+  PlugPace sut{clock, machine, plug, {}};
   MonotonicTime start;
 };
 
@@ -124,7 +130,7 @@ struct AtOnce : testing::Test {
   VirtualClock clock;
   JumpingClock machine;
   ScriptedPlug plug{clock, machine};
-  PlugPace sut{clock, machine, plug, 16 * kRound};
+  PlugPace sut{clock, machine, plug, {.at_once = 16 * kRound}};
   MonotonicTime start;
 };
 
@@ -153,6 +159,59 @@ TEST_F(AtOnce, AMachineThatStallsLongerMakesTheModelLateOnce) {
   sut.run_next();
   EXPECT_EQ(machine.now() - recovered, 16 * kRound) << "and it is not hurried afterwards";
   EXPECT_EQ(plug.looked_at.size(), 32U);
+}
+
+// Ties the two clocks, as above; the rounds after it go in slices of two and a half.
+struct InSlices : testing::Test {
+  InSlices() {
+    plug.needed = 1;
+    sut.run_next();
+    start = machine.now() - kRound;
+    plug.looked_at.clear();
+    plug.needed = 8;
+  }
+  static constexpr Duration kSlice{5 * kRound / 2};
+  VirtualClock clock;
+  JumpingClock machine;
+  ScriptedPlug plug{clock, machine};
+  PlugPace sut{clock, machine, plug, {.slice = kSlice}};
+  MonotonicTime start;
+};
+
+TEST_F(InSlices, TheModelGoesOnAtItsOwnTimeAndIsLookedAtAsEver) {
+  sut.run_next();
+  const Duration begin = kRound;
+  EXPECT_EQ(plug.advanced_to,
+            (std::vector<Duration>{begin + kSlice, begin + 2 * kSlice, begin + 3 * kSlice}));
+  for (std::size_t i = 0; i < plug.advanced_to.size(); ++i) {
+    EXPECT_EQ(plug.advanced_at[i], start + plug.advanced_to[i]) << "neither sooner nor later";
+  }
+  EXPECT_EQ(plug.looked_at, (std::vector<Duration>{9 * kRound}));
+  EXPECT_EQ(machine.now(), start + 9 * kRound);
+}
+
+TEST_F(InSlices, EvenWhereTheKernelIsNotWaitedFor) {
+  plug.needed = 1;
+  PlugPace fine(clock, machine, plug, {.slice = kRound / 5});
+  fine.run_next();  // ties its clocks
+  for (int i = 0; i < 10; ++i) fine.run_next();
+  EXPECT_EQ(plug.advanced_to.size(), 40U);
+  EXPECT_EQ(plug.looked_at.size(), 11U);
+  EXPECT_EQ(clock.now(), MonotonicTime{12 * kRound});
+}
+
+TEST_F(InSlices, WhatTheKernelSaysEndsThemBeforeTheRoundThatHearsIt) {
+  plug.heard_at = start + 4 * kRound + microseconds(1);
+  sut.run_next();
+  EXPECT_EQ(plug.advanced_to, (std::vector<Duration>{kRound + kSlice}));
+  EXPECT_EQ(plug.looked_at, (std::vector<Duration>{5 * kRound}));
+}
+
+TEST_F(InSlices, AMachineThatStalledLosesNoneAndDoesNoMoreThanAFrameOfThem) {
+  machine.sleep_until(machine.now() + std::chrono::seconds(1));
+  sut.run_next();
+  EXPECT_EQ(plug.advanced_to.size(), 3U);
+  EXPECT_EQ(plug.looked_at, (std::vector<Duration>{9 * kRound}));
 }
 
 }  // namespace
