@@ -117,7 +117,14 @@ class Simdev(ProcessTest):
         self.assertEqual(self.say("status")[0][0]["readings"]["unmodelled"], 0)
 
     def test_its_verbs_are_answered_while_it_runs(self):
-        self.offer("phantom-vintage", "--serial", "ABC")
+        for grain in ((), ("--slices-per-frame", "5"), ("--frames-at-once", "2")):
+            with self.subTest(grain):
+                process, _ = self.offer("phantom-vintage", "--serial", "ABC", *grain)
+                self.assert_answers_verbs()
+                process.kill()
+                process.wait()
+
+    def assert_answers_verbs(self):
         (home,), (status,), log = self.say("home 0.2", "status", "log 0.2")
         self.assertTrue(home["ok"])
         self.assertEqual((status["serial_number"], status["plugged"], status["open"]), ("ABC", True, False))
@@ -152,6 +159,8 @@ class Simdev(ProcessTest):
                                       (("falcon", "--vhci", "--usbip", "0"), 2, "say how it is to be offered"),
                                       (("falcon", "--uhid"), 2, "is no HID device"),
                                       (("phantom-vintage-serial", "--uhid"), 2, "is no HID device"),
+                                      (("falcon", "--usbip", "0", "--slices-per-frame", "11"), 2, "--slices-per-frame"),
+                                      (("falcon", "--usbip", "0", "--slices-per-frame", "2", "--frames-at-once", "2"), 2, "excludes"),
                                       (("falcon", "--usbip", "0", "--socket", "/nowhere/s"), 1, "No such file")):
             with self.subTest(words):
                 result = self.run_program("thimble-simdev", *words)
