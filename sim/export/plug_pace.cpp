@@ -28,8 +28,11 @@ bool PlugPace::hears_before(MonotonicTime needed) noexcept {
   const Duration slice = grain_.slice > Duration(0) ? grain_.slice : needed - last;
   for (MonotonicTime t = last + slice; t < needed; t = t + slice) {
     const MonotonicTime real = brake_.real_time_of(t);
-    if (may_be_sooner && plug_->wait_for_kernel(real)) return true;
-    machine_->sleep_until(real);
+    if (!may_be_sooner) {
+      machine_->sleep_until(real);
+    } else if (plug_->wait_for_kernel(real)) {
+      return true;
+    }
     plug_->advance_model(t);
   }
   return may_be_sooner && plug_->wait_for_kernel(brake_.real_time_of(needed));

@@ -66,7 +66,7 @@ Result<linux::Descriptor> open_uhid() {
   return node;
 }
 
-PlugPace::Grain grain(const SimdevOptions& options) {
+PlugPace::Grain grain_of(const SimdevOptions& options) {
   const Duration slice =
       options.slices_per_frame == 0 ? Duration(0) : kUsbFrame / options.slices_per_frame;
   return {.at_once = options.frames_at_once * kUsbFrame, .slice = slice};
@@ -196,7 +196,7 @@ Result<void> run_simdev(const SimdevOptions& options) {
               device.info().address.text.c_str(), device.way().c_str(),
               device.info().serial_number.c_str());
   std::fflush(stdout);
-  device.run(grain(options));
+  device.run(grain_of(options));
   return {};
 }
 

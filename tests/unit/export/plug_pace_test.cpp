@@ -68,19 +68,23 @@ class ScriptedPlug final : public Plug, private Event {
   MonotonicTime left_out_until_{};
 };
 
-struct PlugPaceTest : testing::Test {
-  PlugPaceTest() {
+// Ties the two clocks in a round that is over when the test begins.
+struct Paced : testing::Test {
+  explicit Paced(PlugPace::Grain grain) : sut(clock, machine, plug, grain) {
     plug.needed = 1;
-    sut.run_next();  // ties the two clocks
+    sut.run_next();
     start = machine.now() - kRound;
     plug.looked_at.clear();
-    plug.needed = 8;
   }
   VirtualClock clock;
   JumpingClock machine;
   ScriptedPlug plug{clock, machine};
-  PlugPace sut{clock, machine, plug, {}};
+  PlugPace sut;
   MonotonicTime start;
+};
+
+struct PlugPaceTest : Paced {
+  PlugPaceTest() : Paced({}) { plug.needed = 8; }
 };
 
 TEST_F(PlugPaceTest, RoundsThatNobodyNeedsPassWithoutALook) {
@@ -118,20 +122,8 @@ TEST_F(PlugPaceTest, HeardLateItIsNotLookedAtLaterThanNeeded) {
   EXPECT_EQ(plug.looked_at, (std::vector<Duration>{4 * kRound}));
 }
 
-// Ties the two clocks, as above, and then runs so much at once.
-struct AtOnce : testing::Test {
-  AtOnce() {
-    plug.needed = 1;
-    sut.run_next();
-    start = machine.now() - kRound;
-    machine.sleeps = 0;
-    plug.looked_at.clear();
-  }
-  VirtualClock clock;
-  JumpingClock machine;
-  ScriptedPlug plug{clock, machine};
-  PlugPace sut{clock, machine, plug, {.at_once = 16 * kRound}};
-  MonotonicTime start;
+struct AtOnce : Paced {
+  AtOnce() : Paced({.at_once = 16 * kRound}) {}
 };
 
 TEST_F(AtOnce, EachRoundThatIsNeededIsRunAtItsOwnTimeOfTheModel) {
@@ -161,21 +153,9 @@ TEST_F(AtOnce, AMachineThatStallsLongerMakesTheModelLateOnce) {
   EXPECT_EQ(plug.looked_at.size(), 32U);
 }
 
-// Ties the two clocks, as above; the rounds after it go in slices of two and a half.
-struct InSlices : testing::Test {
-  InSlices() {
-    plug.needed = 1;
-    sut.run_next();
-    start = machine.now() - kRound;
-    plug.looked_at.clear();
-    plug.needed = 8;
-  }
+struct InSlices : Paced {
   static constexpr Duration kSlice{5 * kRound / 2};
-  VirtualClock clock;
-  JumpingClock machine;
-  ScriptedPlug plug{clock, machine};
-  PlugPace sut{clock, machine, plug, {.slice = kSlice}};
-  MonotonicTime start;
+  InSlices() : Paced({.slice = kSlice}) { plug.needed = 8; }
 };
 
 TEST_F(InSlices, TheModelGoesOnAtItsOwnTimeAndIsLookedAtAsEver) {

@@ -24,7 +24,7 @@ class Frames {
   explicit Frames(bool is_sliced) : is_sliced_(is_sliced) {}
 
   template <class Model>
-  MonotonicTime run_next(Model& model) {
+  void run_next(Model& model) {
     const MonotonicTime end = now_ + kFrame;
     model.advance(now_);  // as the frame before, or at the start
     while (is_sliced_ && (now_ = now_ + Duration(100'000 + dice_() % 700'000)) < end) {
@@ -32,7 +32,6 @@ class Frames {
     }
     now_ = end;
     model.advance(end);
-    return end;
   }
 
  private:
