@@ -40,7 +40,7 @@ Result<void> run(sim::Plug& plug, Around& around) {
   if (Result<void> plugged = plug.plug(); !plugged) return plugged;
   std::puts("plugged in");
   std::fflush(stdout);
-  sim::PlugPace pace(around.clock, around.machine, plug);
+  sim::PlugPace pace(around.clock, around.machine, plug, {});
   while (!is_over && !plug.is_broken()) {
     pace.run_next();
     around.io.poll();
