@@ -17,8 +17,7 @@ namespace thimble::sim {
 //
 // With `slice` > 0 the model goes on whenever so much time has passed since the last round, in
 // place of all at once in the next: it takes the processor for shorter at a time, for a machine on
-// which others wait for it. What a HID arm says, and when, stays the same; a Falcon or
-// an arm with the text protocol may say it in another round.
+// which others wait for it. What a device says, and when, stays the same.
 //
 // Thread: the one that runs the model's clock. RT: no; it sleeps. Ownership: all must outlive it.
 class PlugPace {

@@ -71,16 +71,19 @@ Force3 ArmOnBoard::force_of_load() noexcept {
   return {};
 }
 
+// What the motors are told within a substep acts from its end on.
 void ArmOnBoard::step() noexcept {
   const Force3 force = push_ + force_of_load();
-  plant_.step(seconds(kSubstep), motor_torque(), force);
+  plant_.step(seconds(kSubstep), torque_, force);
   plant_time_ = plant_time_ + kSubstep;
   board_->run_until(plant_time_, encoder_totals());
+  torque_ = motor_torque();
 }
 
 void ArmOnBoard::advance_arm(MonotonicTime t) noexcept {
   if (!is_started_) start_at(t);
   if (t < now_) return;
+  if (plant_time_ == now_) torque_ = motor_torque();  // told at the very start of the substep
   while (plant_time_ + kSubstep <= t) step();
   now_ = t;
   // The encoders are then up to one substep old; exact when `t` is on the plant's grid.

@@ -14,7 +14,8 @@ namespace thimble::sim {
 // controller board: what the arms of every protocol have in common.
 //
 // The first advance_arm() sets the plant's clock; until then the arm rests, switched on long ago,
-// its counters zero where it was parked.
+// its counters zero where it was parked. The mechanics go by substeps since then, and are the same
+// whenever else it is called.
 //
 // Thread: one, that of the bus; the backend's verbs belong to the same thread and may be called
 //   from a TipLoad while it is asked.
@@ -63,6 +64,7 @@ class ArmOnBoard : public plugin::ArmBackend {
   Position3 home_{};
   plugin::TipLoad* load_{nullptr};
   Force3 push_{};
+  JointVector torque_{};  // of the motors in the substep that has begun
   bool is_started_{false};
   std::array<double, 3> stylus_rad_{};
   bool is_stylus_down_{false};

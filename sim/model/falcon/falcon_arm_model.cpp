@@ -91,17 +91,17 @@ Force3 FalconArmModel::force_of_load() noexcept {
 // The processor sees the cranks as they are when the substep begins; what it tells the motors in it
 // acts from its end on.
 void FalconArmModel::step() noexcept {
-  const Triple torque = motor_torque();
   const Force3 force = push_ + force_of_load();
   run_lines_until(plant_time_ + kSubstep);
   const Triple before = plant_.crank_rad();
-  plant_.step(seconds(kSubstep), torque, {force.x, force.y, force.z});
+  plant_.step(seconds(kSubstep), torque_, {force.x, force.y, force.z});
   plant_time_ = plant_time_ + kSubstep;
   counts_ = crank_counts();
   for (std::size_t i = 0; i < counts_.size(); ++i) {
     const bool is_inwards = before[i] > p_.home_rad && plant_.crank_rad()[i] <= p_.home_rad;
     if (is_inwards) processor_.firmware().pass_home(i);
   }
+  torque_ = motor_torque();
 }
 
 void FalconArmModel::run_lines_until(MonotonicTime t) noexcept {
@@ -125,6 +125,7 @@ void FalconArmModel::advance(MonotonicTime t) noexcept {
     bridge_.power_up(t);
   }
   if (t < now_) return;
+  if (plant_time_ == now_) torque_ = motor_torque();  // told at the very start of the substep
   while (plant_time_ + kSubstep <= t) step();
   run_lines_until(t);
   now_ = t;

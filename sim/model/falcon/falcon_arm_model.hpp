@@ -100,6 +100,7 @@ class FalconArmModel final : public plugin::SimUsbModel,
   CrankCounts counts_{};  // at plant_time_
   plugin::TipLoad* load_{nullptr};
   Force3 push_{};
+  Triple torque_{};  // of the motors in the substep that has begun
   unsigned buttons_{0};
   bool is_centre_held_{false};  // by press_stylus_button(), beside what the load does
   bool is_started_{false};

@@ -25,6 +25,10 @@ constexpr int kRounds = 16'000;  // two seconds
 constexpr Duration kRound{125'000};
 constexpr std::uint32_t kReadBytes = 128;
 
+// Which rounds are looked at: all of them, or those that next_needed() wants. In slices the model
+// goes on between them, too, at random times.
+enum class Rounds { Every, Needed, NeededInSlices };
+
 // What a host says to a device, before which round; by chance, the same for the same seed.
 struct Words {
   std::uint8_t in{0};
@@ -45,16 +49,21 @@ class Bus {
     for (int i = 0; i < 2; ++i) read();
   }
 
-  // A line for each answer: in which round, and what. `leaves_out`: rounds that next_needed() does
-  // not want.
-  std::vector<std::string> run(bool leaves_out) {
+  // A line for each answer: in which round, and what.
+  std::vector<std::string> run(Rounds rounds) {
     std::mt19937 dice(5);
+    std::mt19937 slices(6);
     MonotonicTime needed{};
     for (round_ = 1; round_ <= kRounds; ++round_) {
+      // Its clock is set by the first look.
+      if (rounds == Rounds::NeededInSlices && looked_at_ > 0) {
+        model_->advance(bench_.clock.now() + Duration(slices() % kRound.count()));
+      }
       bench_.clock.run_for(kRound);
       if (dice() % 16 == 0)
         say(host_.write(words_.out, words_.requests[dice() % words_.requests.size()]));
-      if (leaves_out && !std::exchange(has_said_, false) && bench_.clock.now() < needed) {
+      if (rounds != Rounds::Every && !std::exchange(has_said_, false) &&
+          bench_.clock.now() < needed) {
         session_.leave_round_out();
         continue;
       }
@@ -149,10 +158,13 @@ Bus board_bus(cam::CamUsbModel& model) {
 TEST(LeftOutRounds, ChangeNothingOfAFalcon) {
   FalconArmModel one(falcon_parameters());
   FalconArmModel other(falcon_parameters());
+  FalconArmModel third(falcon_parameters());
   Bus every = falcon_bus(one);
   Bus needed = falcon_bus(other);
-  const auto expected = every.run(false);
-  EXPECT_EQ(needed.run(true), expected);
+  Bus sliced = falcon_bus(third);
+  const auto expected = every.run(Rounds::Every);
+  EXPECT_EQ(needed.run(Rounds::Needed), expected);
+  EXPECT_EQ(sliced.run(Rounds::NeededInSlices), expected);
   EXPECT_GT(every.data_bytes(), 1000U);
   EXPECT_EQ(every.looked_at(), kRounds);
   EXPECT_LT(needed.looked_at(), kRounds * 3 / 4);
@@ -161,12 +173,16 @@ TEST(LeftOutRounds, ChangeNothingOfAFalcon) {
 TEST(LeftOutRounds, ChangeNothingOfAnArmWithTheTextProtocol) {
   TextArmModel one(phantom_vintage_parameters(), {.full_scale_a = 3});
   TextArmModel other(phantom_vintage_parameters(), {.full_scale_a = 3});
+  TextArmModel third(phantom_vintage_parameters(), {.full_scale_a = 3});
   AcmOnUsb one_device(one);
   AcmOnUsb other_device(other);
+  AcmOnUsb third_device(third);
   Bus every = text_bus(one_device);
   Bus needed = text_bus(other_device);
-  const auto expected = every.run(false);
-  EXPECT_EQ(needed.run(true), expected);
+  Bus sliced = text_bus(third_device);
+  const auto expected = every.run(Rounds::Every);
+  EXPECT_EQ(needed.run(Rounds::Needed), expected);
+  EXPECT_EQ(sliced.run(Rounds::NeededInSlices), expected);
   EXPECT_GT(every.data_bytes(), 1000U);
   EXPECT_LT(needed.looked_at(), kRounds / 2);
 }
@@ -175,10 +191,13 @@ TEST(LeftOutRounds, ChangeNothingOfABoardOnUsb) {
   const cam::BoardOptions options{.shape = {{1, 1, 1}, 6}, .window_bytes = 0x20000};
   cam::CamUsbModel one(options);
   cam::CamUsbModel other(options);
+  cam::CamUsbModel third(options);
   Bus every = board_bus(one);
   Bus needed = board_bus(other);
-  const auto expected = every.run(false);
-  EXPECT_EQ(needed.run(true), expected);
+  Bus sliced = board_bus(third);
+  const auto expected = every.run(Rounds::Every);
+  EXPECT_EQ(needed.run(Rounds::Needed), expected);
+  EXPECT_EQ(sliced.run(Rounds::NeededInSlices), expected);
   EXPECT_GT(one.counters().carried_out, 50U);
   EXPECT_GT(one.counters().out_of_order, 100U);
   EXPECT_LT(needed.looked_at(), kRounds / 2);
