@@ -63,6 +63,8 @@ CHEAP_TO_EMULATE = "mitigations=off psi=0 cpuidle.off=1 clearcpuid=112"
 # (decision 0383).
 COUNTED = Pace("counted", (*ONE_PROCESSOR, "-accel", "tcg,thread=single", "-icount", "shift=0,sleep=off"),
                f"clocksource=tsc tsc=reliable transparent_hugepage=never {CHEAP_TO_EMULATE}", is_counted=True)
+# The same a quarter as fast, on which nothing is left to spare: it goes on from where COUNTED was saved, and its clock, which is a count times four, leaps ahead then.
+COUNTED_SLOWLY = COUNTED._replace(name="counted-slowly", machine=tuple(word.replace("shift=0", "shift=2") for word in COUNTED.machine))
 PACES = (AS_IT_COMES, ON_TWO, COUNTED)
 
 

@@ -32,8 +32,6 @@ SILENCES = "nak 0.3", "stall 0.3"
 # What the device is told, and what of it it counts.
 TROUBLES = {"nak 0.3": "unanswered", "stall 0.3": "refused", "corrupt 50": "corrupted", "short 50": "shortened", "babble 50": "babbled"}
 LIMIT = f"limits.force_newton = {LIMIT_NEWTON}\n"
-# Else a fork or an enumeration keeps the guest's only processor from arm and servo for up to 4 ms (decision 0487).
-GIVES_WAY = "echo full > /sys/kernel/debug/sched/preempt"
 MUTE = "it does not report its position; check its power and cable"
 NAMES = ("right", "left")
 RIGHT, LEFT = 0, 1
@@ -55,7 +53,7 @@ class Misbehaviour:
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.guest.run(GIVES_WAY)
+        cls.guest.run(guest.GIVES_WAY)
         cls.arms = right, _ = cls.plug_in()
         cls.guest.wait_for(f"thimble devices | grep -q {two_arms.BESIDE}")
         right.words = f"{right.words}\nworld = \"box\"\n{LIMIT}{two_arms.LEFT}{LIMIT}{cls.more_words}"

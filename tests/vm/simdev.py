@@ -10,7 +10,11 @@ NOTHING_NEWTON = 1e-6  # a force below it is none
 
 
 # The kernel's threads that carry USB/IP are a part of the hardware here, too, and wait for no program.
-RAISE_CARRIERS = "for thread in $(pgrep ^vhci_); do chrt -f -p 86 $thread; done"
+def carriers_at(priority):
+    return f"for thread in $(pgrep ^vhci_); do chrt -f -p {priority} $thread; done"
+
+
+RAISE_CARRIERS = carriers_at(86)
 
 
 def attach_command():

@@ -7,7 +7,7 @@ nothing until the kernel gave that one's write up (decisions 0358 and 0488).
 import json
 
 import arms
-import misbehaviour
+import guest
 import simdev
 import two_arms
 
@@ -39,7 +39,7 @@ class HeldHidraw(two_arms.TwoArms):
 
     @classmethod
     def plug_in_others(cls):
-        cls.guest.run(misbehaviour.GIVES_WAY)
+        cls.guest.run(guest.GIVES_WAY)
         cls.hung = simdev.Simdev(cls.guest, "hung", "--vhci", "--serial", HUNG, "phantom-vintage")
         cls.hung.attach()
         cls.guest.wait_for(f"thimble devices | grep -q {HUNG}")
