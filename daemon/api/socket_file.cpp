@@ -61,14 +61,34 @@ Result<gid_t> find_group(const std::string& name) {
   return entry->gr_gid;
 }
 
+Result<void> refuse_other_than_socket(const std::string& path, const struct stat& info) {
+  if (S_ISSOCK(info.st_mode)) return {};
+  return fail(Errc::InvalidArgument, path + " exists and is no socket; it is left alone");
+}
+
 }  // namespace
 
-Result<SocketFile> SocketFile::create(const SocketFileSettings& settings) {
-  if (settings.path.empty() || settings.path.size() >= sizeof(sockaddr_un::sun_path)) {
+Result<void> check_socket_path(const std::string& path) {
+  if (path.empty() || path.size() >= sizeof(sockaddr_un::sun_path)) {
     return fail(Errc::InvalidArgument, "the path of a socket has 1 to " +
                                            std::to_string(sizeof(sockaddr_un::sun_path) - 1) +
-                                           " bytes, \"" + settings.path + "\" has " +
-                                           std::to_string(settings.path.size()));
+                                           " bytes, \"" + path + "\" has " +
+                                           std::to_string(path.size()));
+  }
+  struct stat info {};
+  if (::lstat(path.c_str(), &info) != 0) return {};
+  return refuse_other_than_socket(path, info);
+}
+
+Result<void> check_socket_group(const std::string& name) {
+  const Result<gid_t> found = find_group(name);
+  if (!found) return tl::unexpected<Error>(found.error());
+  return {};
+}
+
+Result<SocketFile> SocketFile::create(const SocketFileSettings& settings) {
+  if (auto may_be = check_socket_path(settings.path); !may_be) {
+    return tl::unexpected<Error>(may_be.error());
   }
   SocketFile out;
   out.path_ = settings.path;
@@ -116,9 +136,7 @@ Result<void> SocketFile::remove_stale() {
     if (errno == ENOENT) return {};
     return fail_errno(path_);
   }
-  if (!S_ISSOCK(info.st_mode)) {
-    return fail(Errc::InvalidArgument, path_ + " exists and is no socket; it is left alone");
-  }
+  if (auto is_socket = refuse_other_than_socket(path_, info); !is_socket) return is_socket;
   const int probe = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (probe < 0) return fail_errno("socket");
   const bool is_refused = call_with(::connect, probe, path_) != 0 && errno == ECONNREFUSED;

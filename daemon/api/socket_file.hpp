@@ -13,6 +13,12 @@ struct SocketFileSettings {
   std::string group;  // empty: that of the process
 };
 
+// What create() below would refuse, as far as it is seen before anything is made: a path that is
+// too long or taken by what is no socket (InvalidArgument), a group that is not there (NotFound).
+// Thread: any, not RT.
+[[nodiscard]] Result<void> check_socket_path(const std::string& path);
+[[nodiscard]] Result<void> check_socket_group(const std::string& name);
+
 // A listening Unix stream socket in the file system, removed again by the destructor, unless an
 // exception destroys it: a name that is left behind says that its daemon came to grief. A lock
 // file beside it (PATH.lock, left behind) decides who may replace a stale one.

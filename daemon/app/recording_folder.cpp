@@ -154,6 +154,20 @@ std::optional<RecordingName> parse_recording_name(std::string_view name) {
   return std::nullopt;
 }
 
+Result<void> check_recording_folder(const std::string& directory) {
+  std::error_code error;
+  fs::path path = fs::absolute(directory, error);
+  for (; !error && path.has_relative_path(); path = path.parent_path()) {
+    const fs::file_status found = fs::status(path, error);
+    if (fs::is_directory(found)) return {};
+    if (fs::exists(found)) {
+      return fail(Errc::InvalidArgument, path.string() + " is no folder for recordings");
+    }
+    error.clear();  // it is not there, or beneath what is no folder
+  }
+  return {};
+}
+
 Result<StoredRecording> store_recording(const std::string& directory,
                                         const servo::FlightHeader& header,
                                         const std::vector<servo::ServoFrame>& frames) {

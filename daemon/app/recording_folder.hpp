@@ -23,6 +23,10 @@ struct RecordingName {
 // Nothing for a name that format_name() cannot have made. Total.
 [[nodiscard]] std::optional<RecordingName> parse_recording_name(std::string_view name);
 
+// Whether recordings can lie there: InvalidArgument where a part of the path is there and is no
+// folder. Rights are seen when one is written. Thread: any, not RT.
+[[nodiscard]] Result<void> check_recording_folder(const std::string& directory);
+
 struct StoredRecording {
   std::string path;
   std::size_t removed{0};  // older recordings, to stay within kMaxRecordings

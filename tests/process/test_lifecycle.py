@@ -97,6 +97,19 @@ class Check(ProcessTest):
                 for part in parts:
                     self.assertIn(part, line)
 
+    def test_the_places_that_a_start_needs_are_looked_at(self):
+        text = (EXAMPLES / "hello-voxel.toml").read_text()
+        self.assertNotIn("[daemon]", text)
+        self.write("file", "")
+        file = self.write("bad.toml", '[daemon]\nsocket = "file"\ngroup = "no-such-group"\nflight_directory = "file/below"\n' + text)
+        for more in (("--check",), ()):
+            result = self.thimbled("--config", file, *more)
+            self.assertEqual(result.returncode, 2)
+            self.assertRegex(result.stderr, rf"(?m)^{file}:2:\d+: daemon.socket: .*/file exists and is no socket")
+            self.assertRegex(result.stderr, rf'(?m)^{file}:3:\d+: daemon.group: there is no group "no-such-group"')
+            # For no recording a start ends.
+            self.assertEqual(len(re.findall(rf"(?m)^{file}:4:\d+: daemon.flight_directory: .*/file is no folder", result.stderr)), len(more))
+
     def test_a_firmware_is_looked_at_but_ends_no_start(self):
         self.write("falcon.bin", "no firmware")
         text = ('[[arm]]\nname = "{0}"\ndevice = "usb:250-{0}"\nfirmware = "{1}"\nworld = "x"\n')
@@ -175,6 +188,14 @@ class Run(ProcessTest):
                                "--summary", self.folder / "no" / "folder.json")
         self.assertEqual(result.returncode, 1)
         self.assert_one_sentence(result.stderr, "folder.json")
+
+    def test_a_start_that_fails_leaves_no_summary(self):
+        daemon = self.start(config=HELLO)
+        result = self.thimbled("--config", EXAMPLES / "hello-voxel.toml", "--set", f"daemon.socket={daemon.socket}",
+                               "--summary", self.folder / "none.json")
+        self.assertEqual(result.returncode, 1)
+        self.assert_one_sentence(result.stderr, "another daemon is running")
+        self.assertFalse((self.folder / "none.json").exists())
 
     def test_a_summary_into_a_pipe_that_nobody_reads_is_refused_and_not_waited_for(self):
         os.mkfifo(self.folder / "pipe")
@@ -281,7 +302,7 @@ class Places(ProcessTest):
         file = self.write("precious", "text")
         result = self.thimbled("--config", EXAMPLES / "hello-voxel.toml",
                                "--set", f"daemon.socket={file}")
-        self.assertEqual(result.returncode, 1)
+        self.assertEqual(result.returncode, 2)
         self.assert_one_sentence(result.stderr, str(file))
         self.assertEqual(file.read_text(), "text")
 
