@@ -161,6 +161,8 @@ class Simdev(ProcessTest):
                                       (("phantom-vintage-serial", "--uhid"), 2, "is no HID device"),
                                       (("falcon", "--usbip", "0", "--slices-per-frame", "11"), 2, "--slices-per-frame"),
                                       (("falcon", "--usbip", "0", "--slices-per-frame", "2", "--frames-at-once", "2"), 2, "excludes"),
+                                      *((("falcon", "--usbip", "0", "--serial", serial), 2, "1 to 63 printable letters")
+                                        for serial in ("", "A B", "\x1b[31mred", "\u00e9", 64 * "A")),
                                       (("falcon", "--usbip", "0", "--socket", "/nowhere/s"), 1, "No such file")):
             with self.subTest(words):
                 result = self.run_program("thimble-simdev", *words)

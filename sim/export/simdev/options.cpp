@@ -1,6 +1,7 @@
 #include "sim/export/simdev/options.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 
 namespace thimble::sim {
 namespace {
@@ -10,6 +11,15 @@ constexpr std::string_view kScheme = "sim:";
 constexpr unsigned kMostFramesAtOnce = 8;
 constexpr unsigned kMostSlicesPerFrame = 10;  // the mechanics' own steps
 constexpr double kMostAmpere = 32.767;        // what a board's report can say
+constexpr std::size_t kMostSerialBytes = 63;  // what uhid has room for
+
+// What each kernel, and each terminal that shows it, takes as it is.
+std::string judge_serial_number(const std::string& text) {
+  const bool is_plain =
+      std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c < '\x7f'; });
+  if (is_plain && !text.empty() && text.size() <= kMostSerialBytes) return {};
+  return "expected 1 to 63 printable letters of ASCII without blanks";
+}
 
 }  // namespace
 
@@ -34,7 +44,8 @@ tl::expected<SimdevOptions, int> parse_simdev_options(int argc, const char* cons
       ->type_name("FILE");
   cli.add_option("--serial", options.serial_number,
                  "its serial number, so that two can be told apart")
-      ->type_name("TEXT");
+      ->type_name("TEXT")
+      ->check(judge_serial_number);
   cli.add_option("--amplifier-max-a", options.amplifier_max_a,
                  "full scale of its motor amplifiers, A")
       ->type_name("A")
