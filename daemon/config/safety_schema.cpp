@@ -15,12 +15,12 @@ constexpr std::array<Choice<PullResistor>, 2> kPulls{{
     {"internal", PullResistor::Internal},
     {"external", PullResistor::External},
 }};
-constexpr std::size_t kMaxNameBytes = 31;     // of a label or a line: GPIO_MAX_NAME_SIZE, Linux
-constexpr std::size_t kMaxEstopChannels = 2;  // the safety chain compares two
+constexpr std::size_t kMaxLineNameBytes = 31;  // of a label or a line: GPIO_MAX_NAME_SIZE, Linux
+constexpr std::size_t kMaxEstopChannels = 2;   // the safety chain compares two
 
 bool is_good_name(const std::string& name) {
   const auto is_printable = [](char c) { return c >= ' ' && c <= '~'; };
-  return name.size() <= kMaxNameBytes && std::all_of(name.begin(), name.end(), is_printable);
+  return name.size() <= kMaxLineNameBytes && std::all_of(name.begin(), name.end(), is_printable);
 }
 
 void check_name(TableReader& reader, std::string_view key, const std::string& name) {

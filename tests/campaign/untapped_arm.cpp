@@ -11,7 +11,7 @@ using std::chrono::milliseconds;
 
 // From the servo's write to the motors of a Falcon on a cable that is well: an exchange under way,
 // the bridge's latency timer, a frame, and a tick (arms.md: 1.3 ms an exchange).
-constexpr Duration kReach = milliseconds(8);
+constexpr Duration kUntappedReach = milliseconds(8);
 // After a disturbance: an arm that nobody heard for half a second is sent a zero every 50 ms
 // (decision 0286).
 constexpr Duration kFoundAgain = milliseconds(60);
@@ -37,7 +37,7 @@ class UntappedArm final : public Invariant {
                      is_finite(force) && is_finite(now.truth.tip));
     if (now.spoilt_in != spoilt_in_) doubted_at_ = frame.now;
     spoilt_in_ = now.spoilt_in;
-    const Duration reach = kReach + 2 * std::max(tick_, frame.dt);
+    const Duration reach = kUntappedReach + 2 * std::max(tick_, frame.dt);
     const MonotonicTime well_since = std::max(now.cable_ok_since, now.opening_ok_since);
     // Nobody reaches an arm that is not open; it is looked for at least so often.
     const bool is_unreached =

@@ -12,7 +12,7 @@ using std::chrono::milliseconds;
 // A report under way when the stop came: handed over in this frame or the next one.
 constexpr Duration kUnderWay = milliseconds(2);
 // From a report's arrival to the motors: the frame that brings it, and a PWM period.
-constexpr Duration kReach = milliseconds(2);
+constexpr Duration kStopReach = milliseconds(2);
 
 // After a stop, whatever it was: no report asks for a current any more, and the motors are dead as
 // soon as one report arrived; where none arrives the arm's own watchdog does it.
@@ -49,8 +49,9 @@ class ZeroAfterStop final : public Invariant {
     // What was spoilt acts until another report comes, or until the watchdog.
     if (frame.now - spoilt_at_ <= phantom::wire::kWatchdog + 2 * kUnderWay) return;
     const MonotonicTime dead_at =
-        heard_at_ ? *heard_at_ + kReach : now.wire.last_report + phantom::wire::kWatchdog + kReach;
-    if (frame.now > dead_at && frame.now > stopped_at_ + kUnderWay + kReach)
+        heard_at_ ? *heard_at_ + kStopReach
+                  : now.wire.last_report + phantom::wire::kWatchdog + kStopReach;
+    if (frame.now > dead_at && frame.now > stopped_at_ + kUnderWay + kStopReach)
       see_motors(now, findings);
   }
 
