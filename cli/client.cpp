@@ -65,7 +65,8 @@ tl::unexpected<Error> failure(const beast::error_code& error) {
       error != http::error::end_of_stream && error != http::error::partial_message) {
     return fail(Errc::Malformed, "the answer is not the daemon's: " + error.message());
   }
-  return fail(Errc::Disconnected, "the daemon has ended");
+  return fail(Errc::Disconnected,
+              "the daemon hung up: it has ended, or too many others talk to it");
 }
 
 // Not boost's: a local socket that does not block is refused at once when the daemon is behind

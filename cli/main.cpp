@@ -5,13 +5,14 @@
 #include <functional>
 #include <iostream>
 #include <limits>
+#include <new>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <vector>
 
 #include "cli/calibrate_force.hpp"
-#include "cli/cam/disassemble.hpp"
-#include "cli/cam/run.hpp"
+#include "cli/cam/cam_commands.hpp"
 #include "cli/commands.hpp"
 #include "cli/devices/devices.hpp"
 #include "cli/doctor/doctor.hpp"
@@ -25,8 +26,8 @@
 #include "daemon/config/name.hpp"
 #include "daemon/config/paths.hpp"
 #include "hal/linux/monotonic_clock.hpp"
+#include "hal/linux/printable_text.hpp"
 #include "hal/linux/standard_streams.hpp"
-#include "sim/model/cam/engine/plane_engine.hpp"
 
 namespace {
 
@@ -56,9 +57,6 @@ struct Arguments {
   std::string world;
   thimble::cli::WorldEdit edit;
   thimble::cli::CalibrateOptions calibrate;
-  thimble::cambus::ListLimits board;
-  int log2_sites{thimble::cambus::kLog2ModuleSites.front()};
-  thimble::cam::RunOptions cam;
 };
 
 // As a check: what a person gave for a number is one (cli/numbers.hpp).
@@ -155,60 +153,6 @@ void add_flight_commands(CLI::App& app, Arguments& arguments, int& code) {
       ->check(CLI::Range(0.0, 60.0))
       ->capture_default_str();
   show->callback([&] { code = thimble::flight::run_show(arguments.file, arguments.before_s); });
-}
-
-void add_cam_world_commands(CLI::App& cam, Arguments& arguments, int& code) {
-  thimble::cam::RunOptions& options = arguments.cam;
-  CLI::App* list = cam.add_subcommand("list", "Name the worlds that run without an arm");
-  list->add_flag("--json", options.is_json, "As a JSON document");
-  list->callback([&] { code = thimble::cam::run_list(options.is_json); });
-
-  CLI::App* run = cam.add_subcommand("run", "Run a world, and say what came of it and how fast");
-  run->add_option("WORLD", options.world, "One of thimble cam list")->required();
-  run->add_option("--size", options.size, "Sites along x, y and z: powers of two, 512x512")
-      ->required();
-  run->add_option("--steps", options.steps, "How many")->required();
-  run->add_option("--seed", options.seed, "Of what is random")->capture_default_str();
-  run->add_option("--pattern", options.pattern,
-                  "Begin with this in the middle: .rle, .npy, .nrrd or .nhdr")
-      ->type_name("FILE");
-  run->add_option("--engine", options.engine, "Which does the work; all do the same")
-      ->check(CLI::IsMember({"reference", "general", "compiled", "auto"}))
-      ->capture_default_str();
-  run->add_option("--threads", options.threads, "Of this machine: they share a scan that is large")
-      ->check(CLI::Range(std::size_t{1}, thimble::sim::cam::PlaneEngine::kMostThreads))
-      ->capture_default_str();
-  run->add_option("--modules", options.modules, "Of the board whose clocks are counted")
-      ->check(CLI::IsMember({1, 2, 4, 8, 16, 32, 64}))
-      ->capture_default_str();
-  run->add_option("--clock-mhz", options.clock_mhz, "Of that board")
-      ->check(CLI::IsMember(thimble::cambus::kClocks_mhz))
-      ->capture_default_str();
-  run->add_option("--write", options.write, "What came of it, to a file: .npy or .rle")
-      ->type_name("FILE");
-  run->add_flag("--json", options.is_json, "As a JSON document");
-  run->callback([&] { code = run_run(options, thimble::linux::MonotonicClock()); });
-}
-
-void add_cam_commands(CLI::App& app, Arguments& arguments, int& code) {
-  CLI::App* cam = app.add_subcommand("cam", "Run worlds of a CAM, look at programs of its board");
-  cam->require_subcommand(1);
-  add_cam_world_commands(*cam, arguments, code);
-  CLI::App* disassemble = cam->add_subcommand(
-      "disassemble", "Tell what a step list does, and whether a board takes it");
-  disassemble->add_option("FILE", arguments.file, "Of the form in docs/cambus.md, section 3")
-      ->required();
-  disassemble->add_flag("--sync", arguments.board.has_sync,
-                        "The board's sync pulses run: synchronised scans come to an end");
-  disassemble
-      ->add_option("--sites", arguments.log2_sites,
-                   "Sites of a module, as a power of two: 22 or 24")
-      ->check(CLI::IsMember(thimble::cambus::kLog2ModuleSites))
-      ->capture_default_str();
-  disassemble->callback([&] {
-    arguments.board.module_sites = std::uint32_t{1} << arguments.log2_sites;
-    code = thimble::cam::run_disassemble(arguments.file, arguments.board);
-  });
 }
 
 CLI::App* add_arm_command(CLI::App& app, const char* verb, const char* what, Arguments& arguments,
@@ -344,7 +288,7 @@ int run(int argc, char** argv) {
   add_status_commands(app, arguments, code);
   add_machine_commands(app, arguments, code);
   add_flight_commands(app, arguments, code);
-  add_cam_commands(app, arguments, code);
+  thimble::cam::add_cam_commands(app, code);
   thimble::lab_commands::add_lab_commands(app, code);
   add_arm_command(app, "activate", "Keep an arm active while this runs", arguments, code);
   add_arm_command(app, "deactivate", "Take the force off an arm", arguments, code);
@@ -367,7 +311,10 @@ int run(int argc, char** argv) {
     for (std::string& word : words) pointers.push_back(word.data());
     app.parse(argc, pointers.data());
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kExitOk : kExitUsage;
+    std::ostringstream words;  // with what was given in them
+    const int status = app.exit(error, std::cout, words);
+    std::cerr << thimble::linux::printable_lines(words.str());
+    return status == 0 ? kExitOk : kExitUsage;
   }
   return code;
 }
@@ -391,8 +338,12 @@ int main(int argc, char** argv) {
   thimble::linux::occupy_closed_standard_descriptors();
   // Not during the work: a signal would leave the terminal of `watch` without its repair.
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is one that cannot be written
   try {
     return finish(run(argc, argv));
+  } catch (const std::bad_alloc&) {
+    std::cerr << "thimble: there is not enough memory\n";
+    return kExitRefused;
   } catch (const std::exception& error) {
     std::cerr << "thimble: " << error.what() << '\n';
     return kExitRefused;

@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <system_error>
 
 #include "cli/text.hpp"
@@ -26,6 +27,10 @@ std::string refuse_whole_number(std::string_view text, std::uint64_t least, std:
   if (!is_padded && read_all(text, number) && number >= least && number <= most) return "";
   return "expected a whole number from " + std::to_string(least) + " to " + std::to_string(most) +
          found(text);
+}
+
+std::string refuse_other_than_whole(const std::string& text) {
+  return refuse_whole_number(text, 0, std::numeric_limits<std::uint64_t>::max());
 }
 
 std::string refuse_finite_number(std::string_view text) {

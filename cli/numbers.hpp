@@ -12,6 +12,8 @@ namespace thimble::cli {
 // A whole number in decimal digits, without a sign, from `least` to `most`.
 [[nodiscard]] std::string refuse_whole_number(std::string_view text, std::uint64_t least,
                                               std::uint64_t most);
+// Any that 64 bits have room for, as a seed is.
+[[nodiscard]] std::string refuse_other_than_whole(const std::string& text);
 // A finite number: "1", "-0.5", "+.5" or "2e-3".
 [[nodiscard]] std::string refuse_finite_number(std::string_view text);
 

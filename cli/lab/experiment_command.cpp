@@ -7,6 +7,7 @@
 
 #include "cli/commands.hpp"
 #include "cli/lab/findings_files.hpp"
+#include "cli/numbers.hpp"
 #include "cli/text.hpp"
 
 namespace thimble::lab_commands {
@@ -55,6 +56,7 @@ void add_experiment(CLI::App& lab, const ExperimentCommand& of, int& code) {
   said->asked.contacts = of.contacts;
   CLI::App* command = lab.add_subcommand(of.name, of.help);
   command->add_option("--seed", said->asked.seed, "Of everything that is random")
+      ->check(cli::refuse_other_than_whole)
       ->capture_default_str();
   if (of.contacts > 0) {
     command->add_option("--contacts", said->asked.contacts, "Of each row of the table")

@@ -10,6 +10,7 @@
 #include "cli/commands.hpp"
 #include "cli/file_text.hpp"
 #include "cli/lab/experiment_command.hpp"
+#include "cli/numbers.hpp"
 #include "cli/text.hpp"
 #include "drivers/cambus/cambus_registers.hpp"
 #include "hal/linux/monotonic_clock.hpp"
@@ -34,6 +35,7 @@ void add_cam_latency(CLI::App& app, int& code) {
       "cam-latency", "Haptic updates on a simulated CAM-8, beside those of thesis 4.2");
   const auto clock_mhz = std::make_shared<int>(cambus::kClocks_mhz.back());
   latency->add_option("--clock-mhz", *clock_mhz, "Of the boards")
+      ->check(cli::refuse_finite_number)
       ->check(CLI::IsMember(cambus::kClocks_mhz))
       ->capture_default_str();
   latency->callback(
@@ -48,7 +50,9 @@ void add_separate(CLI::App& app, int& code) {
   const auto said = std::make_shared<Said>();
   CLI::App* separate = app.add_subcommand(
       "separate", "Move interlocking pieces at random until all are apart (thesis 4.2.1)");
-  separate->add_option("--seed", said->seed, "Of the pieces and the moves")->capture_default_str();
+  separate->add_option("--seed", said->seed, "Of the pieces and the moves")
+      ->check(cli::refuse_other_than_whole)
+      ->capture_default_str();
   separate
       ->add_option(
           "--write", said->write,
@@ -223,8 +227,10 @@ void add_run(CLI::App& lab, int& code) {
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   run->add_option("--seed", said->settings.seed,
-                  "Of all simulated persons and networks, instead of those of the file");
+                  "Of all simulated persons and networks, instead of those of the file")
+      ->check(cli::refuse_other_than_whole);
   run->add_option("--for", said->settings.for_s, "How long, in virtual seconds")
+      ->check(cli::refuse_finite_number)
       ->check(CLI::Range(0.001, 1e5))
       ->capture_default_str();
   run->add_option("--out", said->folder,

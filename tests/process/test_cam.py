@@ -80,7 +80,7 @@ class Separating(ProcessTest):
             self.assert_one_sentence(shown.stderr, name, said)
 
     def test_a_seed_is_a_number(self):
-        for wrong in ("one", "1.5"):
+        for wrong in ("one", "1.5", "-1", "010", "0x10", "18446744073709551616"):
             shown = self.run_program("thimble", "lab", "separate", "--seed", wrong)
             self.assertEqual((shown.returncode, shown.stdout), (2, ""), wrong)
 
@@ -155,9 +155,10 @@ class Worlds(ProcessTest):
             self.assertAlmostEqual(boards[-1]["time_s"], boards[0]["clocks"] / (1e6 * clock_mhz), delta=1e-9)
             self.assertIn(f" at {clock_mhz} MHz on 1 module\n", self.run_world(*of).stdout)
         self.assertEqual({board["clocks"] for board in boards}, {boards[0]["clocks"]})
-        for wrong in "22", "0", "25.5":
+        for wrong in "22", "0", "25.5", "nan":
             shown = self.run_world("life", "--size", "8x8", "--steps", "1", "--clock-mhz", wrong)
             self.assertEqual((shown.returncode, shown.stdout), (2, ""), wrong)
+        self.assertIn("expected a finite number", shown.stderr)
 
     def test_what_the_simulated_board_does_not_model_is_counted(self):
         shown = self.run_world("hpp", "--size", "32x32", "--steps", "10", "--modules", "2", "--json")
@@ -186,4 +187,9 @@ class Worlds(ProcessTest):
             self.assertEqual((shown.returncode, shown.stdout), (1, ""))
             self.assert_one_sentence(shown.stderr, said)
         self.assertEqual(self.run_world("life", "--size", "8x8").returncode, 2)
+        for wrong in "-1", "010", "1.5", "18446744073709551616":
+            for numbers in (("--steps", wrong), ("--steps", "1", "--seed", wrong)):
+                shown = self.run_world("life", "--size", "8x8", *numbers)
+                self.assertEqual((shown.returncode, shown.stdout), (2, ""), numbers)
+                self.assertIn("expected a whole number", shown.stderr)
         self.assertEqual(self.run_world("life", "--size", "8x8", "--steps", "1", "--engine", "x").returncode, 2)

@@ -254,6 +254,12 @@ source = "box:3"
         self.assertEqual(piped.stdout, printed)
         self.assertEqual(piped.stderr, "", "no terminal, no bar")
 
+    def test_no_time_and_no_seed_is_refused(self):
+        for option, wrong in (("--for", "nan"), ("--for", "inf"), ("--for", "0x10"), ("--seed", "-1")):
+            shown = self.run_program("thimble", "lab", "run", ROOT / "examples/hello-voxel.toml", option, wrong)
+            self.assertEqual((shown.returncode, shown.stdout), (2, ""), wrong)
+            self.assertIn(f"{option}: expected a", shown.stderr)
+
     def test_what_keeps_real_time_is_not_played(self):
         config = self.folder / "real.toml"
         config.write_text("""

@@ -23,6 +23,15 @@ TEST(WholeNumber, IsTakenInPlainDigitsWithinItsBounds) {
   }
 }
 
+TEST(WholeNumber, MayBeAnyOf64Bits) {
+  for (const char* text : {"0", "1", "18446744073709551615"}) {
+    EXPECT_EQ(refuse_other_than_whole(text), "") << text;
+  }
+  for (const char* text : {"", "-1", "010", "0x10", "18446744073709551616", "nan"}) {
+    EXPECT_NE(refuse_other_than_whole(text), "") << text;
+  }
+}
+
 TEST(WholeNumber, IsRefusedWithTheBoundsAndWithoutControlBytes) {
   EXPECT_EQ(refuse_whole_number("\x1b[31m", 1, 9),
             "expected a whole number from 1 to 9, found \"?[31m\"");
