@@ -8,8 +8,10 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <memory>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,6 +21,7 @@
 #include "daemon/app/inspect_places.hpp"
 #include "daemon/app/summary_file.hpp"
 #include "daemon/config/load.hpp"
+#include "daemon/config/report.hpp"
 #include "daemon/session/inspect.hpp"
 #include "daemon/session/plugins.hpp"
 #include "hal/linux/line_output.hpp"
@@ -37,7 +40,9 @@ class StandardErrorSink final : public spdlog::sinks::base_sink<std::mutex> {
   void sink_it_(const spdlog::details::log_msg& message) override {
     spdlog::memory_buf_t line;
     formatter_->format(message, line);
-    output_.write({line.data(), line.size()});
+    const std::string_view text(line.data(), line.size());
+    // Paths and names of a configuration are in it.
+    output_.write(config::escaped(text.substr(0, text.find_last_not_of('\n') + 1)) + "\n");
   }
   void flush_() override {}
 
@@ -52,7 +57,7 @@ void log_to_standard_error() {
 
 // Once signals have their handlers, a word for which there is no room must not keep the process.
 void say_without_waiting(const std::string& text) {
-  linux::LineOutput(STDERR_FILENO).write("thimbled: " + text + "\n");
+  linux::LineOutput(STDERR_FILENO).write("thimbled: " + config::escaped(text) + "\n");
 }
 
 int serve(Daemon& daemon, SummaryFile& summary, const linux::RealtimeProcess& process) {
@@ -96,6 +101,11 @@ int run_checked(const Options& options) {
     std::printf("%s: the configuration is good\n", options.config.c_str());
     return kExitOk;
   }
+  std::error_code ignored;
+  if (options.summary && std::filesystem::equivalent(*options.summary, options.config, ignored)) {
+    say_without_waiting("--summary names the configuration, which it would replace");
+    return kExitUsage;
+  }
   // A place that cannot be written is told before an experiment, not after it.
   SummaryFile summary(options.summary);
   if (const Result<void> prepared = summary.prepare(); !prepared) {
@@ -118,9 +128,14 @@ int run_checked(const Options& options) {
 int run(const Options& options) {
   // A closed pipe behind standard error must not end the process with a force on the arm.
   std::signal(SIGPIPE, SIG_IGN);
+  // Nor may a limit of the size of files: what is not written is said.
+  std::signal(SIGXFSZ, SIG_IGN);
   log_to_standard_error();
   try {
     return run_checked(options);
+  } catch (const std::bad_alloc&) {
+    say_without_waiting("there is not enough memory");
+    return kExitFailure;
   } catch (const std::exception& error) {
     say_without_waiting(error.what());
     return kExitFailure;

@@ -3,8 +3,11 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdlib>
+#include <iostream>
+#include <sstream>
 
 #include "daemon/app/exit_code.hpp"
+#include "hal/linux/printable_text.hpp"
 
 namespace thimble::app {
 namespace {
@@ -17,6 +20,10 @@ std::string refuse_not_finite(const std::string& text) {
   return "expected a finite number, found " + text;
 }
 
+std::string refuse_empty(const std::string& text) {
+  return text.empty() ? "expected the name of a file, found nothing" : "";
+}
+
 }  // namespace
 
 tl::expected<Options, int> parse_options(int argc, const char* const* argv) {
@@ -25,6 +32,7 @@ tl::expected<Options, int> parse_options(int argc, const char* const* argv) {
       "thimbled drives force-feedback arms and lets people touch simulated worlds.\n"
       "SIGTERM or Ctrl-C ends it: the force ramps to zero, the arm is switched off."};
   cli.add_option("--config", options.config, "the configuration, a TOML file")
+      ->check(refuse_empty)
       ->required()
       ->type_name("FILE");
   cli.add_option("--set", options.overrides,
@@ -47,7 +55,9 @@ tl::expected<Options, int> parse_options(int argc, const char* const* argv) {
   try {
     cli.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    const int code = cli.exit(error);
+    std::ostringstream words;  // with what was given in them
+    const int code = cli.exit(error, std::cout, words);
+    std::cerr << linux::printable_lines(words.str());
     return tl::unexpected(code == 0 ? kExitOk : kExitUsage);
   }
   return options;

@@ -4,7 +4,9 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <cerrno>
 #include <chrono>
+#include <cstring>
 #include <fstream>
 #include <memory>
 #include <utility>
@@ -27,8 +29,8 @@ bool replace(const std::string& path, const std::string& text) {
 
 }  // namespace
 
-Result<void> SummaryFile::refused() const {
-  return fail(Errc::System, "the summary could not be written to " + path_.value_or(""));
+Result<void> SummaryFile::refused(const std::string& why) const {
+  return fail(Errc::System, "the summary could not be written to " + path_.value_or("") + why);
 }
 
 // Not a pipe that nobody reads: opening it would last for ever.
@@ -38,7 +40,7 @@ Result<void> SummaryFile::prepare() {
   int file = ::open(path_->c_str(), kHow | O_CREAT | O_EXCL, 0666);
   is_made_ = file >= 0;
   if (file < 0) file = ::open(path_->c_str(), kHow | O_CREAT, 0666);
-  if (file < 0) return refused();
+  if (file < 0) return refused(std::string(": ") + std::strerror(errno));
   ::close(file);
   return {};
 }
@@ -53,7 +55,7 @@ Result<void> SummaryFile::write(const std::string& text) {
   linux::BackgroundWorker worker;
   worker.post([=, path = *path_] { *is_written = replace(path, text); });
   if (worker.wait(kPatience) && *is_written) return {};
-  return refused();
+  return refused("");
 }
 
 }  // namespace thimble::app

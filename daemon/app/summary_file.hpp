@@ -24,7 +24,7 @@ class SummaryFile {
   [[nodiscard]] Result<void> write(const std::string& text);
 
  private:
-  [[nodiscard]] Result<void> refused() const;
+  [[nodiscard]] Result<void> refused(const std::string& why) const;
 
   std::optional<std::string> path_;
   bool is_made_{false};

@@ -27,6 +27,22 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
+// Of a letter that begins there and ends a line, steers a terminal or turns what follows round:
+// the control characters C0 and C1, and Unicode's marks of lines and of direction. 0: it is none.
+std::size_t steering_bytes(std::string_view text) {
+  const auto at = [&](std::size_t i) {
+    return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U;
+  };
+  if (at(0) < 0x20 || at(0) == 0x7F) return 1;
+  if (at(0) == 0xC2 && at(1) >= 0x80 && at(1) <= 0x9F) return 2;  // U+0080 to U+009F
+  if (at(0) != 0xE2) return 0;
+  const unsigned last = at(2);
+  // U+200E, U+200F, U+2028 to U+202E; U+2066 to U+2069.
+  const bool is_mark = last == 0x8E || last == 0x8F || (last >= 0xA8 && last <= 0xAE);
+  if (at(1) == 0x80) return is_mark ? 3 : 0;
+  return at(1) == 0x81 && last >= 0xA6 && last <= 0xA9 ? 3 : 0;
+}
+
 bool is_continuation(char byte) { return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U; }
 
 }  // namespace
@@ -61,13 +77,16 @@ std::vector<ConfigError> Report::take() {
 
 std::string escaped(std::string_view text) {
   std::string out;
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte >= 0x20 && byte != 0x7F) {
-      out += c;
+  std::size_t steering = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (steering == 0) steering = steering_bytes(text.substr(i));
+    if (steering == 0) {
+      out += text[i];
       continue;
     }
+    --steering;
     constexpr std::string_view kDigits = "0123456789abcdef";
+    const auto byte = static_cast<unsigned char>(text[i]);
     out += "\\x";
     out += kDigits[byte >> 4U];
     out += kDigits[byte & 0xFU];

@@ -37,7 +37,8 @@ class Report {
   std::set<std::string> known_keys_;
 };
 
-// `text` with control characters as \x1b: fit for a terminal and one line.
+// `text` with control characters as \x1b, and so what turns letters round: fit for a terminal and
+// one line.
 [[nodiscard]] std::string escaped(std::string_view text);
 // `text` in quotes, shortened and escaped.
 [[nodiscard]] std::string in_quotes(std::string_view text);

@@ -55,7 +55,7 @@ void read_name(TableReader& reader, std::string& out) {
   std::string name;
   if (!reader.read("name", name)) return;
   if (!is_name(name)) {
-    return reader.reject("name", "expected up to " + std::to_string(kMaxNameBytes) +
+    return reader.reject("name", "expected 1 to " + std::to_string(kMaxNameBytes) +
                                      " of a-z, 0-9 and -, found " + in_quotes(name));
   }
   out = name;

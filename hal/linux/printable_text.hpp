@@ -16,4 +16,13 @@ namespace thimble::linux {
   return out;
 }
 
+// The same of several lines, whose breaks stay.
+[[nodiscard]] inline std::string printable_lines(std::string_view text) {
+  std::string out = printable_text(text);
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '\n') out[i] = '\n';
+  }
+  return out;
+}
+
 }  // namespace thimble::linux

@@ -189,6 +189,21 @@ class Run(ProcessTest):
         self.assertEqual(result.returncode, 1)
         self.assert_one_sentence(result.stderr, "folder.json")
 
+    def test_a_summary_does_not_replace_the_configuration(self):
+        text = (EXAMPLES / "hello-voxel.toml").read_text()
+        file = self.write("mine.toml", text)
+        (self.folder / "link").symlink_to(file)
+        for summary in (file, self.folder / "link"):
+            result = self.thimbled("--config", file, "--for", 0.1, "--set", f"daemon.socket={self.folder}/s", "--summary", summary)
+            self.assertEqual(result.returncode, 2)
+            self.assert_one_sentence(result.stderr, "names the configuration")
+        self.assertEqual(file.read_text(), text)
+
+    def test_a_configuration_has_a_name(self):
+        result = self.thimbled("--config", "", "--check")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("--config: expected the name of a file", result.stderr)
+
     def test_a_start_that_fails_leaves_no_summary(self):
         daemon = self.start(config=HELLO)
         result = self.thimbled("--config", EXAMPLES / "hello-voxel.toml", "--set", f"daemon.socket={daemon.socket}",

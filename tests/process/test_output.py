@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import resource
 import signal
 import threading
 
@@ -67,6 +68,58 @@ class StuckEnd(ProcessTest):
         for end in ends:
             self.addCleanup(os.close, end)
         self.assertEqual(self.run_until_the_end("/dev/full", preexec=redirect).returncode, 1)
+
+
+class SmallFiles(ProcessTest):
+    """No file of the process may grow beyond that: who writes more is told by a signal, which ends whoever does not mind."""
+
+    MOST_BYTES = 1 << 16
+
+    def limit(self):
+        die_with_parent()
+        resource.setrlimit(resource.RLIMIT_FSIZE, (self.MOST_BYTES, self.MOST_BYTES))
+
+    def test_a_recording_that_may_not_be_written_is_said_and_the_daemon_goes_on(self):
+        flights = self.folder / "flights"
+        daemon = self.start("--set", f"daemon.flight_directory={flights}", "--set", "arm.limits.overspeed_m_per_s=0.001",
+                            config=HELLO, preexec=self.limit)
+        daemon.status_when(lambda status: status["arms"][0]["state"] == "fault")
+        self.assert_soon(lambda: "could not be written" in daemon.log())
+        self.assertIn("File too large", daemon.log())
+        self.assertEqual(list(flights.glob("[!.]*")), [])
+        ticks = daemon.status()["servos"][0]["ticks"]
+        daemon.status_when(lambda status: status["servos"][0]["ticks"] > ticks)
+        self.assertEqual(daemon.stop(), 0)
+
+    def test_what_the_command_line_may_not_write_is_said(self):
+        result = self.run_program("thimble", "cam", "run", "life", "--size", "512x512", "--steps", "0", "--write", self.folder / "x.npy", preexec=self.limit)
+        self.assertEqual(result.returncode, 1, result.args)
+        self.assert_one_sentence(result.stderr, "x.npy")
+
+
+class Escapes(ProcessTest):
+    """What somebody else may have chosen, as the name of a file, steers no terminal."""
+
+    STEERING = "\x1b[31mX\x07"
+
+    def assert_tame(self, result, code):
+        self.assertEqual(result.returncode, code, result.args)
+        self.assertIn("[31mX", result.stderr, "it is told")
+        self.assertNotRegex(result.stderr, "[\x00-\x09\x0b-\x1f\x7f-\x9f]")
+
+    def test_of_arguments_are_shown_as_letters(self):
+        for program, words in (("thimbled", ("--config", "x", self.STEERING)), ("thimble", ("status", self.STEERING)),
+                               ("thimble", ("cam", "run", "life", "--size", "8x8", "--steps", "1", "--engine", self.STEERING)),
+                               ("thimble-simdev", ("--usbip", self.STEERING, "falcon"))):
+            with self.subTest(program):
+                self.assert_tame(self.run_program(program, *words), 2)
+
+    def test_of_paths_are_shown_as_letters(self):
+        start = "--config", EXAMPLES / "hello-voxel.toml", "--for", 0.1, "--set"
+        folder = self.folder / self.STEERING
+        self.assert_tame(self.thimbled(*start, f"daemon.socket={folder}/s"), 0)
+        self.assert_tame(self.thimbled(*start, f"daemon.socket=/nowhere/{self.STEERING}/s"), 1)
+        self.assert_tame(self.thimbled(*start, f"daemon.socket={self.folder}/s", "--summary", f"/nowhere/{self.STEERING}"), 1)
 
 
 class FullDisk(ProcessTest):

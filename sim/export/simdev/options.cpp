@@ -2,6 +2,10 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <iostream>
+#include <sstream>
+
+#include "hal/linux/printable_text.hpp"
 
 namespace thimble::sim {
 namespace {
@@ -68,7 +72,9 @@ tl::expected<SimdevOptions, int> parse_simdev_options(int argc, const char* cons
   try {
     cli.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    const int code = cli.exit(error);
+    std::ostringstream words;  // with what was given in them
+    const int code = cli.exit(error, std::cout, words);
+    std::cerr << linux::printable_lines(words.str());
     return tl::unexpected(code == 0 ? 0 : kExitUsage);
   }
   if (options.model.starts_with(kScheme)) options.model.erase(0, kScheme.size());
