@@ -1,6 +1,5 @@
 #include "cli/cam/cam_commands.hpp"
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <memory>
 #include <string>
