@@ -192,10 +192,11 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(HidRigFactory{"Uhid", &make<HidRig, KernelHidRig<UhidEnd>>},
                     HidRigFactory{"Usbip", &make<HidRig, KernelHidRig<UsbipEnd>>}),
     rig_name);
-INSTANTIATE_TEST_SUITE_P(Kernel, BusEnumeratorContract,
-                         testing::Values(BusRigFactory{"Uhid",
-                                                       &make<BusRig, KernelBusRig<UhidEnd>>}),
-                         bus_rig_name);
+INSTANTIATE_TEST_SUITE_P(
+    Kernel, BusEnumeratorContract,
+    testing::Values(BusRigFactory{"Uhid", &make<BusRig, KernelBusRig<UhidEnd>>},
+                    BusRigFactory{"Usbip", &make<BusRig, KernelBusRig<UsbipEnd>>}),
+    bus_rig_name);
 
 }  // namespace
 }  // namespace thimble::test
