@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <span>
 
 #include "hal/base/check.hpp"
@@ -68,6 +69,9 @@ class WireScript {
 inline void require_sane(const HapticState& state) {
   THIMBLE_CHECK(is_finite(state.tip));
   for (const double angle_rad : state.joint_position_rad) THIMBLE_CHECK(std::isfinite(angle_rad));
+  for (std::size_t i = kFirstGimbalJoint; i < state.joint_position_rad.size(); ++i) {
+    THIMBLE_CHECK(std::abs(state.joint_position_rad[i]) <= std::numbers::pi);
+  }
   for (const auto& row : state.motor_current_per_force.row) {
     for (const double share : row) THIMBLE_CHECK(std::isfinite(share));
   }

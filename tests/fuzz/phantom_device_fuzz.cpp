@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <iterator>
 #include <memory>
 #include <span>
 #include <string>
@@ -114,17 +115,17 @@ class HostileSerial final : public bus::SerialPort, private HostileWire {
 }  // namespace
 
 // Whatever a controller says: the arm's state is finite, no current goes beyond the arm's peak, and
-// none at all unless it was calibrated. The first byte: HID or text, and which arm; the rest as
-// WireScript says.
+// none at all unless it was calibrated. The first byte: HID (which form) or text, and which arm, be
+// it one that never comes with that controller; the rest as WireScript says.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   const bool is_text = (data[0] & 1U) != 0;
-  const bool is_woody = (data[0] & 2U) != 0;
+  const bool is_teensy = (data[0] & 2U) != 0;
   fuzz::WireScript script({data + 1, size - 1});
   fuzz::WireClock clock;
   Motors motors;
   const phantom::PhantomModel& model =
-      *phantom::find_model(is_woody ? "woody-2015" : "phantom-vintage");
+      phantom::kPhantomModels[(data[0] >> 2U) % std::size(phantom::kPhantomModels)];
   std::unique_ptr<phantom::ControllerLink> link;
   if (is_text) {
     link = std::make_unique<phantom::TextLink>(
@@ -132,7 +133,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   } else {
     link = std::make_unique<phantom::HidLink>(
         std::make_unique<HostileHid>(script, clock, motors),
-        is_woody ? phantom::ReportForm::Teensy : phantom::ReportForm::Mbed);
+        is_teensy ? phantom::ReportForm::Teensy : phantom::ReportForm::Mbed);
   }
   phantom::PhantomDevice arm(std::move(link), model, kAmplifier_a);
   for (std::size_t i = 0; i < 3; ++i) motors.peak_a[i] = arm.capabilities().peak_current_a[i];
