@@ -1,6 +1,7 @@
 #include "tests/contract/bus_enumerator_contract.hpp"
 
 #include <algorithm>
+#include <optional>
 
 namespace thimble::test {
 namespace {
@@ -18,6 +19,15 @@ bus::DeviceAddress listed(BusRig& rig) {
   }
   ADD_FAILURE() << "it is not listed";
   return {};
+}
+
+// The next event of the device. On a real bus it may have another face (a HID device on USB is a
+// USB device, too), of which as much is told.
+std::optional<bus::BusEvent> next_told(BusRig& rig) {
+  while (auto event = rig.buses().poll_event()) {
+    if (event->device.address == rig.address()) return event;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -65,11 +75,10 @@ TEST_P(BusEnumeratorContract, ADepartureIsToldOnceAndTheDeviceIsGone) {
   rig->unplug();
   rig->settle();
 
-  const auto event = rig->buses().poll_event();
+  const auto event = next_told(*rig);
   ASSERT_TRUE(event.has_value());
   EXPECT_EQ(event->kind, bus::BusEvent::Kind::Left);
-  EXPECT_EQ(event->device.address, rig->address());
-  EXPECT_FALSE(rig->buses().poll_event().has_value());
+  EXPECT_FALSE(next_told(*rig).has_value());
   EXPECT_FALSE(lists(*rig));
   const auto device = rig->buses().open_hid(rig->address());
   ASSERT_FALSE(device.has_value());
@@ -83,11 +92,12 @@ TEST_P(BusEnumeratorContract, AReturnIsToldInOrderWithTheSameDescription) {
   rig->replug();
   rig->settle();
 
-  EXPECT_EQ(rig->buses().poll_event()->kind, bus::BusEvent::Kind::Left);
-  const auto event = rig->buses().poll_event();
+  const auto left = next_told(*rig);
+  ASSERT_TRUE(left.has_value());
+  EXPECT_EQ(left->kind, bus::BusEvent::Kind::Left);
+  const auto event = next_told(*rig);
   ASSERT_TRUE(event.has_value());
   EXPECT_EQ(event->kind, bus::BusEvent::Kind::Arrived);
-  EXPECT_EQ(event->device.address, rig->address());
   EXPECT_EQ(rig->buses().list(), before);
 }
 
