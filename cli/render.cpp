@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -209,10 +210,24 @@ void add_safety(Lines& lines, const api::Status& status) {
   if (!safety.message.empty()) add_plain(lines, "", safety.message);
 }
 
-Lines all_lines(const api::Status& status, Glyphs glyphs) {
+// A picture has a few lines for what is not as it should be: it stays the same from one to the
+// next.
+constexpr std::size_t kDegradedLinesOfAPicture = 2;
+
+Lines degraded_lines(const api::Status& status, std::size_t most) {
+  Lines lines;
+  for (const std::string& sentence : status.degraded) add_plain(lines, "DEGRADED", sentence);
+  if (lines.size() <= most) return lines;
+  lines.resize(most);
+  add(lines, "", "and more: thimble status tells the rest");
+  return lines;
+}
+
+Lines all_lines(const api::Status& status, Glyphs glyphs, std::size_t most_degraded) {
   Lines lines;
   add_heading(lines, "thimble " + plain(status.version) + "  up " + uptime_text(status.uptime_s));
-  for (const std::string& sentence : status.degraded) add_plain(lines, "DEGRADED", sentence);
+  const Lines degraded = degraded_lines(status, most_degraded);
+  lines.insert(lines.end(), degraded.begin(), degraded.end());
   add_safety(lines, status);
   for (const api::ArmStatus& arm : status.arms) add_arm(lines, status, arm, glyphs);
   add_worlds(lines, status, glyphs);
@@ -237,11 +252,11 @@ std::string joined(const Lines& lines) {
 }  // namespace
 
 std::string render_status(const api::Status& status, Glyphs glyphs) {
-  return joined(all_lines(status, glyphs));
+  return joined(all_lines(status, glyphs, std::numeric_limits<std::size_t>::max()));
 }
 
 std::string render_watch(const api::Status& status, Glyphs glyphs, std::size_t rows) {
-  Lines lines = all_lines(status, glyphs);
+  Lines lines = all_lines(status, glyphs, kDegradedLinesOfAPicture);
   for (const api::ArmStatus& arm : status.arms) {
     const std::size_t room = rows > lines.size() + 1 ? rows - lines.size() - 1 : 0;
     const Lines map = finger_map(arm, world_of(status, arm), glyphs, room);

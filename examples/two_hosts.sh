@@ -10,7 +10,13 @@
 #   thimble watch --socket /run/thimble-two-hosts/guest.sock    the other one
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
-daemon=${THIMBLED:-thimbled}
+# sudo has a PATH of its own: in a clone the one that was built there is taken.
+built=$here/../build/release/bin/thimbled
+if [ -x "$built" ]; then daemon=${THIMBLED:-$built}; else daemon=${THIMBLED:-thimbled}; fi
+if ! command -v "$daemon" >/dev/null; then
+  echo "two_hosts.sh: there is no $daemon; build it (./run build), or name it: THIMBLED=FILE" >&2
+  exit 1
+fi
 room=${ROOM:-/run/thimble-two-hosts}
 scene=block
 case ${1:-} in block | teleoperation) scene=$1 && shift ;; esac

@@ -258,6 +258,26 @@ TEST(RenderStatus, TellsThePersonWhatToDoAndWhatWentWrong) {
                     HasSubstr("recording /f/1.csv")));
 }
 
+TEST(RenderWatch, LeavesRoomForThePictureWhereMuchIsDegraded) {
+  api::Status status = sample_status();
+  const auto lines = [](const std::string& text) {
+    return std::count(text.begin(), text.end(), '\n');
+  };
+  const auto before = lines(render_status(status, Glyphs::Ascii));
+  status.degraded.assign(6, "memory lock refused: put LimitMEMLOCK=infinity into the unit");
+  EXPECT_EQ(lines(render_status(status, Glyphs::Ascii)), before + 6) << "all of it";
+  const std::string sut = render_watch(status, Glyphs::Ascii, 200);
+  EXPECT_THAT(sut, HasSubstr("thimble status tells the rest"));
+  const std::string kWord = "memory lock refused";
+  std::size_t told = 0;
+  for (std::size_t at = sut.find(kWord); at != std::string::npos; at = sut.find(kWord, at + 1)) {
+    ++told;
+  }
+  EXPECT_EQ(told, 2U);
+  status.degraded.resize(2);
+  EXPECT_THAT(render_watch(status, Glyphs::Ascii, 200), Not(HasSubstr("tells the rest")));
+}
+
 TEST(RenderStatus, TellsWhyALinkIsDownAndNoRoundTripOfIt) {
   api::Status status = sample_status();
   status.links[0].last_error = "the world has no free cell";
