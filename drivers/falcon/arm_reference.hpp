@@ -19,7 +19,8 @@ namespace thimble::falcon {
 // Known, the reference is lost when an encoder jumps and after kLongestGap without a report. What
 // the firmware says then is listened to again.
 //
-// Thread: one. RT: all THIMBLE_RT but the constructor.
+// Thread: one. RT: all THIMBLE_RT but the constructor, which alone looks at the model. Errors:
+// none; what cannot be true ends the reference.
 class ArmReference {
  public:
   explicit ArmReference(const FalconModel& model);

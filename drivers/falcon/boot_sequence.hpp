@@ -58,7 +58,8 @@ struct BootOrder {
 // which the bridge sends one at least every latency period, and of what its owner says besides:
 // on_packet() of nothing.
 //
-// Thread: one. RT: all THIMBLE_RT. Ownership: `image` must outlive it.
+// Thread: one. RT: all THIMBLE_RT. Ownership: `image` must outlive it. Errors: none; what fails is
+// tried again.
 class BootSequence {
  public:
   // `image` empty: there is none, so only a firmware that runs already will do.

@@ -16,8 +16,8 @@ namespace thimble::falcon {
 // at 16 ms (decision 0386). After the first of the late ones nothing leaves until another came or
 // kPatience passed, so that the exchange is in step again.
 //
-// Thread: one. RT: all THIMBLE_RT. Times are its owner's: of the packets that arrive, and of a
-// clock where none does.
+// Thread: one. RT: all THIMBLE_RT. A value. Errors: none. Times are its owner's: of the packets
+// that arrive, and of a clock where none does.
 class ExchangePacer {
  public:
   THIMBLE_RT void restart() noexcept { *this = ExchangePacer(); }

@@ -16,6 +16,8 @@ namespace thimble::falcon {
 //   u = a cos(theta1) - c + (d + e + b sin(theta3)) cos(theta2)
 //   v = b cos(theta3) - f
 //   w = a sin(theta1)     + (d + e + b sin(theta3)) sin(theta2)
+//
+// A value: any thread. The rows live as long as the program.
 struct FalconModel {
   std::string_view name;  // as in the configuration and in "sim:NAME"
   std::string_view description;

@@ -17,7 +17,7 @@ namespace thimble::phantom {
 // the counter's range. Between two stops none of the table's arms can (a test holds the table to
 // it), so a gap of any length leaves no doubt; for an arm that could, the gap bounds it.
 //
-// Thread: one. RT: all THIMBLE_RT.
+// Thread: one. RT: all THIMBLE_RT. A value. Errors: none; what cannot have been motion is told.
 class CounterTracker {
  public:
   using Raw = std::array<std::int16_t, 3>;

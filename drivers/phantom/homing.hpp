@@ -20,7 +20,7 @@ namespace thimble::phantom {
 // harm; and because such a repetition may still be on its way then, the reference holds only
 // after the flag stayed down for kSettle.
 //
-// Thread: one. RT: all THIMBLE_RT.
+// Thread: one. RT: all THIMBLE_RT. A value. Errors: none, whatever a report says.
 class Homing {
  public:
   // Takes one report of the controller, `since_last` after the one before.

@@ -12,6 +12,8 @@ namespace thimble::phantom {
 //
 // Angles and lengths are in the device frame of the sheet: x towards the person, y to the
 // person's right, z up, origin on the waist axis at the foot of link a.
+//
+// A value: any thread. The rows live as long as the program.
 struct PhantomModel {
   std::string_view name;  // as in the configuration and in "sim:NAME"
   std::string_view description;

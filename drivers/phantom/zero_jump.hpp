@@ -19,7 +19,7 @@ namespace thimble::phantom {
 // whose button was pressed, in this very pose.
 // No motion of an arm that was still a report ago is a jump.
 //
-// Thread: one. RT: all THIMBLE_RT.
+// Thread: one. RT: all THIMBLE_RT. A value. Errors: none, whatever the counters say.
 class ZeroJump {
  public:
   using Counts = std::array<std::int32_t, 3>;

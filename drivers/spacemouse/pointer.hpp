@@ -17,7 +17,7 @@ namespace thimble::spacemouse {
 // the centre: the point starts there, once the puck was seen, or believed, to be let go for
 // kSettle.
 //
-// Thread: one. RT: all THIMBLE_RT.
+// Thread: one. RT: all THIMBLE_RT. A value. Errors: none, whatever the puck says.
 class Pointer {
  public:
   explicit Pointer(double full_deflection_counts) noexcept : full_counts_(full_deflection_counts) {}

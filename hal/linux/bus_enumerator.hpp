@@ -19,7 +19,7 @@ namespace thimble::linux {
 //
 // Thread: list() and open_*() from any, one at a time for each device: they wait for the kernel,
 // for seconds where a device answers nothing, and so does the end of what they opened. poll_event()
-// and catch_up() from one, share() from any; poll_event() and share() never wait.
+// and catch_up() from one, share() from any; poll_event() and share() never wait. Not RT.
 // Errors: as bus::BusEnumerator; open_hid() as HidHost::open(), open_usb() as UsbDevice::open(),
 // open_serial() as SerialPort::open(). Ownership: must outlive the devices it opened.
 class BusEnumerator final : public bus::BusEnumerator {

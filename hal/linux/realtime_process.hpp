@@ -9,8 +9,9 @@ namespace thimble::linux {
 
 // What real time needs of the whole process: small stacks, locked memory, shallow idle.
 //
-// Thread: made at start-up before any other thread; lives as long as the servo threads.
-// Errors: none; report() says what is missing, RealtimeThread::start() decides.
+// Thread: made at start-up before any other thread; lives as long as the servo threads. Not RT.
+// Ownership: of the file by which the machine stays awake (CpuDmaLatency); the rest is the
+// process's. Errors: none; report() says what is missing, RealtimeThread::start() decides.
 class RealtimeProcess {
  public:
   RealtimeProcess();

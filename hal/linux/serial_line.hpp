@@ -21,11 +21,11 @@ namespace thimble::linux {
                                                   const bus::SerialLine& line);
 
 // Before the node is closed: who shares it must not keep the next opener out, nor make the kernel
-// wait with what it has.
+// wait with what it has. Thread: any. Not RT. Errors: none; what the kernel refuses stays as it is.
 void let_go_of_serial_line(int node) noexcept;
 
 // The same for who knows no Descriptor: the number of the open file, let go of and closed with its
-// last owner.
+// last owner. Thread and errors as open_serial_line(). Not RT.
 [[nodiscard]] Result<std::shared_ptr<const int>> share_serial_line(const std::string& node,
                                                                    std::uint32_t bit_per_s);
 

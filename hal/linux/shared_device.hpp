@@ -28,13 +28,13 @@ struct SharedDevice {
 };
 
 // Opens the hidraw node of a HID device to write to it. Thread: any; waits for the kernel, as long
-// as it lets some HID device's write last. Errors: Permission, NotFound, System.
+// as it lets some HID device's write last. Not RT. Errors: Permission, NotFound, System.
 [[nodiscard]] Result<SharedDevice> open_hidraw_to_share(const std::string& hidraw,
                                                         bool has_report_ids);
 // The very file that is open as `node`, which stays the caller's, under another number.
-// Thread: any; waits for nothing. Errors: System.
+// Thread: any; waits for nothing. Not RT. Errors: System.
 [[nodiscard]] Result<SharedDevice> share_node(int node, NodeWay way = NodeWay::AsTheyAre);
-// The same for a whole one.
+// The same for a whole one; thread and errors as above.
 [[nodiscard]] Result<SharedDevice> share_again(const SharedDevice& device);
 
 }  // namespace thimble::linux

@@ -14,6 +14,7 @@ namespace thimble::sim {
 // room for. Total. Thread: any. Pure.
 [[nodiscard]] bus::UsbControlRequest control_request(const std::array<std::uint8_t, 8>& setup,
                                                      std::span<const std::uint8_t> data) noexcept;
+// Thread: any. Pure.
 [[nodiscard]] bool is_standard(const bus::UsbControlRequest& request) noexcept;
 
 // What a device answers to a standard request (USB 2.0, 9.4) whatever it is: the data stage, whole;
