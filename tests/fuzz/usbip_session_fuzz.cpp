@@ -6,7 +6,9 @@
 #include <span>
 
 #include "sim/export/acm_on_usb.hpp"
+#include "sim/export/hid_on_usb.hpp"
 #include "sim/export/usbip_session.hpp"
+#include "sim/model/arm/register_arm_models.hpp"
 #include "sim/model/arm/text_arm_model.hpp"
 #include "sim/model/falcon/register_falcon_model.hpp"
 
@@ -39,14 +41,15 @@ void say(std::span<const std::uint8_t> rest, std::size_t piece, thimble::plugin:
 
 }  // namespace
 
-// A host that says anything to a Falcon, and the same to an arm on a serial port. The first byte
-// chooses the length of the pieces.
+// A host that says anything to a Falcon, and the same to an arm on a serial port and to a HID arm.
+// The first byte chooses the length of the pieces.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   static const auto kRegistry = [] {
     thimble::plugin::SimModelRegistry models;
     register_falcon_model(models);
     register_text_arm_models(models);
+    register_arm_models(models);
     return models;
   }();
   const std::size_t piece = 1 + data[0];
@@ -57,5 +60,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto serial = *kRegistry.find("phantom-vintage-serial")->create_serial({});
   AcmOnUsb acm(*serial);
   say(rest, piece, acm, acm.persona(acm.describe()));
+
+  const auto arm = *kRegistry.find("phantom-vintage")->create_hid({});
+  HidOnUsb hid(*arm);
+  say(rest, piece, hid, hid.persona(hid.describe()));
   return 0;
 }
