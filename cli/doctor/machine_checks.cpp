@@ -45,13 +45,15 @@ Verdict check_kernel(const Facts& facts) {
   if (facts.is_realtime_kernel || facts.kernel_version.find("PREEMPT_RT") != std::string::npos) {
     return all_well("kernel", kernel + ", PREEMPT_RT");
   }
-  return {Level::Warn,
-          "kernel",
-          kernel + " is no real-time kernel",
-          "without PREEMPT_RT a loaded machine wakes the servo milliseconds late; the arm then "
-          "buzzes, or stops with the fault 'servo-late'",
-          "sudo apt-get install linux-image-rt-$(dpkg --print-architecture)",
-          "then start the machine anew, with that kernel"};
+  return {
+      Level::Warn,
+      "kernel",
+      kernel + " is no real-time kernel",
+      "without PREEMPT_RT a loaded machine wakes the servo milliseconds late; the arm then "
+      "buzzes, or stops with the fault 'servo-late'",
+      "sudo apt-get install linux-image-rt-$(dpkg --print-architecture)",
+      "then start the machine anew, with that kernel; till then preempt=full on the command line "
+      "of this one helps"};
 }
 
 Verdict check_realtime_share(const Facts& facts) {
