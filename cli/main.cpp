@@ -7,7 +7,6 @@
 #include <limits>
 #include <new>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -25,7 +24,6 @@
 #include "daemon/api/commands.hpp"
 #include "daemon/config/name.hpp"
 #include "daemon/config/paths.hpp"
-#include "hal/linux/monotonic_clock.hpp"
 #include "hal/linux/printable_text.hpp"
 #include "hal/linux/standard_streams.hpp"
 
@@ -304,6 +302,10 @@ int run(int argc, char** argv) {
   app.footer(
       "Exit codes: 0 done, 1 refused, not printed or (doctor) something wrong, 2 wrong arguments, "
       "3 no daemon.");
+  app.failure_message(
+      [](const CLI::App* of, const CLI::Error& error) {  // with what was given in it
+        return thimble::linux::printable_lines(CLI::FailureMessage::simple(of, error));
+      });
   try {
     std::vector<std::string> words = with_leading_zeros(argc, argv);
     std::vector<char*> pointers;
@@ -311,10 +313,7 @@ int run(int argc, char** argv) {
     for (std::string& word : words) pointers.push_back(word.data());
     app.parse(argc, pointers.data());
   } catch (const CLI::ParseError& error) {
-    std::ostringstream words;  // with what was given in them
-    const int status = app.exit(error, std::cout, words);
-    std::cerr << thimble::linux::printable_lines(words.str());
-    return status == 0 ? kExitOk : kExitUsage;
+    return app.exit(error) == 0 ? kExitOk : kExitUsage;
   }
   return code;
 }

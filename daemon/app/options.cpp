@@ -3,8 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdlib>
-#include <iostream>
-#include <sstream>
 
 #include "daemon/app/exit_code.hpp"
 #include "hal/linux/printable_text.hpp"
@@ -52,12 +50,14 @@ tl::expected<Options, int> parse_options(int argc, const char* const* argv) {
   cli.add_option("--summary", options.summary, "write the final status there as JSON")
       ->type_name("FILE");
   cli.set_version_flag("--version", std::string("thimbled " THIMBLE_VERSION));
+  cli.failure_message(
+      [](const CLI::App* of, const CLI::Error& error) {  // with what was given in it
+        return linux::printable_lines(CLI::FailureMessage::simple(of, error));
+      });
   try {
     cli.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    std::ostringstream words;  // with what was given in them
-    const int code = cli.exit(error, std::cout, words);
-    std::cerr << linux::printable_lines(words.str());
+    const int code = cli.exit(error);
     return tl::unexpected(code == 0 ? kExitOk : kExitUsage);
   }
   return options;

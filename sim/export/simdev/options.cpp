@@ -2,8 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <iostream>
-#include <sstream>
 
 #include "hal/linux/printable_text.hpp"
 
@@ -69,12 +67,14 @@ tl::expected<SimdevOptions, int> parse_simdev_options(int argc, const char* cons
       ->excludes(at_once);
   cli.add_option("--seed", options.seed, "of what is left to chance in it")->type_name("NUMBER");
   cli.set_version_flag("--version", std::string("thimble-simdev " THIMBLE_VERSION));
+  cli.failure_message(
+      [](const CLI::App* of, const CLI::Error& error) {  // with what was given in it
+        return linux::printable_lines(CLI::FailureMessage::simple(of, error));
+      });
   try {
     cli.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    std::ostringstream words;  // with what was given in them
-    const int code = cli.exit(error, std::cout, words);
-    std::cerr << linux::printable_lines(words.str());
+    const int code = cli.exit(error);
     return tl::unexpected(code == 0 ? 0 : kExitUsage);
   }
   if (options.model.starts_with(kScheme)) options.model.erase(0, kScheme.size());
