@@ -2,14 +2,42 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace thimble::falcon {
 namespace {
 
 // An exchange takes 1.3 ms, so a servo of 1 kHz has a reply in every second tick.
 constexpr Duration kExchange = 2 * wire::kFramePeriod;
+// Decision 0259: the tick that sees an answer asks for the next, and at this rate it does so early
+// enough to fall into step with the bridge's latency timer. Counted: FalconAtEachRate.
+constexpr double kFullRate_hz = 4000;
 
-HapticCapabilities capabilities_of(const FalconModel& model) {
+// Ours: so many points of the workspace's surface, evenly, where a newton asks for more than within
+// (checked by a test).
+constexpr int kSurfacePoints = 400;
+
+std::array<double, 3> most_share_per_newton(const FalconModel& model,
+                                            const FalconKinematics& kinematics) {
+  std::array<double, 3> most{};
+  for (int i = 0; i < kSurfacePoints; ++i) {
+    const double height = 1 - (2 * i + 1.0) / kSurfacePoints;
+    const double around_rad = i * std::numbers::pi * (3 - std::sqrt(5.0));  // golden angle
+    const double out_m = model.workspace_radius_m * std::sqrt(1 - height * height);
+    const Position3 tip{out_m * std::cos(around_rad), out_m * std::sin(around_rad),
+                        model.workspace_radius_m * height};
+    ArmPose pose;
+    if (kinematics.inverse(tip, pose.crank_rad) != PoseTrouble::None) continue;
+    if (kinematics.forward(pose.crank_rad, tip, pose) != PoseTrouble::None) continue;
+    for (std::size_t motor = 0; motor < most.size(); ++motor) {
+      const auto& row = pose.command_per_force.row[motor];
+      most[motor] = std::max(most[motor], norm(row[0], row[1], row[2]) / wire::kMaxMotor_counts);
+    }
+  }
+  return most;
+}
+
+HapticCapabilities capabilities_of(const FalconModel& model, const FalconKinematics& kinematics) {
   HapticCapabilities capabilities;
   capabilities.model = model.name;
   capabilities.joint_count = kFirstGimbalJoint;
@@ -19,7 +47,9 @@ HapticCapabilities capabilities_of(const FalconModel& model) {
   capabilities.workspace_radius_m = model.workspace_radius_m;
   capabilities.peak_current_a.fill(1);
   capabilities.continuous_current_a.fill(model.continuous_share);
+  capabilities.most_current_a_per_newton = most_share_per_newton(model, kinematics);
   capabilities.sample_period = kExchange;
+  capabilities.full_rate_hz = kFullRate_hz;
   capabilities.device_watchdog = wire::kWatchdog;
   return capabilities;
 }
@@ -74,8 +104,8 @@ FalconDevice::FalconDevice(std::unique_ptr<bus::UsbDevice> bus, const FalconMode
     : bus_(std::move(bus)),
       clock_(settings.clock),
       image_(std::move(settings.image)),
-      capabilities_(capabilities_of(model)),
       kinematics_(model, settings.newton_per_count),
+      capabilities_(capabilities_of(model, kinematics_)),
       boot_(image_),
       reference_(model),
       middle_(middle_of(kinematics_)),

@@ -91,8 +91,8 @@ class FalconDevice final : public HapticDevice {
   std::unique_ptr<bus::UsbDevice> bus_;
   const Clock* clock_;
   std::vector<std::uint8_t> image_;
-  HapticCapabilities capabilities_;
   FalconKinematics kinematics_;
+  HapticCapabilities capabilities_;
   BootSequence boot_;
   ArmReference reference_;
   ExchangePacer pacer_;

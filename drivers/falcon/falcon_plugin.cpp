@@ -122,8 +122,11 @@ void tell(const HapticCapabilities& arm, thimble_capabilities& out) {
   std::copy(arm.peak_current_a.begin(), arm.peak_current_a.end(), out.peak_current_a);
   std::copy(arm.continuous_current_a.begin(), arm.continuous_current_a.end(),
             out.continuous_current_a);
+  std::copy(arm.most_current_a_per_newton.begin(), arm.most_current_a_per_newton.end(),
+            out.most_current_a_per_newton);
   out.sample_period_ns = arm.sample_period.count();
   out.device_watchdog_ns = arm.device_watchdog.count();
+  out.full_rate_hz = arm.full_rate_hz;
 }
 
 std::int32_t open_arm(const thimble_usb_info* info, const thimble_usb_settings* settings,

@@ -41,8 +41,14 @@ struct HapticCapabilities {
   // An arm whose amperes nobody knows says shares of its largest command here and in the state.
   std::array<double, 3> peak_current_a{};        // per motor: the clamp of the limiter
   std::array<double, 3> continuous_current_a{};  // per motor: its thermal limit
-  Duration sample_period{};                      // of the device's own reports
-  Duration device_watchdog{};                    // 0: none or unknown
+  // Per motor: what a newton asks for at most anywhere in the workspace, so that an arm which lies
+  // about its pose moves no motor by more (decision 0492); 0: no bound but the peak.
+  std::array<double, 3> most_current_a_per_newton{};
+  Duration sample_period{};  // of the device's own reports
+  // Ticks of the servo a second from which on no sample is left out: what is driven at where a
+  // person says no rate (decision 0491).
+  double full_rate_hz{1000};
+  Duration device_watchdog{};  // 0: none or unknown
   bool operator==(const HapticCapabilities&) const = default;
 };
 

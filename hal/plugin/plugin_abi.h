@@ -5,8 +5,9 @@
  * host compares its numbers before it calls anything in it. docs/plugins.md tells how to write one.
  *
  * Version 0 may change with every release. Each change counts up the revision. The host takes its
- * own and those that differ from it by what was added at the end of struct thimble_plugin only: 1,
- * which ends before `usb_driver`. From version 1 on structures grow at their end only:
+ * own and those that differ from it by what was added at the end of a structure only: 2, whose
+ * capabilities end before `full_rate_hz`, and 1, whose struct thimble_plugin also ends before
+ * `usb_driver`. From version 1 on structures grow at their end only:
  * `struct_bytes` says how much of one the writer knows, what is missing reads as zero, and the
  * symbol's name changes with the version, so that one object can serve two.
  *
@@ -42,7 +43,7 @@ extern "C" {
 
 #define THIMBLE_PLUGIN_MAGIC UINT32_C(0x504d4854) /* "THMP" in memory */
 #define THIMBLE_PLUGIN_ABI_VERSION UINT32_C(0)
-#define THIMBLE_PLUGIN_ABI_REVISION UINT32_C(2)
+#define THIMBLE_PLUGIN_ABI_REVISION UINT32_C(3)
 
 #define THIMBLE_NAME_BYTES 32    /* names are 1 to 31 of a-z, 0-9 and - */
 #define THIMBLE_TEXT_BYTES 192   /* one sentence */
@@ -114,6 +115,12 @@ struct thimble_capabilities {
   int64_t sample_period_ns;                         /* of the reports; 100 us to 10 ms */
   /* Motors off after so long without a report; up to 10 s. 0, none: only a simulated arm. */
   int64_t device_watchdog_ns;
+  /* Ticks of the servo a second from which on no sample is left out: 500 to 8000; 0: 1000. At it
+   * the arm is driven where a person says no rate. */
+  double full_rate_hz;
+  /* What a newton asks of each motor at most anywhere in the workspace, in the unit of the currents:
+   * no motor is told more than that times the force's limit. 0 up to 1e4; 0: its peak alone. */
+  double most_current_a_per_newton[THIMBLE_MOTORS];
 };
 
 /* One input report. */

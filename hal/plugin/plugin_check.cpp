@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::uint32_t kMaxModels = 16;
 constexpr std::uint32_t kRevisionWithoutUsb = 1;
+constexpr std::uint32_t kRevisionWithoutFullRate = 2;
 // Ranges of plugin_abi.h. Ours: what a desktop arm can have, with room; a number beyond is a slip
 // or a lie, and would reach the limiter as a limit.
 constexpr double kMaxForce_newton = 100;
@@ -21,6 +22,8 @@ constexpr double kMaxJoint_rad = 1e6;
 constexpr double kMaxGimbal_rad = 3.1415926536;  // pi, and a rounding
 constexpr double kMaxTip_m = 10;
 constexpr double kMaxCurrentPerForce = 1e4;
+constexpr double kMinRate_hz = 500;
+constexpr double kMaxRate_hz = 8000;
 constexpr std::int64_t kMinPeriod_ns = 100'000;
 constexpr std::int64_t kMinFrame_ns = 125'000;
 constexpr std::int64_t kMaxPeriod_ns = 10'000'000;
@@ -186,7 +189,9 @@ tl::unexpected<Error> no_arm_has(const std::string& what) {
 std::size_t plugin_bytes(std::uint32_t version, std::uint32_t revision) noexcept {
   if (version != THIMBLE_PLUGIN_ABI_VERSION) return 0;
   if (revision == kRevisionWithoutUsb) return offsetof(thimble_plugin, usb_driver);
-  return revision == THIMBLE_PLUGIN_ABI_REVISION ? sizeof(thimble_plugin) : 0;
+  const bool is_known =
+      revision == THIMBLE_PLUGIN_ABI_REVISION || revision == kRevisionWithoutFullRate;
+  return is_known ? sizeof(thimble_plugin) : 0;
 }
 
 }  // namespace
@@ -245,6 +250,9 @@ Result<HapticCapabilities> read_capabilities(const thimble_capabilities& said) {
     }
     out.peak_current_a[i] = said.peak_current_a[i];
     out.continuous_current_a[i] = said.continuous_current_a[i];
+    const double most = said.most_current_a_per_newton[i];
+    if (!(most >= 0 && most <= kMaxCurrentPerForce)) return no_arm_has("a current");
+    out.most_current_a_per_newton[i] = most;
   }
   if (said.sample_period_ns < kMinPeriod_ns || said.sample_period_ns > kMaxPeriod_ns) {
     return no_arm_has("a sample period");
@@ -252,6 +260,11 @@ Result<HapticCapabilities> read_capabilities(const thimble_capabilities& said) {
   if (said.device_watchdog_ns < 0 || said.device_watchdog_ns > kMaxWatchdog_ns) {
     return no_arm_has("a watchdog");
   }
+  if (said.full_rate_hz != 0 &&
+      !(said.full_rate_hz >= kMinRate_hz && said.full_rate_hz <= kMaxRate_hz)) {
+    return no_arm_has("a rate");
+  }
+  if (said.full_rate_hz != 0) out.full_rate_hz = said.full_rate_hz;
   out.model = text_of(said.model);
   out.joint_count = said.joint_count;
   out.peak_force_newton = said.peak_force_newton;

@@ -28,6 +28,30 @@ TEST_F(FalconDeviceTest, SaysWhatTheTableSays) {
   EXPECT_EQ(capabilities.peak_current_a, (std::array{1.0, 1.0, 1.0}));
   EXPECT_EQ(capabilities.continuous_current_a[2], model_.continuous_share);
   EXPECT_EQ(capabilities.device_watchdog, Duration::zero()) << "none is known";
+  EXPECT_EQ(capabilities.full_rate_hz, 4000);
+}
+
+TEST_F(FalconDeviceTest, SaysWhatANewtonAsksOfEachMotorAtMostInTheWorkspace) {
+  const FalconKinematics kinematics(model_, model_.newton_per_count);
+  const std::array<double, 3>& most = sut_->capabilities().most_current_a_per_newton;
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> within(-model_.workspace_radius_m,
+                                                model_.workspace_radius_m);
+  std::array<double, 3> largest{};
+  for (int i = 0; i < 20000; ++i) {
+    const Position3 tip{within(random), within(random), within(random)};
+    if (norm(tip.x, tip.y, tip.z) > model_.workspace_radius_m) continue;
+    ArmPose pose;
+    ASSERT_EQ(kinematics.inverse(tip, pose.crank_rad), PoseTrouble::None);
+    ASSERT_EQ(kinematics.forward(pose.crank_rad, tip, pose), PoseTrouble::None);
+    for (std::size_t motor = 0; motor < 3; ++motor) {
+      const auto& row = pose.command_per_force.row[motor];
+      const double share = norm(row[0], row[1], row[2]) / wire::kMaxMotor_counts;
+      ASSERT_LE(share, 1.01 * most[motor]);
+      largest[motor] = std::max(largest[motor], share);
+    }
+  }
+  for (std::size_t motor = 0; motor < 3; ++motor) EXPECT_GT(largest[motor], 0.97 * most[motor]);
 }
 
 TEST_F(FalconDeviceTest, HasSentNothingBeforeTheFirstWrite) {

@@ -36,7 +36,9 @@ TEST(HapticCapabilities, OfTwoArmsDifferWhereverOneNumberDoes) {
       [](HapticCapabilities& arm) { arm.workspace_radius_m = 1; },
       [](HapticCapabilities& arm) { arm.peak_current_a[2] = 1; },
       [](HapticCapabilities& arm) { arm.continuous_current_a[2] = 1; },
+      [](HapticCapabilities& arm) { arm.most_current_a_per_newton[2] = 1; },
       [](HapticCapabilities& arm) { arm.sample_period = Duration(1); },
+      [](HapticCapabilities& arm) { arm.full_rate_hz = 4000; },
       [](HapticCapabilities& arm) { arm.device_watchdog = Duration(1); }};
   const HapticCapabilities one;
   for (std::size_t i = 0; i < changes.size(); ++i) {

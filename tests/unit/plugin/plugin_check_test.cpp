@@ -46,6 +46,27 @@ TEST(PluginCapabilities, AreTakenAsTheyAre) {
   EXPECT_EQ(sut->continuous_current_a, (std::array{1.0, 1.0, 1.0}));
   EXPECT_EQ(sut->sample_period, std::chrono::milliseconds(1));
   EXPECT_EQ(sut->device_watchdog, std::chrono::milliseconds(50));
+  EXPECT_EQ(sut->full_rate_hz, 1000) << "as of one that does not know this number";
+  EXPECT_EQ(sut->most_current_a_per_newton, (std::array{0.0, 0.0, 0.0}));
+}
+
+TEST(PluginCapabilities, SayTheRateAtWhichTheServoGetsEverySample) {
+  auto said = good_capabilities();
+  for (const double rate_hz : {500.0, 4000.0, 8000.0}) {
+    said.full_rate_hz = rate_hz;
+    const auto sut = read_capabilities(said);
+    ASSERT_TRUE(sut) << sut.error().message;
+    EXPECT_EQ(sut->full_rate_hz, rate_hz);
+  }
+}
+
+TEST(PluginCapabilities, SayWhatANewtonAsksOfEachMotorAtMost) {
+  auto said = good_capabilities();
+  said.most_current_a_per_newton[1] = 0.4;
+  said.most_current_a_per_newton[2] = 1e4;
+  const auto sut = read_capabilities(said);
+  ASSERT_TRUE(sut) << sut.error().message;
+  EXPECT_EQ(sut->most_current_a_per_newton, (std::array{0.0, 0.4, 1e4}));
 }
 
 TEST(PluginCapabilities, ThatNoArmHasAreRefused) {
@@ -76,6 +97,14 @@ TEST(PluginCapabilities, ThatNoArmHasAreRefused) {
       [](auto& said) { said.sample_period_ns = INT64_MAX; },
       [](auto& said) { said.device_watchdog_ns = -1; },
       [](auto& said) { said.device_watchdog_ns = INT64_MAX; },
+      [](auto& said) { said.most_current_a_per_newton[1] = -1; },
+      [](auto& said) { said.most_current_a_per_newton[2] = 1.1e4; },
+      [](auto& said) { said.most_current_a_per_newton[0] = kNaN; },
+      [](auto& said) { said.full_rate_hz = -4000; },
+      [](auto& said) { said.full_rate_hz = 499; },
+      [](auto& said) { said.full_rate_hz = 8001; },
+      [](auto& said) { said.full_rate_hz = kNaN; },
+      [](auto& said) { said.full_rate_hz = kInfinity; },
   };
   for (std::size_t i = 0; i < lies.size(); ++i) {
     auto said = good_capabilities();

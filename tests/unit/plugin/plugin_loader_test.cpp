@@ -72,7 +72,7 @@ INSTANTIATE_TEST_SUITE_P(
         Plant{"function", "its thimble_plugin_v0 is not data"},
         Plant{"short", "too small to be a plugin's"},
         Plant{"wrong_magic", "the magic number is wrong"},
-        Plant{"other_version", "built for version 1 revision 2"},
+        Plant{"other_version", "built for version 1 revision 3"},
         Plant{"other_revision", "built for version 0 revision 99"},
         Plant{"says_smaller", "it says 16 bytes, but has 48"},
         Plant{"says_larger", "it says 65536 bytes, but has 48"},
@@ -103,7 +103,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& plant) { return std::string(plant.param.name); });
 
 TEST_F(PluginLoader, TakesDriversOfBareUsbAndPluginsThatAreOlderThanThose) {
-  for (const char* name : {"with_usb", "only_usb", "of_revision_1"}) {
+  for (const char* name : {"with_usb", "only_usb", "of_revision_1", "of_revision_2"}) {
     session::Plugins sut;
     const std::size_t before = sut.drivers.drivers().size();
     EXPECT_THAT(sut.load({planted(name)}), testing::IsEmpty()) << name;
