@@ -25,7 +25,7 @@ struct DaemonConfig {
 enum class Realtime : std::uint8_t { BestEffort, Required };
 
 struct ServoConfig {
-  double rate_hz{1000};
+  std::optional<double> rate_hz;  // of every arm; else each has that of its driver
   Realtime realtime{Realtime::BestEffort};
   int priority{80};        // SCHED_FIFO
   std::optional<int> cpu;  // pins the servo threads

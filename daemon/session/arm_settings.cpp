@@ -33,7 +33,7 @@ Result<servo::ServoSettings> servo_settings(const config::ArmConfig& arm,
   if (!limiter) return tl::unexpected(limiter.error());
 
   servo::ServoSettings settings;
-  settings.rate_hz = servo.rate_hz;
+  settings.rate_hz = servo.rate_hz.value_or(capabilities.full_rate_hz);
   settings.limiter = *limiter;
   if (capabilities.sample_period > Duration::zero()) {
     settings.freshness.exchange_period = capabilities.sample_period;

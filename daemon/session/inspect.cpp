@@ -309,12 +309,12 @@ std::vector<std::string> doubts_of(const config::Config& config,
     if (!arm.firmware) {
       out.push_back("arm '" + arm.name + "' lacks " + std::string(kFalconWantsFirmware));
     }
-    if (config.servo.rate_hz < kFalconHasAllAt_hz) {
+    if (config.servo.rate_hz && *config.servo.rate_hz < kFalconHasAllAt_hz) {
       out.push_back("arm '" + arm.name +
                     "' does not give all of its 1000 samples a second at servo.rate_hz = " +
-                    std::to_string(std::lround(config.servo.rate_hz)) +
+                    std::to_string(std::lround(*config.servo.rate_hz)) +
                     ": a Falcon takes 1.3 ms to answer, and the tick that sees it asks for the "
-                    "next; set servo.rate_hz = 4000 to have them all");
+                    "next; leave servo.rate_hz out to have them all, or set 4000");
     }
   }
   return out;

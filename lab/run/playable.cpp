@@ -17,6 +17,8 @@ bool is_on_real_board(const config::WorldConfig& world) {
 }
 
 // `file`: of the arm.
+constexpr double kRateOfNobody_hz = 1000;  // ours: what the thesis had
+
 void judge(const config::ArmConfig& arm, std::size_t file, const std::vector<PlayedFile>& files,
            std::vector<std::string>& reasons) {
   const std::string name = "arm '" + arm.name + "'";
@@ -49,19 +51,28 @@ void judge(const config::WorldConfig& world, std::vector<std::string>& reasons) 
 
 }  // namespace
 
+double rate_of(const std::vector<PlayedFile>& files) {
+  for (const PlayedFile& file : files) {
+    if (file.config.servo.rate_hz) return *file.config.servo.rate_hz;
+  }
+  return kRateOfNobody_hz;
+}
+
 std::vector<std::string> reasons_not_to_play(const std::vector<PlayedFile>& files) {
   std::vector<std::string> all;
   const bool has_arm = std::any_of(files.begin(), files.end(),
                                    [](const auto& of) { return !of.config.arms.empty(); });
   if (!has_arm) all.emplace_back("arm: there is none, so nothing would happen");
+  const double rate_hz = rate_of(files);
   for (std::size_t i = 0; i < files.size(); ++i) {
     const PlayedFile& file = files[i];
     std::vector<std::string> reasons;
     for (const config::ArmConfig& arm : file.config.arms) judge(arm, i, files, reasons);
     for (const config::WorldConfig& world : file.config.worlds) judge(world, reasons);
-    if (file.config.servo.rate_hz != files.front().config.servo.rate_hz) {
-      reasons.emplace_back("servo.rate_hz: another than that of " + files.front().name +
-                           "; all are driven by one clock");
+    if (file.config.servo.rate_hz.value_or(rate_hz) != rate_hz) {
+      reasons.emplace_back(
+          "servo.rate_hz: another than that of a file before it; all are driven "
+          "by one clock");
     }
     for (std::string& reason : reasons) {
       all.push_back(files.size() > 1 ? file.name + ": " + std::move(reason) : std::move(reason));

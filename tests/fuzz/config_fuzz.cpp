@@ -21,7 +21,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto result = thimble::config::parse(input.substr(0, zero), "fuzz.toml", overrides);
   if (result) {
     THIMBLE_CHECK(!result->arms.empty() || !result->worlds.empty());
-    THIMBLE_CHECK(result->servo.rate_hz >= 500 && result->servo.rate_hz <= 8000);
+    const double rate_hz = result->servo.rate_hz.value_or(1000);
+    THIMBLE_CHECK(rate_hz >= 500 && rate_hz <= 8000);
     return 0;
   }
   THIMBLE_CHECK(!result.error().empty());

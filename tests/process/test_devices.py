@@ -225,3 +225,13 @@ class EveryArm(ProcessTest):
         status = daemon.status_when(lambda s: s["arms"][0]["state"] == "active")
         self.assertEqual(status["arms"][0]["model"], "falcon")
         self.assertEqual(daemon.stop(), 0)
+
+    def test_has_the_rate_that_it_needs_where_nobody_says_one(self):
+        first = HELLO[HELLO.index("[[arm]]"):HELLO.index("[[world]]")]
+        both = HELLO.replace(first, first + first.replace('"right"', '"left"').replace("sim:phantom-vintage", "sim:falcon-loaded"))
+        self.assertNotIn("rate_hz", both)
+        for words, rates_hz in (([], [1000, 4000]), (["--set", "servo.rate_hz=2000"], [2000, 2000])):
+            daemon = self.start(*words, config=both, name=f"rates-{rates_hz[1]}")
+            servos = daemon.status_when(lambda s: all(servo["ticks"] > 0 for servo in s["servos"]))["servos"]
+            self.assertEqual([servo["rate_hz"] for servo in servos], rates_hz)
+            self.assertEqual(daemon.stop(), 0)

@@ -31,7 +31,7 @@ source = "box:3"
 )";
 
 TEST(ConfigOverride, ReplacesAValueAndMakesMissingTables) {
-  EXPECT_DOUBLE_EQ(with(kHello, {"servo.rate_hz=2000"}).servo.rate_hz, 2000);
+  EXPECT_EQ(with(kHello, {"servo.rate_hz=2000"}).servo.rate_hz, 2000);
   EXPECT_EQ(with(kHello, {"arm.0.device=sim:woody-2015"}).arms[0].device, "sim:woody-2015");
   EXPECT_EQ(with(kHello, {"arm.0.limits.force_newton=2"}).arms[0].limits.force_newton, 2.0);
 }

@@ -118,6 +118,23 @@ TEST(ServoSettings, AnArmWhoseFramesBeatAgainstTheServoMissesNothingAtAnyRate) {
   }
 }
 
+TEST(ServoSettings, HaveTheRateOfThePersonOrElseThatOfTheArm) {
+  HapticCapabilities arm = arm_of(500);
+  arm.is_actuated = false;
+  config::ServoConfig servo;
+  const auto rate_hz = [&] {
+    const auto settings = servo_settings({}, servo, arm);
+    return settings ? settings->rate_hz : 0;
+  };
+  EXPECT_EQ(rate_hz(), 1000);
+  arm.full_rate_hz = 4000;
+  EXPECT_EQ(rate_hz(), 4000);
+  servo.rate_hz = 1000;
+  EXPECT_EQ(rate_hz(), 1000);
+  servo.rate_hz = 8000;
+  EXPECT_EQ(rate_hz(), 8000);
+}
+
 TEST(MakeCoupling, LetsNoWorldAskForMoreThanTheArmCanRender) {
   const auto soft = make_coupling({}, 0, arm_of(500));
   const auto unknown = make_coupling({}, 0, arm_of(0));
