@@ -66,12 +66,14 @@ Result<LimiterSettings> make_limiter_settings(const HapticCapabilities& arm,
     return settings;
   }
   for (std::size_t joint = 0; joint < 3; ++joint) {
-    const double peak_a = arm.peak_current_a[joint];
     const double continuous_a = arm.continuous_current_a[joint];
-    if (!(peak_a > 0) || !(continuous_a > 0) || !std::isfinite(peak_a)) {
+    double peak_a = arm.peak_current_a[joint];
+    const double needed_a = arm.most_current_a_per_newton[joint] * settings.max_force_newton;
+    if (!(peak_a > 0) || !(continuous_a > 0) || !std::isfinite(peak_a) || !(needed_a >= 0)) {
       return fail(Errc::InvalidArgument, "motor " + std::to_string(joint + 1) +
                                              " has no current limit: the driver must be told one");
     }
+    if (needed_a > 0) peak_a = std::min(peak_a, needed_a);
     settings.peak_current_a[joint] = peak_a;
     settings.continuous_current_a[joint] = std::min(continuous_a, peak_a);
   }

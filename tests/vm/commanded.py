@@ -5,6 +5,7 @@ drivers' tables: drivers/phantom/README.md, "Frames", and the legs of a delta ar
 """
 
 import collections
+import functools
 import itertools
 import math
 import pathlib
@@ -134,9 +135,31 @@ class Falcon:
     def motors(self, command):
         return self.numbers(command[1:13]) if len(command) == 16 and command[:1] == b"<" else None
 
-    def most(self, _):
-        """Counts, of each motor: its peak. Near full stretch the smallest force asks for all of it."""
-        return 3 * [self.FULL_SCALE]
+    @functools.cache
+    def most(self, limit_newton):
+        """Counts, of each motor: what that force asks for where it asks for most in the workspace, which is somewhere on its surface; and a hundredth, as the driver looks at other points of it."""
+        asked = []
+        for i in range(400):
+            height, around_rad = 1 - (i + 0.5) / 200, math.pi * (3 - math.sqrt(5)) * i
+            out = math.sqrt(1 - height ** 2)
+            tip = [self.facts["workspace_radius_m"] * value for value in (out * math.cos(around_rad), out * math.sin(around_rad), height)]
+            per_axis = list(zip(*self.force_of_a_count(tip)))
+            # A column each: the counts that are a newton along x, y, z.
+            counts = [solve(per_axis, [axis == along for axis in range(3)]) for along in range(3)]
+            asked.append([math.hypot(*of_motor) for of_motor in zip(*counts)])
+        return [min(self.FULL_SCALE, 1.01 * limit_newton * max(of_motor) + 0.5) for of_motor in zip(*asked)]
+
+    def force_of_a_count(self, tip):
+        """Of each motor: the force at the tip, there."""
+        crank_rad = 3 * [self.facts["home_angle_rad"]]
+        for _ in range(12):  # Newton's
+            slopes = [self.slopes(leg, angle, tip) for leg, angle in enumerate(crank_rad)]
+            crank_rad = [angle - gap / slope[3] for angle, (gap, slope) in zip(crank_rad, slopes)]
+        return self.per_count(slopes)
+
+    def per_count(self, slopes):
+        return [[-value / slope[3] * sign * self.newton_m_per_count for value in slope[:3]]
+                for (_, slope), sign in zip(slopes, self.facts["motor_direction"])]
 
     def force_in_pose(self, counts):
         facts = self.facts
@@ -149,8 +172,7 @@ class Falcon:
             if move is None or max(map(abs, move)) > 0.2:
                 return lambda _: NEVER
             tip = [value + by for value, by in zip(tip, move)]
-        per_tip = [[-value / slope[3] * sign * self.newton_m_per_count for value in slope[:3]]
-                   for (_, slope), sign in zip(slopes, facts["motor_direction"])]
+        per_tip = self.per_count(slopes)
         return lambda motors: [sum(count * row[axis] for count, row in zip(motors, per_tip)) for axis in range(3)]
 
 

@@ -180,6 +180,28 @@ TEST(MakeLimiterSettings, AConfigurationCanOnlyTighten) {
   EXPECT_FALSE(make_limiter_settings(arm, {.rise_newton_per_s = 2000}));
 }
 
+TEST(MakeLimiterSettings, AMotorHasNoMoreThanTheForceNeedsInTheWorkspace) {
+  HapticCapabilities arm;
+  arm.peak_force_newton = 5;
+  arm.peak_current_a = {3, 3, 3};
+  arm.continuous_current_a = {1, 1, 1};
+  arm.most_current_a_per_newton = {0.5, 2, 0};
+  const auto at_peak = make_limiter_settings(arm, {});
+  EXPECT_EQ(at_peak->peak_current_a, (std::array{2.5, 3.0, 3.0}));
+  EXPECT_EQ(at_peak->continuous_current_a, (std::array{1.0, 1.0, 1.0}));
+  const auto small = make_limiter_settings(arm, {.force_newton = 0.1});
+  EXPECT_EQ(small->peak_current_a, (std::array{0.05, 0.2, 3.0}));
+  EXPECT_EQ(small->continuous_current_a, (std::array{0.05, 0.2, 1.0}));
+
+  // A pose in which a newton asks for ten times as much: told by a liar, or near full stretch.
+  WrenchLimiter sut(*small);
+  Matrix3 current_per_force;
+  current_per_force.row[0] = {5, 0, 0};
+  const LimiterOutput out = sut.limit({{0.1, 0, 0}, current_per_force, 1, Duration(1'000'000)});
+  EXPECT_TRUE(out.is_current_clamped);
+  EXPECT_NEAR(out.wrench.force().x, 0.01, 1e-12);
+}
+
 TEST(MakeLimiterSettings, RefusesNumbersThatAreNoLimit) {
   HapticCapabilities arm;
   arm.peak_force_newton = 5;
@@ -194,6 +216,9 @@ TEST(MakeLimiterSettings, RefusesNumbersThatAreNoLimit) {
       HapticCapabilities other = arm;
       other.peak_current_a[joint] = bad;
       EXPECT_FALSE(make_limiter_settings(other, {})) << joint << " " << bad;
+      other = arm;
+      other.most_current_a_per_newton[joint] = bad;
+      EXPECT_EQ(make_limiter_settings(other, {}).has_value(), bad == infinity) << joint << " " << bad;
     }
   }
   for (const double bad : {std::nan(""), 0.0, -1.0}) {
