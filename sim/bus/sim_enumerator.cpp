@@ -73,12 +73,13 @@ Result<void> SimEnumerator::plug_any(const DeviceAddress& address, plugin::SimMo
   return std::visit([&](auto& device) { return plug(address, std::move(device)); }, model);
 }
 
-Result<void> SimEnumerator::unplug(const DeviceAddress& address) {
+Result<void> SimEnumerator::unplug(const DeviceAddress& address, Supply supply) {
   SimPort* port = find(address);
-  if (port == nullptr || !port->unplug()) {
+  const bool was_plugged = port != nullptr && port->is_plugged();
+  if (port == nullptr || !port->unplug(supply)) {
     return fail(Errc::NotFound, address.text + " is not plugged in");
   }
-  events_.push_back({BusEvent::Kind::Left, port->info()});
+  if (was_plugged) events_.push_back({BusEvent::Kind::Left, port->info()});
   return {};
 }
 

@@ -37,7 +37,7 @@ class SimEnumerator final : public bus::BusEnumerator {
   // On whichever bus the model is.
   Result<void> plug_any(const bus::DeviceAddress& address, plugin::SimModel model);
   // The cable is pulled, or put back: NotFound for an unknown address or when it was already.
-  Result<void> unplug(const bus::DeviceAddress& address);
+  Result<void> unplug(const bus::DeviceAddress& address, Supply supply = Supply::Goes);
   Result<void> replug(const bus::DeviceAddress& address);
 
   [[nodiscard]] std::vector<bus::BusDeviceInfo> list() override;

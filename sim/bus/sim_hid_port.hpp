@@ -21,7 +21,8 @@ namespace thimble::sim {
 // frame's time; while plugged it hands over the output report that was submitted before the
 // frame began, then takes the input report and stamps it with the frame's time. So a report
 // submitted in frame n moves no motor before n+1. While unplugged the model goes on without
-// its bus (an arm still has its mass); its power is cut at both ends of that time.
+// its bus (an arm still has its mass); where its supply went with the cable, its power is cut at
+// both ends of that time.
 //
 // Thread: construction and destruction while nobody runs the clock; fire() from the thread
 // that runs it; everything else from one control thread, which may be another.

@@ -10,8 +10,12 @@ SimPort::SimPort(bus::BusDeviceInfo model, bus::DeviceAddress address, bus::BusK
   info_.kind = kind;
 }
 
-bool SimPort::unplug() noexcept {
-  if (!is_plugged()) return false;
+bool SimPort::unplug(Supply supply) noexcept {
+  const bool has_news = is_plugged() || (supply == Supply::Goes && supply_ == Supply::Stays);
+  if (!has_news) return false;
+  supply_ = supply;
+  if (supply == Supply::Goes) power_cuts_.fetch_add(1, std::memory_order_release);
+  if (!is_plugged()) return true;
   generation_.fetch_add(1, std::memory_order_release);
   drop_host();
   return true;
@@ -19,6 +23,7 @@ bool SimPort::unplug() noexcept {
 
 bool SimPort::replug() noexcept {
   if (is_plugged()) return false;
+  if (supply_ == Supply::Goes) power_cuts_.fetch_add(1, std::memory_order_release);
   generation_.fetch_add(1, std::memory_order_release);
   return true;
 }

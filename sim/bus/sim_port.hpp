@@ -10,6 +10,7 @@
 #include "hal/bus/bus_enumerator.hpp"
 #include "hal/plugin/sim_model.hpp"
 #include "hal/rt/annotations.hpp"
+#include "sim/bus/supply.hpp"
 
 namespace thimble::sim {
 
@@ -27,7 +28,8 @@ class SimPort {
   [[nodiscard]] const bus::BusDeviceInfo& info() const noexcept { return info_; }
   [[nodiscard]] bool is_plugged() const noexcept { return generation() % 2 != 0; }
   // Both return false when there was nothing to do. An open device is Disconnected from then on.
-  bool unplug() noexcept;
+  // unplug(Supply::Goes) of one whose cable alone was pulled takes its supply, too.
+  bool unplug(Supply supply = Supply::Goes) noexcept;
   bool replug() noexcept;
   // +1 at every unplug and replug: odd while plugged.
   THIMBLE_RT [[nodiscard]] std::uint64_t generation() const noexcept {
@@ -46,14 +48,14 @@ class SimPort {
  protected:
   // Why this device cannot be opened now, whatever its kind.
   [[nodiscard]] Result<void> check_free(bool is_taken) const;
-  // Brings the model to `now`; if the plug was pulled since the last time, its power was gone. True
-  // while it is plugged. Thread: that of the clock.
+  // Brings the model to `now`; if its supply went with the plug since the last time, its power was
+  // gone. True while it is plugged. Thread: that of the clock.
   template <class Model>
   THIMBLE_RT bool advance(Model& model, MonotonicTime now) noexcept {
-    const std::uint64_t current = generation();
-    if (std::exchange(powered_generation_, current) != current) model.power_cycle();
+    const std::uint64_t current = power_cuts_.load(std::memory_order_acquire);
+    if (std::exchange(known_cuts_, current) != current) model.power_cycle();
     model.advance(now);
-    return current % 2 != 0;
+    return is_plugged();
   }
 
  private:
@@ -61,7 +63,9 @@ class SimPort {
 
   bus::BusDeviceInfo info_;
   std::atomic<std::uint64_t> generation_{1};
-  std::uint64_t powered_generation_{1};  // clock thread: the generation that the model knows
+  std::atomic<std::uint64_t> power_cuts_{0};  // +1 at both ends of a time without supply
+  std::uint64_t known_cuts_{0};               // clock thread: those that the model knows of
+  Supply supply_{Supply::Goes};               // control thread: what the last unplug() left
 };
 
 }  // namespace thimble::sim

@@ -27,7 +27,7 @@ namespace thimble::sim {
 // with a rate what it carries each way in 10 bits a byte, to the byte over any time. Bytes that the
 // device has no room for wait. A line opened at another rate than the device's carries nothing:
 // what would arrive is no byte of anybody's. While unplugged the model goes on without its line;
-// its power is cut at both ends of that time.
+// where its supply went with the cable, its power is cut at both ends of that time.
 //
 // Thread: construction and destruction while nobody runs the clock; fire() from the thread
 // that runs it; everything else from one control thread, which may be another.

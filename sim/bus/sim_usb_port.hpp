@@ -39,8 +39,8 @@ inline constexpr std::size_t kUsbPacketOverheadBytes = 13;
 // What was submitted before a round began is taken in it, and what comes in is stamped with its
 // time. Bulk pipes take part in every round, interrupt pipes in the one that ends every
 // `interval`th frame, and those first. Bytes that a round did not need are gone; what did not fit
-// has to wait. While unplugged the model goes on without its bus; its power is cut at both ends of
-// that time.
+// has to wait. While unplugged the model goes on without its bus; where its supply went with the
+// cable, its power is cut at both ends of that time.
 //
 // Thread: construction and destruction while nobody runs the clock; fire() from the thread
 // that runs it; everything else from one control thread, which may be another.

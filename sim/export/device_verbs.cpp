@@ -70,7 +70,9 @@ Result<void> DeviceVerbs::apply(const Verb& verb) {
   const auto reports = static_cast<std::uint32_t>(verb.numbers[0]);
   switch (verb.kind) {
     case VerbKind::Unplug:
-      return plug_->unplug();
+      return plug_->unplug(Supply::Goes);
+    case VerbKind::PullCable:
+      return plug_->unplug(Supply::Stays);
     case VerbKind::Plug:
       return plug_->plug();
     case VerbKind::Stall:

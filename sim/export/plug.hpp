@@ -4,6 +4,7 @@
 
 #include "hal/base/result.hpp"
 #include "hal/base/time.hpp"
+#include "sim/bus/supply.hpp"
 #include "sim/export/misbehaviour.hpp"
 #include "sim/export/model_log.hpp"
 #include "sim/time/virtual_clock.hpp"
@@ -29,8 +30,9 @@ class Plug {
   virtual ~Plug() = default;
   // Busy when it is plugged in already, System when the kernel refuses.
   virtual Result<void> plug() = 0;
-  // NotFound when it is not plugged in, System as above. The model's power is cut.
-  virtual Result<void> unplug() = 0;
+  // NotFound when it is not plugged in, System as above. Where the cable alone was pulled before, its
+  // supply may go, too.
+  virtual Result<void> unplug(Supply supply) = 0;
   [[nodiscard]] virtual bool is_plugged() const noexcept = 0;
   // Somebody on the kernel's side uses it.
   [[nodiscard]] virtual bool is_open() const noexcept = 0;

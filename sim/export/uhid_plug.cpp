@@ -32,26 +32,24 @@ Result<void> UhidPlug::plug() {
   if (!write_event(uhid::create(info_, descriptor_))) {
     return tl::unexpected(linux::system_error("uhid: UHID_CREATE2", errno));
   }
-  cut_power();
+  if (has_no_supply_) model_->power_cycle();
   is_plugged_ = true;
   return {};
 }
 
-Result<void> UhidPlug::unplug() {
-  if (!is_plugged_) return fail(Errc::NotFound, "it is not plugged in");
-  if (!write_event(uhid::destroy())) {
+Result<void> UhidPlug::unplug(Supply supply) {
+  const bool has_news = is_plugged_ || (supply == Supply::Goes && !has_no_supply_);
+  if (!has_news) return fail(Errc::NotFound, "it is not plugged in");
+  if (is_plugged_ && !write_event(uhid::destroy())) {
     return tl::unexpected(linux::system_error("uhid: UHID_DESTROY", errno));
   }
   is_plugged_ = false;
   is_open_ = false;
-  cut_power();
-  return {};
-}
-
-void UhidPlug::cut_power() noexcept {
-  model_->power_cycle();
   has_output_ = false;
-  endpoint_bytes_ = 0;
+  endpoint_bytes_ = 0;  // a device that is not addressed has no report to give
+  has_no_supply_ = supply == Supply::Goes;
+  if (has_no_supply_) model_->power_cycle();
+  return {};
 }
 
 void UhidPlug::fire(MonotonicTime now) noexcept {

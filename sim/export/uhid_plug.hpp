@@ -33,7 +33,7 @@ class UhidPlug final : public Plug, private Event {
            const PlugSurroundings& surroundings);
 
   Result<void> plug() override;
-  Result<void> unplug() override;
+  Result<void> unplug(Supply supply) override;
   [[nodiscard]] bool is_plugged() const noexcept override { return is_plugged_; }
   [[nodiscard]] bool is_open() const noexcept override { return is_plugged_ && is_open_; }
   [[nodiscard]] bool is_broken() const noexcept override { return is_broken_; }
@@ -58,7 +58,6 @@ class UhidPlug final : public Plug, private Event {
   void give_output(MonotonicTime now);
   void send_input(MonotonicTime now);
   bool write_event(std::span<const std::uint8_t> bytes);
-  void cut_power() noexcept;
   // Without the zero in front, which the kernel puts where reports have no numbers.
   [[nodiscard]] std::span<const std::uint8_t> without_number(
       std::span<const std::uint8_t> bytes) const noexcept;
@@ -69,6 +68,7 @@ class UhidPlug final : public Plug, private Event {
   std::vector<std::uint8_t> descriptor_;
   PlugSurroundings around_;
   bool is_plugged_{false};
+  bool has_no_supply_{true};  // it comes with the plug
   bool is_open_{false};
   bool is_broken_{false};
   PlugCounters counters_{};

@@ -59,17 +59,18 @@ Duration UsbipBus::round_period() const noexcept { return kUsbFrame / rounds_per
 Result<void> UsbipBus::plug() {
   if (is_plugged_) return fail(Errc::Busy, "it is plugged in already");
   if (Result<void> told = tell_host(); !told) return told;
-  if (was_unplugged_) model_->power_cycle();  // before, it is as it was made
+  if (has_no_supply_) model_->power_cycle();
   is_plugged_ = true;
   return {};
 }
 
-Result<void> UsbipBus::unplug() {
-  if (!is_plugged_) return fail(Errc::NotFound, "it is not plugged in");
+Result<void> UsbipBus::unplug(Supply supply) {
+  const bool has_news = is_plugged_ || (supply == Supply::Goes && !has_no_supply_);
+  if (!has_news) return fail(Errc::NotFound, "it is not plugged in");
   while (!connections_.empty()) drop(connections_.begin());
-  model_->power_cycle();
+  has_no_supply_ = supply == Supply::Goes;
+  if (has_no_supply_) model_->power_cycle();
   is_plugged_ = false;
-  was_unplugged_ = true;
   return {};
 }
 

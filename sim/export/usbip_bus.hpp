@@ -36,7 +36,7 @@ class UsbipBus : public Plug, private Event {
   [[nodiscard]] bool is_attached() const noexcept;
 
   Result<void> plug() final;
-  Result<void> unplug() override;
+  Result<void> unplug(Supply supply) override;
   [[nodiscard]] bool is_plugged() const noexcept override { return is_plugged_; }
   [[nodiscard]] bool is_open() const noexcept override;
   [[nodiscard]] bool is_broken() const noexcept override { return false; }
@@ -82,7 +82,7 @@ class UsbipBus : public Plug, private Event {
   std::uint64_t round_{0};
   MonotonicTime left_out_until_{};
   bool is_plugged_{false};
-  bool was_unplugged_{false};
+  bool has_no_supply_{false};  // made with it
   std::list<Connection> connections_;
   PlugCounters closed_{};  // of connections that are gone
 };

@@ -30,7 +30,7 @@ struct Rule {
   std::array<Argument, 4> arguments{};
 };
 
-constexpr std::array<Rule, 15> kRules{{
+constexpr std::array<Rule, 16> kRules{{
     {"move", VerbKind::Move, 3, 4, {kMetres, kMetres, kMetres, kStroke_s}},
     {"home", VerbKind::Home, 0, 1, {kStroke_s}},
     {"let-go", VerbKind::LetGo, 0, 0, {}},
@@ -38,6 +38,7 @@ constexpr std::array<Rule, 15> kRules{{
     {"press", VerbKind::Press, 1, 1, {kButton}},
     {"release", VerbKind::Release, 1, 1, {kButton}},
     {"unplug", VerbKind::Unplug, 0, 0, {}},
+    {"pull-cable", VerbKind::PullCable, 0, 0, {}},
     {"plug", VerbKind::Plug, 0, 0, {}},
     {"stall", VerbKind::Stall, 1, 1, {kWhile_s}},
     {"nak", VerbKind::Nak, 1, 1, {kWhile_s}},

@@ -19,8 +19,9 @@ enum class VerbKind : std::uint8_t {
   LetGo,  // the hand leaves the tip
   Push,   // X Y Z: a constant force on the tip, N
   Press,  // N: button 0 is that of the calibration, 1 that of the stylus
-  Release,  // N
-  Unplug,
+  Release,    // N
+  Unplug,     // with its supply
+  PullCable,  // its supply stays: its firmware goes on
   Plug,
   Stall,    // SECONDS: it refuses everything
   Nak,      // SECONDS: it neither takes nor gives anything

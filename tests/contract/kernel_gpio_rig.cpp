@@ -63,7 +63,7 @@ class Adapter {
     EXPECT_TRUE(cable_->comes_true([] { return find_chip().has_value(); }));
   }
   void unplug() {
-    cable_->alone([this] { EXPECT_TRUE(plug_->unplug().has_value()); });
+    cable_->alone([this] { EXPECT_TRUE(plug_->unplug(sim::Supply::Goes).has_value()); });
     EXPECT_TRUE(cable_->comes_true([] { return !find_chip().has_value(); }));
   }
   void set_wire(unsigned line, bool is_high) {

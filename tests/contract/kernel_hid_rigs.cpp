@@ -118,7 +118,7 @@ class UsbipEnd {
     EXPECT_TRUE(cable_->comes_true([this] { return cable_->lists(kAddress); }));
   }
   void unplug() {
-    cable_->alone([this] { EXPECT_TRUE(plug_->unplug().has_value()); });
+    cable_->alone([this] { EXPECT_TRUE(plug_->unplug(sim::Supply::Goes).has_value()); });
     EXPECT_TRUE(cable_->comes_true([this] { return !cable_->lists(kAddress); }));
   }
 

@@ -87,7 +87,7 @@ class KernelSerialRig final : public SerialRig {
     cable_.alone([&] { model_.set_deaf(is_deaf); });
   }
   void unplug() override {
-    cable_.alone([this] { EXPECT_TRUE(plug_.unplug().has_value()); });
+    cable_.alone([this] { EXPECT_TRUE(plug_.unplug(sim::Supply::Goes).has_value()); });
     EXPECT_TRUE(cable_.comes_true([this] { return !cable_.lists(kAddress); }));
   }
   void run_for(Duration duration) override { cable_.run_for(duration); }

@@ -66,7 +66,7 @@ class KernelUsbRig final : public UsbRig {
     return cable_.alone([this] { return script_->requests; });
   }
   void unplug() override {
-    cable_.alone([this] { EXPECT_TRUE(plug_->unplug().has_value()); });
+    cable_.alone([this] { EXPECT_TRUE(plug_->unplug(sim::Supply::Goes).has_value()); });
     EXPECT_TRUE(cable_.comes_true([this] { return !find(); }));
   }
 

@@ -46,7 +46,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const std::size_t length = data[at] | static_cast<std::size_t>(data[at + 1]) << 8U;
     at += 2;
     if (length == 0xffff) {
-      THIMBLE_CHECK(plug.unplug().has_value() && plug.plug().has_value());
+      THIMBLE_CHECK(plug.unplug(sim::Supply::Goes).has_value() && plug.plug().has_value());
       continue;
     }
     const std::size_t piece = std::min(length, size - at);

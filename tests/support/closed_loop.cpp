@@ -29,11 +29,12 @@ ClosedLoop::ClosedLoop(const std::vector<std::string>& overrides, const Setup& s
                        const std::vector<plugin::SimModelEntry>& models) {
   replace_models(models, plugins_.models);
   const std::string text = setup.text.empty() ? hello_text() : setup.text;
-  const config::ConfigResult config = config::parse(text, "closed-loop.toml", overrides);
+  config::ConfigResult config = config::parse(text, "closed-loop.toml", overrides);
   if (!config) {
     ADD_FAILURE() << to_string(config.error().front());
     return;
   }
+  if (!config->servo.rate_hz) config->servo.rate_hz = 1000;  // one tick for all arms
   if (setup.bring) setup.bring(plugins_);
   for (const Error& refused : plugins_.load(config->daemon.plugins)) {
     ADD_FAILURE() << refused.message;
@@ -123,7 +124,9 @@ void ClosedLoop::run_until_leaning() {
 }
 
 bus::DeviceAddress ClosedLoop::device() { return {arm().session().config().device}; }
-void ClosedLoop::unplug() { EXPECT_TRUE(sim_arm().buses().unplug(device()).has_value()); }
+void ClosedLoop::unplug(sim::Supply supply) {
+  EXPECT_TRUE(sim_arm().buses().unplug(device(), supply).has_value());
+}
 void ClosedLoop::replug() { EXPECT_TRUE(sim_arm().buses().replug(device()).has_value()); }
 sim::FaultCounts ClosedLoop::injected() { return cables_.front()->injected(device()); }
 

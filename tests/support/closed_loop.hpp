@@ -73,7 +73,7 @@ class ClosedLoop {
   // While it hears nothing, samples and replies wait: a dead network.
   void set_network_up(bool is_up) { is_network_up_ = is_up; }
   // The cable of the first arm.
-  void unplug();
+  void unplug(sim::Supply supply = sim::Supply::Goes);
   void replug();
   // What was done to the reports of the first arm.
   [[nodiscard]] sim::FaultCounts injected();

@@ -12,12 +12,24 @@ import simdev
 WALL_NEWTON = 0.25
 
 
+def assert_ended_by_its_watchdog(test, log, watchdog_s, pressed_newton):
+    """By what the arm itself says of its motors, on its own clock: a pulled arm pushes as before until it has heard nothing for so long, and then never again."""
+    silent_s = max(entry["t_s"] for entry in log if "out" in entry)
+    after = [(entry["t_s"] - silent_s, simdev.norm(entry["force_newton"])) for entry in log if "tip_m" in entry and entry["t_s"] > silent_s]
+    test.assertGreater(len(after), 1000 * (watchdog_s + 0.9))
+    # Its last command acts from the next frame on; and the motors' pulse is 0.5 ms long.
+    before_s, since_s = watchdog_s - 0.005, watchdog_s + 0.005
+    test.assertGreater(min(newton for when_s, newton in after if 0.01 < when_s < before_s), pressed_newton)
+    test.assertLess(max(newton for when_s, newton in after if when_s > since_s), simdev.NOTHING_NEWTON)
+
+
 class OneArm(guest.GuestTest):
     """Numbered: each test goes on where the one before it ended. `plug_in()` makes the arm; it shows the first test, of its node."""
 
     pace = guest.COUNTED
     walls = ((0, 1), (1, -1), (2, 1))  # axis and side, as the hand comes from there:
     rest_m = (0.0, 0.0, 0.0)
+    watchdog_s = 0.5  # of its controller, which has a supply of its own (drivers/phantom/README.md)
     to_wall_m = 0.018  # 3 mm of it behind its face
 
     @classmethod
@@ -71,7 +83,7 @@ class OneArm(guest.GuestTest):
 
     def test_5_pulled_out_while_the_hand_pushes_it_is_lost_and_comes_back_when_it_is_cleared(self):
         self.assertGreater(simdev.norm(self.press()), WALL_NEWTON)
-        self.arm.say("unplug")
+        self.pull()
         arm = json.loads(simdev.wait_for_state(self.guest, "lost"))
         self.assertEqual(arm["force_newton"], [0, 0, 0])
         self.assertEqual([fault["code"] for fault in arm["faults"]], ["disconnected"])
@@ -85,6 +97,11 @@ class OneArm(guest.GuestTest):
         self.arm.clear()
         self.move(self.rest_m, 0.1)
         self.guest.run("sleep 0.2")
+
+    def pull(self):
+        """Its cable alone, so that its watchdog has to end the force."""
+        self.guest.run(f"{self.arm.command('pull-cable')}; sleep {self.watchdog_s + 1}")
+        assert_ended_by_its_watchdog(self, self.arm.log(self.watchdog_s + 3), self.watchdog_s, WALL_NEWTON)
 
     def test_6_stopped_while_the_hand_pushes_the_daemon_leaves_no_force(self):
         self.assertGreater(simdev.norm(self.press()), WALL_NEWTON)

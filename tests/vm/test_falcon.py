@@ -15,6 +15,10 @@ class Falcon(one_arm.OneArm):
     def plug_in(cls):
         return arms.Falcon(cls.guest, way="usbip")
 
+    def pull(self):
+        """Its supply, too: nothing is in its memory then, and it is sent its firmware again."""
+        self.arm.say("unplug")
+
     def test_1_its_node_is_the_daemons_and_the_daemon_has_claimed_it(self):
         port = f"/sys/bus/usb/devices/{self.arm.address.removeprefix('usb:')}"
         self.assert_node("/dev/" + self.guest.run(f"udevadm info --query=name {port}").strip())
@@ -25,3 +29,22 @@ class Falcon(one_arm.OneArm):
         # What it was sent since it came; the rest of its log is long, and stays in the guest.
         lines = self.guest.run(f"{self.arm.command('log 60')} | grep '\"out\"'").splitlines()
         self.assertEqual(b"".join(bytes.fromhex(json.loads(line)["out"]) for line in lines).count(arms.firmware()), 1)
+
+    def test_5b_of_its_cable_alone_pulled_the_last_force_stays_and_ends_when_it_is_back(self):
+        """Its firmware goes on, and no source knows of a watchdog: docs/first-arm.md says so to whoever has one. It knows where it is, and yet waits for a clear."""
+        pressed = simdev.norm(self.press())
+        self.assertGreater(pressed, one_arm.WALL_NEWTON)
+        self.guest.run(f"{self.arm.command('pull-cable')}; sleep 1")
+        self.assertAlmostEqual(simdev.norm(self.arm.felt(0.3)), pressed, delta=0.1 * pressed)
+        lost = json.loads(simdev.wait_for_state(self.guest, "lost"))
+        self.assertEqual([fault["code"] for fault in lost["faults"]], ["disconnected"])
+        uploads = self.arm.status()["readings"]["uploads"]
+        self.arm.say("plug")
+        self.arm.plug()
+        back = json.loads(simdev.wait_for_state(self.guest, "fault"))
+        self.assertEqual((back["calibration"], back["faults"][0]["number"]), ("ok", lost["faults"][0]["number"]))
+        self.assertLess(max(self.arm.forces(0.3)), simdev.NOTHING_NEWTON)
+        self.assertEqual(self.arm.status()["readings"]["uploads"], uploads)
+        self.arm.clear()
+        self.move(self.rest_m, 0.1)
+        self.guest.run("sleep 0.2")

@@ -6,6 +6,12 @@ import one_arm
 
 class TextArm(one_arm.OneArm):
     walls = ((0, 1),)
+    watchdog_s = 0.1
+
+    def pull(self):
+        """And then its supply, as its instruction asks for: where it is calibrated a press is not seen."""
+        super().pull()
+        self.arm.say("unplug")
 
     @classmethod
     def plug_in(cls):

@@ -1,11 +1,14 @@
 """The plug of an arm is pulled while a hand presses on a wall: it stops, says why and has recorded it; plugged in again and calibrated it
 waits for a clear, and then goes on. The arm beside it notices nothing of all this.
 
+The cable alone: both controllers have a supply of their own, and the pulled arm's watchdog ends its force.
+
 HID arms through uhid, and over USB/IP, where an arm that comes has a USB device to be configured and opened, too.
 """
 
 import json
 
+import one_arm
 import simdev
 import two_arms
 
@@ -26,8 +29,9 @@ class Unplugged(two_arms.TwoArms):
         self.press_both()
 
     def test_2_pulled_out_it_is_lost_and_the_arm_beside_presses_on(self):
-        at_s, left, right = self.log_around(self.right.command("unplug"))
+        at_s, left, right = self.log_around(self.right.command("pull-cable"), seconds=2)
         self.assertGreater(min(force for when_s, force in two_arms.forces(right) if when_s < at_s), two_arms.WALL_NEWTON)
+        one_arm.assert_ended_by_its_watchdog(self, right, one_arm.OneArm.watchdog_s, two_arms.WALL_NEWTON)
         self.assert_pressed_without_a_gap(left)
 
     def test_3_its_fault_is_latched_and_says_why_and_shows_what_it_recorded(self):

@@ -95,6 +95,17 @@ TEST_F(DeviceVerbsTest, PullsThePlugAndPutsItBack) {
   EXPECT_TRUE(say("status").at("plugged").as_bool());
 }
 
+TEST_F(DeviceVerbsTest, PullsTheCableAloneOfAnArmThatGoesOn) {
+  EXPECT_FALSE(is_taken("plug"));
+  bench_.run_frames(1000);
+  EXPECT_TRUE(is_taken("pull-cable"));
+  EXPECT_FALSE(say("status").at("plugged").as_bool());
+  EXPECT_FALSE(is_taken("pull-cable")) << "it is already";
+  EXPECT_TRUE(is_taken("unplug")) << "its supply, too";
+  EXPECT_FALSE(is_taken("unplug"));
+  EXPECT_TRUE(is_taken("plug"));
+}
+
 TEST_F(DeviceVerbsTest, PressesButtonsOfTheArmAndOfThePanel) {
   EXPECT_TRUE(is_taken("press 1"));
   EXPECT_EQ(arm_.counters().stylus_presses, 1U);

@@ -34,7 +34,7 @@ class ScriptedPlug final : public Plug, private Event {
     clock.events().schedule_at(*this, clock.now() + kRound);
   }
   Result<void> plug() override { return {}; }
-  Result<void> unplug() override { return {}; }
+  Result<void> unplug(Supply) override { return {}; }
   bool is_plugged() const noexcept override { return true; }
   bool is_open() const noexcept override { return true; }
   bool is_broken() const noexcept override { return false; }

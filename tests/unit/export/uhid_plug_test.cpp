@@ -101,10 +101,10 @@ TEST_F(UhidPlugTest, MakesTheDeviceWhenPluggedInAndNotBefore) {
 }
 
 TEST_F(UhidPlugTest, UnpluggedTheKernelLosesTheDeviceAndTheDeviceItsPower) {
-  EXPECT_EQ(sut_.unplug().error().code, Errc::NotFound);
+  EXPECT_EQ(sut_.unplug(Supply::Goes).error().code, Errc::NotFound);
   plug_and_open();
   const int before = script_->power_cycles;
-  ASSERT_TRUE(sut_.unplug());
+  ASSERT_TRUE(sut_.unplug(Supply::Goes));
   EXPECT_EQ(kernel_.heard()->type, std::uint32_t{UHID_DESTROY});
   EXPECT_EQ(script_->power_cycles, before + 1);
   EXPECT_FALSE(sut_.is_open());
@@ -224,12 +224,38 @@ TEST_F(UhidPlugTest, CountsBytesThatAreNoEventAndGoesOn) {
   EXPECT_TRUE(kernel_.last_input());
 }
 
+TEST_F(UhidPlugTest, ItsCableAlonePulledTheDeviceKeepsItsPowerAndNothingThatTheHostWrote) {
+  plug_and_open();
+  const int before = script_->power_cycles;
+  kernel_.write_output({0, 5});
+  ASSERT_TRUE(sut_.unplug(Supply::Stays));
+  bench_.run_frames(3);
+  ASSERT_TRUE(sut_.plug());
+  bench_.run_frames(3);
+  EXPECT_EQ(script_->power_cycles, before);
+  EXPECT_TRUE(script_->received.empty());
+}
+
+TEST_F(UhidPlugTest, AfterItsCableItsSupplyMayGoToo) {
+  plug_and_open();
+  const int before = script_->power_cycles;
+  ASSERT_TRUE(sut_.unplug(Supply::Stays));
+  EXPECT_EQ(kernel_.heard()->type, std::uint32_t{UHID_DESTROY});
+  EXPECT_FALSE(sut_.unplug(Supply::Stays));
+  ASSERT_TRUE(sut_.unplug(Supply::Goes));
+  EXPECT_FALSE(sut_.unplug(Supply::Goes));
+  EXPECT_FALSE(kernel_.heard()) << "it has lost the device already";
+  EXPECT_EQ(script_->power_cycles, before + 1);
+  ASSERT_TRUE(sut_.plug());
+  EXPECT_EQ(script_->power_cycles, before + 2);
+}
+
 TEST_F(UhidPlugTest, IsBrokenWhenTheKernelIsGone) {
   plug_and_open();
   kernel_.close();
   bench_.run_frames(1);
   EXPECT_TRUE(sut_.is_broken());
-  EXPECT_EQ(sut_.unplug().error().code, Errc::System);
+  EXPECT_EQ(sut_.unplug(Supply::Goes).error().code, Errc::System);
 }
 
 class UhidRequestTest : public ::testing::TestWithParam<bool> {

@@ -62,11 +62,25 @@ class UsbipPlugTest : public ::testing::Test {
 // A Falcon that is offered loaded, say, has its firmware until somebody pulls the plug.
 TEST_F(UsbipPlugTest, PlugsADeviceInAsItWasMade) {
   EXPECT_EQ(script_->power_cycles, 0);
-  ASSERT_TRUE(sut_->unplug());
+  ASSERT_TRUE(sut_->unplug(Supply::Goes));
   EXPECT_EQ(script_->power_cycles, 1);
   bench_.run_frames(1000);
   ASSERT_TRUE(sut_->plug());
   EXPECT_EQ(script_->power_cycles, 2) << "its power came this very moment";
+}
+
+TEST_F(UsbipPlugTest, ItsCableAlonePulledTheDeviceKeepsItsPower) {
+  ASSERT_TRUE(sut_->unplug(Supply::Stays));
+  bench_.run_frames(10);
+  ASSERT_TRUE(sut_->plug());
+  EXPECT_EQ(script_->power_cycles, 0);
+  ASSERT_TRUE(sut_->unplug(Supply::Stays));
+  ASSERT_TRUE(sut_->unplug(Supply::Goes)) << "after the cable the supply";
+  EXPECT_FALSE(sut_->unplug(Supply::Goes));
+  ASSERT_TRUE(sut_->plug());
+  EXPECT_EQ(script_->power_cycles, 2);
+  Tcp::socket host = connect(*sut_);
+  EXPECT_EQ(ask(host, UsbipHost::import(), 320).size(), 320U);
 }
 
 TEST_F(UsbipPlugTest, ServesAHostThatAttaches) {
@@ -158,7 +172,7 @@ TEST_F(UsbipPlugTest, UnpluggedItHangsUpAndOffersNothing) {
   Tcp::socket host = connect(*sut_);
   ask(host, UsbipHost::import(), 320);
   const int before = script_->power_cycles;
-  ASSERT_TRUE(sut_->unplug());
+  ASSERT_TRUE(sut_->unplug(Supply::Goes));
   EXPECT_EQ(script_->power_cycles, before + 1);
   ask(host, {}, 1);
   EXPECT_TRUE(is_hung_up_);

@@ -13,6 +13,7 @@ TEST(Verb, IsAWordAndItsNumbers) {
             (Verb{VerbKind::Move, {0.01, -0.02, 0.003, 0.5}}));
   EXPECT_EQ(*parse_verb("  press\t1 \r"), (Verb{VerbKind::Press, {1}}));
   EXPECT_EQ(*parse_verb("unplug"), Verb{VerbKind::Unplug});
+  EXPECT_EQ(*parse_verb("pull-cable"), Verb{VerbKind::PullCable});
   EXPECT_EQ(*parse_verb("stall 0.25"), (Verb{VerbKind::Stall, {0.25}}));
 }
 

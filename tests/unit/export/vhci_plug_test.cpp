@@ -129,7 +129,7 @@ TEST_F(VhciPlugTest, IsPluggedInOnce) {
 }
 TEST_F(VhciPlugTest, UnpluggedHangsUpAndComesBackAsNew) {
   ASSERT_TRUE(sut_.plug());
-  ASSERT_TRUE(sut_.unplug());
+  ASSERT_TRUE(sut_.unplug(Supply::Goes));
   EXPECT_TRUE(hear(1).empty());
   EXPECT_TRUE(is_hung_up_);
   is_hung_up_ = false;
@@ -145,7 +145,7 @@ TEST_F(VhciPlugTest, DetachedByTheKernelItWaitsForTheNextPlug) {
   bench_.run_frames(2);
   EXPECT_FALSE(sut_.is_attached());
   EXPECT_TRUE(sut_.is_plugged()) << "nobody pulled it";
-  ASSERT_TRUE(sut_.unplug());
+  ASSERT_TRUE(sut_.unplug(Supply::Goes));
   ASSERT_TRUE(sut_.plug());
   EXPECT_TRUE(sut_.is_attached());
 }
@@ -167,7 +167,7 @@ TEST_F(VhciPlugTest, HangsUpOnWhoTakesNothingOfWhatItAskedFor) {
   EXPECT_TRUE(sut_.is_attached()) << "it took some";
   bench_.run_frames(2000);
   EXPECT_FALSE(sut_.is_attached());
-  ASSERT_TRUE(sut_.unplug());
+  ASSERT_TRUE(sut_.unplug(Supply::Goes));
   ASSERT_TRUE(sut_.plug());
   script_->to_send[test::ScriptedUsbModel::kBulkIn] = {{4}};
   EXPECT_EQ(read_bulk(), Bytes{4});

@@ -114,6 +114,23 @@ TEST_F(SimHidTest, AReplugBetweenTwoFramesStillCutsThePower) {
   EXPECT_EQ(script->power_cycles, 1);
 }
 
+TEST_F(SimHidTest, ADeviceThatKeepsItsSupplyIsAsItWasWhenItIsBack) {
+  ASSERT_TRUE(buses.unplug(address, Supply::Stays).has_value());
+  clock.run_for(milliseconds(3));
+  ASSERT_TRUE(buses.replug(address).has_value());
+  clock.run_for(milliseconds(3));
+  EXPECT_EQ(script->power_cycles, 0);
+  EXPECT_EQ(script->advanced_to.size(), 6U) << "it went on without the bus";
+  ASSERT_TRUE(buses.unplug(address, Supply::Stays).has_value());
+  ASSERT_TRUE(buses.unplug(address).has_value()) << "after the cable the supply";
+  EXPECT_FALSE(buses.unplug(address).has_value());
+  clock.run_for(milliseconds(1));
+  EXPECT_EQ(script->power_cycles, 1);
+  ASSERT_TRUE(buses.replug(address).has_value());
+  clock.run_for(milliseconds(1));
+  EXPECT_EQ(script->power_cycles, 2);
+}
+
 TEST_F(SimHidTest, EachDeviceRunsAtItsOwnFramePeriod) {
   const bus::DeviceAddress other{"sim:b"};
   auto other_script = std::make_shared<HidModelScript>();

@@ -156,6 +156,17 @@ TEST_F(SimUsbTest, PowerIsCutAtUnplugAndAtReplugAndTheOldHandleStaysDead) {
   EXPECT_EQ(old_handle->submit(kBulkOut, Packet{1}), IoStatus::Disconnected);
 }
 
+TEST_F(SimUsbTest, WithItsSupplyTheDeviceGoesOnThoughTheHandleIsDead) {
+  const auto old_handle = open();
+  ASSERT_TRUE(buses.unplug(address, Supply::Stays).has_value());
+  clock.run_for(milliseconds(1));
+  EXPECT_EQ(old_handle->submit(kBulkOut, Packet{1}), IoStatus::Disconnected);
+  ASSERT_TRUE(buses.replug(address).has_value());
+  clock.run_for(milliseconds(1));
+  EXPECT_EQ(script->power_cycles, 0);
+  EXPECT_EQ(open()->submit(kBulkOut, Packet{1}), IoStatus::Ok);
+}
+
 TEST_F(SimUsbTest, HidAndUsbDevicesHangOnOneBus) {
   const bus::DeviceAddress other{"sim:b"};
   auto hid = std::make_shared<test::HidModelScript>();
