@@ -115,6 +115,7 @@ void ArmCommands::clear_fault(std::string_view arm, std::optional<std::uint32_t>
   session::ArmSession& asked = session(*index);
   const servo::ServoSnapshot& seen = asked.snapshot();
   if (const Result<void> possible = check_clearable(asked, seen); !possible) {
+    let_chain_go_for_lost(seen);
     return answer(tl::unexpected(possible.error()));
   }
   // Whoever names another has not seen this one: it may be newer than what they looked at.
@@ -138,6 +139,14 @@ void ArmCommands::clear_fault(std::string_view arm, std::optional<std::uint32_t>
   wait.until = clock_.now() + kPatience;
   wait.answer = std::move(answer);
   waits_.push_back(std::move(wait));
+}
+
+// An arm that stopped the chain when it was lost may need the power that the chain cut to come
+// back. The others wait for their own clears.
+void ArmCommands::let_chain_go_for_lost(const servo::ServoSnapshot& seen) {
+  if (safety_ == nullptr || seen.frame.state != OperatingState::Lost) return;
+  if (safety_->status().cause != safety::ChainTrouble::ArmOutOfReach) return;
+  static_cast<void>(safety_->ask_reset());
 }
 
 void ArmCommands::steady_force(std::string_view arm, std::optional<double> up_newton,

@@ -92,6 +92,7 @@ class ArmCommands final : public api::Commands {
   }
   [[nodiscard]] Verdict judge(Wait& wait);
   [[nodiscard]] Verdict judge_reset(Wait& wait);
+  void let_chain_go_for_lost(const servo::ServoSnapshot& seen);
   [[nodiscard]] Verdict judge_activation(const Wait& wait, const servo::ServoSnapshot& seen);
   [[nodiscard]] Verdict judge_clearing(const Wait& wait, const servo::ServoSnapshot& seen);
   void withdraw(const Wait& wait);

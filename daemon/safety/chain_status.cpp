@@ -20,6 +20,8 @@ std::string_view to_string(ChainTrouble trouble) noexcept {
       return "disagree";
     case ChainTrouble::Unwatched:
       return "unwatched";
+    case ChainTrouble::ArmOutOfReach:
+      return "arm-out-of-reach";
   }
   return "unknown";
 }
@@ -43,6 +45,9 @@ std::string_view explain(ChainTrouble trouble) noexcept {
              "this stays look for a welded contact or a broken wire";
     case ChainTrouble::Unwatched:
       return "the safety lines were not looked after in time; this machine is too busy";
+    case ChainTrouble::ArmOutOfReach:
+      return "an arm without a watchdog was lost while it was driven, so ENABLE has stopped to cut "
+             "the motors' power; look at that arm";
   }
   return "";
 }

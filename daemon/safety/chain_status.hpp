@@ -8,15 +8,16 @@ namespace thimble::safety {
 // Why the chain is not healthy now; the first that fits, in this order.
 enum class ChainTrouble : std::uint8_t {
   None,
-  NoLines,      // the chip or one of its lines is not there
-  Silent,       // the chip has not answered for kSilence
-  OutputStuck,  // the chip has not taken an output for kSilence
-  EdgesLost,    // something happened on a line that was not told
-  Open,         // the emergency stop is pressed, or its wire is broken
-  Disagree,     // one channel did not open or close with the other
-  Unwatched,    // the thread that looks after the chain was held up
+  NoLines,        // the chip or one of its lines is not there
+  Silent,         // the chip has not answered for kSilence
+  OutputStuck,    // the chip has not taken an output for kSilence
+  EdgesLost,      // something happened on a line that was not told
+  Open,           // the emergency stop is pressed, or its wire is broken
+  Disagree,       // one channel did not open or close with the other
+  Unwatched,      // the thread that looks after the chain was held up
+  ArmOutOfReach,  // an arm may hold its last force, and nothing here can end it
 };
-inline constexpr int kChainTroubleCount = 8;
+inline constexpr int kChainTroubleCount = 9;
 
 // Short name for status, e.g. "open".
 [[nodiscard]] std::string_view to_string(ChainTrouble trouble) noexcept;

@@ -1,5 +1,6 @@
 #include "daemon/safety/safety_chain.hpp"
 
+#include <algorithm>
 #include <array>
 #include <span>
 
@@ -30,6 +31,12 @@ void SafetyChain::stop(ChainTrouble cause) noexcept {
   status_.is_enable_beating = false;
 }
 
+void SafetyChain::hold(ChainTrouble cause, MonotonicTime until) noexcept {
+  held_for_ = cause;
+  held_until_ = std::max(held_until_, until);
+  stop(cause);
+}
+
 void SafetyChain::judge(bus::GpioLines* lines, MonotonicTime now) noexcept {
   status_.trouble = find_trouble(lines, now);
   if (status_.trouble != ChainTrouble::None) {
@@ -53,6 +60,7 @@ ChainTrouble SafetyChain::find_trouble(bus::GpioLines* lines, MonotonicTime now)
   if (of_reading != ChainTrouble::None) return of_reading;
   if (channels_.is_open()) return ChainTrouble::Open;
   if (channels_.has_disagreed()) return ChainTrouble::Disagree;
+  if (now < held_until_) return held_for_;
   return ChainTrouble::None;
 }
 

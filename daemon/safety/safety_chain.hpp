@@ -59,6 +59,8 @@ class SafetyChain {
   bool reset() noexcept;
   // From without: a stop, as if a line had asked for it.
   void stop(ChainTrouble cause) noexcept;
+  // The same, which nobody can reset before `until`.
+  void hold(ChainTrouble cause, MonotonicTime until) noexcept;
 
   [[nodiscard]] const ChainStatus& status() const noexcept { return status_; }
 
@@ -80,6 +82,8 @@ class SafetyChain {
   MonotonicTime next_beat_{};
   MonotonicTime last_beat_{};
   std::optional<MonotonicTime> stuck_since_;  // the chip takes no output
+  ChainTrouble held_for_{ChainTrouble::None};
+  MonotonicTime held_until_{};
 };
 
 }  // namespace thimble::safety

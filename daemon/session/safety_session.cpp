@@ -12,8 +12,8 @@ SafetySession::SafetySession(const config::SafetyConfig& safety, Runtime& runtim
       runtime_(runtime),
       chips_(chips),
       wake_(wake),
-      chain_(make_chain_settings(safety)),
-      ticks_seen_(runtime.arms().size()) {
+      chain_(make_chain_settings(safety)) {
+  know_arms();
   publish();
 }
 
@@ -27,6 +27,7 @@ void SafetySession::step(MonotonicTime now) {
   const std::lock_guard guard(arms_lock_);
   if (is_unwatched_.exchange(false)) chain_.stop(safety::ChainTrouble::Unwatched);
   if (are_new) chain_.restart_lines();
+  stop_for_arms_out_of_reach(now);
   chain_.step(lines_.get(), now, [this] { return have_servos_beaten(); });
   answer_reset();
   stepped_at_ns_.store(std::max<std::int64_t>(now.since_epoch.count(), 1));
@@ -62,18 +63,55 @@ bool SafetySession::open_lines(MonotonicTime now) {
 void SafetySession::exchange_arms(const std::function<void()>& change) {
   const std::lock_guard guard(arms_lock_);
   change();
+  know_arms();
   publish();
 }
 
 bool SafetySession::have_servos_beaten() {
   bool have_all = true;
-  for (std::size_t i = 0; i < ticks_seen_.size(); ++i) {
+  for (std::size_t i = 0; i < arms_.size(); ++i) {
     servo::ServoSnapshot seen;
     if (!runtime_.arms()[i]->session().loop().snapshot(seen)) return false;
-    have_all = have_all && seen.frame.tick != ticks_seen_[i];
-    ticks_seen_[i] = seen.frame.tick;
+    have_all = have_all && seen.frame.tick != arms_[i].ticks_seen;
+    arms_[i].ticks_seen = seen.frame.tick;
   }
   return have_all;
+}
+
+// Of whoever was exchanged the faults begin anew.
+void SafetySession::know_arms() {
+  arms_.assign(runtime_.arms().size(), {});
+  for (std::size_t i = 0; i < arms_.size(); ++i) {
+    const HapticCapabilities& arm = runtime_.arms()[i]->session().device().capabilities();
+    arms_[i].ends_force_itself = !arm.is_actuated || arm.device_watchdog > Duration::zero();
+  }
+}
+
+bool SafetySession::is_out_of_reach(Arm& arm, const servo::ServoSnapshot& seen,
+                                    MonotonicTime now) noexcept {
+  if (seen.frame.state == OperatingState::Lost) return seen.was_pulled;
+  const FaultCode code = seen.fault.code;
+  const bool is_of_silence = code == FaultCode::StaleSample || code == FaultCode::MissedExchanges ||
+                             code == FaultCode::CommandTimeout;
+  if (!is_of_silence || seen.is_place_known) {
+    arm.silent_since.reset();
+    return false;
+  }
+  if (!arm.silent_since) arm.silent_since = now;
+  return now - *arm.silent_since >= kDeaf;
+}
+
+void SafetySession::stop_for_arms_out_of_reach(MonotonicTime now) {
+  if (!config_.enable) return;  // nothing that could be cut
+  for (std::size_t i = 0; i < arms_.size(); ++i) {
+    if (arms_[i].ends_force_itself) continue;
+    servo::ServoSnapshot seen;
+    if (!runtime_.arms()[i]->session().loop().snapshot(seen)) continue;
+    if (!is_out_of_reach(arms_[i], seen, now) || seen.fault.number == arms_[i].stopped_for)
+      continue;
+    arms_[i].stopped_for = seen.fault.number;
+    chain_.hold(safety::ChainTrouble::ArmOutOfReach, now + kCut);
+  }
 }
 
 void SafetySession::publish() {

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,6 +27,10 @@ inline constexpr std::string_view kNotYetCleared =
 // The safety lines of a configuration, watched for all arms of a runtime: it opens them, and again
 // when they were lost, runs the chain and hands its verdict to the servos, who read it in each
 // tick.
+//
+// Where there is an enable line, an arm without a watchdog that is out of reach, lost while it was
+// driven or silent on after a fault, is a stop, too: its last force may stay on, and the hardware
+// that ENABLE holds closed is all that can end it (decision 0494).
 //
 // Thread: step() and close() from one, not a servo's; ask_reset(), answer(), status() and
 // trouble() from any; supervise() and exchange_arms() from one other, which alone changes the
@@ -74,14 +79,31 @@ class SafetySession {
 
   static constexpr Duration kStep =
       std::chrono::milliseconds(5);  // ours: a beat's time is kept to it
+  // How long ENABLE rests at least once an arm is out of reach. Ours: the relay has fallen after
+  // 0.1 s (docs/safety-wiring.md), and a supply's capacitors take their time.
+  static constexpr Duration kCut = std::chrono::seconds(1);
+  // How long an arm may say nothing after a fault of silence, in which it was sent zero all the
+  // time. Ours: far more than a Falcon's 4 ms for a lost answer.
+  static constexpr Duration kDeaf = std::chrono::milliseconds(100);
   static constexpr Duration kReopen = std::chrono::milliseconds(500);     // between tries
   static constexpr Duration kUnwatched = std::chrono::milliseconds(400);  // ours: twice kSilence
 
  private:
+  struct Arm {
+    std::uint64_t ticks_seen{0};
+    bool ends_force_itself{true};  // it has a watchdog, or no motors
+    std::uint32_t stopped_for{0};  // the fault for which it stopped the chain; 0: none
+    std::optional<MonotonicTime> silent_since{};
+  };
+
   [[nodiscard]] std::unique_ptr<bus::GpioLines> take_lost_lines(MonotonicTime now);
   [[nodiscard]] bool open_lines(MonotonicTime now);
   void note_trouble(std::string text);
   [[nodiscard]] bool have_servos_beaten();
+  void know_arms();
+  void stop_for_arms_out_of_reach(MonotonicTime now);
+  [[nodiscard]] static bool is_out_of_reach(Arm& arm, const servo::ServoSnapshot& seen,
+                                            MonotonicTime now) noexcept;
   void publish();
   void answer_reset();
 
@@ -93,7 +115,7 @@ class SafetySession {
   safety::SafetyChain chain_;
   std::unique_ptr<bus::GpioLines> lines_;
   MonotonicTime next_try_{};
-  std::vector<std::uint64_t> ticks_seen_;
+  std::vector<Arm> arms_;
   rt::WordSeqlock<safety::ChainStatus> published_;
   std::atomic<std::uint32_t> reset_asked_{0};
   std::atomic<std::uint64_t> reset_answer_{0};  // the id, twice, and whether it is free

@@ -341,6 +341,22 @@ TEST_F(SafetyChainTest, AStopFromWithoutNeedsAPersonToo) {
   EXPECT_TRUE(chain.reset());
 }
 
+TEST_F(SafetyChainTest, AStopThatIsHeldIsLetGoByNobodyBeforeItsTime) {
+  ASSERT_TRUE(start());
+  chain.hold(ChainTrouble::ArmOutOfReach, clock.now() + milliseconds(1000));
+  expect_stopped(ChainTrouble::ArmOutOfReach);
+  for (int i = 0; i < 9; ++i) {
+    EXPECT_LE(beats_within(milliseconds(100)), 1U) << "low, and no more";
+    EXPECT_EQ(chain.status().trouble, ChainTrouble::ArmOutOfReach);
+    EXPECT_FALSE(chain.reset());
+  }
+  run(milliseconds(200));
+  expect_stopped(ChainTrouble::ArmOutOfReach);
+  EXPECT_EQ(chain.status().trouble, ChainTrouble::None) << "a person is awaited";
+  EXPECT_TRUE(chain.reset());
+  EXPECT_GT(beats_within(milliseconds(200)), 5U);
+}
+
 TEST(ChainTrouble, EachHasAWordAndASentence) {
   std::set<std::string> words;
   for (int i = 0; i < kChainTroubleCount; ++i) {
