@@ -309,6 +309,9 @@ std::vector<std::string> doubts_of(const config::Config& config,
     if (!arm.firmware) {
       out.push_back("arm '" + arm.name + "' lacks " + std::string(kFalconWantsFirmware));
     }
+    if (!config.safety || !config.safety->enable) {
+      out.push_back("arm '" + arm.name + "' " + std::string(kFalconKeepsForce));
+    }
     if (config.servo.rate_hz && *config.servo.rate_hz < kFalconHasAllAt_hz) {
       out.push_back("arm '" + arm.name +
                     "' does not give all of its 1000 samples a second at servo.rate_hz = " +

@@ -27,9 +27,13 @@ inline constexpr std::string_view kFalconWantsFirmware =
     "arm.firmware: a Falcon forgets its own with its power, and has no force without; "
     "docs/first-arm.md "
     "says where to get the file";
+inline constexpr std::string_view kFalconKeepsForce =
+    "may keep its last force where its USB plug is pulled: have a hand on the switch of its "
+    "supply, "
+    "or the circuit of docs/safety-wiring.md, which safety.enable lets cut it";
 // What is no mistake, but will most likely be missed, with the arm's name in front: the firmware of
-// a Falcon that nobody else loads, and the samples of one that a slow servo leaves out. Not where a
-// plugin drives Falcons, or does not tell what it drives.
+// a Falcon that nobody else loads, the force of one that nothing could end, and the samples of one
+// that a slow servo leaves out. Not where a plugin drives Falcons, or does not tell what it drives.
 [[nodiscard]] std::vector<std::string> doubts_of(const config::Config& config,
                                                  const plugin::DriverRegistry& drivers);
 

@@ -126,12 +126,13 @@ class Check(ProcessTest):
         self.assertEqual(result.returncode, 0, result.stderr)
 
     def test_a_falcon_without_firmware_or_at_a_slow_servo_is_doubted_and_no_mistake(self):
-        file = self.write("falcon.toml", '[[arm]]\nname = "right"\ndevice = "usb:250-1"\nmodel = "falcon"\n'
+        file = self.write("falcon.toml", '[servo]\nrate_hz = 1000\n[[arm]]\nname = "right"\ndevice = "usb:250-1"\nmodel = "falcon"\n'
                           'world = "x"\n[[world]]\nname = "x"\nsource = "box:3"\n')
         for words in (("--check",), ("--for", "0.2", "--set", f"daemon.socket={self.folder}/s")):
             result = self.thimbled("--config", file, *words)
             self.assertEqual(result.returncode, 0, result.stderr)
             self.assertIn("warning: arm 'right' lacks arm.firmware", result.stderr)
+            self.assertIn("warning: arm 'right' may keep its last force where its USB plug is pulled", result.stderr)
             self.assertIn("warning: arm 'right' does not give all of its 1000 samples a second at servo.rate_hz = 1000:", result.stderr)
 
     def test_a_sum_that_cannot_be_ends_every_start(self):

@@ -284,8 +284,27 @@ TEST_F(InspectFiles, ObjectsToOneThatIsNotThereOrIsNoFile) {
   EXPECT_THAT(objections(), IsEmpty()) << "its driver reads none";
 }
 
+TEST_F(InspectFiles, DoubtsAFalconWhoseForceNothingCouldCut) {
+  const auto doubts = [&] { return doubts_of(config, plugins.drivers); };
+  arm().name = "right";
+  arm().firmware = "/somewhere";
+  arm().device = "usb:1-4";
+  EXPECT_THAT(doubts(), ElementsAre(StartsWith("arm 'right' may keep its last force")));
+  config.safety = config::SafetyConfig{};
+  EXPECT_THAT(doubts(), ElementsAre(HasSubstr("safety.enable lets cut it")));
+  config.safety->enable = "3";
+  EXPECT_THAT(doubts(), IsEmpty());
+  config.safety.reset();
+  arm().device = "sim:falcon-loaded";
+  EXPECT_THAT(doubts(), IsEmpty());
+  arm().device = "hid:A7";
+  EXPECT_THAT(doubts(), IsEmpty());
+}
+
 TEST_F(InspectFiles, DoubtsAFalconWithoutFirmwareAndNoOtherArm) {
   const auto doubts = [&] { return doubts_of(config, plugins.drivers); };
+  config.safety = config::SafetyConfig{};
+  config.safety->enable = "3";
   config.servo.rate_hz = 4000;
   arm().name = "right";
   arm().firmware.reset();
@@ -309,6 +328,8 @@ TEST_F(InspectFiles, DoubtsAFalconWithoutFirmwareAndNoOtherArm) {
 
 TEST_F(InspectFiles, DoubtsAServoThatIsTooSlowForAllSamplesOfAFalcon) {
   const auto doubts = [&] { return doubts_of(config, plugins.drivers); };
+  config.safety = config::SafetyConfig{};
+  config.safety->enable = "3";
   arm().name = "right";
   arm().firmware = "/somewhere";
   arm().model = "falcon";
