@@ -51,7 +51,7 @@ void judge(const config::WorldConfig& world, std::vector<std::string>& reasons) 
 
 }  // namespace
 
-double rate_of(const std::vector<PlayedFile>& files) {
+double servo_rate_hz(const std::vector<PlayedFile>& files) {
   for (const PlayedFile& file : files) {
     if (file.config.servo.rate_hz) return *file.config.servo.rate_hz;
   }
@@ -63,7 +63,7 @@ std::vector<std::string> reasons_not_to_play(const std::vector<PlayedFile>& file
   const bool has_arm = std::any_of(files.begin(), files.end(),
                                    [](const auto& of) { return !of.config.arms.empty(); });
   if (!has_arm) all.emplace_back("arm: there is none, so nothing would happen");
-  const double rate_hz = rate_of(files);
+  const double rate_hz = servo_rate_hz(files);
   for (std::size_t i = 0; i < files.size(); ++i) {
     const PlayedFile& file = files[i];
     std::vector<std::string> reasons;

@@ -121,7 +121,7 @@ Result<std::unique_ptr<SessionRun>> SessionRun::load(const RunSettings& settings
                 in_one_line(settings.files, ", ") +
                     " cannot be played in virtual time: " + in_one_line(reasons));
   }
-  const double rate_hz = rate_of(run->files_);
+  const double rate_hz = servo_rate_hz(run->files_);
   for (PlayedFile& file : run->files_) file.config.servo.rate_hz = rate_hz;
   if (settings.seed) seed_all(run->files_, *settings.seed);
   auto session = VirtualSession::create(run->files_, run->plugins_);

@@ -154,7 +154,7 @@ Findings SessionRun::findings() const {
   Findings findings{.experiment = "run",
                     .title = title_of(settings_.files),
                     .parameters = {{"virtual_time", "s", settings_.for_s},
-                                   {"servo_rate", "Hz", rate_of(files_)},
+                                   {"servo_rate", "Hz", servo_rate_hz(files_)},
                                    {"ticks_per_row", "", static_cast<double>(shown_every_)}},
                     .tables = {arms_table()},
                     .plots = {},

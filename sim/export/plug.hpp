@@ -30,8 +30,8 @@ class Plug {
   virtual ~Plug() = default;
   // Busy when it is plugged in already, System when the kernel refuses.
   virtual Result<void> plug() = 0;
-  // NotFound when it is not plugged in, System as above. Where the cable alone was pulled before, its
-  // supply may go, too.
+  // NotFound when it is not plugged in, System as above. Where the cable alone was pulled before,
+  // its supply may go, too.
   virtual Result<void> unplug(Supply supply) = 0;
   [[nodiscard]] virtual bool is_plugged() const noexcept = 0;
   // Somebody on the kernel's side uses it.

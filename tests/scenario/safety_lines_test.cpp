@@ -5,93 +5,26 @@
 
 #include <functional>
 #include <memory>
-#include <optional>
 #include <random>
 #include <thread>
 #include <utility>
 
-#include "daemon/app/arm_commands.hpp"
-#include "daemon/session/safety_session.hpp"
-#include "sim/bus/sim_gpio.hpp"
-#include "sim/model/falcon/falcon_arm_model.hpp"
 #include "tests/scenario/at_each_rate.hpp"
+#include "tests/scenario/safety_lab.hpp"
 #include "tests/support/arm_watch.hpp"
-#include "tests/support/closed_loop.hpp"
 
 namespace thimble {
 namespace {
 
 using std::chrono::milliseconds;
+using test::SafetyLab;
 using testing::HasSubstr;
-
-const std::vector<std::string> kLeaning{"arm.hand.motion=poke", "arm.hand.reach_m=0.03"};
-constexpr api::ClientId kHer{7};
-
-config::SafetyConfig lines() {
-  config::SafetyConfig out;
-  out.chip = "bench";
-  out.estop = {"0", "1"};
-  out.deadman = "2";
-  out.enable = "3";
-  out.lamp = "4";
-  return out;
-}
-
-// A session with its safety lines and a person at the command line.
-struct Lab {
-  explicit Lab(const std::vector<std::string>& overrides, const test::ClosedLoop::Setup& setup = {})
-      : loop(overrides, setup) {}
-
-  void tick() {
-    safety.step(loop.now());
-    loop.tick();
-    commands.poll();
-  }
-  void run(
-      double s, const std::function<void()>& each = [] {}) {
-    for (const MonotonicTime end = loop.now() + from_seconds(s); loop.now() < end;) {
-      tick();
-      each();
-    }
-  }
-  bool run_until(double s, const std::function<bool()>& condition) {
-    for (const MonotonicTime end = loop.now() + from_seconds(s); loop.now() < end; tick()) {
-      if (condition()) return true;
-    }
-    return condition();
-  }
-  Result<api::Done> clear() {
-    std::optional<Result<api::Done>> told;
-    commands.clear_fault("right", {}, kHer, [&](const Result<api::Done>& done) { told = done; });
-    run_until(3, [&] { return told.has_value(); });
-    return told.value_or(fail(Errc::System, "no answer at all"));
-  }
-  // Cleared, driven, and a wall that pushes.
-  void start() {
-    run(0.01);
-    ASSERT_TRUE(clear());
-    ASSERT_TRUE(run_until(8, [&] { return is_pushed(); }));
-  }
-  bool is_pushed() { return loop.frame().is_in_contact && norm(loop.frame().force) > 0.2; }
-  bool is_active() { return loop.frame().state == OperatingState::Active; }
-  void press(bool is_pressed) {
-    chip.set_level(0, is_pressed);
-    chip.set_level(1, is_pressed);
-  }
-
-  test::ClosedLoop loop;
-  sim::SimGpioChip chip{loop.arm().clock(), "bench", 8};
-  sim::SimGpioChips chips{{&chip}};
-  session::SafetySession safety{lines(), loop.runtime(), chips, nullptr};
-  app::Leases leases{{{"right", true}}};
-  app::ArmCommands commands{loop.runtime(), leases, loop.arm().clock(), &safety};
-};
 
 class SafetyLines : public test::AtEachRate {};
 THIMBLE_AT_EACH_RATE(SafetyLines);
 
 TEST_P(SafetyLines, NothingIsDrivenFromTheStartUntilAPersonClears) {
-  Lab sut(with(kLeaning));
+  SafetyLab sut(with(test::kPoking));
   sut.run(2, [&] { ASSERT_EQ(norm(sut.loop.frame().force), 0); });
   EXPECT_EQ(sut.loop.snapshot().fault.code, FaultCode::Estop);
   EXPECT_EQ(sut.chip.changes(3), 0U);
@@ -101,7 +34,7 @@ TEST_P(SafetyLines, NothingIsDrivenFromTheStartUntilAPersonClears) {
 }
 
 TEST_P(SafetyLines, AnEstopWhilePushingIsZeroWithinTwoMillisecondsAndNeedsAPersonToGoOn) {
-  Lab sut(with(kLeaning));
+  SafetyLab sut(with(test::kPoking));
   sut.start();
   test::ArmWatch watch(sut.loop);
   const MonotonicTime pressed = sut.loop.now();
@@ -124,7 +57,7 @@ TEST_P(SafetyLines, AnEstopWhilePushingIsZeroWithinTwoMillisecondsAndNeedsAPerso
 }
 
 TEST_P(SafetyLines, AReleasedDeadmanRampsToZeroWithinTwentyMillisecondsAndIsNoFault) {
-  Lab sut(with(kLeaning));
+  SafetyLab sut(with(test::kPoking));
   sut.start();
   test::ArmWatch watch(sut.loop);
   sut.chip.set_level(2, true);
@@ -137,8 +70,8 @@ TEST_P(SafetyLines, AReleasedDeadmanRampsToZeroWithinTwentyMillisecondsAndIsNoFa
   EXPECT_EQ(watch.breach(), "");
 }
 
-struct SafetyLinesTest : testing::Test, Lab {
-  SafetyLinesTest() : Lab(kLeaning) {}
+struct SafetyLinesTest : testing::Test, SafetyLab {
+  SafetyLinesTest() : SafetyLab(test::kPoking) {}
 };
 
 TEST_F(SafetyLinesTest, ChannelsThatDisagreeStayAStopUntilBothWereOpen) {
@@ -207,119 +140,6 @@ TEST_F(SafetyLinesTest, EnableBeatsWhileAnArmStandsStillAfterAFaultOfItsOwn) {
   EXPECT_GT(chip.changes(3) - before, 20U);
 }
 
-// The relay of docs/safety-wiring.md, and a Falcon's supply behind it.
-class Relay {
- public:
-  explicit Relay(Lab& lab) : lab_(lab) {}
-  void see() {
-    const std::uint64_t changes = lab_.chip.changes(3);
-    if (changes != seen_) beaten_at_ = lab_.loop.now();
-    seen_ = changes;
-    const bool is_closed = lab_.loop.now() - beaten_at_ <= milliseconds(100);
-    if (!is_closed && was_closed_) falcon().power_cycle();
-    was_closed_ = is_closed;
-  }
-  [[nodiscard]] bool is_closed() const { return was_closed_; }
-
- private:
-  sim::FalconArmModel& falcon() {
-    return dynamic_cast<sim::FalconArmModel&>(lab_.loop.sim_arm().backend());
-  }
-
-  Lab& lab_;
-  std::uint64_t seen_{0};
-  MonotonicTime beaten_at_{};
-  bool was_closed_{false};
-};
-
-std::vector<std::string> with_falcon(std::vector<std::string> overrides) {
-  overrides.emplace_back("arm.0.device=sim:falcon-loaded");
-  return overrides;
-}
-
-// No watchdog of its own, nothing that could reach it: the hardware ends its force.
-TEST_P(SafetyLines, AFalconWhoseCableIsPulledWhileItPushesLosesItsPower) {
-  Lab sut(with(with_falcon(kLeaning)));
-  Relay relay(sut);
-  sut.start();
-  sut.run(0.2, [&] { relay.see(); });
-  ASSERT_TRUE(sut.run_until(8, [&] {
-    relay.see();
-    return sut.is_pushed() && norm(sut.loop.truth().motor_force) > 0.05;
-  }));
-  sut.loop.unplug(sim::Supply::Stays);
-  sut.run(0.05, [&] { relay.see(); });
-  EXPECT_GT(norm(sut.loop.truth().motor_force), 0.05) << "the last one";
-  EXPECT_EQ(sut.safety.status().cause, safety::ChainTrouble::ArmOutOfReach);
-  EXPECT_THAT(sut.safety.explanation(), HasSubstr("look at that arm"));
-  EXPECT_TRUE(sut.run_until(0.15, [&] {
-    relay.see();
-    return norm(sut.loop.truth().motor_force) == 0;
-  }));
-  EXPECT_FALSE(relay.is_closed());
-  ASSERT_FALSE(sut.clear());
-  sut.run(0.5, [&] { relay.see(); });
-  EXPECT_FALSE(relay.is_closed()) << "too soon";
-
-  // It may need its power to be seen again.
-  sut.run(0.5, [&] { relay.see(); });
-  const Result<api::Done> refused = sut.clear();
-  ASSERT_FALSE(refused);
-  EXPECT_THAT(refused.error().message, HasSubstr("when it is back"));
-  EXPECT_TRUE(sut.run_until(0.1, [&] {
-    relay.see();
-    return relay.is_closed();
-  }));
-  EXPECT_EQ(sut.safety.status().stops, 1U) << "once for one loss";
-  EXPECT_EQ(norm(sut.loop.truth().motor_force), 0);
-}
-
-TEST_P(SafetyLines, SoDoesOneWhoseBusHangs) {
-  test::ClosedLoop::Setup setup;
-  sim::ScriptedFault hang;
-  hang.kind = sim::FaultKind::Stall;
-  hang.from = MonotonicTime{std::chrono::seconds(20)};
-  setup.cables.script.push_back(hang);
-  Lab sut(with(with_falcon({"arm.hand.motion=still"})), setup);
-  Relay relay(sut);
-  sut.run(0.01);
-  ASSERT_TRUE(sut.clear());
-  ASSERT_TRUE(sut.run_until(8, [&] { return sut.loop.frame().gain == 1; }));
-  sut.loop.sim_arm().backend().push_tip({4.5, 0, 0});
-  const auto see = [&] { relay.see(); };
-  while (sut.loop.now() < hang.from) {
-    sut.tick();
-    see();
-  }
-  ASSERT_GT(norm(sut.loop.truth().motor_force), 0.05);
-  sut.run(0.1, see);
-  EXPECT_GT(norm(sut.loop.truth().motor_force), 0.05) << "zero does not come through";
-  EXPECT_TRUE(sut.run_until(0.3, [&] {
-    see();
-    return norm(sut.loop.truth().motor_force) == 0;
-  }));
-  EXPECT_EQ(sut.safety.status().cause, safety::ChainTrouble::ArmOutOfReach);
-}
-
-// Silence that ends is the servo's own affair, and one lost answer is none.
-TEST_P(SafetyLines, AFalconThatAnswersAgainAfterAFaultKeepsItsPower) {
-  test::ClosedLoop::Setup setup;
-  sim::ScriptedFault silence;
-  silence.kind = sim::FaultKind::Stall;
-  silence.from = MonotonicTime{std::chrono::seconds(20)};
-  silence.lasts = milliseconds(90);
-  setup.cables.script.push_back(silence);
-  Lab sut(with(with_falcon({"arm.hand.motion=still"})), setup);
-  sut.run(0.01);
-  ASSERT_TRUE(sut.clear());
-  ASSERT_TRUE(sut.run_until(8, [&] { return sut.loop.frame().gain == 1; }));
-  ASSERT_TRUE(sut.run_until(20, [&] { return sut.loop.frame().state == OperatingState::Fault; }));
-  sut.run(1);
-  EXPECT_EQ(sut.safety.status().stops, 0U);
-  EXPECT_TRUE(sut.safety.status().is_enable_beating);
-  EXPECT_EQ(norm(sut.loop.truth().motor_force), 0);
-}
-
 TEST_F(SafetyLinesTest, OutputsAreLowWhenItEnds) {
   start();
   ASSERT_TRUE(run_until(1, [&] { return chip.level(3); }));
@@ -379,7 +199,7 @@ class SlowChips final : public bus::GpioChips {
 TEST_F(SafetyLinesTest, AChipThatHangsWhileItOpensOrClosesHoldsNobodyUp) {
   safety.close();
   SlowChips slow(chips);
-  session::SafetySession sut(lines(), loop.runtime(), slow, nullptr);
+  session::SafetySession sut(test::safety_lines(), loop.runtime(), slow, nullptr);
   int exchanged = 0;
   slow.wait = [&] {
     std::thread([&] { sut.exchange_arms([&] { ++exchanged; }); }).join();

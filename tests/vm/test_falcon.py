@@ -49,6 +49,8 @@ class Falcon(one_arm.OneArm):
         self.assertEqual([fault["code"] for fault in lost["faults"]], ["disconnected"])
         uploads = self.arm.status()["readings"]["uploads"]
         self.arm.say("plug")
+        # As a person looks before attaching it.
+        self.assertIn("(0403:cb48)", self.guest.run(f"usbip --tcp-port {simdev.PORT} list -r 127.0.0.1"))
         self.arm.plug()
         back = json.loads(simdev.wait_for_state(self.guest, "fault"))
         self.assertEqual((back["calibration"], back["faults"][0]["number"]), ("ok", lost["faults"][0]["number"]))

@@ -52,7 +52,7 @@ TEST(ReasonsNotToPlay, AnArmThatLinksNeedsTheFileOfWhoListens) {
   EXPECT_NE(alone[0].find("link: nobody listens at udp://10.0.0.1:5001"), std::string::npos);
   guest.config.servo.rate_hz = 4000;
   EXPECT_TRUE(reasons_not_to_play({host, guest}).empty()) << "the host says none";
-  EXPECT_EQ(rate_of({host, guest}), 4000);
+  EXPECT_EQ(servo_rate_hz({host, guest}), 4000);
   host.config.servo.rate_hz = 1000;
   const auto faster = reasons_not_to_play({host, guest});
   ASSERT_EQ(faster.size(), 1U);

@@ -218,7 +218,8 @@ TEST(MakeLimiterSettings, RefusesNumbersThatAreNoLimit) {
       EXPECT_FALSE(make_limiter_settings(other, {})) << joint << " " << bad;
       other = arm;
       other.most_current_a_per_newton[joint] = bad;
-      EXPECT_EQ(make_limiter_settings(other, {}).has_value(), bad == infinity) << joint << " " << bad;
+      EXPECT_EQ(make_limiter_settings(other, {}).has_value(), bad == infinity)
+          << joint << " " << bad;
     }
   }
   for (const double bad : {std::nan(""), 0.0, -1.0}) {

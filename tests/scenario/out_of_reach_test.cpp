@@ -1,0 +1,136 @@
+// An arm without a watchdog that no program reaches, in front of the circuit that ends its force.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "sim/model/falcon/falcon_arm_model.hpp"
+#include "tests/scenario/at_each_rate.hpp"
+#include "tests/scenario/safety_lab.hpp"
+
+namespace thimble {
+namespace {
+
+using std::chrono::milliseconds;
+using test::SafetyLab;
+using testing::HasSubstr;
+
+// The relay of docs/safety-wiring.md, and a Falcon's supply behind it.
+class Relay {
+ public:
+  explicit Relay(SafetyLab& lab) : lab_(lab) {}
+  void see() {
+    const std::uint64_t changes = lab_.chip.changes(3);
+    if (changes != seen_) beaten_at_ = lab_.loop.now();
+    seen_ = changes;
+    const bool is_closed = lab_.loop.now() - beaten_at_ <= milliseconds(100);
+    if (!is_closed && was_closed_) falcon().power_cycle();
+    was_closed_ = is_closed;
+  }
+  [[nodiscard]] bool is_closed() const { return was_closed_; }
+
+ private:
+  sim::FalconArmModel& falcon() {
+    return dynamic_cast<sim::FalconArmModel&>(lab_.loop.sim_arm().backend());
+  }
+
+  SafetyLab& lab_;
+  std::uint64_t seen_{0};
+  MonotonicTime beaten_at_{};
+  bool was_closed_{false};
+};
+
+std::vector<std::string> with_falcon(std::vector<std::string> overrides) {
+  overrides.emplace_back("arm.0.device=sim:falcon-loaded");
+  return overrides;
+}
+
+class OutOfReach : public test::AtEachRate {};
+THIMBLE_AT_EACH_RATE(OutOfReach);
+
+// No watchdog of its own, nothing that could reach it: the hardware ends its force.
+TEST_P(OutOfReach, AFalconWhoseCableIsPulledWhileItPushesLosesItsPower) {
+  SafetyLab sut(with(with_falcon(test::kPoking)));
+  Relay relay(sut);
+  sut.start();
+  sut.run(0.2, [&] { relay.see(); });
+  ASSERT_TRUE(sut.run_until(8, [&] {
+    relay.see();
+    return sut.is_pushed() && norm(sut.loop.truth().motor_force) > 0.05;
+  }));
+  sut.loop.unplug(sim::Supply::Stays);
+  sut.run(0.05, [&] { relay.see(); });
+  EXPECT_GT(norm(sut.loop.truth().motor_force), 0.05) << "the last one";
+  EXPECT_EQ(sut.safety.status().cause, safety::ChainTrouble::ArmOutOfReach);
+  EXPECT_THAT(sut.safety.explanation(), HasSubstr("look at that arm"));
+  EXPECT_TRUE(sut.run_until(0.15, [&] {
+    relay.see();
+    return norm(sut.loop.truth().motor_force) == 0;
+  }));
+  EXPECT_FALSE(relay.is_closed());
+  ASSERT_FALSE(sut.clear());
+  sut.run(0.5, [&] { relay.see(); });
+  EXPECT_FALSE(relay.is_closed()) << "too soon";
+
+  // It may need its power to be seen again.
+  sut.run(0.5, [&] { relay.see(); });
+  const Result<api::Done> refused = sut.clear();
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("when it is back"));
+  EXPECT_TRUE(sut.run_until(0.1, [&] {
+    relay.see();
+    return relay.is_closed();
+  }));
+  EXPECT_EQ(sut.safety.status().stops, 1U) << "once for one loss";
+  EXPECT_EQ(norm(sut.loop.truth().motor_force), 0);
+}
+
+TEST_P(OutOfReach, SoDoesOneWhoseBusHangs) {
+  test::ClosedLoop::Setup setup;
+  sim::ScriptedFault hang;
+  hang.kind = sim::FaultKind::Stall;
+  hang.from = MonotonicTime{std::chrono::seconds(20)};
+  setup.cables.script.push_back(hang);
+  SafetyLab sut(with(with_falcon({"arm.hand.motion=still"})), setup);
+  Relay relay(sut);
+  sut.run(0.01);
+  ASSERT_TRUE(sut.clear());
+  ASSERT_TRUE(sut.run_until(8, [&] { return sut.loop.frame().gain == 1; }));
+  sut.loop.sim_arm().backend().push_tip({4.5, 0, 0});
+  const auto see = [&] { relay.see(); };
+  while (sut.loop.now() < hang.from) {
+    sut.tick();
+    see();
+  }
+  ASSERT_GT(norm(sut.loop.truth().motor_force), 0.05);
+  sut.run(0.1, see);
+  EXPECT_GT(norm(sut.loop.truth().motor_force), 0.05) << "zero does not come through";
+  EXPECT_TRUE(sut.run_until(0.3, [&] {
+    see();
+    return norm(sut.loop.truth().motor_force) == 0;
+  }));
+  EXPECT_EQ(sut.safety.status().cause, safety::ChainTrouble::ArmOutOfReach);
+}
+
+// Silence that ends is the servo's own affair, and one lost answer is none.
+TEST_P(OutOfReach, AFalconThatAnswersAgainAfterAFaultKeepsItsPower) {
+  test::ClosedLoop::Setup setup;
+  sim::ScriptedFault silence;
+  silence.kind = sim::FaultKind::Stall;
+  silence.from = MonotonicTime{std::chrono::seconds(20)};
+  silence.lasts = milliseconds(90);
+  setup.cables.script.push_back(silence);
+  SafetyLab sut(with(with_falcon({"arm.hand.motion=still"})), setup);
+  sut.run(0.01);
+  ASSERT_TRUE(sut.clear());
+  ASSERT_TRUE(sut.run_until(8, [&] { return sut.loop.frame().gain == 1; }));
+  ASSERT_TRUE(sut.run_until(20, [&] { return sut.loop.frame().state == OperatingState::Fault; }));
+  sut.run(1);
+  EXPECT_EQ(sut.safety.status().stops, 0U);
+  EXPECT_TRUE(sut.safety.status().is_enable_beating);
+  EXPECT_EQ(norm(sut.loop.truth().motor_force), 0);
+}
+
+}  // namespace
+}  // namespace thimble
