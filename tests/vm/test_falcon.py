@@ -4,16 +4,20 @@ The firmware is made up (arms.firmware); the simulated arm takes it for one.
 """
 
 import json
+import re
 
 import arms
+import guest
 import one_arm
 import simdev
 
 
 class Falcon(one_arm.OneArm):
+    way = "usbip"
+
     @classmethod
     def plug_in(cls):
-        return arms.Falcon(cls.guest, way="usbip")
+        return arms.Falcon(cls.guest, way=cls.way)
 
     def pull(self):
         """Its supply, too: nothing is in its memory then, and it is sent its firmware again."""
@@ -50,7 +54,8 @@ class Falcon(one_arm.OneArm):
         uploads = self.arm.status()["readings"]["uploads"]
         self.arm.say("plug")
         # As a person looks before attaching it.
-        self.assertIn("(0403:cb48)", self.guest.run(f"usbip --tcp-port {simdev.PORT} list -r 127.0.0.1"))
+        if self.way == "usbip":
+            self.assertIn("(0403:cb48)", self.guest.run(f"usbip --tcp-port {simdev.PORT} list -r 127.0.0.1"))
         self.arm.plug()
         back = json.loads(simdev.wait_for_state(self.guest, "fault"))
         self.assertEqual((back["calibration"], back["faults"][0]["number"]), ("ok", lost["faults"][0]["number"]))
@@ -60,3 +65,24 @@ class Falcon(one_arm.OneArm):
         self.arm.clear()
         self.move(self.rest_m, 0.1)
         self.guest.run("sleep 0.2")
+
+
+class Measured(guest.GuestTest):
+    """With a kitchen scale: docs/calibrate-force.md."""
+
+    pace = guest.COUNTED
+    true_newton_per_count = 10 / 4095  # of the simulated arm
+
+    def test_a_scale_that_is_30_percent_off_is_found_within_5(self):
+        assumed = 0.7 * self.true_newton_per_count
+        arm = arms.Falcon(self.guest, is_named=False)
+        arm.words = f"{arm.words}\nactivate = false".replace(str(arms.NEWTON_PER_COUNT), f"{assumed:.8f}")
+        arm.configure()
+        simdev.wait_for_state(self.guest, "calibrating", "inactive")
+        arm.say("home 0.3")
+        simdev.wait_for_state(self.guest, "inactive")
+        arm.say("move 0 0 0 0.2")
+        printed = self.guest.call("kitchen_scale", arm.socket, "right", "--most", "0.6", timeout_s=300)
+        found = float(re.search(r"^newton_per_count = (\S+)$", printed, re.MULTILINE)[1])
+        self.assertAlmostEqual(found / self.true_newton_per_count, 1, delta=0.05)
+        self.assertAlmostEqual(found / assumed, 1 / 0.7, delta=0.05)

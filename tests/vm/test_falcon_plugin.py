@@ -6,6 +6,8 @@ import test_guard
 
 
 class FalconOfAPlugin(test_falcon.Falcon):
+    way = "usb"
+
     @classmethod
     def plug_in(cls):
         return arms.Falcon(cls.guest, arms.plugin(cls.guest))
