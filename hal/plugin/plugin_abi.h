@@ -119,8 +119,8 @@ struct thimble_capabilities {
    * the arm is driven where a person says no rate. */
   double full_rate_hz;
   /* What a newton asks of each motor at most anywhere in the workspace, in the unit of the
-   * currents: no motor is told more than that times the force's limit. 0 up to 1e4; 0: its peak
-   * alone. */
+   * currents: no motor is told more than that times the force's limit. 1e-6 up to 1e4; 0: its
+   * peak alone. */
   double most_current_a_per_newton[THIMBLE_MOTORS];
 };
 

@@ -22,6 +22,7 @@ constexpr double kMaxJoint_rad = 1e6;
 constexpr double kMaxGimbal_rad = 3.1415926536;  // pi, and a rounding
 constexpr double kMaxTip_m = 10;
 constexpr double kMaxCurrentPerForce = 1e4;
+constexpr double kMinCurrentPerForce = 1e-6;
 constexpr double kMinRate_hz = 500;
 constexpr double kMaxRate_hz = 8000;
 constexpr std::int64_t kMinPeriod_ns = 100'000;
@@ -251,7 +252,8 @@ Result<HapticCapabilities> read_capabilities(const thimble_capabilities& said) {
     out.peak_current_a[i] = said.peak_current_a[i];
     out.continuous_current_a[i] = said.continuous_current_a[i];
     const double most = said.most_current_a_per_newton[i];
-    if (!(most >= 0 && most <= kMaxCurrentPerForce)) return no_arm_has("a current");
+    const bool is_sound = most >= kMinCurrentPerForce && most <= kMaxCurrentPerForce;
+    if (most != 0 && !is_sound) return no_arm_has("a current");
     out.most_current_a_per_newton[i] = most;
   }
   if (said.sample_period_ns < kMinPeriod_ns || said.sample_period_ns > kMaxPeriod_ns) {

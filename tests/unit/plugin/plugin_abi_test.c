@@ -5,11 +5,11 @@
   typedef char type##_has_grown[sizeof(struct type) == (bytes) && sizeof(void*) == 8 ? 1 : -1]
 
 /* Whoever changes one of these counts up THIMBLE_PLUGIN_ABI_REVISION. */
-typedef char revision_of_these_sizes[THIMBLE_PLUGIN_ABI_REVISION == 2 ? 1 : -1];
+typedef char revision_of_these_sizes[THIMBLE_PLUGIN_ABI_REVISION == 3 ? 1 : -1];
 SIZE_IS(thimble_reason, 192);
 SIZE_IS(thimble_hid_info, 528);
 SIZE_IS(thimble_driver_settings, 144);
-SIZE_IS(thimble_capabilities, 328);
+SIZE_IS(thimble_capabilities, 360);
 SIZE_IS(thimble_hid_report, 88);
 SIZE_IS(thimble_sample, 160);
 SIZE_IS(thimble_wrench, 32);

@@ -98,6 +98,8 @@ TEST(PluginCapabilities, ThatNoArmHasAreRefused) {
       [](auto& said) { said.device_watchdog_ns = -1; },
       [](auto& said) { said.device_watchdog_ns = INT64_MAX; },
       [](auto& said) { said.most_current_a_per_newton[1] = -1; },
+      [](auto& said) { said.most_current_a_per_newton[1] = 1e-300; },
+      [](auto& said) { said.most_current_a_per_newton[1] = 9e-7; },
       [](auto& said) { said.most_current_a_per_newton[2] = 1.1e4; },
       [](auto& said) { said.most_current_a_per_newton[0] = kNaN; },
       [](auto& said) { said.full_rate_hz = -4000; },
