@@ -3,7 +3,9 @@
 //
 // usage: vm_round_trip offer hid uhid|usb      until a signal
 //        vm_round_trip offer usb|serial usb
-//        vm_round_trip measure NAME hid|usb|serial ADDRESS NODE    prints a line of JSON
+//        vm_round_trip measure NAME hid|usb|serial ADDRESS NODE [HIDDEV]
+// measure prints two lines of JSON: by the clock, and by processor time. HIDDEV: where bare reports
+// leave.
 #include <array>
 #include <cstdio>
 #include <functional>
@@ -46,47 +48,56 @@ int offer(const std::string& kind, const std::string& way) {
   return 1;
 }
 
+using Figures = std::optional<RoundTripFigures>;
+
 // Both sides of one kind of bus.
 struct Kind {
   const char* name;
-  std::optional<std::vector<double>> (*ours)(bus::BusEnumerator&, const bus::DeviceAddress&,
-                                             const Clock&, std::size_t);
-  std::vector<double> (*reference)(const char*, std::size_t);
+  Figures (*ours)(bus::BusEnumerator&, const bus::DeviceAddress&, Clock&, std::size_t);
+  Figures (*reference)(const ReferenceNodes&, std::size_t);
 };
 constexpr std::array<Kind, 3> kKinds{
     {{"hid", &speed::hid_round_trips, &reference_hid_round_trips},
      {"usb", &speed::usb_round_trips, &reference_usb_round_trips},
      {"serial", &speed::serial_round_trips, &reference_serial_round_trips}}};
 
-using Trips = std::optional<std::vector<double>>;
-
-Trips ours(const Kind& kind, const bus::DeviceAddress& address) {
-  const linux::MonotonicClock clock;
+Figures ours(const Kind& kind, const bus::DeviceAddress& address) {
+  linux::MonotonicClock clock;
   linux::RealtimeThreadSettings threads;
   threads.name = "bus";
   linux::BusEnumerator buses({clock, threads, {}});
   return kind.ours(buses, address, clock, kTrips);
 }
 
+// One figure a slice.
+struct Side {
+  bench::Slices trips_us{};
+  bench::Slices processor_us{};
+
+  void add(const Figures& figures) {
+    if (!figures) return;
+    trips_us.push_back(1e6 * bench::median(figures->trips_s));
+    processor_us.push_back(1e6 * figures->processor_s);
+  }
+};
+
 int measure(const std::string& name, const Kind& kind, const bus::DeviceAddress& address,
-            const std::string& node) {
-  bench::Slices ours_us;
-  bench::Slices reference_us;
+            const ReferenceNodes& nodes) {
+  constexpr std::size_t kTurns = 2 * bench::kSlices + 1;
+  Side subject;
+  Side reference;
   bench::alternate(
-      2 * bench::kSlices + 1,
-      [&] {
-        if (const Trips trips = ours(kind, address)) ours_us.push_back(1e6 * bench::median(*trips));
-      },
-      [&] {
-        const std::vector<double> trips = kind.reference(node.c_str(), kTrips);
-        if (!trips.empty()) reference_us.push_back(1e6 * bench::median(trips));
-      });
-  if (ours_us.size() != 2 * bench::kSlices + 1 || reference_us.size() != ours_us.size()) {
+      kTurns, [&] { subject.add(ours(kind, address)); },
+      [&] { reference.add(kind.reference(nodes, kTrips)); });
+  if (subject.trips_us.size() != kTurns || reference.trips_us.size() != kTurns) {
     std::fprintf(stderr, "vm_round_trip: the device does not answer: %zu and %zu slices\n",
-                 ours_us.size(), reference_us.size());
+                 subject.trips_us.size(), reference.trips_us.size());
     return 1;
   }
-  bench::print(bench::compare(name, "us", {bench::Goal::Of::Ratio, kGoal}, ours_us, reference_us));
+  const bench::Goal goal{bench::Goal::Of::Ratio, kGoal};
+  bench::print(bench::compare(name, "us", goal, subject.trips_us, reference.trips_us));
+  bench::print(bench::compare(name + ", processor", "us", goal, subject.processor_us,
+                              reference.processor_us));
   return 0;
 }
 
@@ -95,15 +106,16 @@ int measure(const std::string& name, const Kind& kind, const bus::DeviceAddress&
 int main(int argc, char** argv) {
   const std::vector<std::string> words(argv + 1, argv + argc);
   if (words.size() == 3 && words[0] == "offer") return offer(words[1], words[2]);
-  if (words.size() == 5 && words[0] == "measure") {
+  if ((words.size() == 5 || words.size() == 6) && words[0] == "measure") {
     const bus::DeviceAddress address{words[3]};
+    const ReferenceNodes nodes{words[4].c_str(), words.size() == 6 ? words[5].c_str() : nullptr};
     for (const Kind& kind : kKinds) {
-      if (words[2] == kind.name) return measure(words[1], kind, address, words[4]);
+      if (words[2] == kind.name) return measure(words[1], kind, address, nodes);
     }
   }
   std::fputs(
       "usage: vm_round_trip offer hid|usb|serial uhid|usb, vm_round_trip measure NAME "
-      "hid|usb|serial ADDRESS NODE\n",
+      "hid|usb|serial ADDRESS NODE [HIDDEV]\n",
       stderr);
   return 2;
 }

@@ -2,7 +2,6 @@
 #include <termios.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <cstddef>
 #include <cstring>
 
@@ -31,23 +30,23 @@ bool read_whole(int port, unsigned char* answer, std::size_t bytes) {
 
 }  // namespace
 
-std::vector<double> reference_serial_round_trips(const char* path, std::size_t round_trips) {
-  const int port = open(path, O_RDWR | O_NOCTTY | O_CLOEXEC);
-  if (port < 0) return {};
-  std::vector<double> trips_s;
+std::optional<RoundTripFigures> reference_serial_round_trips(const ReferenceNodes& nodes,
+                                                             std::size_t round_trips) {
+  const int port = open(nodes.node, O_RDWR | O_NOCTTY | O_CLOEXEC);
+  if (port < 0) return std::nullopt;
+  std::optional<RoundTripFigures> figures;
   unsigned char sent[16] = {};
   unsigned char answer[16] = {};
-  bool is_back = make_raw(port);
-  for (std::size_t i = 1; is_back && i <= round_trips; ++i) {
-    std::memcpy(sent, &i, sizeof i);
-    const auto begin = std::chrono::steady_clock::now();
-    is_back = write(port, sent, sizeof sent) == sizeof sent &&
-              read_whole(port, answer, sizeof answer) &&
-              std::memcmp(answer, sent, sizeof sent) == 0;
-    const auto end = std::chrono::steady_clock::now();
-    if (is_back) trips_s.push_back(std::chrono::duration<double>(end - begin).count());
+  const auto prepare = [&](std::size_t number) {
+    std::memcpy(sent, &number, sizeof number);
+    return true;
+  };
+  if (make_raw(port)) {
+    figures = measured(round_trips, prepare, [&] {
+      return write(port, sent, sizeof sent) == sizeof sent &&
+             read_whole(port, answer, sizeof answer) && std::memcmp(answer, sent, sizeof sent) == 0;
+    });
   }
   close(port);
-  if (trips_s.size() < round_trips) trips_s.clear();
-  return trips_s;
+  return figures;
 }

@@ -2,7 +2,6 @@
 #include <libusb-1.0/libusb.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <cstdio>
 #include <cstring>
 
@@ -16,8 +15,8 @@ bool is_whole(const libusb_transfer* transfer) {
   return transfer->status == LIBUSB_TRANSFER_COMPLETED && transfer->actual_length == 16;
 }
 
-std::vector<double> exchange(libusb_context* context, libusb_device_handle* device,
-                             std::size_t round_trips) {
+std::optional<RoundTripFigures> exchange(libusb_context* context, libusb_device_handle* device,
+                                         std::size_t round_trips) {
   unsigned char sent[16] = {};
   unsigned char answer[64] = {};
   int is_sent = 0;
@@ -26,43 +25,41 @@ std::vector<double> exchange(libusb_context* context, libusb_device_handle* devi
   libusb_transfer* in = libusb_alloc_transfer(0);
   libusb_fill_bulk_transfer(out, device, 0x02, sent, sizeof sent, note_end, &is_sent, 0);
   libusb_fill_bulk_transfer(in, device, 0x81, answer, sizeof answer, note_end, &is_back, 0);
-  std::vector<double> trips_s;
-  for (std::size_t i = 1; i <= round_trips; ++i) {
-    std::memcpy(sent, &i, sizeof i);
+  const auto prepare = [&](std::size_t number) {
+    std::memcpy(sent, &number, sizeof number);
     is_sent = is_back = 0;
-    if (libusb_submit_transfer(in) != 0) break;
-    const auto begin = std::chrono::steady_clock::now();
+    return libusb_submit_transfer(in) == 0;
+  };
+  std::optional<RoundTripFigures> figures = measured(round_trips, prepare, [&] {
     const bool is_out = libusb_submit_transfer(out) == 0;
     while (is_out && is_sent == 0) libusb_handle_events_completed(context, &is_sent);
     while (is_back == 0) libusb_handle_events_completed(context, &is_back);
-    const auto end = std::chrono::steady_clock::now();
-    if (!is_out || !is_whole(out) || !is_whole(in) || std::memcmp(answer, sent, 16) != 0) {
-      std::fprintf(stderr, "trip %zu: sent %d, %d bytes; back %d, %d bytes\n", i, out->status,
-                   out->actual_length, in->status, in->actual_length);
-      break;
-    }
-    trips_s.push_back(std::chrono::duration<double>(end - begin).count());
+    return is_out && is_whole(out) && is_whole(in) && std::memcmp(answer, sent, 16) == 0;
+  });
+  if (!figures) {
+    std::fprintf(stderr, "sent %d, %d bytes; back %d, %d bytes\n", out->status, out->actual_length,
+                 in->status, in->actual_length);
   }
   libusb_free_transfer(in);
   libusb_free_transfer(out);
-  return trips_s;
+  return figures;
 }
 
 }  // namespace
 
-std::vector<double> reference_usb_round_trips(const char* path, std::size_t round_trips) {
+std::optional<RoundTripFigures> reference_usb_round_trips(const ReferenceNodes& nodes,
+                                                          std::size_t round_trips) {
   libusb_context* context = nullptr;
-  const int node = ::open(path, O_RDWR | O_CLOEXEC);
-  if (node < 0 || libusb_init(&context) != 0) return {};
-  std::vector<double> trips_s;
+  const int node = ::open(nodes.node, O_RDWR | O_CLOEXEC);
+  if (node < 0 || libusb_init(&context) != 0) return std::nullopt;
+  std::optional<RoundTripFigures> figures;
   libusb_device_handle* device = nullptr;
   int error = libusb_wrap_sys_device(context, node, &device);
   if (error == 0) error = libusb_claim_interface(device, 0);
-  if (error == 0) trips_s = exchange(context, device, round_trips);
-  if (error != 0) std::fprintf(stderr, "%s: %s\n", path, libusb_error_name(error));
+  if (error == 0) figures = exchange(context, device, round_trips);
+  if (error != 0) std::fprintf(stderr, "%s: %s\n", nodes.node, libusb_error_name(error));
   if (device != nullptr) libusb_close(device);
   libusb_exit(context);
   ::close(node);
-  if (trips_s.size() < round_trips) trips_s.clear();
-  return trips_s;
+  return figures;
 }
