@@ -1,7 +1,7 @@
 """What an exchange takes in the guest beside a bare one through the same library, and what four arms take of its processor.
 
 The guest's clock counts instructions; the figures are printed, for docs/benchmarks.md, and what was done to get them is asserted. What
-they are: docs/decisions/0359.
+they are: docs/decisions/0359 of the time of a trip, 0496 of the processor time that an exchange takes.
 """
 
 import contextlib
@@ -15,7 +15,9 @@ import simdev
 PROGRAM = "/run/bin/vm_round_trip"
 ECHO = "VM-ECHO-1"
 MOST_OF_BARE = 1.15
-MOST_WORK_OF_BARE = {"hidraw, uhid": 9, "HID, USB": 9, "HID, USB, bare over hiddev": 9, "usbfs, USB": 9, "cdc_acm, USB": 9}
+# Of processor time, where the goal of 1.15 is not reached (docs/benchmarks.md): a sixth above what was measured. What this clock counts
+# is the same in every run but for some per cent, so it is new work that breaks these.
+MOST_WORK_OF_BARE = {"hidraw, uhid": 2.0, "HID, USB": 2.3, "HID, USB, bare over hiddev": 1.55, "usbfs, USB": 1.8, "cdc_acm, USB": 2.95}
 MOST_OF_A_PROCESSOR = 0.25  # of this emulated one, for four arms; 0.17 were measured
 
 

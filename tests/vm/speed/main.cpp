@@ -1,5 +1,5 @@
-// How long an exchange with a device takes through hal/linux, beside a bare one through the same
-// library; and the device, which sends back what it is sent.
+// How long an exchange with a device takes through hal/linux, and how much of a processor, beside a
+// bare one through the same library; and the device, which sends back what it is sent.
 //
 // usage: vm_round_trip offer hid uhid|usb      until a signal
 //        vm_round_trip offer usb|serial usb
@@ -19,6 +19,7 @@
 #include "tests/vm/speed/echo.hpp"
 #include "tests/vm/speed/reference_round_trips.hpp"
 #include "tests/vm/speed/round_trips.hpp"
+#include "tests/vm/speed/servo_ticks.hpp"
 
 namespace {
 
@@ -69,6 +70,13 @@ Figures ours(const Kind& kind, const bus::DeviceAddress& address) {
   return kind.ours(buses, address, clock, kTrips);
 }
 
+// On a thread of the class that ours has.
+Figures bare(const Kind& kind, const ReferenceNodes& nodes) {
+  Figures figures;
+  if (!speed::run_as_servo([&] { figures = kind.reference(nodes, kTrips); })) return std::nullopt;
+  return figures;
+}
+
 // One figure a slice.
 struct Side {
   bench::Slices trips_us{};
@@ -87,8 +95,7 @@ int measure(const std::string& name, const Kind& kind, const bus::DeviceAddress&
   Side subject;
   Side reference;
   bench::alternate(
-      kTurns, [&] { subject.add(ours(kind, address)); },
-      [&] { reference.add(kind.reference(nodes, kTrips)); });
+      kTurns, [&] { subject.add(ours(kind, address)); }, [&] { reference.add(bare(kind, nodes)); });
   if (subject.trips_us.size() != kTurns || reference.trips_us.size() != kTurns) {
     std::fprintf(stderr, "vm_round_trip: the device does not answer: %zu and %zu slices\n",
                  subject.trips_us.size(), reference.trips_us.size());

@@ -26,13 +26,18 @@ std::optional<TickWork> ticked(Clock& clock, const std::function<bool()>& tick) 
 
 }  // namespace
 
-std::optional<TickWork> run_servo_ticks(Clock& clock, const std::function<bool()>& tick) {
-  std::optional<TickWork> work;
+bool run_as_servo(const std::function<void()>& body) {
   linux::RealtimeThreadSettings settings;
   settings.name = "servo";
-  auto thread = linux::RealtimeThread::start(settings, {}, [&] { work = ticked(clock, tick); });
-  if (!thread) return std::nullopt;
+  auto thread = linux::RealtimeThread::start(settings, {}, body);
+  if (!thread) return false;
   thread.value().reset();  // joins
+  return true;
+}
+
+std::optional<TickWork> run_servo_ticks(Clock& clock, const std::function<bool()>& tick) {
+  std::optional<TickWork> work;
+  if (!run_as_servo([&] { work = ticked(clock, tick); })) return std::nullopt;
   return work;
 }
 
