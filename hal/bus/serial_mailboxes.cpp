@@ -65,6 +65,10 @@ std::span<const std::uint8_t> SerialMailboxes::take_out() noexcept {
   return out_.subspan(sent_);
 }
 
+bool SerialMailboxes::has_out() const noexcept {
+  return !out_.empty() || pipes_.has_out(kOutPipe);
+}
+
 void SerialMailboxes::sent_out(std::size_t bytes) noexcept {
   sent_ += std::min(bytes, out_.size() - sent_);
   if (out_.empty() || sent_ < out_.size()) return;

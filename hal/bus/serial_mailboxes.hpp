@@ -39,6 +39,8 @@ class SerialMailboxes : public SerialPort {
   // What is left of the message under way, else the newest that was submitted, else empty. Valid
   // until the next sent_out().
   THIMBLE_RT std::span<const std::uint8_t> take_out() noexcept;
+  // take_out() would find something; nothing is taken.
+  THIMBLE_RT [[nodiscard]] bool has_out() const noexcept;
   // So many more of its bytes reached the device; with the last of them it is out.
   THIMBLE_RT void sent_out(std::size_t bytes) noexcept;
   // Something of the message under way has reached the device already.

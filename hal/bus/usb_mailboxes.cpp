@@ -145,6 +145,10 @@ class UsbMailboxes::OutPipe {
     }
     return {taken_.bytes.data(), taken_.size};
   }
+  [[nodiscard]] bool has_any() const noexcept {
+    if (is_queued()) return queue_->peek(0) != nullptr;
+    return owed_ > 0 || newest_.has_news();
+  }
   void finish(UsbOutcome outcome, std::size_t taken_bytes) noexcept {
     if (owed_ == 0 || (is_queued() && !queue_->pop(taken_))) return;
     --owed_;
@@ -287,6 +291,11 @@ UsbCounters UsbMailboxes::counters(std::uint8_t endpoint) const noexcept {
   if (pipe->in() != nullptr) pipe->in()->write_to(counters);
   if (pipe->out() != nullptr) pipe->out()->write_to(counters);
   return counters;
+}
+
+bool UsbMailboxes::has_out(std::size_t pipe) const noexcept {
+  const OutPipe* out = pipes_[pipe]->out();
+  return out != nullptr && out->has_any();
 }
 
 std::span<const std::uint8_t> UsbMailboxes::take_out(std::size_t pipe, std::size_t nth) noexcept {

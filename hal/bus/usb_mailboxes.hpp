@@ -57,6 +57,8 @@ class UsbMailboxes : public UsbDevice {
   // submitted (of a queue: the oldest), else empty. Of a queue several can be offered at once: the
   // one that comes behind `nth` others. Valid until its finish_out().
   THIMBLE_RT std::span<const std::uint8_t> take_out(std::size_t pipe, std::size_t nth = 0) noexcept;
+  // take_out() would find something. Nothing is taken: a newer packet may still come before it.
+  THIMBLE_RT [[nodiscard]] bool has_out(std::size_t pipe) const noexcept;
   // How a packet ended that take_out() returned, of several the oldest; `taken` of its bytes
   // reached the device.
   THIMBLE_RT void finish_out(std::size_t pipe, UsbOutcome outcome, std::size_t taken) noexcept;

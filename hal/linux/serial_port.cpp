@@ -40,9 +40,9 @@ IoStatus SerialPort::submit(std::span<const std::uint8_t> message) noexcept {
 void SerialPort::run() noexcept {
   while (!is_over_.load()) {
     static_cast<void>(transfers_->send());
-    transfers_->wait(wake_->fd());
-    wake_->drain();
-    transfers_->receive();
+    const SerialTransfers::Ready ready = transfers_->wait(wake_->fd());
+    if (ready.is_woken) wake_->drain();
+    if (ready.has_bytes) transfers_->receive();
   }
   // The last is the newest that the servo wanted, zero after a fault: the arm must not be left with
   // an older one.

@@ -44,7 +44,9 @@ void SerialTransfers::receive() noexcept {
     const ssize_t bytes = ::read(node_.get(), buffer.data(), buffer.size());
     if (bytes < 0) return fail_unless_later();
     if (bytes == 0) return mail_->disconnect();  // hung up
-    mail_->deliver(std::span(buffer).first(static_cast<std::size_t>(bytes)), clock_->now());
+    const auto size = static_cast<std::size_t>(bytes);
+    mail_->deliver(std::span(buffer).first(size), clock_->now());
+    if (size < buffer.size()) return;  // that was all; to be told so would take another call
   }
 }
 
@@ -57,13 +59,12 @@ bool SerialTransfers::is_kernel_done() const noexcept {
 bool SerialTransfers::send() noexcept {
   left_ = Left::Nothing;
   while (!mail_->is_disconnected()) {
+    if (!mail_->has_out()) return true;
     if (!mail_->is_out_begun() && !is_kernel_done()) {
       left_ = Left::Earlier;
       return false;
     }
-    const std::span<const std::uint8_t> rest = mail_->take_out();
-    if (rest.empty()) return true;
-    const ssize_t bytes = calls_->write(node_.get(), rest);
+    const ssize_t bytes = calls_->write(node_.get(), mail_->take_out());
     if (bytes <= 0) {
       if (bytes < 0) fail_unless_later();
       left_ = Left::Room;
@@ -74,11 +75,14 @@ bool SerialTransfers::send() noexcept {
   return true;
 }
 
-void SerialTransfers::wait(int event) const noexcept {
+SerialTransfers::Ready SerialTransfers::wait(int event) const noexcept {
   const bool is_gone = mail_->is_disconnected();  // and would be readable for ever
   const short wanted = left_ == Left::Room ? POLLIN | POLLOUT : POLLIN;
   std::array<pollfd, 2> watched{{{event, POLLIN, 0}, {is_gone ? -1 : node_.get(), wanted, 0}}};
-  ::poll(watched.data(), watched.size(), left_ == Left::Earlier ? kLook_ms : kForEver);
+  const int ready =
+      ::poll(watched.data(), watched.size(), left_ == Left::Earlier ? kLook_ms : kForEver);
+  if (ready <= 0) return {};
+  return {.is_woken = watched[0].revents != 0, .has_bytes = (watched[1].revents & ~POLLOUT) != 0};
 }
 
 void SerialTransfers::send_last() noexcept {

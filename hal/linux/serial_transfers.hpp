@@ -40,8 +40,14 @@ class SerialTransfers {
   void receive() noexcept;
   // Writes what waits in the mailbox as far as the kernel takes it. True: nothing is left.
   bool send() noexcept;
+  // What wait() ended for. None of both: there is room for what is left to send, or it is time to
+  // look again.
+  struct Ready {
+    bool is_woken{false};   // `event` is readable
+    bool has_bytes{false};  // something to receive, or the device is gone
+  };
   // Until there is something to receive, room for what is left to send, or `event` is readable.
-  void wait(int event) const noexcept;
+  [[nodiscard]] Ready wait(int event) const noexcept;
   // send() again and again until the device has all of it, at most 20 ms: ours, as of a USB device
   // (UsbTransfers::send_last()).
   void send_last() noexcept;

@@ -13,7 +13,7 @@ namespace thimble::rt {
 // reader never sees a torn value and never waits; older values are overwritten unread.
 //
 // Thread: write() from exactly one thread, read() from exactly one other.
-// RT: both THIMBLE_RT: one copy of T and one atomic exchange.
+// RT: all THIMBLE_RT: one copy of T and one atomic exchange.
 // Ownership: holds three copies of T; no allocation.
 template <class T>
 class TripleBuffer {
@@ -31,9 +31,14 @@ class TripleBuffer {
     write_index_ = previous & kIndexMask;
   }
 
+  // Reader's thread: read() would find something. Nothing is taken.
+  THIMBLE_RT [[nodiscard]] bool has_news() const noexcept {
+    return (middle_.load(std::memory_order_relaxed) & kFresh) != 0;
+  }
+
   // True and `out` set when something was written since the last read(); else `out` untouched.
   THIMBLE_RT bool read(T& out) noexcept {
-    if ((middle_.load(std::memory_order_relaxed) & kFresh) == 0) return false;
+    if (!has_news()) return false;
     const std::uint8_t previous = middle_.exchange(read_index_, std::memory_order_acq_rel);
     read_index_ = previous & kIndexMask;
     out = slots_[read_index_].value;

@@ -256,7 +256,8 @@ TEST_F(SerialTransfersTest, WhileTheKernelHasBytesItIsAskedAgainWithoutAnyEvent)
   EXPECT_EQ(mail.submit(Bytes{1}), IoStatus::Ok);
   EXPECT_FALSE((*sut)->send());
   const auto never = linux::EventFd::create();
-  (*sut)->wait((*never)->fd());  // else for ever
+  const auto ready = (*sut)->wait((*never)->fd());  // else for ever
+  EXPECT_FALSE(ready.is_woken || ready.has_bytes);
   kernel.waiting = 0;
   EXPECT_TRUE((*sut)->send());
 }
@@ -285,7 +286,36 @@ TEST_F(SerialTransfersTest, ATerminalThatCannotTellIsWrittenTo) {
   EXPECT_EQ(mail.submit(Bytes{1, 2}), IoStatus::Ok);
   EXPECT_TRUE((*sut)->send());
   EXPECT_EQ(line.received(2), (Bytes{1, 2}));
-  EXPECT_EQ(kernel.asked, 2) << "before it, and for what may come next";
+  EXPECT_EQ(kernel.asked, 1);
+}
+
+TEST_F(SerialTransfersTest, WhereNothingWaitsTheKernelIsAskedNothing) {
+  const auto sut = open();
+  kernel.is_answered_here = true;
+  kernel.waiting = 1;
+  EXPECT_TRUE((*sut)->send());
+  EXPECT_EQ(kernel.asked, 0);
+  EXPECT_EQ(mail.submit(Bytes{1}), IoStatus::Ok);
+  EXPECT_FALSE((*sut)->send());
+  EXPECT_EQ(kernel.asked, 1);
+}
+
+TEST_F(SerialTransfersTest, SaysWhatItsWaitEndedFor) {
+  const auto sut = open();
+  const auto event = linux::EventFd::create();
+  (*event)->signal();
+  EXPECT_TRUE((*sut)->wait((*event)->fd()).is_woken);
+  (*event)->drain();
+  line.send({7});
+  const auto ready = (*sut)->wait((*event)->fd());
+  EXPECT_TRUE(ready.has_bytes);
+  EXPECT_FALSE(ready.is_woken);
+  (*sut)->receive();
+  EXPECT_EQ(mail.counters().bytes_in, 1U);
+  line.unplug();
+  EXPECT_TRUE((*sut)->wait((*event)->fd()).has_bytes);
+  (*sut)->receive();
+  EXPECT_TRUE(mail.is_disconnected());
 }
 
 TEST_F(SerialTransfersTest, TheLastMessageWaitsForADeviceThatTakesNothingForAWhileOnly) {
