@@ -82,6 +82,7 @@ void ServoLoop::lose_arm(const ServoFrame& frame) noexcept {
   // Whatever stopped it: a host may be late to learn of a cable.
   was_pulled_ = was_pulled_ || (was_active_ && has_motors_ && latch_.is_latched());
   was_active_ = false;
+  held_force_.note_loss();
   gain_.cut();
   arm_.calibration = CalibrationState::Unknown;
   apply(LifecycleEvent::Unplug);

@@ -26,7 +26,8 @@ ServoLoop::ServoLoop(const ServoParts& parts, const ServoSettings& settings)
       recorder_(frames_for(settings)),
       has_watchdog_(parts.device.capabilities().device_watchdog > Duration::zero()),
       has_motors_(parts.device.capabilities().is_actuated),
-      state_(parts.is_lost ? OperatingState::Lost : OperatingState::Configured) {
+      state_(parts.is_lost ? OperatingState::Lost : OperatingState::Configured),
+      held_force_(settings.command_gap_limit) {
   previous_now_ = parts_.clock.now() - settings_.period();
   snapshot_.clear_answered = parts_.controls.clear_request.load(std::memory_order_relaxed).id;
   ServoFrame before;
@@ -127,6 +128,7 @@ void ServoLoop::take_state(ServoFrame& frame) noexcept {
   frame.tip = arm_.tip;
   frame.sample_age = frame.now - arm_.sampled_at;
   if (frame.read_status == IoStatus::ProtocolError) ++snapshot_.protocol_errors;
+  held_force_.note_sample(frame.read_status == IoStatus::Ok);
   // The place of one that is lost is judged once it is back: take_arm_back().
   if (state_ != OperatingState::Lost) check_place(frame);
 }
@@ -262,6 +264,7 @@ void ServoLoop::write(ServoFrame& frame, const LimitedWrench& wrench) noexcept {
   }
   frame.write_status = parts_.device.write(wrench);
   const bool is_taken = frame.write_status == IoStatus::Ok;
+  held_force_.note_command(frame.now, wrench.force() == Force3{}, is_taken);
   if (is_exchanging()) commands_.judge(frame.now, is_taken, frame.sample_age);
   // A servo that is faster than the bus finds it busy now and then: that breaks no row of zeros.
   const bool is_row_broken = frame.now - last_write_ > settings_.command_gap_limit;
@@ -287,6 +290,7 @@ void ServoLoop::record(ServoFrame& frame) noexcept {
 void ServoLoop::publish(const ServoFrame& frame) noexcept {
   snapshot_.frame = frame;
   snapshot_.was_pulled = was_pulled_;
+  snapshot_.may_hold_force = held_force_.may_hold();
   snapshot_.is_place_known = is_place_known(frame);
   snapshot_.missed_exchanges = freshness_.missed() + commands_.missed();
   snapshot_.felt = felt_.felt();

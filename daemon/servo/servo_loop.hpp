@@ -12,6 +12,7 @@
 #include "daemon/servo/command_freshness.hpp"
 #include "daemon/servo/drive_gain.hpp"
 #include "daemon/servo/flight_recorder.hpp"
+#include "daemon/servo/held_force.hpp"
 #include "daemon/servo/sample_freshness.hpp"
 #include "daemon/servo/servo_controls.hpp"
 #include "daemon/servo/servo_frame.hpp"
@@ -158,9 +159,10 @@ class ServoLoop {
   std::uint32_t interventions_{0};           // of the guard, as of this tick
   std::optional<MonotonicTime> zero_since_;  // since when the arm takes nothing but zero
   std::uint64_t zeros_taken_{0};             // since then
-  bool is_driven_{false};                    // it may hold a force, as far as is known
-  bool was_active_{false};                   // since the arm came
-  bool was_pulled_{false};                   // after it was driven, and not cleared since
+  bool is_driven_{false};                    // for the guard: it may hold a force
+  HeldForce held_force_;
+  bool was_active_{false};  // since the arm came
+  bool was_pulled_{false};  // after it was driven, and not cleared since
   // Of this tick: what latched, what was unplugged, and what latched again after a clear.
   rt::StaticVector<Fault, 3> stops_;
   bool is_outage_over_{false};

@@ -26,6 +26,7 @@ struct ServoSnapshot {
   ClearOutcome clear_outcome{ClearOutcome::None};
   bool was_pulled{false};      // after it was driven, and not cleared since: calibrated first
   bool is_place_known{false};  // calibrated, and its newest sample is no older than allowed
+  bool may_hold_force{false};  // its motors, as far as is known: HeldForce
 };
 
 }  // namespace thimble::servo
