@@ -11,20 +11,18 @@ SimPort::SimPort(bus::BusDeviceInfo model, bus::DeviceAddress address, bus::BusK
 }
 
 bool SimPort::unplug(Supply supply) noexcept {
-  const bool has_news = is_plugged() || (supply == Supply::Goes && supply_ == Supply::Stays);
-  if (!has_news) return false;
+  const bool was_plugged = is_plugged();
+  const bool is_cut = supply == Supply::Goes && (was_plugged || supply_ == Supply::Stays);
+  if (!was_plugged && !is_cut) return false;
   supply_ = supply;
-  if (supply == Supply::Goes) power_cuts_.fetch_add(1, std::memory_order_release);
-  if (!is_plugged()) return true;
-  generation_.fetch_add(1, std::memory_order_release);
-  drop_host();
+  state_.fetch_add((is_cut ? kOneCut : 0) + (was_plugged ? 1 : 0), std::memory_order_release);
+  if (was_plugged) drop_host();
   return true;
 }
 
 bool SimPort::replug() noexcept {
   if (is_plugged()) return false;
-  if (supply_ == Supply::Goes) power_cuts_.fetch_add(1, std::memory_order_release);
-  generation_.fetch_add(1, std::memory_order_release);
+  state_.fetch_add((supply_ == Supply::Goes ? kOneCut : 0) + 1, std::memory_order_release);
   return true;
 }
 

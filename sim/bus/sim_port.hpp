@@ -33,7 +33,7 @@ class SimPort {
   bool replug() noexcept;
   // +1 at every unplug and replug: odd while plugged.
   THIMBLE_RT [[nodiscard]] std::uint64_t generation() const noexcept {
-    return generation_.load(std::memory_order_acquire);
+    return state_.load(std::memory_order_acquire) % kOneCut;
   }
 
   // NotFound while unplugged; Busy while an earlier device of this plugging is open;
@@ -52,20 +52,24 @@ class SimPort {
   // gone. True while it is plugged. Thread: that of the clock.
   template <class Model>
   THIMBLE_RT bool advance(Model& model, MonotonicTime now) noexcept {
-    const std::uint64_t current = power_cuts_.load(std::memory_order_acquire);
-    if (std::exchange(known_cuts_, current) != current) model.power_cycle();
+    const std::uint64_t state = state_.load(std::memory_order_acquire);
+    const std::uint64_t cuts = state / kOneCut;
+    if (std::exchange(known_cuts_, cuts) != cuts) model.power_cycle();
     model.advance(now);
-    return is_plugged();
+    return state % 2 != 0;
   }
 
  private:
   virtual void drop_host() noexcept = 0;  // the cable is pulled
 
   bus::BusDeviceInfo info_;
-  std::atomic<std::uint64_t> generation_{1};
-  std::atomic<std::uint64_t> power_cuts_{0};  // +1 at both ends of a time without supply
-  std::uint64_t known_cuts_{0};               // clock thread: those that the model knows of
-  Supply supply_{Supply::Goes};               // control thread: what the last unplug() left
+  static constexpr std::uint64_t kOneCut = std::uint64_t{1} << 32;
+
+  // One word, so that nobody sees a plug without what became of the supply: generation() below
+  // kOneCut, above it +1 at both ends of a time without supply.
+  std::atomic<std::uint64_t> state_{1};
+  std::uint64_t known_cuts_{0};  // clock thread: those that the model knows of
+  Supply supply_{Supply::Goes};  // control thread: what the last unplug() left
 };
 
 }  // namespace thimble::sim
