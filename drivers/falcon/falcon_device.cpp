@@ -16,6 +16,7 @@ constexpr double kFullRate_hz = 4000;
 // Ours: so many points of the workspace's surface, evenly, where a newton asks for more than within
 // (checked by a test).
 constexpr int kSurfacePoints = 400;
+constexpr double kBetweenPoints = 1.01;  // ours: what may lie between them
 
 std::array<double, 3> most_share_per_newton(const FalconModel& model,
                                             const FalconKinematics& kinematics) {
@@ -34,6 +35,7 @@ std::array<double, 3> most_share_per_newton(const FalconModel& model,
       most[motor] = std::max(most[motor], norm(row[0], row[1], row[2]) / wire::kMaxMotor_counts);
     }
   }
+  for (double& share : most) share *= kBetweenPoints;
   return most;
 }
 

@@ -137,7 +137,7 @@ class Falcon:
 
     @functools.cache
     def most(self, limit_newton):
-        """Counts, of each motor: what that force asks for where it asks for most in the workspace, which is somewhere on its surface; and a hundredth, as the driver looks at other points of it."""
+        """Counts, of each motor: what that force asks for where it asks for most in the workspace, which is somewhere on its surface; and a fiftieth, as the driver looks at other points of it and adds a hundredth."""
         asked = []
         for i in range(400):
             height, around_rad = 1 - (i + 0.5) / 200, math.pi * (3 - math.sqrt(5)) * i
@@ -147,7 +147,7 @@ class Falcon:
             # A column each: the counts that are a newton along x, y, z.
             counts = [solve(per_axis, [axis == along for axis in range(3)]) for along in range(3)]
             asked.append([math.hypot(*of_motor) for of_motor in zip(*counts)])
-        return [min(self.FULL_SCALE, 1.01 * limit_newton * max(of_motor) + 0.5) for of_motor in zip(*asked)]
+        return [min(self.FULL_SCALE, 1.02 * limit_newton * max(of_motor) + 0.5) for of_motor in zip(*asked)]
 
     def force_of_a_count(self, tip):
         """Of each motor: the force at the tip, there."""
