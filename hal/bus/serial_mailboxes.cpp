@@ -65,9 +65,7 @@ std::span<const std::uint8_t> SerialMailboxes::take_out() noexcept {
   return out_.subspan(sent_);
 }
 
-bool SerialMailboxes::has_out() const noexcept {
-  return !out_.empty() || pipes_.has_out(kOutPipe);
-}
+bool SerialMailboxes::has_out() const noexcept { return !out_.empty() || pipes_.has_out(kOutPipe); }
 
 void SerialMailboxes::sent_out(std::size_t bytes) noexcept {
   sent_ += std::min(bytes, out_.size() - sent_);
