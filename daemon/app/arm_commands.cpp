@@ -114,8 +114,8 @@ void ArmCommands::clear_fault(std::string_view arm, std::optional<std::uint32_t>
   if (!index) return answer(tl::unexpected(index.error()));
   session::ArmSession& asked = session(*index);
   const servo::ServoSnapshot& seen = asked.snapshot();
-  if (const Result<void> possible = check_clearable(asked, seen); !possible) {
-    let_chain_go_for_lost(seen);
+  const bool is_of_chain = is_chain_awaited(seen);
+  if (const Result<void> possible = check_clearable(asked, seen); !possible && !is_of_chain) {
     return answer(tl::unexpected(possible.error()));
   }
   // Whoever names another has not seen this one: it may be newer than what they looked at.
@@ -126,7 +126,7 @@ void ArmCommands::clear_fault(std::string_view arm, std::optional<std::uint32_t>
                                        "; look at the status first"));
   }
   Wait wait;
-  wait.kind = Kind::ClearFault;
+  wait.kind = is_of_chain ? Kind::FreeChain : Kind::ClearFault;
   wait.arm = *index;
   wait.client = client;
   wait.asked_at_tick = seen.frame.tick;
@@ -141,12 +141,11 @@ void ArmCommands::clear_fault(std::string_view arm, std::optional<std::uint32_t>
   waits_.push_back(std::move(wait));
 }
 
-// An arm that stopped the chain when it was lost may need the power that the chain cut to come
-// back. The others wait for their own clears.
-void ArmCommands::let_chain_go_for_lost(const servo::ServoSnapshot& seen) {
-  if (safety_ == nullptr || seen.frame.state != OperatingState::Lost) return;
-  if (safety_->status().cause != safety::ChainTrouble::ArmOutOfReach) return;
-  static_cast<void>(safety_->ask_reset());
+// An arm that is not there may need the power that the chain cuts to come back, and nobody else may
+// be there whose clear lets the chain go.
+bool ArmCommands::is_chain_awaited(const servo::ServoSnapshot& seen) const {
+  const bool is_lost = seen.frame.state == OperatingState::Lost;
+  return is_lost && safety_ != nullptr && safety_->status().is_stopped;
 }
 
 void ArmCommands::steady_force(std::string_view arm, std::optional<double> up_newton,
@@ -271,7 +270,7 @@ ArmCommands::Verdict ArmCommands::judge(Wait& wait) {
     if (verdict) return verdict;
   }
   if (clock_.now() < wait.until) return std::nullopt;
-  if (!is_seen_since || wait.kind == Kind::ClearFault) {
+  if (!is_seen_since || wait.kind != Kind::Activate) {
     return fail(Errc::Timeout, named(asked) + ": its servo does not run");
   }
   std::string why = named(asked) + " did not become active in time: it is " +
@@ -289,6 +288,11 @@ ArmCommands::Verdict ArmCommands::judge_reset(Wait& wait) {
   session::ArmSession& asked = session(wait.arm);
   if (!answer.is_free) {
     return fail(Errc::Busy, named(asked) + " stays in its fault: " + safety_->explanation());
+  }
+  if (wait.kind == Kind::FreeChain) {
+    return fail(Errc::Disconnected, named(asked) +
+                                        " is lost; the safety lines are let go, so that it has "
+                                        "its power: plug it in, and clear it when it is back");
   }
   wait.reset_id = 0;
   wait.clear_id = asked.controls().request_clear(wait.fault);

@@ -67,7 +67,7 @@ class ArmCommands final : public api::Commands {
   static constexpr Duration kSteadyFor = std::chrono::seconds(60);
 
  private:
-  enum class Kind : std::uint8_t { Activate, ClearFault };
+  enum class Kind : std::uint8_t { Activate, ClearFault, FreeChain };
   struct Wait {
     Kind kind{};
     std::size_t arm{0};
@@ -92,7 +92,7 @@ class ArmCommands final : public api::Commands {
   }
   [[nodiscard]] Verdict judge(Wait& wait);
   [[nodiscard]] Verdict judge_reset(Wait& wait);
-  void let_chain_go_for_lost(const servo::ServoSnapshot& seen);
+  [[nodiscard]] bool is_chain_awaited(const servo::ServoSnapshot& seen) const;
   [[nodiscard]] Verdict judge_activation(const Wait& wait, const servo::ServoSnapshot& seen);
   [[nodiscard]] Verdict judge_clearing(const Wait& wait, const servo::ServoSnapshot& seen);
   void withdraw(const Wait& wait);

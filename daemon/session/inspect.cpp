@@ -52,6 +52,11 @@ bool may_drive(const plugin::Driver& driver, const config::ArmConfig& arm) {
 // A tick sees an answer and asks for the next, so a slow servo leaves samples out (decision 0259).
 constexpr double kFalconHasAllAt_hz = 4000;
 
+// Hardware that ends a force where no program does.
+bool has_cut(const config::Config& config) {
+  return config.safety && config.safety->enable && !bus::is_simulated(config.safety->chip);
+}
+
 bool is_falcon(const config::ArmConfig& arm) {
   if (bus::is_simulated(arm.device)) return false;
   return arm.model ? falcon::find_model(*arm.model) != nullptr : arm.device.starts_with("usb:");
@@ -309,7 +314,7 @@ std::vector<std::string> doubts_of(const config::Config& config,
     if (!arm.firmware) {
       out.push_back("arm '" + arm.name + "' lacks " + std::string(kFalconWantsFirmware));
     }
-    if (!config.safety || !config.safety->enable) {
+    if (!has_cut(config)) {
       out.push_back("arm '" + arm.name + "' " + std::string(kFalconKeepsForce));
     }
     if (config.servo.rate_hz && *config.servo.rate_hz < kFalconHasAllAt_hz) {

@@ -28,9 +28,9 @@ inline constexpr std::string_view kFalconWantsFirmware =
     "docs/first-arm.md "
     "says where to get the file";
 inline constexpr std::string_view kFalconKeepsForce =
-    "may keep its last force where its USB plug is pulled: have a hand on the switch of its "
-    "supply, "
-    "or the circuit of docs/safety-wiring.md, which safety.enable lets cut it";
+    "may go on pushing until its own supply is switched off, if its USB plug is pulled while it "
+    "pushes; keep a hand on that switch, or build the circuit of docs/safety-wiring.md and set "
+    "safety.enable";
 // What is no mistake, but will most likely be missed, with the arm's name in front: the firmware of
 // a Falcon that nobody else loads, the force of one that nothing could end, and the samples of one
 // that a slow servo leaves out. Not where a plugin drives Falcons, or does not tell what it drives.

@@ -1,5 +1,6 @@
 #include "daemon/session/safety_session.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "daemon/session/safety_settings.hpp"
@@ -69,47 +70,53 @@ void SafetySession::exchange_arms(const std::function<void()>& change) {
 
 bool SafetySession::have_servos_beaten() {
   bool have_all = true;
-  for (std::size_t i = 0; i < arms_.size(); ++i) {
+  for (Arm& arm : arms_) {
     servo::ServoSnapshot seen;
-    if (!runtime_.arms()[i]->session().loop().snapshot(seen)) return false;
-    have_all = have_all && seen.frame.tick != arms_[i].ticks_seen;
-    arms_[i].ticks_seen = seen.frame.tick;
+    if (!arm.rig->session().loop().snapshot(seen)) return false;
+    have_all = have_all && seen.frame.tick != arm.ticks_seen;
+    arm.ticks_seen = seen.frame.tick;
   }
   return have_all;
 }
 
-// Of whoever was exchanged the faults begin anew.
+// Of whoever stayed nothing is forgotten.
 void SafetySession::know_arms() {
-  arms_.assign(runtime_.arms().size(), {});
-  for (std::size_t i = 0; i < arms_.size(); ++i) {
-    const HapticCapabilities& arm = runtime_.arms()[i]->session().device().capabilities();
-    arms_[i].ends_force_itself = !arm.is_actuated || arm.device_watchdog > Duration::zero();
+  const std::vector<Arm> before = std::exchange(arms_, {});
+  for (const auto& rig : runtime_.arms()) {
+    servo::ServoSnapshot seen;
+    const bool is_read = rig->session().loop().snapshot(seen);
+    // One that came may lie where another went, but has ticked less.
+    const auto is_same = [&](const Arm& arm) {
+      return arm.rig == rig.get() && is_read && seen.frame.tick >= arm.ticks_seen;
+    };
+    const auto known = std::find_if(before.begin(), before.end(), is_same);
+    arms_.push_back(known == before.end() ? Arm{.rig = rig.get()} : *known);
+    const HapticCapabilities& can = rig->session().device().capabilities();
+    arms_.back().ends_force_itself = !can.is_actuated || can.device_watchdog > Duration::zero();
   }
 }
 
 bool SafetySession::is_out_of_reach(Arm& arm, const servo::ServoSnapshot& seen,
                                     MonotonicTime now) noexcept {
-  if (seen.frame.state == OperatingState::Lost) return seen.was_pulled;
-  const FaultCode code = seen.fault.code;
-  const bool is_of_silence = code == FaultCode::StaleSample || code == FaultCode::MissedExchanges ||
-                             code == FaultCode::CommandTimeout;
-  if (!is_of_silence || seen.is_place_known) {
-    arm.silent_since.reset();
+  const bool is_wanted = seen.frame.state == OperatingState::Active;
+  if (!seen.may_hold_force || is_wanted) {
+    arm.holds_since.reset();
+    arm.has_stopped = false;
     return false;
   }
-  if (!arm.silent_since) arm.silent_since = now;
-  return now - *arm.silent_since >= kDeaf;
+  if (!arm.holds_since) arm.holds_since = now;
+  return seen.frame.state == OperatingState::Lost || now - *arm.holds_since >= kDeaf;
 }
 
 void SafetySession::stop_for_arms_out_of_reach(MonotonicTime now) {
   if (!config_.enable) return;  // nothing that could be cut
-  for (std::size_t i = 0; i < arms_.size(); ++i) {
-    if (arms_[i].ends_force_itself) continue;
+  for (Arm& arm : arms_) {
+    if (arm.ends_force_itself) continue;
+    ArmSession& session = arm.rig->session();
     servo::ServoSnapshot seen;
-    if (!runtime_.arms()[i]->session().loop().snapshot(seen)) continue;
-    if (!is_out_of_reach(arms_[i], seen, now) || seen.fault.number == arms_[i].stopped_for)
-      continue;
-    arms_[i].stopped_for = seen.fault.number;
+    if (!session.loop().snapshot(seen)) continue;
+    if (!is_out_of_reach(arm, seen, now) || std::exchange(arm.has_stopped, true)) continue;
+    note_out_of_reach(session.config().name);
     chain_.hold(safety::ChainTrouble::ArmOutOfReach, now + kCut);
   }
 }
@@ -146,6 +153,11 @@ std::string SafetySession::trouble() const {
   return trouble_;
 }
 
+void SafetySession::note_out_of_reach(const std::string& arm) {
+  const std::lock_guard guard(trouble_lock_);
+  out_of_reach_ = "arm '" + arm + "'";
+}
+
 void SafetySession::note_trouble(std::string text) {
   const std::lock_guard guard(trouble_lock_);
   trouble_ = std::move(text);
@@ -156,6 +168,13 @@ std::string SafetySession::explanation() const {
   if (!now.is_stopped) return {};
   if (now.trouble == safety::ChainTrouble::None && now.cause == safety::ChainTrouble::None) {
     return std::string(kNotYetCleared);
+  }
+  const bool is_for_arm = now.trouble == safety::ChainTrouble::ArmOutOfReach ||
+                          (now.trouble == safety::ChainTrouble::None &&
+                           now.cause == safety::ChainTrouble::ArmOutOfReach);
+  if (is_for_arm) {
+    const std::lock_guard guard(trouble_lock_);
+    return std::string(explain(safety::ChainTrouble::ArmOutOfReach)) + " (" + out_of_reach_ + ")";
   }
   if (now.trouble == safety::ChainTrouble::None) {
     return "all safety lines are healthy; clear the fault of each arm that shall go on";

@@ -28,9 +28,9 @@ inline constexpr std::string_view kNotYetCleared =
 // when they were lost, runs the chain and hands its verdict to the servos, who read it in each
 // tick.
 //
-// Where there is an enable line, an arm without a watchdog that is out of reach, lost while it was
-// driven or silent on after a fault, is a stop, too: its last force may stay on, and the hardware
-// that ENABLE holds closed is all that can end it (decision 0494).
+// Where there is an enable line, an arm without a watchdog that may hold a force and is out of
+// reach, lost, or told zero in vain for kDeaf, is a stop, too: the hardware that ENABLE holds
+// closed is all that can end that force (decision 0494).
 //
 // Thread: step() and close() from one, not a servo's; ask_reset(), answer(), status() and
 // trouble() from any; supervise() and exchange_arms() from one other, which alone changes the
@@ -82,23 +82,26 @@ class SafetySession {
   // How long ENABLE rests at least once an arm is out of reach. Ours: the relay has fallen after
   // 0.1 s (docs/safety-wiring.md), and a supply's capacitors take their time.
   static constexpr Duration kCut = std::chrono::seconds(1);
-  // How long an arm may say nothing after a fault of silence, in which it was sent zero all the
-  // time. Ours: far more than a Falcon's 4 ms for a lost answer.
+  // How long an arm may hold a force, as far as is known, that it is told to let go of. Ours: zeros
+  // that arrive are known of after 20 ms, and a Falcon that lost an answer is asked again after 4.
   static constexpr Duration kDeaf = std::chrono::milliseconds(100);
   static constexpr Duration kReopen = std::chrono::milliseconds(500);     // between tries
   static constexpr Duration kUnwatched = std::chrono::milliseconds(400);  // ours: twice kSilence
 
  private:
   struct Arm {
+    ArmRig* rig{nullptr};
     std::uint64_t ticks_seen{0};
     bool ends_force_itself{true};  // it has a watchdog, or no motors
-    std::uint32_t stopped_for{0};  // the fault for which it stopped the chain; 0: none
-    std::optional<MonotonicTime> silent_since{};
+    // Since when it may hold a force that it should not have.
+    std::optional<MonotonicTime> holds_since{};
+    bool has_stopped{false};  // the chain, for that
   };
 
   [[nodiscard]] std::unique_ptr<bus::GpioLines> take_lost_lines(MonotonicTime now);
   [[nodiscard]] bool open_lines(MonotonicTime now);
   void note_trouble(std::string text);
+  void note_out_of_reach(const std::string& arm);
   [[nodiscard]] bool have_servos_beaten();
   void know_arms();
   void stop_for_arms_out_of_reach(MonotonicTime now);
@@ -123,6 +126,7 @@ class SafetySession {
   std::atomic<bool> is_unwatched_{false};
   mutable std::mutex trouble_lock_;
   std::string trouble_;
+  std::string out_of_reach_;  // the arm that was, of the newest such stop
 };
 
 }  // namespace thimble::session

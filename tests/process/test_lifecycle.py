@@ -132,7 +132,7 @@ class Check(ProcessTest):
             result = self.thimbled("--config", file, *words)
             self.assertEqual(result.returncode, 0, result.stderr)
             self.assertIn("warning: arm 'right' lacks arm.firmware", result.stderr)
-            self.assertIn("warning: arm 'right' may keep its last force where its USB plug is pulled", result.stderr)
+            self.assertIn("warning: arm 'right' may go on pushing until its own supply is switched off", result.stderr)
             self.assertIn("warning: arm 'right' does not give all of its 1000 samples a second at servo.rate_hz = 1000:", result.stderr)
 
     def test_a_sum_that_cannot_be_ends_every_start(self):

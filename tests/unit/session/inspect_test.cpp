@@ -289,10 +289,13 @@ TEST_F(InspectFiles, DoubtsAFalconWhoseForceNothingCouldCut) {
   arm().name = "right";
   arm().firmware = "/somewhere";
   arm().device = "usb:1-4";
-  EXPECT_THAT(doubts(), ElementsAre(StartsWith("arm 'right' may keep its last force")));
+  EXPECT_THAT(doubts(), ElementsAre(StartsWith("arm 'right' may go on pushing")));
   config.safety = config::SafetyConfig{};
-  EXPECT_THAT(doubts(), ElementsAre(HasSubstr("safety.enable lets cut it")));
+  EXPECT_THAT(doubts(), ElementsAre(HasSubstr("set safety.enable")));
   config.safety->enable = "3";
+  config.safety->chip = "sim:chain";
+  EXPECT_THAT(doubts(), ElementsAre(HasSubstr("set safety.enable"))) << "which cuts nothing";
+  config.safety->chip = "cp2112_gpio";
   EXPECT_THAT(doubts(), IsEmpty());
   config.safety.reset();
   arm().device = "sim:falcon-loaded";
