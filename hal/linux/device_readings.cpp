@@ -8,8 +8,9 @@
 
 namespace thimble::linux {
 
-std::optional<ReadDevice> DeviceReadings::get(const std::string& identity, Read read,
+std::optional<ReadDevice> DeviceReadings::get(const SysfsPlace& place, Read read,
                                               Duration patience) {
+  const std::string& identity = place.identity;
   const auto late = late_.find(identity);
   if (late != late_.end()) {
     if (!late->second->is_done.load()) return last(identity);
@@ -17,13 +18,13 @@ std::optional<ReadDevice> DeviceReadings::get(const std::string& identity, Read 
     late_.erase(late);
     return remember(identity, *slot);
   }
-  if (is_crowded()) {
-    put_off_.insert(identity);
+  if (is_crowded(place.device)) {
+    put_off_.insert_or_assign(identity, place.device);
     return last(identity);
   }
   if (!has_worker()) return last(identity);
   put_off_.erase(identity);
-  const auto slot = std::make_shared<Slot>();
+  const auto slot = std::make_shared<Slot>(place.device);
   worker_->post([slot, read = std::move(read)] {
     slot->value = contain(read).value_or(std::nullopt);
     slot->is_done.store(true);
@@ -45,20 +46,27 @@ bool DeviceReadings::has_worker() noexcept {
   return true;
 }
 
-bool DeviceReadings::is_crowded() const noexcept {
-  const auto hangs = [](const auto& slot) { return !slot->is_done.load(); };
-  return std::count_if(left_.begin(), left_.end(), hangs) >= static_cast<std::ptrdiff_t>(kMostLeft);
+bool DeviceReadings::is_crowded(const std::string& device) const noexcept {
+  std::size_t hanging = 0;
+  std::size_t of_this_one = 0;
+  for (const auto& slot : left_) {
+    if (slot->is_done.load()) continue;
+    ++hanging;
+    if (slot->device == device) ++of_this_one;
+  }
+  return hanging >= kMostLeft || of_this_one >= kMostLeftOfOne;
 }
 
 void DeviceReadings::keep(const std::set<std::string>& identities) {
   const auto is_gone = [&](const auto& entry) { return !identities.contains(entry.first); };
   std::erase_if(last_, is_gone);
   std::erase_if(late_, is_gone);
-  std::erase_if(put_off_, [&](const std::string& one) { return !identities.contains(one); });
+  std::erase_if(put_off_, is_gone);
 }
 
 bool DeviceReadings::has_caught_up() const noexcept {
-  if (!put_off_.empty() && !is_crowded()) return true;
+  const auto can_be_read = [this](const auto& entry) { return !is_crowded(entry.second); };
+  if (std::any_of(put_off_.begin(), put_off_.end(), can_be_read)) return true;
   return std::any_of(late_.begin(), late_.end(),
                      [](const auto& entry) { return entry.second->is_done.load(); });
 }

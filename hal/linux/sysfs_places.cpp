@@ -68,11 +68,16 @@ std::optional<std::string> attribute(const std::string& path, const char* name) 
   return std::string(line.substr(0, line.find('\n')));
 }
 
-// The number on its bus of the USB device that `path` is below.
-std::optional<std::string> number_above(std::string path, const std::string& sys) {
+struct UsbAbove {
+  std::string path;
+  std::string number;  // on its bus
+};
+
+// The USB device that `path` is below.
+std::optional<UsbAbove> usb_above(std::string path, const std::string& sys) {
   while (path.size() > sys.size()) {
     path.resize(path.rfind('/'));
-    if (auto number = attribute(path, "devnum")) return number;
+    if (auto number = attribute(path, "devnum")) return UsbAbove{path, *std::move(number)};
   }
   return std::nullopt;
 }
@@ -82,14 +87,17 @@ std::optional<std::string> number_above(std::string path, const std::string& sys
 std::vector<SysfsPlace> sysfs_places(const std::string& sys) {
   std::vector<SysfsPlace> places;
   for (const std::string& path : paths_in(sys + "/class/hidraw", &is_any)) {
-    places.push_back({path, path});  // the HID device's own count is in it
+    const auto usb = usb_above(path, sys);
+    // The HID device's own count is in its path.
+    places.push_back({path, path, usb ? usb->path : path});
   }
   for (const std::string& path : paths_in(sys + "/class/tty", &is_port_that_comes)) {
-    if (const auto number = number_above(path, sys)) places.push_back({path, path + " " + *number});
+    const auto usb = usb_above(path, sys);
+    if (usb) places.push_back({path, path + " " + usb->number, usb->path});
   }
   for (const std::string& path : paths_in(sys + "/bus/usb/devices", &is_usb_device)) {
     if (attribute(path, "bDeviceClass") == kHubClass) continue;
-    places.push_back({path, path + " " + attribute(path, "devnum").value_or("")});
+    places.push_back({path, path + " " + attribute(path, "devnum").value_or(""), path});
   }
   return places;
 }

@@ -9,6 +9,9 @@ namespace thimble::linux {
 struct SysfsPlace {
   std::string path;      // below /sys/devices
   std::string identity;  // another one after it was plugged in anew
+  // Path of the USB device that this is, or is below, which is that of its port: the same for
+  // whatever is plugged in there later. Of what is on no USB its own.
+  std::string device;
 };
 
 // HID nodes, then serial ports on USB, then USB devices but hubs, each in the order of their paths.

@@ -245,7 +245,7 @@ std::vector<ReadDevice> UdevScan::read_all() {
     identities.insert(place.identity);
     const std::size_t late = readings_.late();
     auto one = readings_.get(
-        place.identity, [place] { return read_at(place); }, patience);
+        place, [place] { return read_at(place); }, patience);
     if (one) found.push_back(*std::move(one));
     if (readings_.late() > late) patience = kFurtherPatience;
   }

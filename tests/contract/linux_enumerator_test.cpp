@@ -215,6 +215,28 @@ TEST_F(LinuxEnumerator, ADeviceThatHangsHidesNoOtherOne) {
   machine.answer(sick, "descriptors");
 }
 
+TEST_F(LinuxEnumerator, ADeviceOfManyInterfacesThatHangHidesNoArmThatComesBack) {
+  const std::string sick = machine.plug(Usb{.port = "1-4", .serial_number = "X"});
+  machine.hang(sick, "descriptors");
+  Texts interfaces;
+  for (int i = 0; i < 8; ++i) {
+    const std::string node = machine.plug(
+        Hid{.interface_number = i, .node_number = 10 + i, .instance = "001" + std::to_string(i)});
+    interfaces.push_back(node.substr(0, node.rfind("/hidraw")));
+    machine.hang(interfaces.back(), "report_descriptor");
+    if (i % 4 == 0) static_cast<void>(events());  // more at once than a mock machine can tell of
+  }
+  EXPECT_EQ(events(), Texts{});
+  const std::string arm = plug_arm("1-5", "Y", 1);
+  EXPECT_EQ(events(), (Texts{"+hid:Y", "+usb:1-5"}));
+  machine.unplug(arm);
+  EXPECT_EQ(events(), (Texts{"-hid:Y", "-usb:1-5"}));
+  plug_arm("1-5", "Y", 2);
+  EXPECT_EQ(events(), (Texts{"+hid:Y", "+usb:1-5"}));
+  for (const std::string& interface : interfaces) machine.answer(interface, "report_descriptor");
+  machine.answer(sick, "descriptors");
+}
+
 // Who asks computes worlds, too.
 TEST_F(LinuxEnumerator, ToAskForEventsWaitsForNoDeviceThatHangs) {
   const std::string sick = plug_arm("1-4", "X", 0);

@@ -39,22 +39,33 @@ ReadDevice device(const std::string& product) {
   return read;
 }
 
+// A device of one place.
+SysfsPlace place(const std::string& identity) { return {identity, identity, identity}; }
+
 struct DeviceReadingsTest : testing::Test {
   DeviceReadings sut;
   std::shared_ptr<Gate> gate = std::make_shared<Gate>();  // a reading may outlive the test
 
   std::string read(const std::string& identity, const std::string& product) {
     const auto got = sut.get(
-        identity, [=] { return device(product); }, kAsLongAsItTakes);
+        place(identity), [=] { return device(product); }, kAsLongAsItTakes);
     return got ? got->device.info.product : "nothing";
   }
-  std::string read_behind_gate(const std::string& identity, const std::string& product) {
+  std::string read_behind_gate(const SysfsPlace& place, const std::string& product) {
     const auto slow = [gate = gate, product] {
       gate->pass();
       return std::optional(device(product));
     };
-    const auto got = sut.get(identity, slow, kNotAtAll);
+    const auto got = sut.get(place, slow, kNotAtAll);
     return got ? got->device.info.product : "nothing";
+  }
+  std::string read_behind_gate(const std::string& identity, const std::string& product) {
+    return read_behind_gate(place(identity), product);
+  }
+  // An interface of the device at `port`, or of one that was there before.
+  static SysfsPlace interface(const std::string& port, int number) {
+    const std::string path = port + ":1." + std::to_string(number);
+    return {path, path, port};
   }
   // Whoever hangs has a thread of its own and shares the gate with the test.
   std::size_t hanging() const { return static_cast<std::size_t>(gate.use_count()) - 1; }
@@ -67,7 +78,7 @@ TEST_F(DeviceReadingsTest, GivesWhatIsRead) {
   EXPECT_EQ(read("a", "Arm"), "Arm");
   EXPECT_EQ(read("a", "Leg"), "Leg") << "read anew each time";
   EXPECT_FALSE(sut.get(
-                      "b", [] { return std::nullopt; }, kAsLongAsItTakes)
+                      place("b"), [] { return std::nullopt; }, kAsLongAsItTakes)
                    .has_value());
   EXPECT_EQ(sut.late(), 0U);
 }
@@ -143,6 +154,61 @@ TEST_F(DeviceReadingsTest, ThreadsOfDevicesThatAreGoneCount) {
   gate->open();
 }
 
+TEST_F(DeviceReadingsTest, ADeviceOfManyInterfacesThatHangTakesTwoThreadsAndNoOtherDevicesPlace) {
+  constexpr std::size_t kMostOfOne = DeviceReadings::kMostLeftOfOne;
+  for (int look = 0; look < 3; ++look) {
+    for (int i = 0; i < 8; ++i) read_behind_gate(interface("1-4", i), "Arm");
+  }
+  EXPECT_EQ(hanging(), kMostOfOne);
+  EXPECT_EQ(sut.late(), kMostOfOne);
+  EXPECT_EQ(sut.put_off(), 8 - kMostOfOne);
+  EXPECT_FALSE(sut.has_caught_up());
+  for (int i = 0; i < 6; ++i) {
+    const std::string name = "sick " + std::to_string(i);
+    EXPECT_EQ(read("well " + std::to_string(i), "Leg"), "Leg") << i << " hang beside it";
+    read_behind_gate(name, "Arm");
+  }
+  EXPECT_EQ(hanging(), DeviceReadings::kMostLeft);
+  EXPECT_EQ(read("well", "Leg"), "nothing") << "all eight hang";
+  gate->open();
+}
+
+TEST_F(DeviceReadingsTest, WhatIsPutOffForItsOwnDeviceIsReadWhenOneOfItsThreadsEnds) {
+  const auto other_gate = std::make_shared<Gate>();
+  read_behind_gate(interface("1-4", 0), "Arm");
+  const auto first_to_end = [other_gate] {
+    other_gate->pass();
+    return std::optional(device("Leg"));
+  };
+  EXPECT_FALSE(sut.get(interface("1-4", 1), first_to_end, kNotAtAll));
+  EXPECT_EQ(read_behind_gate(interface("1-4", 2), "Arm"), "nothing");
+  EXPECT_EQ(hanging(), 1U) << "it was not asked";
+  ASSERT_EQ(sut.put_off(), 1U);
+  sut.keep({interface("1-4", 0).identity, interface("1-4", 2).identity});
+  EXPECT_FALSE(sut.has_caught_up()) << "the thread of what is gone is the device's still";
+  other_gate->open();
+  wait_until_caught_up();
+  const auto got = sut.get(
+      interface("1-4", 2), [] { return device("Leg"); }, kAsLongAsItTakes);
+  ASSERT_TRUE(got.has_value());
+  EXPECT_EQ(got->device.info.product, "Leg");
+  EXPECT_EQ(sut.put_off(), 0U);
+  EXPECT_FALSE(sut.has_caught_up());
+  gate->open();
+}
+
+// As one does that resets itself: another identity, the same port.
+TEST_F(DeviceReadingsTest, ADeviceThatComesAnewAndHangsEachTimeTakesTwoThreadsInAll) {
+  for (int i = 0; i < 64; ++i) {
+    const SysfsPlace one{"1-4", "1-4 " + std::to_string(i), "1-4"};
+    read_behind_gate(one, "Arm");
+    sut.keep({one.identity});
+  }
+  EXPECT_EQ(hanging(), DeviceReadings::kMostLeftOfOne);
+  EXPECT_EQ(read("well", "Leg"), "Leg");
+  gate->open();
+}
+
 TEST_F(DeviceReadingsTest, ItsEndWaitsForNoReading) {
   {
     DeviceReadings brief;
@@ -150,14 +216,14 @@ TEST_F(DeviceReadingsTest, ItsEndWaitsForNoReading) {
       gate->pass();
       return std::optional(device("Arm"));
     };
-    EXPECT_FALSE(brief.get("sick", slow, kNotAtAll).has_value());
+    EXPECT_FALSE(brief.get(place("sick"), slow, kNotAtAll).has_value());
   }
   gate->open();
 }
 
 TEST_F(DeviceReadingsTest, OneThatThrowsGivesNothingAndIsNotLate) {
   const auto throwing = []() -> std::optional<ReadDevice> { throw std::runtime_error("broken"); };
-  EXPECT_FALSE(sut.get("a", throwing, kAsLongAsItTakes));
+  EXPECT_FALSE(sut.get(place("a"), throwing, kAsLongAsItTakes));
   EXPECT_EQ(sut.late(), 0U);
   EXPECT_EQ(read("a", "arm"), "arm") << "the next time";
 }

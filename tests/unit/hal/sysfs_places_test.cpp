@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <random>
 
 #include "tests/support/temporary_folder.hpp"
@@ -75,6 +76,24 @@ TEST_F(SysfsPlaces, AreListedWithoutAWordFromDevicesThatAreHeldUp) {
   const auto places = sysfs_places(sys_);
   EXPECT_EQ(places[2].path, sys_ / "devices/usb1/1-4");
   EXPECT_EQ(places[1].path, sys_ / "devices/usb1/1-4/1-4:1.1/tty/ttyACM0");
+}
+
+TEST_F(SysfsPlaces, AreOfTheUsbDeviceNextAboveThemOrOfTheirOwn) {
+  usb("usb1/1-5", "09", "8");
+  usb("usb1/1-5/1-5.2", "00", "9");
+  below("usb1/1-4/1-4:1.0/0003:1234:0006.0001/hidraw", "hidraw0", "class/hidraw");
+  below("usb1/1-5/1-5.2/1-5.2:1.1/tty", "ttyACM0", "class/tty");
+  const auto uhid = below("virtual/misc/uhid/0005:1234:0006.0002", "hidraw1", "class/hidraw");
+  std::map<std::string, std::string> devices;
+  for (const SysfsPlace& place : sysfs_places(sys_)) {
+    devices[fs::path(place.path).filename()] = place.device;
+  }
+  const std::map<std::string, std::string> expected{{"hidraw0", sys_ / "devices/usb1/1-4"},
+                                                    {"1-4", sys_ / "devices/usb1/1-4"},
+                                                    {"ttyACM0", sys_ / "devices/usb1/1-5/1-5.2"},
+                                                    {"1-5.2", sys_ / "devices/usb1/1-5/1-5.2"},
+                                                    {"hidraw1", uhid}};
+  EXPECT_EQ(devices, expected);
 }
 
 TEST_F(SysfsPlaces, LeaveOutHubsInterfacesAndThePortsThatAreOnNoUsb) {
