@@ -55,7 +55,8 @@ class BusEnumerator {
   // construction are not announced. Never waits.
   [[nodiscard]] virtual std::optional<BusEvent> poll_event() = 0;
   // NotFound, also where another device stands there, or the same one was plugged in anew, since
-  // that address was listed; Busy (opened already), Permission or System.
+  // that address was listed; that or InvalidArgument for a device of another kind; Busy (opened
+  // already), Permission or System.
   [[nodiscard]] virtual Result<std::unique_ptr<HidDevice>> open_hid(
       const DeviceAddress& address) = 0;
   // The same, and InvalidArgument for a claim that the device's descriptors do not fill. Its IN

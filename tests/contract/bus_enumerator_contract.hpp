@@ -11,13 +11,15 @@
 
 namespace thimble::test {
 
-// One implementation of bus::BusEnumerator with one HID device that can be pulled and put
-// back. The device is present before the enumerator is made ready: pending events are drained.
+// One implementation of bus::BusEnumerator with one device, of any kind, that can be pulled and put
+// back; one of USB has a bulk endpoint UsbRig::kBulkIn. The device is present before the enumerator
+// is made ready: pending events are drained.
 class BusRig {
  public:
   virtual ~BusRig() = default;
   virtual bus::BusEnumerator& buses() = 0;
   [[nodiscard]] virtual bus::DeviceAddress address() const = 0;
+  [[nodiscard]] virtual bus::BusKind kind() const { return bus::BusKind::Hid; }
   virtual void unplug() = 0;
   virtual void replug() = 0;
   virtual void settle() = 0;  // until arrivals and departures have been noticed

@@ -15,12 +15,6 @@
 namespace thimble::test {
 namespace {
 
-// USB 2.0, 9.6: a device of one interface with two bulk endpoints.
-const MockMachine::Bytes kBulkDescriptors{
-    18,   1, 0, 2,  0xFF, 0, 0,  64, 3,    4,  0x48, 0xCB, 0, 1,  1, 2,    3,
-    1,    9, 2, 32, 0,    1, 1,  0,  0x80, 50, 9,    4,    0, 0,  2, 0xFF, 0xFF,
-    0xFF, 0, 7, 5,  0x81, 2, 64, 0,  0,    7,  5,    2,    2, 64, 0, 0};
-
 TEST_F(LinuxEnumerator, DescribesAHidDeviceWithoutOpeningIt) {
   FakeHidWire wire;
   wire.attach("/dev/hidraw0");
@@ -63,7 +57,7 @@ TEST_F(LinuxEnumerator, WordsOfADeviceBreakNoLineAndSteerNoTerminal) {
 
 TEST_F(LinuxEnumerator, DescribesAUsbDeviceAndLeavesHubsOut) {
   machine.plug(Usb{
-      .port = "1-4", .vendor_id = "0403", .product_id = "cb48", .descriptors = kBulkDescriptors});
+      .port = "1-4", .vendor_id = "0403", .product_id = "cb48", .descriptors = bulk_descriptors()});
   machine.plug(Usb{.port = "1-5", .device_class = "09", .number = 5});
   EXPECT_EQ(addresses(), Texts{"usb:1-4"});
   const bus::BusDeviceInfo info = info_of("usb:1-4");

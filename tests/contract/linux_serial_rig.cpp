@@ -2,14 +2,11 @@
 // pseudo-terminal with the device at its master's end. In place of the bus's thread stands the
 // test, so that what is asked of the kernel is the same in every run.
 #include <fcntl.h>
-#include <poll.h>
-#include <stdlib.h>
 #include <sys/ioctl.h>
 #include <termios.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <string>
 #include <thread>
@@ -20,6 +17,7 @@
 #include "hal/linux/serial_port.hpp"
 #include "hal/linux/serial_transfers.hpp"
 #include "sim/time/virtual_clock.hpp"
+#include "tests/contract/pseudo_terminal.hpp"
 #include "tests/contract/serial_port_contract.hpp"
 #include "tests/support/allocation_count.hpp"
 
@@ -29,51 +27,6 @@ namespace {
 using Bytes = SerialRig::Bytes;
 using linux::Descriptor;
 using linux::SerialTransfers;
-constexpr int kPatience_ms = 10'000;  // for what the kernel is bound to do
-
-// The device's end of a pseudo-terminal.
-class PseudoTerminal {
- public:
-  PseudoTerminal() : device_(::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)) {
-    EXPECT_EQ(::grantpt(device_.get()), 0);
-    EXPECT_EQ(::unlockpt(device_.get()), 0);
-    std::array<char, 64> name{};
-    EXPECT_EQ(::ptsname_r(device_.get(), name.data(), name.size()), 0);
-    node_ = name.data();
-    // Keeps the terminal as it was set while nobody has it open.
-    host_ = Descriptor(::open(node_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
-  }
-  [[nodiscard]] const std::string& node() const { return node_; }
-  void send(const Bytes& bytes) {
-    EXPECT_EQ(::write(device_.get(), bytes.data(), bytes.size()),
-              static_cast<ssize_t>(bytes.size()));
-  }
-  // Waits until `size` bytes have come in all.
-  const Bytes& received(std::size_t size) {
-    std::array<std::uint8_t, 4096> buffer{};
-    while (received_.size() < size && device_.get() >= 0 && is_ready(device_.get())) {
-      const ssize_t bytes = ::read(device_.get(), buffer.data(), buffer.size());
-      if (bytes <= 0) break;
-      received_.insert(received_.end(), buffer.begin(), buffer.begin() + bytes);
-    }
-    return received_;
-  }
-  // Whether the host finds anything to read.
-  [[nodiscard]] bool has_arrived() const { return is_ready(host_.get()); }
-  void set_deaf(bool is_deaf) { EXPECT_EQ(::tcflow(host_.get(), is_deaf ? TCOOFF : TCOON), 0); }
-  void unplug() { device_ = Descriptor(); }
-
- private:
-  static bool is_ready(int node) {
-    pollfd watched{node, POLLIN, 0};
-    return ::poll(&watched, 1, kPatience_ms) == 1;
-  }
-
-  Descriptor device_;
-  Descriptor host_;
-  std::string node_;
-  Bytes received_;
-};
 
 class LinuxSerialRig final : public SerialRig {
  public:
@@ -328,7 +281,8 @@ struct SerialPortTest : testing::Test {
   // Bytes that the thread brought, until there are `size` or it says that the port is gone.
   Bytes read(std::size_t size) {
     Bytes all;
-    const MonotonicTime deadline = clock.now() + std::chrono::milliseconds(kPatience_ms);
+    const MonotonicTime deadline =
+        clock.now() + std::chrono::milliseconds(PseudoTerminal::kPatience_ms);
     while (all.size() < size && clock.now() < deadline) {
       bus::SerialChunk chunk;
       status = sut->read(chunk);
@@ -363,7 +317,8 @@ TEST_F(SerialPortTest, AnExchangeAllocatesNothingInTheThreadOfTheServo) {
   std::uint64_t allocated = 0;
   for (int tick = 0; tick < 200; ++tick) {
     line.send({4, 5, 6});
-    const MonotonicTime deadline = clock.now() + std::chrono::milliseconds(kPatience_ms);
+    const MonotonicTime deadline =
+        clock.now() + std::chrono::milliseconds(PseudoTerminal::kPatience_ms);
     const std::uint64_t before = allocation_count();
     static_cast<void>(sut->submit(command));
     while (sut->read(chunk) != IoStatus::Ok && clock.now() < deadline) std::this_thread::yield();

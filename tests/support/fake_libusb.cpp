@@ -5,9 +5,11 @@
 #include <libusb.h>
 #include <poll.h>
 #include <sys/eventfd.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <map>
 #include <utility>
 
@@ -26,7 +28,9 @@ namespace thimble::test {
 
 struct FakeLibusb {
   std::recursive_mutex lock;
+  using File = std::pair<dev_t, ino_t>;
   std::map<int, FakeUsbWire*> nodes;
+  std::map<File, FakeUsbWire*> files;
   int alive{0};
 
   static FakeLibusb& instance() {
@@ -119,6 +123,15 @@ struct FakeLibusb {
     --instance().alive;
   }
 
+  FakeUsbWire* wire_at(int node) {
+    const auto opened = nodes.find(node);
+    if (opened != nodes.end()) return opened->second;
+    struct stat file {};
+    if (::fstat(node, &file) != 0) return nullptr;
+    const auto attached = files.find({file.st_dev, file.st_ino});
+    return attached == files.end() ? nullptr : attached->second;
+  }
+
   static int event_of(const libusb_context& context) { return context.wire->event_; }
 };
 
@@ -136,7 +149,9 @@ FakeUsbWire::FakeUsbWire(std::unique_ptr<plugin::SimUsbModel> model)
 
 FakeUsbWire::~FakeUsbWire() {
   const Guard guard(fake().lock);
-  std::erase_if(fake().nodes, [this](const auto& node) { return node.second == this; });
+  const auto leads_here = [this](const auto& node) { return node.second == this; };
+  std::erase_if(fake().nodes, leads_here);
+  std::erase_if(fake().files, leads_here);
   ::close(event_);
 }
 
@@ -145,6 +160,13 @@ int FakeUsbWire::open_node() {
   const int node = ::eventfd(0, EFD_CLOEXEC);
   fake().nodes[node] = this;
   return node;
+}
+
+void FakeUsbWire::attach(const std::string& path) {
+  const Guard guard(fake().lock);
+  struct stat file {};
+  if (::stat(path.c_str(), &file) != 0) std::abort();
+  fake().files.insert_or_assign({file.st_dev, file.st_ino}, this);
 }
 
 void FakeUsbWire::run_frame() {
@@ -294,10 +316,10 @@ void libusb_exit(libusb_context* context) {
 
 int libusb_wrap_sys_device(libusb_context* context, intptr_t node, libusb_device_handle** handle) {
   const Guard guard(fake().lock);
-  const auto found = fake().nodes.find(static_cast<int>(node));
-  if (found == fake().nodes.end()) return LIBUSB_ERROR_NO_DEVICE;
-  context->wire = found->second;
-  *handle = new libusb_device_handle{.context = context, .wire = found->second};
+  auto* const wire = fake().wire_at(static_cast<int>(node));
+  if (wire == nullptr) return LIBUSB_ERROR_NO_DEVICE;
+  context->wire = wire;
+  *handle = new libusb_device_handle{.context = context, .wire = wire};
   ++fake().alive;
   return 0;
 }

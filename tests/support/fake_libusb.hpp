@@ -33,6 +33,8 @@ class FakeUsbWire {
 
   // A descriptor that libusb_wrap_sys_device() takes for this device's node. The caller's to close.
   [[nodiscard]] int open_node();
+  // Whoever opens this file has such a node, too; it must be there.
+  void attach(const std::string& path);
   // One millisecond: each pending transfer meets the device.
   void run_frame();
   // From now on whoever handles libusb's events passes a frame first: for what waits in the

@@ -45,6 +45,21 @@ void set_bytes(UMockdevTestbed* bed, const std::string& path, const char* name,
                                         static_cast<gint>(copy.size()));
 }
 
+// umockdev answers for nodes that it was told of, or refuses; here the caller asks the kernel.
+gboolean execute(UMockdevIoctlBase* /*base*/, UMockdevIoctlClient* client, gpointer /*data*/) {
+  int error = 0;
+  const int result = umockdev_ioctl_client_execute(client, &error, nullptr);
+  umockdev_ioctl_client_complete(client, result, error);
+  return TRUE;
+}
+
+void let_kernel_answer(UMockdevTestbed* bed, const std::string& node) {
+  auto* const base = umockdev_ioctl_base_new();
+  g_signal_connect(base, "handle-ioctl", G_CALLBACK(&execute), nullptr);
+  if (umockdev_testbed_attach_ioctl(bed, node.c_str(), base, nullptr) == FALSE) std::abort();
+  ::g_object_unref(base);
+}
+
 }  // namespace
 
 MockMachine::MockMachine() : bed_(umockdev_testbed_new()) {
@@ -77,7 +92,13 @@ std::string MockMachine::plug(const HidDevice& device) {
 }
 
 std::string MockMachine::plug(const SerialDevice& device) {
-  return plug_node("tty", device.name, plug_interface(device.port, device.interface_number));
+  const std::string path =
+      plug_node("tty", device.name, plug_interface(device.port, device.interface_number));
+  if (device.terminal.empty()) return path;
+  std::filesystem::remove(nodes_[path]);
+  std::filesystem::create_symlink(device.terminal, nodes_[path]);
+  let_kernel_answer(bed_, "/dev/" + device.name);
+  return path;
 }
 
 std::string MockMachine::plug_hiddev(const std::string& port, int interface_number,
@@ -182,6 +203,12 @@ void MockMachine::let_others_look() {
 
 void MockMachine::say(const std::string& path, const char* action) {
   umockdev_testbed_uevent(bed_, path.c_str(), action);
+}
+
+MockMachine::Bytes bulk_descriptors() {
+  return {18,   1, 0, 2,  0xFF, 0, 0,  64, 3,    4,  0x48, 0xCB, 0, 1,  1, 2,    3,
+          1,    9, 2, 32, 0,    1, 1,  0,  0x80, 50, 9,    4,    0, 0,  2, 0xFF, 0xFF,
+          0xFF, 0, 7, 5,  0x81, 2, 64, 0,  0,    7,  5,    2,    2, 64, 0, 0};
 }
 
 MockMachine::Bytes plain_report_descriptor(std::uint8_t input_bytes, std::uint8_t output_bytes) {

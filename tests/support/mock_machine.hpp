@@ -55,6 +55,8 @@ class MockMachine {
     std::string port{"1-4"};
     int interface_number{0};
     std::string name{"ttyACM0"};
+    std::string
+        terminal{};  // a terminal of the kernel's own to which its node leads; empty: a file
   };
 
   // Each returns the path below /sys, and is told of to who listens.
@@ -95,6 +97,8 @@ class MockMachine {
   std::map<std::string, std::string> nodes_;  // files by path below /sys
 };
 
+// USB 2.0, 9.6: of a device of one interface with two bulk endpoints, 0x81 and 0x02.
+[[nodiscard]] MockMachine::Bytes bulk_descriptors();
 // A HID report descriptor of unnumbered reports of so many bytes each way.
 [[nodiscard]] MockMachine::Bytes plain_report_descriptor(std::uint8_t input_bytes,
                                                          std::uint8_t output_bytes);
