@@ -14,8 +14,8 @@ namespace thimble::linux {
 // strings as the kernel keeps them since each was plugged in. Opens no device and sends nothing to
 // any.
 //
-// Whatever a device says is bounded and total: strings are cut after 256 bytes, descriptors that
-// do not parse give a device without reports or endpoints.
+// Whatever a device says is bounded and total (device_texts.hpp): strings are cut after 256 bytes,
+// descriptors that do not parse give a device without reports or endpoints.
 //
 // The kernel keeps the strings of a USB device, and its `uevent`, behind that device's lock, for as
 // long as it talks to it: up to seconds where it answers nothing. Such a device waits for its own
