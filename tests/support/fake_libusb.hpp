@@ -33,7 +33,7 @@ class FakeUsbWire {
 
   // A descriptor that libusb_wrap_sys_device() takes for this device's node. The caller's to close.
   [[nodiscard]] int open_node();
-  // Whoever opens this file has such a node, too; it must be there.
+  // Whoever opens this file, which is there already, has such a node, too.
   void attach(const std::string& path);
   // One millisecond: each pending transfer meets the device.
   void run_frame();
