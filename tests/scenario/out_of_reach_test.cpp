@@ -48,6 +48,20 @@ std::vector<std::string> with_falcon(std::vector<std::string> overrides) {
   return overrides;
 }
 
+sim::ScriptedFault stall_after(Duration from, Duration lasts = Duration::max()) {
+  sim::ScriptedFault stall;
+  stall.kind = sim::FaultKind::Stall;
+  stall.from = MonotonicTime{from};
+  stall.lasts = lasts;
+  return stall;
+}
+
+test::ClosedLoop::Setup setup_of(const sim::ScriptedFault& fault) {
+  test::ClosedLoop::Setup setup;
+  setup.cables.script.push_back(fault);
+  return setup;
+}
+
 class OutOfReach : public test::AtEachRate {};
 THIMBLE_AT_EACH_RATE(OutOfReach);
 
@@ -91,12 +105,8 @@ TEST_P(OutOfReach, AFalconWhoseCableIsPulledWhileItPushesLosesItsPower) {
 }
 
 TEST_P(OutOfReach, SoDoesOneWhoseBusHangs) {
-  test::ClosedLoop::Setup setup;
-  sim::ScriptedFault hang;
-  hang.kind = sim::FaultKind::Stall;
-  hang.from = MonotonicTime{std::chrono::seconds(20)};
-  setup.cables.script.push_back(hang);
-  SafetyLab sut(with(with_falcon({"arm.hand.motion=still"})), setup);
+  const sim::ScriptedFault hang = stall_after(std::chrono::seconds(20));
+  SafetyLab sut(with(with_falcon({"arm.hand.motion=still"})), setup_of(hang));
   Relay relay(sut);
   sut.run(0.01);
   ASSERT_TRUE(sut.clear());
@@ -119,13 +129,8 @@ TEST_P(OutOfReach, SoDoesOneWhoseBusHangs) {
 
 // Silence that ends is the servo's own affair, and one lost answer is none.
 TEST_P(OutOfReach, AFalconThatAnswersAgainAfterAFaultKeepsItsPower) {
-  test::ClosedLoop::Setup setup;
-  sim::ScriptedFault silence;
-  silence.kind = sim::FaultKind::Stall;
-  silence.from = MonotonicTime{std::chrono::seconds(20)};
-  silence.lasts = milliseconds(90);
-  setup.cables.script.push_back(silence);
-  SafetyLab sut(with(with_falcon({"arm.hand.motion=still"})), setup);
+  const sim::ScriptedFault silence = stall_after(std::chrono::seconds(20), milliseconds(90));
+  SafetyLab sut(with(with_falcon({"arm.hand.motion=still"})), setup_of(silence));
   sut.run(0.01);
   ASSERT_TRUE(sut.clear());
   ASSERT_TRUE(sut.run_until(8, [&] { return sut.loop.frame().gain == 1; }));
@@ -238,12 +243,8 @@ TEST_P(OutOfReach, OneThatWasToldNoForceIsPulledAsItLikes) {
 
 // Of an arm that fell silent before it was homed, or rested, nothing is to be ended.
 TEST_P(OutOfReach, SilenceOfAnArmThatRestsStopsNobody) {
-  test::ClosedLoop::Setup setup;
-  sim::ScriptedFault hang;
-  hang.kind = sim::FaultKind::Stall;
-  hang.from = MonotonicTime{std::chrono::seconds(12)};
-  setup.cables.script.push_back(hang);
-  SafetyLab sut(with(with_falcon({"arm.hand.motion=still"})), setup);
+  const sim::ScriptedFault hang = stall_after(std::chrono::seconds(12));
+  SafetyLab sut(with(with_falcon({"arm.hand.motion=still"})), setup_of(hang));
   sut.run(0.01);
   ASSERT_TRUE(sut.clear());
   ASSERT_TRUE(sut.run_until(8, [&] { return sut.loop.frame().gain == 1; }));
@@ -256,12 +257,8 @@ TEST_P(OutOfReach, SilenceOfAnArmThatRestsStopsNobody) {
 
 // The first fault is another one, and hides that the arm is deaf.
 TEST_P(OutOfReach, OneThatIsDeafAfterAnyFaultIsCutAllTheSame) {
-  test::ClosedLoop::Setup setup;
-  sim::ScriptedFault hang;
-  hang.kind = sim::FaultKind::Stall;
-  hang.from = MonotonicTime{std::chrono::seconds(12)};
-  setup.cables.script.push_back(hang);
-  SafetyLab sut(with(with_falcon({"arm.hand.motion=still"})), setup);
+  const sim::ScriptedFault hang = stall_after(std::chrono::seconds(12));
+  SafetyLab sut(with(with_falcon({"arm.hand.motion=still"})), setup_of(hang));
   sut.run(0.01);
   ASSERT_TRUE(sut.clear());
   ASSERT_TRUE(sut.run_until(8, [&] { return sut.loop.frame().gain == 1; }));
