@@ -47,8 +47,7 @@ std::string_view explain(ChainTrouble trouble) noexcept {
       return "the safety lines were not looked after in time; this machine is too busy";
     case ChainTrouble::ArmOutOfReach:
       return "an arm without a watchdog may hold a force and is out of reach, so ENABLE has "
-             "stopped "
-             "to cut the motors' power; look at that arm, then clear";
+             "stopped to cut the motors' power; look at that arm, then clear";
   }
   return "";
 }

@@ -49,9 +49,6 @@ bool may_drive(const plugin::Driver& driver, const config::ArmConfig& arm) {
   return std::find(models.begin(), models.end(), *arm.model) != models.end();
 }
 
-// A tick sees an answer and asks for the next, so a slow servo leaves samples out (decision 0259).
-constexpr double kFalconHasAllAt_hz = 4000;
-
 // Hardware that ends a force where no program does.
 bool has_cut(const config::Config& config) {
   return config.safety && config.safety->enable && !bus::is_simulated(config.safety->chip);
@@ -317,7 +314,7 @@ std::vector<std::string> doubts_of(const config::Config& config,
     if (!has_cut(config)) {
       out.push_back("arm '" + arm.name + "' " + std::string(kFalconKeepsForce));
     }
-    if (config.servo.rate_hz && *config.servo.rate_hz < kFalconHasAllAt_hz) {
+    if (config.servo.rate_hz && *config.servo.rate_hz < falcon::kFullRate_hz) {
       out.push_back("arm '" + arm.name +
                     "' does not give all of its 1000 samples a second at servo.rate_hz = " +
                     std::to_string(std::lround(*config.servo.rate_hz)) +

@@ -9,9 +9,6 @@ namespace {
 
 // An exchange takes 1.3 ms, so a servo of 1 kHz has a reply in every second tick.
 constexpr Duration kExchange = 2 * wire::kFramePeriod;
-// Decision 0259: the tick that sees an answer asks for the next, and at this rate it does so early
-// enough to fall into step with the bridge's latency timer. Counted: FalconAtEachRate.
-constexpr double kFullRate_hz = 4000;
 
 // Ours: so many points of the workspace's surface, evenly, where a newton asks for more than within
 // (checked by a test).

@@ -50,4 +50,9 @@ struct FalconModel {
   double max_stiffness_newton_per_m{};  // at 1 kHz
 };
 
+// Ticks of the servo a second from which on no sample is left out (decision 0259): the tick that
+// sees an answer asks for the next, and at this rate it does so early enough to fall into step with
+// the bridge's latency timer. Counted: FalconAtEachRate.
+inline constexpr double kFullRate_hz = 4000;
+
 }  // namespace thimble::falcon
