@@ -39,7 +39,6 @@ class HeldHidraw(two_arms.TwoArms):
 
     @classmethod
     def plug_in_others(cls):
-        cls.guest.run(guest.GIVES_WAY)
         cls.hung = simdev.Simdev(cls.guest, "hung", "--vhci", "--serial", HUNG, "phantom-vintage")
         cls.hung.attach()
         cls.guest.wait_for(f"thimble devices | grep -q {HUNG}")

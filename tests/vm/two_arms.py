@@ -52,6 +52,8 @@ class TwoArms(guest.GuestTest):
         if cls.way == "usb":
             cls.left.attach()
         cls.guest.wait_for(f"thimble devices | grep -q {BESIDE}")
+        # A fork or an enumeration keeps the only processor for longer than a sample lives otherwise (decision 0487).
+        cls.guest.run(guest.GIVES_WAY)
         # Before the arms are looked at: its coming takes the only processor for longer than a servo waits.
         cls.plug_in_others()
         cls.right.words = f"{cls.right.words}\nworld = \"box\"\n{LEFT}"
