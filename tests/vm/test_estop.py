@@ -273,3 +273,19 @@ class Estop(guest.GuestTest):
         self.guest.run("systemctl stop thimbled")
         self.assertEqual(self.beats(), 0)
         self.assertEqual(self.adapter.status()["readings"]["line_3"], 0)
+
+    def test_9b_a_stop_of_one_channel_stops_in_the_same_time_and_nobody_misses_the_other(self):
+        self.arm.daemon_words = lines.SAFETY.replace('["0", "1"]', '["0"]')
+        self.assertNotEqual(self.arm.daemon_words, lines.SAFETY)
+        self.arm.configure()
+        self.start_again()
+        self.adapter.say("press 1")  # nobody's line
+        self.lean()
+        self.assertGreaterEqual(self.beats(), BEATS)
+        self.assertLess(self.felt_after(self.adapter, "press 0"), PRESSED_S)
+        self.assertEqual(self.wait_for("stopped")["trouble"], "open")
+        self.adapter.say("release 0")
+        self.wait_for("waiting")
+        self.assert_no_force()
+        self.start_again()
+        self.lean()
