@@ -127,6 +127,7 @@ struct GpioChip {
 struct ConfigurationFile {
   std::string file;                   // empty: none was looked at
   std::vector<std::string> mistakes;  // as `thimbled --check` says them
+  std::vector<std::string> doubts;    // likewise: no mistakes, but will most likely be missed
   bool is_hidden{false};              // who asks may not read it
   bool may_service_read{true};
   bool operator==(const ConfigurationFile&) const = default;

@@ -53,6 +53,7 @@ ReadConfiguration read_configuration(const FileTree& tree, const std::string& ro
       });
   if (loaded) {
     read.config = *std::move(loaded);
+    read.about.doubts = session::doubts_of(read.config, plugins.drivers);
     return read;
   }
   for (const config::ConfigError& error : loaded.error()) {

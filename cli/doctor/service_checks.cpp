@@ -18,6 +18,17 @@ Verdict failed_service(const cli::ServiceState& service) {
   return verdict;
 }
 
+// It is good, and something is missing that its arms will need.
+std::vector<Verdict> doubts_about(const ConfigurationFile& said) {
+  std::vector<Verdict> all;
+  for (const std::string& doubt : said.doubts) {
+    all.push_back({Level::Warn, "configuration", doubt,
+                   "the daemon starts with it, and says the same", "", "",
+                   "thimbled --check --config '" + said.file + "'"});
+  }
+  return all;
+}
+
 std::string all_of(const std::vector<std::string>& sentences) {
   std::string all;
   for (const std::string& sentence : sentences) all += (all.empty() ? "" : "; ") + sentence;
@@ -70,6 +81,7 @@ std::vector<Verdict> check_configuration(const Facts& facts) {
     verdict.look_with = "sudo thimble doctor";
     return {verdict};
   }
+  if (said.mistakes.empty() && !said.doubts.empty()) return doubts_about(said);
   if (said.mistakes.empty()) return {all_well("configuration", said.file + " is good")};
   verdict.finding = all_of(said.mistakes);
   verdict.advice = "correct the file, then start the service again";

@@ -68,6 +68,23 @@ TEST_F(DoctorOfTheService, SaysWhatACheckOfTheConfigurationSays) {
   EXPECT_THAT(all[0].look_with, HasSubstr("thimbled --check --config "));
 }
 
+TEST_F(DoctorOfTheService, RepeatsWhatTheDaemonDoubtsOfAGoodConfiguration) {
+  const std::string falcon =
+      "[[arm]]\nname = 'right'\ndevice = 'usb:1-4'\nmodel = 'falcon'\nworld = 'x'\n"
+      "[[world]]\nname = 'x'\nsource = 'box:3'\n";
+  machine_.plant("etc/thimble/thimble.toml", falcon);
+  const auto all = complaints_with(read().about);
+  ASSERT_THAT(all, SizeIs(2));
+  for (const Verdict& verdict : all) {
+    EXPECT_EQ(verdict.level, Level::Warn);
+    EXPECT_EQ(verdict.check, "configuration");
+  }
+  EXPECT_THAT(all[0].finding, HasSubstr("arm 'right' lacks arm.firmware"));
+  EXPECT_THAT(all[1].finding, HasSubstr("arm 'right' may go on pushing"));
+  machine_.plant("etc/thimble/thimble.toml", falcon + "[[arm]]\nname = 3\n");
+  EXPECT_THAT(read().about.doubts, SizeIs(0)) << "its mistakes come first";
+}
+
 TEST_F(DoctorOfTheService, NamesAConfigurationThatTheServiceMayNotRead) {
   machine_.plant("etc/thimble/thimble.toml", "");
   machine_.plant("etc/passwd", "thimble:x:990:991::/:/usr/sbin/nologin\n");
