@@ -2,6 +2,11 @@
 
 namespace thimble::app {
 
+bool is_worth_telling(std::uint64_t missed, Duration period) noexcept {
+  constexpr double kTold_s = 1e-3;
+  return static_cast<double>(missed) * seconds(period) >= kTold_s;
+}
+
 void LatenessWatch::note(std::size_t arm, MonotonicTime now, std::uint64_t overruns) {
   if (arm >= arms_.size()) arms_.resize(arm + 1);
   Arm& watched = arms_[arm];

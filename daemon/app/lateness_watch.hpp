@@ -9,6 +9,11 @@
 
 namespace thimble::app {
 
+// Whether `missed` periods of a servo are told to a person. Ours: from a millisecond on, which is a
+// period of the default rate and a frame of a full-speed bus: what a faster servo misses for less
+// no arm has noticed. Pure.
+[[nodiscard]] bool is_worth_telling(std::uint64_t missed, Duration period) noexcept;
+
 // How many servo periods each arm missed in the last ten seconds: what "degraded" means for a
 // person who looks now. The totals since the start are in the servo's own counters.
 //

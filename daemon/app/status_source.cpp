@@ -295,7 +295,7 @@ api::Status collect_status(session::Runtime& runtime, const StatusContext& conte
       status.degraded.push_back(rig.awaited()->sentence());
     }
     const std::uint64_t missed = context.lateness.missed_lately(i);
-    if (missed > 0) {
+    if (is_worth_telling(missed, rig.session().loop().settings().period())) {
       status.degraded.push_back("arm '" + rig.session().config().name +
                                 "': " + std::to_string(missed) +
                                 " servo periods missed in the last 10 s; this machine is busy");

@@ -8,6 +8,9 @@ namespace {
 
 // A coupling integrates over dt; beyond this the freshness rules have taken over anyway.
 constexpr Duration kLongestStep = std::chrono::milliseconds(20);
+// How late a tick is that is missed, where none may be, at the least. Ours: a frame of a full-speed
+// bus, and a period of the default rate: a faster servo is not late by what no arm notices.
+constexpr Duration kMissed = std::chrono::milliseconds(1);
 
 std::size_t frames_for(const ServoSettings& settings) {
   const double frames = settings.rate_hz * seconds(settings.recording);
@@ -78,7 +81,8 @@ ServoFrame ServoLoop::begin_frame(Duration lateness) noexcept {
   }
   const bool is_command_overdue = frame.now - last_write_ > settings_.command_gap_limit;
   const bool is_tick_missed =
-      settings_.is_realtime_required && tick_ > 1 && frame.dt >= 2 * settings_.period();
+      settings_.is_realtime_required && tick_ > 1 &&
+      frame.dt >= settings_.period() + std::max(settings_.period(), kMissed);
   if (state_ == OperatingState::Active && (is_command_overdue || is_tick_missed)) {
     fail(is_tick_missed ? FaultCode::ServoLate : fault_of_overdue_command(), frame);
   } else if (state_ == OperatingState::Active && commands_.is_full()) {

@@ -36,6 +36,17 @@ TEST(LatenessWatch, BeginsAnewWhenAnotherServoCounts) {
   EXPECT_EQ(sut.missed_lately(0), 1U);
 }
 
+TEST(LatenessWatch, IsWorthTellingFromAMillisecondOnWhateverTheRate) {
+  for (const double rate_hz : {500, 1000, 2000, 4000, 8000}) {
+    const Duration period = from_seconds(1 / rate_hz);
+    EXPECT_FALSE(is_worth_telling(0, period));
+    for (std::uint64_t missed = 1; missed < 20; ++missed) {
+      EXPECT_EQ(is_worth_telling(missed, period), static_cast<double>(missed) * 1000 >= rate_hz)
+          << missed << " at " << rate_hz;
+    }
+  }
+}
+
 TEST(LatenessWatch, AgreesWithAPlainListOfMisses) {
   std::mt19937 random(2);
   LatenessWatch sut;

@@ -310,6 +310,27 @@ TEST(ServoLoop, ShortLatenessIsCountedAndIsNoFaultUnlessRealtimeIsRequired) {
   EXPECT_EQ(strict.snapshot().fault.code, FaultCode::ServoLate);
 }
 
+TEST(ServoLoop, WhereRealtimeIsRequiredAFasterServoIsNoSoonerLate) {
+  using namespace std::chrono_literals;
+  struct Case {
+    double rate_hz;
+    std::chrono::microseconds least;  // between two ticks, that are a fault
+  };
+  for (const Case& one : {Case{500, 4000us}, {1000, 2000us}, {2000, 1500us}, {4000, 1250us}}) {
+    for (const auto less : {1us, 0us}) {
+      ServoSettings settings;
+      settings.rate_hz = one.rate_hz;
+      settings.is_realtime_required = true;
+      ServoRig rig(settings);
+      rig.activate_fully();
+      rig.clock.advance(one.least - less);
+      rig.sut.tick(one.least - less);
+      const FaultCode expected = less == 0us ? FaultCode::ServoLate : FaultCode::None;
+      EXPECT_EQ(rig.snapshot().fault.code, expected) << one.rate_hz;
+    }
+  }
+}
+
 TEST(ServoLoop, SendsOneHandSamplePerReportOfTheArm) {
   ServoSettings settings;
   settings.rate_hz = 4000;
