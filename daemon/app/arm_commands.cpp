@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "daemon/coupling/wave_channel.hpp"
+#include "daemon/session/arm_instruction.hpp"
 
 namespace thimble::app {
 namespace {
@@ -310,7 +311,9 @@ ArmCommands::Verdict ArmCommands::judge_activation(const Wait& wait,
   }
   const bool is_up_to_person = seen.frame.state == OperatingState::Calibrating &&
                                seen.frame.calibration == CalibrationState::NeedsUser;
-  if (seen.frame.state == OperatingState::Active || is_up_to_person) return done(wait.arm);
+  if (seen.frame.state == OperatingState::Active || is_up_to_person || seen.is_kept_out) {
+    return done(wait.arm);
+  }
   return std::nullopt;
 }
 
@@ -352,8 +355,12 @@ void ArmCommands::withdraw(const Wait& wait) {
 
 api::Done ArmCommands::done(std::size_t arm) {
   session::ArmSession& asked = session(arm);
-  return {std::string(to_string(asked.snapshot().frame.state)),
-          std::string(asked.device().calibration_instruction())};
+  std::string instruction(asked.device().calibration_instruction());
+  const session::WorldHost* world = runtime_.find_world(asked.config().world.value_or(""));
+  if (instruction.empty() && world != nullptr) {
+    instruction = session::way_into(world->world().info(), *runtime_.arms().at(arm));
+  }
+  return {std::string(to_string(asked.snapshot().frame.state)), std::move(instruction)};
 }
 
 void ArmCommands::apply_leases() {

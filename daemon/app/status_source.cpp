@@ -77,11 +77,6 @@ double newton_per_count_of(const session::ArmSession& session) {
   return session.config().newton_per_count.value_or(model->newton_per_count);
 }
 
-// Its position means something, and nothing else has to be done before.
-bool is_ready(const servo::ServoFrame& frame) {
-  return frame.state == OperatingState::Inactive || frame.state == OperatingState::Active;
-}
-
 // `world`: nullptr where it is on another host.
 api::ArmStatus arm_status(session::ArmRig& rig, const session::WorldHost* world, std::size_t index,
                           const StatusContext& context) {
@@ -101,8 +96,8 @@ api::ArmStatus arm_status(session::ArmRig& rig, const session::WorldHost* world,
   arm.state = to_string(frame.state);
   arm.calibration = to_string(frame.calibration);
   arm.instruction = session::instruction_for(rig);
-  if (arm.instruction.empty() && world != nullptr && is_ready(frame)) {
-    arm.instruction = session::way_into(world->world().info(), frame.tip + frame.offset + place);
+  if (arm.instruction.empty() && world != nullptr) {
+    arm.instruction = session::way_into(world->world().info(), rig);
   }
   arm.position_m = as_array(frame.tip);
   arm.gimbal_rad = gimbal_of(session.device().capabilities(), snapshot);

@@ -8,6 +8,16 @@ bool ServoLoop::is_place_known(const ServoFrame& frame) const noexcept {
          frame.sample_age <= settings_.freshness.fault_after;
 }
 
+// A puck pushes nobody: it moves its probe in from wherever it is.
+bool ServoLoop::may_begin() const noexcept {
+  return !has_motors_ || settings_.entry.contains(arm_.tip);
+}
+
+bool ServoLoop::is_kept_out() const noexcept {
+  const bool is_waiting = state_ == OperatingState::Inactive || (is_driving() && is_let_go_);
+  return is_waiting && !may_begin() && parts_.controls.want_active.load(std::memory_order_relaxed);
+}
+
 void ServoLoop::answer_clear_request(bool is_healthy, const ServoFrame& frame) noexcept {
   const ClearRequest request = parts_.controls.clear_request.load(std::memory_order_relaxed);
   if (request.id == snapshot_.clear_answered) return;
@@ -51,7 +61,7 @@ void ServoLoop::advance_lifecycle(ServoFrame& frame) noexcept {
     case OperatingState::Inactive:
       if (!is_homed) {
         apply(LifecycleEvent::LoseHome);
-      } else if (wants_active && !frame.is_stale) {
+      } else if (wants_active && !frame.is_stale && may_begin()) {
         enter_active(frame);
       }
       break;

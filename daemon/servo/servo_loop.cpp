@@ -185,8 +185,9 @@ void ServoLoop::estimate_velocity(ServoFrame& frame) noexcept {
   }
 }
 
-// Of an arm that is driven; of any other it says nothing.
+// Of an arm that is driven; of any other it says nothing. One that was let go begins anew.
 bool ServoLoop::may_drive() const noexcept {
+  if (is_let_go_ && !may_begin()) return false;
   return !is_released_ && parts_.controls.want_active.load(std::memory_order_relaxed) &&
          parts_.controls.is_deadman_held.load(std::memory_order_relaxed);
 }
@@ -295,6 +296,7 @@ void ServoLoop::publish(const ServoFrame& frame) noexcept {
   snapshot_.frame = frame;
   snapshot_.was_pulled = was_pulled_;
   snapshot_.may_hold_force = held_force_.may_hold();
+  snapshot_.is_kept_out = is_kept_out();
   snapshot_.is_place_known = is_place_known(frame);
   snapshot_.missed_exchanges = freshness_.missed() + commands_.missed();
   snapshot_.felt = felt_.felt();

@@ -11,6 +11,7 @@
 #include "daemon/coupling/press_counter.hpp"
 #include "daemon/servo/command_freshness.hpp"
 #include "daemon/servo/drive_gain.hpp"
+#include "daemon/servo/entry_box.hpp"
 #include "daemon/servo/flight_recorder.hpp"
 #include "daemon/servo/held_force.hpp"
 #include "daemon/servo/sample_freshness.hpp"
@@ -46,6 +47,7 @@ struct ServoSettings {
   // its watchdog had its turn.
   Duration zero_before_silence{std::chrono::milliseconds(100)};
   bool is_realtime_required{false};
+  EntryBox entry{};  // an arm with motors is driven from within; everywhere where it has no end
   Duration recording{std::chrono::seconds(2)};
 
   [[nodiscard]] Duration period() const noexcept { return from_seconds(1.0 / rate_hz); }
@@ -126,6 +128,8 @@ class ServoLoop {
   }
   [[nodiscard]] bool is_silent(MonotonicTime now) const noexcept;
   [[nodiscard]] bool may_drive() const noexcept;
+  [[nodiscard]] bool may_begin() const noexcept;
+  [[nodiscard]] bool is_kept_out() const noexcept;
 
   ServoParts parts_;
   ServoSettings settings_;

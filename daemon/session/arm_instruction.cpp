@@ -40,14 +40,23 @@ std::string instruction_for(ArmRig& rig) {
   return std::string(session.device().calibration_instruction());
 }
 
-std::string way_into(const world::WorldInfo& world, Position3 finger) {
+std::string way_into(const world::WorldInfo& world, ArmRig& rig) {
+  const servo::ServoSnapshot& seen = rig.session().snapshot();
+  const OperatingState state = seen.frame.state;
+  if (state != OperatingState::Inactive && state != OperatingState::Active) return "";
+  const auto& [x, y, z] = rig.session().config().place_m;
+  return way_into(world, seen.frame.tip + seen.frame.offset + Displacement3{x, y, z},
+                  seen.is_kept_out ? 0 : kOutside_m);
+}
+
+std::string way_into(const world::WorldInfo& world, Position3 finger, double least_m) {
   const std::array<double, 3> at_m{finger.x, finger.y, finger.z};
   std::string way;
   bool is_far = false;
   for (std::size_t i = 0; i < at_m.size(); ++i) {
     const double outside_m = std::abs(at_m.at(i)) - world.extent_m.at(i) / 2;
     if (!(world.extent_m.at(i) > 0 && outside_m > 0) || !std::isfinite(outside_m)) continue;
-    is_far = is_far || outside_m > kOutside_m;
+    is_far = is_far || outside_m > least_m;
     // Rounded up: who follows it is inside.
     way +=
         (way.empty() ? "" : ", ") +

@@ -123,7 +123,8 @@ Result<void> ArmRig::connect(const config::ArmConfig& arm, WorldHost* world,
   return {};
 }
 
-ArmSessionParts ArmRig::session_parts(WorldHost* world, const RigParts& parts) {
+ArmSessionParts ArmRig::session_parts(const config::ArmConfig& arm, WorldHost* world,
+                                      const RigParts& parts) {
   return {*buses_,
           parts.drivers,
           wrapped_link_ ? *wrapped_link_ : arm_end(),
@@ -131,7 +132,8 @@ ArmSessionParts ArmRig::session_parts(WorldHost* world, const RigParts& parts) {
           *clock_,
           parts.stopwatch != nullptr ? *parts.stopwatch : *clock_,
           world != nullptr ? world->world().info().cell_m : 0,
-          parts.guards};
+          parts.guards,
+          world != nullptr ? entry_into(world->world().info(), arm.place_m) : servo::EntryBox{}};
 }
 
 template <class MakeSession>
@@ -142,7 +144,7 @@ Result<std::unique_ptr<ArmRig>> ArmRig::make(const config::ArmConfig& arm, World
   std::unique_ptr<ArmRig> rig(new ArmRig());
   const Result<void> connected = rig->connect(arm, world, parts);
   if (!connected) return tl::unexpected(connected.error().in("arm '" + arm.name + "'"));
-  Result<std::unique_ptr<ArmSession>> session = make_session(rig->session_parts(world, parts));
+  Result<std::unique_ptr<ArmSession>> session = make_session(rig->session_parts(arm, world, parts));
   if (!session) return tl::unexpected(session.error());
   rig->session_ = *std::move(session);
   return rig;

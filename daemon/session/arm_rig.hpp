@@ -115,7 +115,8 @@ class ArmRig {
   [[nodiscard]] coupling::ArmLink& arm_end() noexcept {
     return placed_link_ ? static_cast<coupling::ArmLink&>(*placed_link_) : link_->arm_end();
   }
-  [[nodiscard]] ArmSessionParts session_parts(WorldHost* world, const RigParts& parts);
+  [[nodiscard]] ArmSessionParts session_parts(const config::ArmConfig& arm, WorldHost* world,
+                                              const RigParts& parts);
 
   devices::InlineExecutor inline_executor_;
   devices::DeviceExecutor* executor_{&inline_executor_};

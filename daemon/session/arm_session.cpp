@@ -43,6 +43,7 @@ Result<std::unique_ptr<ArmSession>> ArmSession::make(const config::ArmConfig& ar
   std::unique_ptr<ArmSession> session(
       new ArmSession(arm, parts, std::move(device), *std::move(coupling)));
   session->settings_ = *settings;
+  session->settings_.entry = parts.entry;
   return session;
 }
 

@@ -32,6 +32,7 @@ struct ArmSessionParts {
   const Clock& stopwatch;               // measures only
   double cell_m{0};                     // of the world at the other end, where it is known
   devices::ArmGuards* guards{nullptr};  // nullptr: an arm that needs a guard is refused
+  servo::EntryBox entry{};              // of that world, where it is known
 };
 
 // One stop of the servo, to be written to a file by whoever may block.
