@@ -95,16 +95,20 @@ class Measurement {
 
   [[nodiscard]] Result<void> wait_until_active() {
     std::string told;
+    std::string why = "thimble status says why";
     for (int looks = 0; looks < kMostLooks; ++looks) {
       const auto arm = find();
       if (!arm) return tl::unexpected<Error>(arm.error());
       if (arm->state == "active") return {};
       if (arm->state == "fault" || arm->state == "lost") break;
-      if (arm->instruction != told) std::cerr << plain(arm->instruction) << '\n';
-      told = arm->instruction;
+      // One that tells a way changes with each millimetre of it.
+      const std::string kind = arm->instruction.substr(0, arm->instruction.find(':'));
+      if (kind != told) std::cerr << plain(arm->instruction) << '\n';
+      told = kind;
+      if (!arm->instruction.empty()) why = plain(arm->instruction);
       std::this_thread::sleep_for(kLook);
     }
-    return fail(Errc::Busy, "arm " + arm_ + " does not become active; thimble status says why");
+    return fail(Errc::Busy, "arm " + arm_ + " does not become active: " + why);
   }
 
   // Or until it is clear that it will not be: its motors are warm. The force that is given then.

@@ -159,6 +159,10 @@ void ArmCommands::steady_force(std::string_view arm, std::optional<double> up_ne
     return answer(fail(
         Errc::Busy, named(asked) + " must be active, and for this connection: activate it first"));
   }
+  if (up_newton && asked.snapshot().is_kept_out) {
+    return answer(fail(Errc::Busy, named(asked) + " has no force where it is: " +
+                                       session::way_in(*runtime_.arms()[*index])));
+  }
   std::erase_if(steady_, [&](const Steady& steady) { return steady.arm == *index; });
   if (up_newton) {
     asked.steady_force().hold(*up_newton);
@@ -312,7 +316,7 @@ ArmCommands::Verdict ArmCommands::judge_activation(const Wait& wait,
   const bool is_up_to_person = seen.frame.state == OperatingState::Calibrating &&
                                seen.frame.calibration == CalibrationState::NeedsUser;
   if (seen.frame.state == OperatingState::Active || is_up_to_person || seen.is_kept_out) {
-    return done(wait.arm);
+    return driven(wait.arm);
   }
   return std::nullopt;
 }
@@ -323,7 +327,7 @@ ArmCommands::Verdict ArmCommands::judge_clearing(const Wait& wait,
   if (static_cast<std::int32_t>(seen.clear_answered - wait.clear_id) < 0) return std::nullopt;
   const std::string name = named(session(wait.arm));
   if (seen.fault.number != wait.fault) {  // it is latched no more, whoever cleared it
-    if (seen.frame.state != OperatingState::Fault) return done(wait.arm);
+    if (seen.frame.state != OperatingState::Fault) return driven(wait.arm);
     return fail(Errc::Busy, name + " was cleared, and stopped again (" + told(seen.fault) + ")");
   }
   if (const Result<void> possible = check_clearable(session(wait.arm), seen); !possible) {
@@ -355,12 +359,15 @@ void ArmCommands::withdraw(const Wait& wait) {
 
 api::Done ArmCommands::done(std::size_t arm) {
   session::ArmSession& asked = session(arm);
-  std::string instruction(asked.device().calibration_instruction());
-  const session::WorldHost* world = runtime_.find_world(asked.config().world.value_or(""));
-  if (instruction.empty() && world != nullptr) {
-    instruction = session::way_into(world->world().info(), *runtime_.arms().at(arm));
-  }
-  return {std::string(to_string(asked.snapshot().frame.state)), std::move(instruction)};
+  return {std::string(to_string(asked.snapshot().frame.state)),
+          std::string(asked.device().calibration_instruction())};
+}
+
+api::Done ArmCommands::driven(std::size_t arm) {
+  api::Done answer = done(arm);
+  if (session(arm).snapshot().is_kept_out)
+    answer.instruction = session::way_in(*runtime_.arms()[arm]);
+  return answer;
 }
 
 void ArmCommands::apply_leases() {

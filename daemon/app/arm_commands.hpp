@@ -17,10 +17,10 @@
 namespace thimble::app {
 
 // Carries out what clients ask of arms, and answers with what was then seen of the servo: an
-// activation when the arm is active or waits for a person to calibrate it, a cleared fault when
-// the arm has left it, for which the safety chain is let go first. What cannot come true is refused
-// at once, with the cause. Edits of worlds are handed on to WorldEdits, and what
-// is done to pieces to PieceActions.
+// activation when the arm is active or waits for a person to calibrate it or to bring it into its
+// world, a cleared fault when the arm has left it, for which the safety chain is let go first. What
+// cannot come true is refused at once, with the cause. Edits of worlds are handed on to WorldEdits,
+// and what is done to pieces to PieceActions.
 //
 // Thread: the net plane's one thread. Not RT.
 // Ownership: runtime, leases and clock must outlive it; the clock never decides about an arm,
@@ -98,6 +98,8 @@ class ArmCommands final : public api::Commands {
   void withdraw(const Wait& wait);
   void end_steady_forces();
   [[nodiscard]] api::Done done(std::size_t arm);
+  // The same of an arm that shall be driven, with what keeps it from a force.
+  [[nodiscard]] api::Done driven(std::size_t arm);
   void apply_leases();
 
   session::Runtime& runtime_;

@@ -77,9 +77,7 @@ double newton_per_count_of(const session::ArmSession& session) {
   return session.config().newton_per_count.value_or(model->newton_per_count);
 }
 
-// `world`: nullptr where it is on another host.
-api::ArmStatus arm_status(session::ArmRig& rig, const session::WorldHost* world, std::size_t index,
-                          const StatusContext& context) {
+api::ArmStatus arm_status(session::ArmRig& rig, std::size_t index, const StatusContext& context) {
   session::ArmSession& session = rig.session();
   const servo::ServoSnapshot& snapshot = session.snapshot();
   const servo::ServoFrame& frame = snapshot.frame;
@@ -96,9 +94,7 @@ api::ArmStatus arm_status(session::ArmRig& rig, const session::WorldHost* world,
   arm.state = to_string(frame.state);
   arm.calibration = to_string(frame.calibration);
   arm.instruction = session::instruction_for(rig);
-  if (arm.instruction.empty() && world != nullptr) {
-    arm.instruction = session::way_into(world->world().info(), rig);
-  }
+  if (arm.instruction.empty()) arm.instruction = session::way_in(rig);
   arm.position_m = as_array(frame.tip);
   arm.gimbal_rad = gimbal_of(session.device().capabilities(), snapshot);
   arm.force_newton = as_array(frame.force);
@@ -279,9 +275,7 @@ api::Status collect_status(session::Runtime& runtime, const StatusContext& conte
   if (context.threads != nullptr) status.degraded = context.threads->missing();
   for (std::size_t i = 0; i < runtime.arms().size(); ++i) {
     session::ArmRig& rig = *runtime.arms()[i];
-    const session::WorldHost* const world =
-        runtime.find_world(rig.session().config().world.value_or(""));
-    status.arms.push_back(arm_status(rig, world, i, context));
+    status.arms.push_back(arm_status(rig, i, context));
     status.servos.push_back(servo_status(rig, i, context));
     if (const std::string trouble = rig.trouble(); !trouble.empty()) {
       status.degraded.push_back(trouble);

@@ -13,9 +13,14 @@ bool ServoLoop::may_begin() const noexcept {
   return !has_motors_ || settings_.entry.contains(arm_.tip);
 }
 
-bool ServoLoop::is_kept_out() const noexcept {
-  const bool is_waiting = state_ == OperatingState::Inactive || (is_driving() && is_let_go_);
-  return is_waiting && !may_begin() && parts_.controls.want_active.load(std::memory_order_relaxed);
+bool ServoLoop::is_kept_out(const ServoFrame& frame) const noexcept {
+  const ServoControls& controls = parts_.controls;
+  const bool is_let_go =
+      is_driving() && is_let_go_ && controls.is_deadman_held.load(std::memory_order_relaxed);
+  const bool is_waiting = is_let_go || (state_ == OperatingState::Inactive && !frame.is_stale);
+  return is_waiting && !may_begin() && !is_released_ &&
+         controls.want_active.load(std::memory_order_relaxed) &&
+         controls.is_guarded.load(std::memory_order_relaxed);
 }
 
 void ServoLoop::answer_clear_request(bool is_healthy, const ServoFrame& frame) noexcept {

@@ -296,7 +296,7 @@ void ServoLoop::publish(const ServoFrame& frame) noexcept {
   snapshot_.frame = frame;
   snapshot_.was_pulled = was_pulled_;
   snapshot_.may_hold_force = held_force_.may_hold();
-  snapshot_.is_kept_out = is_kept_out();
+  snapshot_.is_kept_out = is_kept_out(frame);
   snapshot_.is_place_known = is_place_known(frame);
   snapshot_.missed_exchanges = freshness_.missed() + commands_.missed();
   snapshot_.felt = felt_.felt();

@@ -129,7 +129,7 @@ class ServoLoop {
   [[nodiscard]] bool is_silent(MonotonicTime now) const noexcept;
   [[nodiscard]] bool may_drive() const noexcept;
   [[nodiscard]] bool may_begin() const noexcept;
-  [[nodiscard]] bool is_kept_out() const noexcept;
+  [[nodiscard]] bool is_kept_out(const ServoFrame& frame) const noexcept;
 
   ServoParts parts_;
   ServoSettings settings_;

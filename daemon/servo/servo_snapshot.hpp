@@ -27,7 +27,7 @@ struct ServoSnapshot {
   bool was_pulled{false};      // after it was driven, and not cleared since: calibrated first
   bool is_place_known{false};  // calibrated, and its newest sample is no older than allowed
   bool may_hold_force{false};  // its motors, as far as is known: HeldForce
-  bool is_kept_out{false};     // wanted active; only the finger's place, outside its world, forbids
+  bool is_kept_out{false};     // only its finger's place, outside its world, keeps it from a force
 };
 
 }  // namespace thimble::servo

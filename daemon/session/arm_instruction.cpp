@@ -40,23 +40,26 @@ std::string instruction_for(ArmRig& rig) {
   return std::string(session.device().calibration_instruction());
 }
 
-std::string way_into(const world::WorldInfo& world, ArmRig& rig) {
-  const servo::ServoSnapshot& seen = rig.session().snapshot();
+std::string way_in(ArmRig& rig) {
+  ArmSession& session = rig.session();
+  const servo::ServoSnapshot& seen = session.snapshot();
   const OperatingState state = seen.frame.state;
   if (state != OperatingState::Inactive && state != OperatingState::Active) return "";
-  const auto& [x, y, z] = rig.session().config().place_m;
-  return way_into(world, seen.frame.tip + seen.frame.offset + Displacement3{x, y, z},
-                  seen.is_kept_out ? 0 : kOutside_m);
+  const servo::EntryBox& entry = session.loop().settings().entry;
+  // Where it waits there is no offset: the ghost begins at the finger.
+  if (seen.is_kept_out) return way_into(entry, seen.frame.tip);
+  return way_into(entry, seen.frame.tip + seen.frame.offset);
 }
 
-std::string way_into(const world::WorldInfo& world, Position3 finger, double least_m) {
-  const std::array<double, 3> at_m{finger.x, finger.y, finger.z};
+std::string way_into(const servo::EntryBox& entry, Position3 finger) {
+  const Displacement3 from_center = finger - entry.center;
+  const std::array<double, 3> at_m{from_center.x, from_center.y, from_center.z};
   std::string way;
   bool is_far = false;
   for (std::size_t i = 0; i < at_m.size(); ++i) {
-    const double outside_m = std::abs(at_m.at(i)) - world.extent_m.at(i) / 2;
-    if (!(world.extent_m.at(i) > 0 && outside_m > 0) || !std::isfinite(outside_m)) continue;
-    is_far = is_far || outside_m > least_m;
+    const double outside_m = std::abs(at_m.at(i)) - entry.half_m.at(i);
+    if (!(entry.half_m.at(i) > 0 && outside_m > 0) || !std::isfinite(outside_m)) continue;
+    is_far = is_far || outside_m > servo::EntryBox::kLean_m;
     // Rounded up: who follows it is inside.
     way +=
         (way.empty() ? "" : ", ") +

@@ -6,6 +6,7 @@
 #include "daemon/devices/open_arm.hpp"
 #include "daemon/session/arm_settings.hpp"
 #include "daemon/session/combination.hpp"
+#include "daemon/session/entry.hpp"
 #include "daemon/session/world_host.hpp"
 
 namespace thimble::session {
@@ -133,7 +134,7 @@ ArmSessionParts ArmRig::session_parts(const config::ArmConfig& arm, WorldHost* w
           parts.stopwatch != nullptr ? *parts.stopwatch : *clock_,
           world != nullptr ? world->world().info().cell_m : 0,
           parts.guards,
-          world != nullptr ? entry_into(world->world().info(), arm.place_m) : servo::EntryBox{}};
+          world != nullptr ? entry_into(world->world(), arm.place_m) : servo::EntryBox{}};
 }
 
 template <class MakeSession>

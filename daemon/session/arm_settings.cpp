@@ -47,12 +47,6 @@ Result<servo::ServoSettings> servo_settings(const config::ArmConfig& arm,
   return settings;
 }
 
-servo::EntryBox entry_into(const world::WorldInfo& world,
-                           const std::array<double, 3>& place_m) noexcept {
-  const auto& [x, y, z] = world.extent_m;
-  return {{-place_m[0], -place_m[1], -place_m[2]}, {x / 2, y / 2, z / 2}};
-}
-
 namespace {
 
 coupling::GhostPointSettings ghost_point_settings(const config::CouplingConfig& said, double cell_m,

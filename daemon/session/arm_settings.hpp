@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <memory>
 
 #include "daemon/config/config.hpp"
@@ -10,7 +9,6 @@
 #include "daemon/link/endpoint.hpp"
 #include "daemon/link/serial_line.hpp"
 #include "daemon/servo/servo_loop.hpp"
-#include "daemon/world/world.hpp"
 #include "hal/base/result.hpp"
 #include "hal/plugin/driver.hpp"
 
@@ -28,9 +26,6 @@ struct RigParts;
 [[nodiscard]] Result<servo::ServoSettings> servo_settings(const config::ArmConfig& arm,
                                                           const config::ServoConfig& servo,
                                                           const HapticCapabilities& capabilities);
-// Where an arm that stands at `place_m` of the world may begin to feel it.
-[[nodiscard]] servo::EntryBox entry_into(const world::WorldInfo& world,
-                                         const std::array<double, 3>& place_m) noexcept;
 [[nodiscard]] Result<std::unique_ptr<coupling::ArmCoupling>> make_coupling(
     const config::ArmConfig& arm, double cell_m, const HapticCapabilities& capabilities);
 [[nodiscard]] coupling::Scheme scheme_of(config::CouplingScheme said);

@@ -35,9 +35,22 @@ TEST(CommandsOutsideTheWorld, AnActivationIsAnsweredWithTheWayInAndComesTrueInsi
   EXPECT_EQ(leases.holder(0), app::Leases::Holder::Client);
 
   loop.run(1, [&] { ASSERT_EQ(norm(loop.truth().motor_force), 0); });
-  loop.sim_arm().backend().push_tip({0, -4, 0});  // against its person's hand
+  loop.sim_arm().backend().hold_tip(nullptr);
+  loop.sim_arm().backend().push_tip({0, -0.3, 0});
   EXPECT_TRUE(loop.run_until(2, [&] { return state() == OperatingState::Active; }))
       << loop.frame().tip.y;
+
+  // Without the deadman it is carried out again.
+  loop.controls().is_deadman_held = false;
+  loop.sim_arm().backend().push_tip({0, 0.3, 0});
+  ASSERT_TRUE(loop.run_until(2, [&] { return loop.frame().tip.y > 0; }));
+  loop.controls().is_deadman_held = true;
+  loop.run(0.05);
+  sut.steady_force("right", 0.5, kHer, [&](const Result<api::Done>& done) { told = done; });
+  ASSERT_FALSE(*told);
+  EXPECT_THAT((*told).error().message,
+              HasSubstr("arm 'right' has no force where it is: bring the"));
+  EXPECT_EQ(norm(loop.frame().force), 0);
 }
 
 }  // namespace

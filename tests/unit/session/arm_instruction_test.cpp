@@ -12,11 +12,7 @@
 namespace thimble::session {
 namespace {
 
-world::WorldInfo box() {
-  world::WorldInfo world;
-  world.extent_m = {0.09, 0.09, 0.06};
-  return world;
-}
+servo::EntryBox box() { return {{}, {0.045, 0.045, 0.03}}; }
 
 TEST(WayInto, IsAlongEachAxisOnWhichTheFingerIsOutside) {
   EXPECT_EQ(way_into(box(), {0, 0.2, 0}), "bring the arm into its world: 155 mm down");
@@ -37,6 +33,24 @@ TEST(WayInto, IsNothingInAWorldWithoutEndAndForAPositionThatIsNone) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double none = std::numeric_limits<double>::infinity();
   EXPECT_EQ(way_into(box(), {nan, none, -none}), "");
+}
+
+TEST(WayInto, IsAboutTheMiddleOfTheFreePart) {
+  const servo::EntryBox placed{{0, 0.2, 0}, {0.045, 0.045, 0.03}};
+  EXPECT_EQ(way_into(placed, {0, 0.2, 0}), "");
+  EXPECT_EQ(way_into(placed, {0, 0.264, 0}), "");
+  EXPECT_EQ(way_into(placed, {0, 0.2661, 0}), "bring the arm into its world: 22 mm down");
+}
+
+// Who is told of a way is kept out, and the other way round.
+TEST(WayInto, IsToldToWhomTheServoKeepsOut) {
+  std::mt19937_64 random(8);
+  std::uniform_real_distribution<double> place(-0.1, 0.1);
+  for (int i = 0; i < 2000; ++i) {
+    const Position3 at{place(random), place(random), place(random)};
+    EXPECT_EQ(way_into(box(), at).empty(), box().contains(at))
+        << at.x << ' ' << at.y << ' ' << at.z;
+  }
 }
 
 // Whoever does as it says is inside, and by less than a millimetre more than was needed.
@@ -63,7 +77,7 @@ TEST(WayInto, LeadsInside) {
       at.at(axis) += (is_back ? -1 : 1) * way_mm / 1e3;
     }
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      EXPECT_LE(std::abs(at.at(axis)), box().extent_m.at(axis) / 2 + 2e-9) << sut;
+      EXPECT_LE(std::abs(at.at(axis)), box().half_m.at(axis) + 2e-9) << sut;
     }
   }
   EXPECT_GT(told, 1000);
