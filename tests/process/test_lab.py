@@ -12,22 +12,19 @@ import subprocess
 import unittest
 import xml.etree.ElementTree
 
-from lab_rig import SVG, LabTest, pixels_of_png
-from rig import BIN, ROOT, TIMEOUT_S, clean_environment, die_with_parent, is_sanitized
-
-
-_reckons = unittest.skipIf(is_sanitized(), "reckons for minutes there; the release build plays it")
+from lab_rig import SVG, LabTest, pixels_of_png, reckons
+from rig import BIN, ROOT, TIMEOUT_S, clean_environment, die_with_parent
 
 
 class Lab(LabTest):
-    @_reckons
+    @reckons
     def test_the_same_seed_prints_the_same(self):
         once, again, other = (self.run_experiment("table-4.1", "--contacts", "3", "--seed", seed)
                               for seed in ("4", "4", "5"))
         self.assertEqual(once.stdout, again.stdout)
         self.assertNotEqual(once.stdout, other.stdout)
 
-    @_reckons
+    @reckons
     def test_constraint_models_hold_as_the_figures_draw_them(self):
         folder = self.folder / "figures"
         shown = self.run_experiment("constraint-models", "--out", folder)
@@ -39,7 +36,7 @@ class Lab(LabTest):
         self.assertLess(float(end["simple_proxy_y [mm]"]), float(end["hand_y [mm]"]) - 1, "figure 3-8e")
         self.assertEqual(end["cells_proxy_y [mm]"], end["hand_y [mm]"], "figure 3-9")
 
-    @_reckons
+    @reckons
     def test_the_ball_of_the_thesis_swings_only_where_forces_come_back_late(self):
         shown = self.run_experiment("hello-sphere", "--out", self.folder / "sphere")
         self.assertEqual(shown.returncode, 0, shown.stdout[-800:] + shown.stderr)

@@ -2,13 +2,11 @@
 
 import csv
 import json
-import unittest
 
-from lab_rig import LabTest
-from rig import is_sanitized
+from lab_rig import LabTest, reckons
 
 
-@unittest.skipIf(is_sanitized(), "reckons for minutes there; the release build plays it")
+@reckons
 class Findings(LabTest):
     def test_table_4_1_is_as_the_facts_have_it_and_is_written(self):
         folder = self.folder / "out"
