@@ -61,6 +61,7 @@ bool GuardSession::step(const Clock& clock) noexcept {
     // in which zero is written begins when the kernel returns.
     const bool is_taken = writer_.write();
     watch_.wrote(clock.now(), is_taken);
+    if (is_ended_ && !is_taken && writer_.is_gone()) return false;
   }
   return !is_ended_ || must_write;
 }

@@ -31,7 +31,8 @@ class GuardSession {
 
   // One look; where zero is to be written it blocks as ZeroWriter::write() does.
   // False: the connection has ended, and nothing is left to do. Of an arm that was driven that
-  // comes 100 ms after the first zero that it took then, or 25 s after the end (WatchSettings).
+  // comes 100 ms after the first zero that it took then, 25 s after the end (WatchSettings), or
+  // with the first zero that it did not take because it was gone.
   [[nodiscard]] bool step(const Clock& clock) noexcept;
   // Until the next look is due, or the connection ends; after a step.
   void await_next(Clock& clock) noexcept;

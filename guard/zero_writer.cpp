@@ -3,12 +3,24 @@
 #include <linux/usbdevice_fs.h>
 #include <sys/ioctl.h>
 
+#include <cerrno>
+
 namespace thimble::guard {
 
 bool ZeroWriter::write() noexcept {
+  errno = 0;
   const bool is_written = try_once();
+  refused_by_ = is_written ? 0 : errno;
   ++(is_written ? written_ : refused_);
   return is_written;
+}
+
+// A hiddev whose events nobody reads, as here, does not tell of a hang-up (hiddev_poll() of Linux
+// 6.1), but refuses all with ENODEV once it is gone, and for nothing else. On usbfs ENODEV is
+// also what a device that is being reset says, which comes back to the same node.
+bool ZeroWriter::is_gone() noexcept {
+  if (handover_.route == ZeroRoute::Hiddev) return refused_by_ == ENODEV;
+  return calls_->is_gone(node_.get());
 }
 
 bool ZeroWriter::try_once() noexcept {

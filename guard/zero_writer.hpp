@@ -17,8 +17,8 @@ namespace thimble::guard {
 // device may hold it up, and for hiddev where the arm itself takes nothing; for a bulk transfer
 // kBulkTimeout_ms.
 // Ownership: owns its copies of the descriptors; the calls must outlive it.
-// Errors: counted; an arm that is gone needs no zero, and whatever else is wrong, the next try is
-// all that can be done.
+// Errors: counted; whatever is wrong but that the arm is gone, the next try is all that can be
+// done.
 class ZeroWriter {
  public:
   // Ours: twenty frames of full speed, in which an arm that takes anything has taken it; then the
@@ -31,6 +31,8 @@ class ZeroWriter {
   // True: the arm's node took the whole zero. What became of one over hiddev nobody says: an arm
   // that refuses it is let go by its own watchdog, which such an arm must have (decision 0358).
   bool write() noexcept;
+  // After a write that was refused: the arm left its node, and no other will be taken.
+  [[nodiscard]] bool is_gone() noexcept;
   // Calls of write() that gave true, and false; calls, not zeros that reached the arm.
   [[nodiscard]] std::uint64_t written() const noexcept { return written_; }
   [[nodiscard]] std::uint64_t refused() const noexcept { return refused_; }
@@ -42,6 +44,7 @@ class ZeroWriter {
   linux::Descriptor node_;
   linux::DeviceCalls* calls_;
   linux::HiddevOutput hiddev_;  // for ZeroRoute::Hiddev
+  int refused_by_{0};           // errno of the last refusal; 0: a part was taken
   std::uint64_t written_{0};
   std::uint64_t refused_{0};
 };

@@ -17,12 +17,17 @@ class DeviceCalls {
   virtual std::ptrdiff_t write(int node, std::span<const std::uint8_t> bytes) noexcept = 0;
   // ioctl().
   virtual int control(int node, unsigned long request, void* argument) noexcept = 0;
+  // Whether the device left its node for good, as poll() says of those of usbfs, hidraw and
+  // terminals, and of a hiddev without unread events; one that returns has another node. Does not
+  // wait.
+  virtual bool is_gone(int node) noexcept = 0;
 };
 
 class KernelCalls final : public DeviceCalls {
  public:
   std::ptrdiff_t write(int node, std::span<const std::uint8_t> bytes) noexcept override;
   int control(int node, unsigned long request, void* argument) noexcept override;
+  bool is_gone(int node) noexcept override;
 };
 
 }  // namespace thimble::linux

@@ -49,7 +49,7 @@ class LinuxHidRig final : public HidRig {
   }
   void unplug() override {
     wire_.unplug();
-    kernel_.is_gone = true;
+    kernel_.is_unplugged = true;
   }
   void run_for(Duration duration) override {
     for (Duration run{}; run < duration; run += frame_period()) {

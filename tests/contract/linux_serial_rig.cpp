@@ -91,6 +91,8 @@ class FullKernel final : public linux::DeviceCalls {
     return 0;
   }
 
+  bool is_gone(int node) noexcept override { return kernel_.is_gone(node); }
+
   std::size_t room{1'000'000};  // for bytes, until it refuses more
   bool is_answered_here{false};
   int waiting{0};  // below 0: cannot tell

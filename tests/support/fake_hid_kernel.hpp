@@ -33,7 +33,8 @@ class FakeHidKernel final : public linux::DeviceCalls {
   std::uint32_t report_number{0};
   std::vector<Field> fields{{2}};
   bool has_hiddev{true};
-  bool is_gone{false};
+  bool is_unplugged{false};
+  bool has_unread_events{false};
   // The device was asked for its reports, of itself before values are first set.
   bool is_initialized{false};
   // Before a report goes out: time may pass.
@@ -42,13 +43,16 @@ class FakeHidKernel final : public linux::DeviceCalls {
 
   std::ptrdiff_t write(int /*node*/, std::span<const std::uint8_t> bytes) noexcept override {
     on_send();
+    if (is_unplugged) return refuse(ENODEV);
     sent.push_back({"raw", {bytes.begin(), bytes.end()}});
     return static_cast<std::ptrdiff_t>(bytes.size());
   }
 
+  bool is_gone(int /*node*/) noexcept override { return is_unplugged && !has_unread_events; }
+
   int control(int /*node*/, unsigned long request, void* argument) noexcept override {
     if (!has_hiddev) return refuse(ENOTTY);
-    if (is_gone) return refuse(ENODEV);
+    if (is_unplugged) return refuse(ENODEV);
     switch (request) {
       case HIDIOCGUSAGE:
         is_initialized = true;

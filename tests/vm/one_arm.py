@@ -5,6 +5,7 @@ What is felt is judged by the arm's own log, of what its motors did.
 
 import json
 
+import arms
 import guest
 import nodes
 import simdev
@@ -107,5 +108,14 @@ class OneArm(guest.GuestTest):
         self.assertGreater(simdev.norm(self.press()), WALL_NEWTON)
         self.guest.run("systemctl stop thimbled; sleep 0.2")
         self.assertLess(max(self.arm.forces(0.1)), simdev.NOTHING_NEWTON)
+
+    def test_7_gone_with_its_daemon_it_keeps_no_guard_at_work(self):
+        """Its zeros are refused; else they are tried for 25 s. Without its supply, so that it is calibrated again."""
+        self.arm.say("unplug", "plug")
+        self.arm.plug()
+        self.guest.run("systemctl start thimbled")
+        self.arm.activate()
+        self.guest.run(f"daemon={arms.PID}; pgrep -x thimble-guard; kill -STOP $daemon; {self.arm.command('unplug')}; kill -KILL $daemon; "
+                       "sleep 1; ! pgrep -x thimble-guard")
 
 

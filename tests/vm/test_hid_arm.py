@@ -51,6 +51,7 @@ class Teensy(Uhid):
     rest_m = (0.0, -0.034, 0.0495)  # its home
     to_wall_m = 0.0145
     test_5b_upgraded_while_the_hand_pushes_it_is_let_go_and_comes_back = None  # of the daemon, whatever the arm
+    test_7_gone_with_its_daemon_it_keeps_no_guard_at_work = None  # over its hiddev as any arm on USB
 
     @classmethod
     def plug_in(cls):

@@ -228,6 +228,54 @@ TEST(GuardSession, WhereAWriteHangsZeroFollowsForAsLongAsEver) {
   EXPECT_EQ(writes, 51) << "50 looks in the 100 ms after it";
 }
 
+TEST(GuardSession, OfAnArmThatLeftWithItsDaemonEndsWithTheFirstZeroThatIsRefused) {
+  for (const ZeroRoute route : {ZeroRoute::Write, ZeroRoute::Hiddev}) {
+    Rig rig;
+    test::FakeHidKernel kernel;
+    kernel.fields = {{3}};
+    auto guard = rig.accept(route, kernel);
+    rig.run(*guard, 100, true);
+    kernel.is_unplugged = true;
+    kernel.has_unread_events = route == ZeroRoute::Hiddev;
+    rig.run(*guard, 1000, false);
+    EXPECT_FALSE(rig.is_over) << "its daemon may have more to say";
+    const std::uint64_t refused = guard->zeros().refused();
+    EXPECT_GT(refused, 400U);
+    rig.daemon = Descriptor();
+    rig.run(*guard, 1000, false);
+    EXPECT_TRUE(rig.is_over);
+    EXPECT_EQ(guard->zeros().refused(), refused + 1);
+    EXPECT_EQ(guard->zeros().written(), 0U);
+  }
+}
+
+TEST(GuardSession, OneThatRefusesAndIsThereIsAskedFor25SecondsMore) {
+  Rig rig;
+  test::FakeHidKernel kernel;
+  kernel.has_hiddev = false;
+  auto guard = rig.accept(ZeroRoute::Hiddev, kernel);
+  rig.run(*guard, 100, true);
+  rig.daemon = Descriptor();
+  rig.run(*guard, 24'900, false);
+  EXPECT_FALSE(rig.is_over);
+  rig.run(*guard, 200, false);
+  EXPECT_TRUE(rig.is_over);
+}
+
+TEST(KernelCalls, ANodeIsGoneWhenItsOtherEndIsAndNotBefore) {
+  Descriptor device(::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC));
+  ASSERT_TRUE(device.get() >= 0 && ::grantpt(device.get()) == 0 && ::unlockpt(device.get()) == 0);
+  std::array<char, 64> name{};
+  ASSERT_EQ(::ptsname_r(device.get(), name.data(), name.size()), 0);
+  const Descriptor node(::open(name.data(), O_RDWR | O_NOCTTY | O_CLOEXEC | O_NONBLOCK));
+  ASSERT_GE(node.get(), 0);
+  linux::KernelCalls sut;
+  EXPECT_FALSE(sut.is_gone(node.get()));
+  device = Descriptor();
+  EXPECT_TRUE(sut.is_gone(node.get()));
+  EXPECT_FALSE(sut.is_gone(-1)) << "nobody knows of one that was never there";
+}
+
 TEST(SharedPage, OfAnotherProcessMustNotBeAbleToShrink) {
   EXPECT_FALSE(SharedPage::map(Descriptor(::open("/dev/null", O_RDWR | O_CLOEXEC))).has_value());
   Descriptor unsealed(::memfd_create("unsealed", MFD_CLOEXEC | MFD_ALLOW_SEALING));

@@ -85,10 +85,10 @@ TEST(Hiddev, OfAReportThatIsTooLongTheRestIsLeftOut) {
 
 TEST(Hiddev, OfADeviceThatIsGoneNothingIsSent) {
   FakeHidKernel kernel;
-  kernel.is_gone = true;
+  kernel.is_unplugged = true;
   HiddevOutput sut(kNode, kernel);
   EXPECT_FALSE(sut.write(Bytes{1, 2}));
-  kernel.is_gone = false;
+  kernel.is_unplugged = false;
   kernel.fields = {{1}};
   EXPECT_FALSE(sut.write(Bytes{1, 2})) << "shorter than the report";
   EXPECT_TRUE(kernel.sent.empty());
