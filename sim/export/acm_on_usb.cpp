@@ -138,7 +138,8 @@ UsbAnswer AcmOnUsb::in_packet(std::uint8_t endpoint, std::span<std::uint8_t> out
 }
 
 MonotonicTime AcmOnUsb::unchanged_until() const noexcept {
-  return packet_begin_ == packet_end_ ? model_->unchanged_until() : MonotonicTime{};
+  const bool has_news = packet_begin_ != packet_end_ || is_end_owed_;
+  return has_news ? MonotonicTime{} : model_->unchanged_until();
 }
 
 void AcmOnUsb::power_cycle() noexcept {

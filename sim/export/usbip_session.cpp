@@ -287,8 +287,7 @@ UsbipSession::Progress UsbipSession::send(Transfer& transfer, const bus::UsbEndp
     around_.log->note_bytes(around_.time(now), ModelLog::Direction::ToModel, bytes);
     ++counters_.from_host;
     transfer.done += bytes.size();
-    is_under_way_ = true;  // what asked before it may have an answer now
-    if (bytes.empty()) break;
+    if (bytes.empty() || bytes.size() < sent.size()) break;
   }
   return end(transfer, 0);
 }

@@ -70,7 +70,8 @@ std::size_t TextArmModel::give(std::span<std::uint8_t> out) noexcept { return fi
 
 // It answers, and says nothing unasked.
 MonotonicTime TextArmModel::unchanged_until() const noexcept {
-  return firmware_.has_unread() ? now() : MonotonicTime{Duration::max()};
+  const bool has_news = firmware_.has_unread() || firmware_.has_unsaid();
+  return has_news ? now() : MonotonicTime{Duration::max()};
 }
 
 void TextArmModel::power_cycle() noexcept { firmware_.power_up(now(), kBoot, encoder_totals()); }

@@ -53,6 +53,8 @@ class TextFirmware final : public ControllerBoard {
   THIMBLE_RT std::size_t give(std::span<std::uint8_t> out) noexcept;
   // Something was taken that it has not read, which may be answered.
   [[nodiscard]] bool has_unread() const noexcept { return in_read_ < in_size_; }
+  // Something that give() would say.
+  [[nodiscard]] bool has_unsaid() const noexcept { return out_size_ > 0; }
   [[nodiscard]] const TextFirmwareCounters& counters() const noexcept { return counters_; }
 
  private:

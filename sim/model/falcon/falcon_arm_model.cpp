@@ -150,9 +150,7 @@ UsbAnswer FalconArmModel::in_packet(std::uint8_t endpoint, std::span<std::uint8_
 }
 
 MonotonicTime FalconArmModel::unchanged_until() const noexcept {
-  const bool is_line_busy =
-      std::min(bridge_.next_arrival(), processor_.next_arrival()) != kNeverInTime;
-  return is_line_busy ? now_ : bridge_.next_packet_at();
+  return bridge_.next_packet_at(processor_.most_to_arrive(bridge_.under_way()));
 }
 
 void FalconArmModel::power_cycle() noexcept {

@@ -49,7 +49,7 @@ class FalconArmModel final : public plugin::SimUsbModel,
                                              std::span<const std::uint8_t> bytes) noexcept override;
   THIMBLE_RT plugin::UsbAnswer in_packet(std::uint8_t endpoint,
                                          std::span<std::uint8_t> out) noexcept override;
-  // While bytes are on a line, each round matters.
+  // While what is on the lines may fill a packet before its time, each round matters.
   THIMBLE_RT [[nodiscard]] MonotonicTime unchanged_until() const noexcept override;
   THIMBLE_RT void power_cycle() noexcept override;
   [[nodiscard]] plugin::ArmBackend* arm_backend() noexcept override { return this; }

@@ -43,6 +43,10 @@ class FalconFirmware {
   THIMBLE_RT void start(const CrankCounts& now) noexcept;
   // What is to be sent now, up to two replies; valid until the next call.
   THIMBLE_RT std::span<const std::uint8_t> take(std::uint8_t byte, const CrankCounts& now) noexcept;
+  // Of its replies to `heard` more bytes.
+  [[nodiscard]] std::size_t most_reply_bytes(std::size_t heard) const noexcept {
+    return (request_bytes_ + heard) / kBytes * kBytes + held_bytes_;
+  }
   // A crank went through its home angle, inwards.
   THIMBLE_RT void pass_home(std::size_t crank) noexcept;
   // Bits as the reply has them: right 1, forward 2, centre 4, left 8.

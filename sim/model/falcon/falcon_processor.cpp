@@ -129,6 +129,19 @@ void FalconProcessor::begin_to_run(const CrankCounts& now) noexcept {
   firmware_.start(now);
 }
 
+// The monitor's answer is a byte longer than its question, of which two bytes may have been heard;
+// the firmware's as long as a request, of which one may lack a byte and one reply may be held back.
+// All else echoes a byte at most.
+std::size_t FalconProcessor::most_to_arrive(std::size_t heard) const noexcept {
+  std::size_t answers = heard;
+  if (state_ == State::Monitor) answers = (heard + 2) / kQuestion.size() * kAnswer.size();
+  // It may begin to run before they are heard.
+  if (state_ == State::Starting || state_ == State::Running) {
+    answers = firmware_.most_reply_bytes(heard);
+  }
+  return sender_.under_way() + answers;
+}
+
 std::array<int, 3> FalconProcessor::motor_counts() const noexcept {
   return state_ == State::Running ? firmware_.motor_counts() : std::array<int, 3>{};
 }

@@ -56,6 +56,9 @@ class FalconProcessor {
   // A byte has arrived at `t`; `now` is where the cranks are.
   THIMBLE_RT void receive(MonotonicTime t, SerialByte byte, const CrankCounts& now) noexcept;
   [[nodiscard]] MonotonicTime next_arrival() const noexcept { return sender_.next_arrival(); }
+  // At most so many bytes will arrive at the bridge of what is under way, and of its answers to
+  // `heard` more bytes.
+  [[nodiscard]] std::size_t most_to_arrive(std::size_t heard) const noexcept;
   THIMBLE_RT SerialByte take_arrived() noexcept { return sender_.take_arrived(); }
 
   // What the motors are told now; zero but in Running.

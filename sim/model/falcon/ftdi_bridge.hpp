@@ -58,11 +58,14 @@ class FtdiBridge {
                                              std::span<const std::uint8_t> bytes) noexcept;
   THIMBLE_RT plugin::UsbAnswer in_packet(MonotonicTime t, std::span<std::uint8_t> out) noexcept;
 
-  // From when on it has a packet for the host, if nothing comes in; in the past: it has one.
-  [[nodiscard]] MonotonicTime next_packet_at() const noexcept {
-    return count_ < kPacketBytes - kStatusBytes ? packet_due_at_ : MonotonicTime{};
+  // From when on it has a packet for the host, if no more than `more` bytes come in; in the past:
+  // it has one, or would have one as soon as all of them are in.
+  [[nodiscard]] MonotonicTime next_packet_at(std::size_t more) const noexcept {
+    return count_ + more < kPacketBytes - kStatusBytes ? packet_due_at_ : MonotonicTime{};
   }
 
+  // To the far end of its line.
+  [[nodiscard]] std::size_t under_way() const noexcept { return sender_.under_way(); }
   // Serial side. What the host wrote arrives at its far end then and there.
   [[nodiscard]] MonotonicTime next_arrival() const noexcept { return sender_.next_arrival(); }
   THIMBLE_RT SerialByte take_arrived() noexcept;

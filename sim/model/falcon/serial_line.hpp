@@ -44,6 +44,8 @@ class SerialSender {
  public:
   [[nodiscard]] std::size_t room() const noexcept { return Capacity - count_; }
   [[nodiscard]] bool is_idle() const noexcept { return count_ == 0 && !is_shifting_; }
+  // Those that wait, and the one in the shift register.
+  [[nodiscard]] std::size_t under_way() const noexcept { return count_ + (is_shifting_ ? 1U : 0U); }
   // `t` is not before any earlier one. False: no room, nothing taken.
   THIMBLE_RT bool push(MonotonicTime t, std::uint8_t value) noexcept {
     if (count_ == Capacity) return false;

@@ -129,6 +129,33 @@ TEST_F(FalconProcessorTest, AnImageThatIsCutNeverRuns) {
   EXPECT_EQ(sut.counters().starts, 0U);
 }
 
+// Random talk, half of it meant; whoever waits for packets relies on the bound.
+TEST_F(FalconProcessorTest, NeverSendsMoreThanItSaysItWill) {
+  std::mt19937 dice(3);
+  const std::vector<Bytes> words{kQuestion, {0x0a, 0x43}, {0x0d}, {0x41}, test::falcon_image()};
+  const std::string request = "<AAAAAAAAAAAAAA>";
+  const std::array<double, 3> speeds{9600, kLoad, 1.5e6};
+  std::array<int, 7> seen{};
+  int exact = 0;
+  sut.firmware().set_faults({.short_every = 0, .glue_every = 3});
+  for (int step = 0; step < 20'000; ++step) {
+    const unsigned what = dice() % 16;
+    if (what == 0) lines(dice() % 2 == 0);
+    if (what == 1 && dice() % 40 == 0) sut.start_firmware();
+    Bytes talk = words[dice() % (what == 2 ? words.size() : words.size() - 1)];
+    if (what >= 8) talk.assign(request.begin(), request.begin() + 1 + dice() % 16);
+    const double baud = dice() % 4 == 0 ? speeds[dice() % 3] : speeds[what >= 8 ? 2 : dice() % 2];
+    wait(milliseconds(dice() % 30));
+    ++seen[static_cast<std::size_t>(sut.state())];
+    const std::size_t most = sut.most_to_arrive(talk.size());
+    const std::size_t came = say(talk, baud).size();
+    ASSERT_LE(came, most) << "step " << step << ", state " << static_cast<int>(sut.state());
+    exact += came == most && came > 0 ? 1 : 0;
+  }
+  for (const int count : seen) EXPECT_GT(count, 20);
+  EXPECT_GT(exact, 300);
+}
+
 TEST_F(FalconProcessorTest, LosesAnEchoOnce) {
   sut.set_faults({.lost_echo = 5, .deaf_questions = 0});
   const Bytes image = test::falcon_image();
