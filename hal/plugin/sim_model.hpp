@@ -30,6 +30,12 @@ class ModelPanel {
   virtual ~ModelPanel() = default;
   // False: it has no such button, switch or input.
   virtual bool press(unsigned number, bool pressed) noexcept = 0;
+  // What its firmware does wrong on demand, by names of its own; what a number means is the model's
+  // to say. False: it has no such fault, or not that number.
+  virtual bool set_fault(std::string_view /*name*/, std::uint32_t /*number*/) noexcept {
+    return false;
+  }
+  [[nodiscard]] virtual std::span<const std::string_view> faults() const noexcept { return {}; }
   // Not RT.
   [[nodiscard]] virtual std::vector<Reading> readings() const = 0;
 };

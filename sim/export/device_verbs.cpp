@@ -31,11 +31,9 @@ json::object counters_of(const PlugCounters& counters) {
 }
 
 json::object trouble_of(const Misbehaviour::Struck& struck) {
-  return {{"refused", struck.refused},
-          {"unanswered", struck.unanswered},
-          {"corrupted", struck.corrupted},
-          {"shortened", struck.shortened},
-          {"babbled", struck.babbled}};
+  return {{"refused", struck.refused},     {"unanswered", struck.unanswered},
+          {"corrupted", struck.corrupted}, {"shortened", struck.shortened},
+          {"babbled", struck.babbled},     {"cut", struck.cut}};
 }
 
 void add_arm(json::object& reply, const plugin::ArmBackend& arm) {
@@ -90,12 +88,27 @@ Result<void> DeviceVerbs::apply(const Verb& verb) {
     case VerbKind::Babble:
       around_.misbehaviour->babble(reports);
       return {};
+    case VerbKind::ShortOut:
+      around_.misbehaviour->cut_what_comes(reports);
+      return {};
+    case VerbKind::Fault:
+      return set_fault(verb.name, reports);
     case VerbKind::Press:
     case VerbKind::Release:
       return press(verb);
     default:
       return apply_to_arm(verb);
   }
+}
+
+Result<void> DeviceVerbs::set_fault(const std::string& name, std::uint32_t number) {
+  if (faces_.panel != nullptr && faces_.panel->set_fault(name, number)) return {};
+  std::string known;
+  if (faces_.panel != nullptr) {
+    for (const std::string_view one : faces_.panel->faults()) known += " " + std::string(one);
+  }
+  return fail(Errc::InvalidArgument, "it has no fault " + name + " with that number; it has:" +
+                                         (known.empty() ? " none" : known));
 }
 
 Result<void> DeviceVerbs::press(const Verb& verb) {

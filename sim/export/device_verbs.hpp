@@ -40,6 +40,7 @@ class DeviceVerbs {
   [[nodiscard]] Result<void> apply(const Verb& verb);
   [[nodiscard]] Result<void> apply_to_arm(const Verb& verb);
   [[nodiscard]] Result<void> press(const Verb& verb);
+  [[nodiscard]] Result<void> set_fault(const std::string& name, std::uint32_t number);
   [[nodiscard]] std::string status() const;
   [[nodiscard]] Reply log_of_last(Duration duration) const;
 

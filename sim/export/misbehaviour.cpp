@@ -33,4 +33,8 @@ std::size_t Misbehaviour::spoil(std::span<std::uint8_t> room, std::size_t size) 
   return size;
 }
 
+void Misbehaviour::note_taken(std::span<const std::uint8_t> sent) noexcept {
+  if (!sent.empty()) count_down(cut_, struck_.cut);
+}
+
 }  // namespace thimble::sim

@@ -28,6 +28,8 @@ class Misbehaviour {
   void corrupt(std::uint32_t reports) noexcept { corrupt_ = reports; }
   void shorten(std::uint32_t reports) noexcept { short_ = reports; }
   void babble(std::uint32_t reports) noexcept { babble_ = reports; }
+  // Of the next `packets` that it is sent it takes the first half, and the host may hear how much.
+  void cut_what_comes(std::uint32_t packets) noexcept { cut_ = packets; }
 
   // Asked for each transfer or request, of which it counts those that it refuses.
   [[nodiscard]] bool refuses(MonotonicTime now) noexcept {
@@ -42,6 +44,14 @@ class Misbehaviour {
   // than `room` for one that babbles beyond it.
   [[nodiscard]] std::size_t spoil(std::span<std::uint8_t> room, std::size_t size) noexcept;
 
+  // What it would take of a packet or report that it is sent; then that it took it: a NAK takes
+  // nothing, and the same one comes again.
+  [[nodiscard]] std::span<const std::uint8_t> taken_of(
+      std::span<const std::uint8_t> sent) const noexcept {
+    return cut_ > 0 ? sent.first(sent.size() / 2) : sent;
+  }
+  void note_taken(std::span<const std::uint8_t> sent) noexcept;
+
   // What it did wrong so far, so that who asked for it can tell that it happened.
   struct Struck {
     std::uint64_t refused{0};
@@ -49,6 +59,7 @@ class Misbehaviour {
     std::uint64_t corrupted{0};   // reports, as the two below
     std::uint64_t shortened{0};
     std::uint64_t babbled{0};
+    std::uint64_t cut{0};  // of those that it was sent
     bool operator==(const Struck&) const = default;
   };
   [[nodiscard]] const Struck& struck() const noexcept { return struck_; }
@@ -59,6 +70,7 @@ class Misbehaviour {
   std::uint32_t corrupt_{0};
   std::uint32_t short_{0};
   std::uint32_t babble_{0};
+  std::uint32_t cut_{0};
   Struck struck_{};
   std::mt19937_64 random_;
 };

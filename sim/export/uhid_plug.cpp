@@ -117,7 +117,9 @@ void UhidPlug::give_output(MonotonicTime now) {
     ++counters_.lost;
     return;
   }
-  const std::span<const std::uint8_t> report(output_.data(), output_bytes_);
+  const auto written = std::span(output_).first(output_bytes_);
+  const auto report = around_.misbehaviour->taken_of(written);
+  around_.misbehaviour->note_taken(written);
   around_.log->note_bytes(around_.time(now), ModelLog::Direction::ToModel, report);
   model_->out_report(report);
   ++counters_.from_host;

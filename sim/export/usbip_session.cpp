@@ -278,12 +278,13 @@ UsbipSession::Progress UsbipSession::send(Transfer& transfer, const bus::UsbEndp
       transfer.data.empty() || (is_whole && (transfer.submit.flags & kZeroPacket) != 0);
   while (transfer.done < transfer.data.size() || ends_empty) {
     const auto packet = std::span(transfer.data).subspan(transfer.done);
-    const auto bytes =
-        packet.first(std::min<std::size_t>(packet.size(), endpoint.max_packet_bytes));
-    if (!take_budget(kUsbPacketOverheadBytes + bytes.size())) return put_off();
+    const auto sent = packet.first(std::min<std::size_t>(packet.size(), endpoint.max_packet_bytes));
+    if (!take_budget(kUsbPacketOverheadBytes + sent.size())) return put_off();
+    const auto bytes = around_.misbehaviour->taken_of(sent);
     const UsbHandshake handshake = model_->out_packet(endpoint.address, bytes);
     if (handshake == UsbHandshake::Nak) return put_off();
     if (handshake == UsbHandshake::Stall) return halt(transfer, endpoint);
+    around_.misbehaviour->note_taken(sent);
     around_.log->note_bytes(around_.time(now), ModelLog::Direction::ToModel, bytes);
     ++counters_.from_host;
     transfer.done += bytes.size();

@@ -28,9 +28,10 @@ struct Rule {
   std::size_t required{0};
   std::size_t most{0};
   std::array<Argument, 4> arguments{};
+  bool has_name{false};  // before its numbers
 };
 
-constexpr std::array<Rule, 16> kRules{{
+constexpr std::array<Rule, 18> kRules{{
     {"move", VerbKind::Move, 3, 4, {kMetres, kMetres, kMetres, kStroke_s}},
     {"home", VerbKind::Home, 0, 1, {kStroke_s}},
     {"let-go", VerbKind::LetGo, 0, 0, {}},
@@ -45,6 +46,8 @@ constexpr std::array<Rule, 16> kRules{{
     {"corrupt", VerbKind::Corrupt, 0, 1, {kReports}},
     {"short", VerbKind::Short, 0, 1, {kReports}},
     {"babble", VerbKind::Babble, 0, 1, {kReports}},
+    {"short-out", VerbKind::ShortOut, 0, 1, {kReports}},
+    {"fault", VerbKind::Fault, 0, 1, {kReports}, true},
     {"status", VerbKind::Status, 0, 0, {}},
     {"log", VerbKind::Log, 0, 1, {kWhile_s}},
 }};
@@ -77,7 +80,11 @@ tl::unexpected<Error> unknown_verb() {
 }
 
 Result<Verb> parse_numbers(const Rule& rule, std::string_view line) {
-  Verb verb{rule.kind, {}};
+  Verb verb{.kind = rule.kind};
+  if (rule.has_name) verb.name = take_word(line);
+  if (rule.has_name && verb.name.empty()) {
+    return fail(Errc::InvalidArgument, std::string(rule.word) + " takes a name");
+  }
   std::size_t count = 0;
   for (; count < rule.most; ++count) {
     const Argument& argument = rule.arguments[count];

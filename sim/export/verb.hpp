@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 #include "hal/base/result.hpp"
@@ -23,11 +24,13 @@ enum class VerbKind : std::uint8_t {
   Unplug,     // with its supply
   PullCable,  // its supply stays: its firmware goes on
   Plug,
-  Stall,    // SECONDS: it refuses everything
-  Nak,      // SECONDS: it neither takes nor gives anything
-  Corrupt,  // [N]: bits of the next N reports are turned over
-  Short,    // [N]: the next N reports are cut to half
-  Babble,   // [N]: the next N reports are longer than they may be
+  Stall,     // SECONDS: it refuses everything
+  Nak,       // SECONDS: it neither takes nor gives anything
+  Corrupt,   // [N]: bits of the next N reports are turned over
+  Short,     // [N]: the next N reports are cut to half
+  Babble,    // [N]: the next N reports are longer than they may be
+  ShortOut,  // [N]: of the next N reports that it is sent it takes half
+  Fault,     // NAME [N]: what its firmware does wrong, by its own names; N whole
   Status,
   Log,  // [SECONDS]: what happened in the last ones
 };
@@ -35,6 +38,7 @@ enum class VerbKind : std::uint8_t {
 struct Verb {
   VerbKind kind{};
   std::array<double, 4> numbers{};  // those that are not said have their default
+  std::string name{};               // of a fault; empty for all others
   bool operator==(const Verb&) const = default;
 };
 

@@ -15,6 +15,13 @@ namespace wire = falcon::wire;
 using plugin::UsbAnswer;
 using plugin::UsbHandshake;
 
+constexpr std::string_view kLostEcho = "lost-echo";
+constexpr std::string_view kDeaf = "deaf";
+constexpr std::string_view kShortReplies = "short-replies";
+constexpr std::string_view kGluedReplies = "glued-replies";
+constexpr std::string_view kLatency = "latency";
+constexpr std::array kFaults{kLostEcho, kDeaf, kShortReplies, kGluedReplies, kLatency};
+
 // Force along z at the origin, when all cranks have 1 N m.
 double newton_per_newton_m(const FalconParameters& parameters) {
   DeltaPlant plant(parameters);
@@ -194,6 +201,30 @@ void FalconArmModel::set_faults(const FalconBootFaults& boot,
                                 const FalconReplyFaults& replies) noexcept {
   processor_.set_faults(boot);
   processor_.firmware().set_faults(replies);
+}
+
+std::span<const std::string_view> FalconArmModel::faults() const noexcept { return kFaults; }
+
+bool FalconArmModel::set_fault(std::string_view name, std::uint32_t number) noexcept {
+  constexpr std::uint32_t kMostLatency_ms = 255;  // a byte of the request
+  FalconBootFaults boot = processor_.faults();
+  FalconReplyFaults replies = processor_.firmware().faults();
+  if (name == kLostEcho) {
+    boot.lost_echo = number;
+  } else if (name == kDeaf) {
+    boot.deaf_questions = number;
+  } else if (name == kShortReplies) {
+    replies.short_every = number;
+  } else if (name == kGluedReplies) {
+    replies.glue_every = number;
+  } else if (name == kLatency && number <= kMostLatency_ms) {
+    const Duration latency = std::chrono::milliseconds(number);
+    bridge_.insist_on_latency(number > 0 ? std::optional(latency) : std::nullopt);
+  } else {
+    return false;
+  }
+  set_faults(boot, replies);
+  return true;
 }
 
 Position3 FalconArmModel::home_position() const noexcept {

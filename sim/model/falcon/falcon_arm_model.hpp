@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "hal/plugin/sim_model.hpp"
@@ -71,6 +72,11 @@ class FalconArmModel final : public plugin::SimUsbModel,
   [[nodiscard]] plugin::ModelPanel* panel() noexcept override { return this; }
   bool press(unsigned /*number*/, bool /*pressed*/) noexcept override { return false; }
   [[nodiscard]] std::vector<Reading> readings() const override;
+  // "lost-echo" N: byte N of the next image, from 0, is not echoed. "deaf" N: so many questions of
+  // the boot-loader's are not answered. "short-replies" N, "glued-replies" N: as FalconReplyFaults.
+  // "latency" MS: of the bridge, whatever it is told, up to 255; 0: as it is told.
+  THIMBLE_RT bool set_fault(std::string_view name, std::uint32_t number) noexcept override;
+  [[nodiscard]] std::span<const std::string_view> faults() const noexcept override;
 
   THIMBLE_RT void press_button(FalconButton button, bool pressed) noexcept;
   // As if an image had been uploaded, at any time.

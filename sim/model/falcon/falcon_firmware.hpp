@@ -52,6 +52,7 @@ class FalconFirmware {
   // Bits as the reply has them: right 1, forward 2, centre 4, left 8.
   THIMBLE_RT void set_buttons(std::uint8_t bits) noexcept { buttons_ = bits & 0x0fU; }
   void set_faults(const FalconReplyFaults& faults) noexcept { faults_ = faults; }
+  [[nodiscard]] const FalconReplyFaults& faults() const noexcept { return faults_; }
 
   [[nodiscard]] const std::array<int, 3>& motor_counts() const noexcept { return motors_; }
   // Of the last request: green 1, blue 2, red 4.

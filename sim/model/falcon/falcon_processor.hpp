@@ -67,6 +67,8 @@ class FalconProcessor {
   [[nodiscard]] const FalconFirmware& firmware() const noexcept { return firmware_; }
   [[nodiscard]] State state() const noexcept { return state_; }
   void set_faults(const FalconBootFaults& faults) noexcept { faults_ = faults; }
+  // Those that are still to come.
+  [[nodiscard]] const FalconBootFaults& faults() const noexcept { return faults_; }
   [[nodiscard]] const FalconProcessorCounters& counters() const noexcept { return counters_; }
 
  private:

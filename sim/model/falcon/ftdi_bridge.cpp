@@ -55,9 +55,11 @@ double ftdi_baud(std::uint32_t divisor) noexcept {
 
 void FtdiBridge::power_up(MonotonicTime t) noexcept {
   const FtdiCounters counters = counters_;
+  const std::optional<Duration> insisted = insisted_;
   *this = FtdiBridge{};
   counters_ = counters;
-  packet_due_at_ = t + latency_;
+  insisted_ = insisted;
+  packet_due_at_ = t + latency();
 }
 
 UsbAnswer FtdiBridge::control(MonotonicTime t, const bus::UsbControlRequest& request,
@@ -65,7 +67,7 @@ UsbAnswer FtdiBridge::control(MonotonicTime t, const bus::UsbControlRequest& req
   if (request.request_type == kVendorOut && set(t, request)) return {UsbHandshake::Ack, 0};
   const auto number = static_cast<Request>(request.request);
   if (request.request_type == kVendorIn && number == Request::GetLatency && !in.empty()) {
-    in[0] = static_cast<std::uint8_t>(latency_ / std::chrono::milliseconds(1));
+    in[0] = static_cast<std::uint8_t>(latency() / std::chrono::milliseconds(1));
     return {UsbHandshake::Ack, 1};
   }
   if (request.request_type == kVendorIn && number == Request::GetModemStatus) {
@@ -96,7 +98,7 @@ bool FtdiBridge::set(MonotonicTime t, const bus::UsbControlRequest& request) noe
     case Request::SetLatency:
       // A byte of milliseconds; what the chip makes of 0 nobody says, so it is the least: ours.
       latency_ = std::chrono::milliseconds(std::max(request.value & 0xff, 1));
-      packet_due_at_ = t + latency_;
+      packet_due_at_ = t + latency();
       return true;
     case Request::FlowControl:
       if ((request.index >> 8U) != 0) ++counters_.unmodelled_requests;
@@ -182,7 +184,7 @@ UsbAnswer FtdiBridge::in_packet(MonotonicTime t, std::span<std::uint8_t> out) no
   count_ -= size;
   counters_.bytes_to_host += size;
   ++(size > 0 ? counters_.data_packets : counters_.status_packets);
-  packet_due_at_ = t + latency_;
+  packet_due_at_ = t + latency();
   return {UsbHandshake::Ack, kStatusBytes + size};
 }
 

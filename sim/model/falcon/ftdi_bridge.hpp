@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "hal/base/time.hpp"
@@ -63,9 +64,9 @@ class FtdiBridge {
   [[nodiscard]] MonotonicTime next_packet_at(std::size_t more) const noexcept {
     return count_ + more < kPacketBytes - kStatusBytes ? packet_due_at_ : MonotonicTime{};
   }
-
   // To the far end of its line.
   [[nodiscard]] std::size_t under_way() const noexcept { return sender_.under_way(); }
+
   // Serial side. What the host wrote arrives at its far end then and there.
   [[nodiscard]] MonotonicTime next_arrival() const noexcept { return sender_.next_arrival(); }
   THIMBLE_RT SerialByte take_arrived() noexcept;
@@ -74,7 +75,10 @@ class FtdiBridge {
   [[nodiscard]] bool is_rts_high() const noexcept { return is_rts_high_; }
 
   [[nodiscard]] double speed_baud() const noexcept { return sender_.speed_baud(); }
-  [[nodiscard]] Duration latency() const noexcept { return latency_; }
+  [[nodiscard]] Duration latency() const noexcept { return insisted_.value_or(latency_); }
+  // On demand: it has this latency, whatever it is told, also after a loss of power; nothing: what
+  // it was told last.
+  void insist_on_latency(std::optional<Duration> latency) noexcept { insisted_ = latency; }
   [[nodiscard]] const FtdiCounters& counters() const noexcept { return counters_; }
 
  private:
@@ -88,6 +92,7 @@ class FtdiBridge {
   std::size_t first_{0};
   std::size_t count_{0};
   Duration latency_{std::chrono::milliseconds(16)};
+  std::optional<Duration> insisted_;
   MonotonicTime packet_due_at_{};
   bool is_dtr_high_{false};
   bool is_rts_high_{false};

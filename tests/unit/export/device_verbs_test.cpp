@@ -26,11 +26,21 @@ class Panel final : public plugin::ModelPanel {
     return true;
   }
   [[nodiscard]] std::vector<Reading> readings() const override {
-    return {{"line_5", is_down_ ? 1.0 : 0.0}};
+    return {{"line_5", is_down_ ? 1.0 : 0.0}, {"dim", dimness_}};
+  }
+  bool set_fault(std::string_view name, std::uint32_t number) noexcept override {
+    if (name != kFaults[0] || number > 9) return false;
+    dimness_ = number;
+    return true;
+  }
+  [[nodiscard]] std::span<const std::string_view> faults() const noexcept override {
+    return kFaults;
   }
 
  private:
+  static constexpr std::array<std::string_view, 1> kFaults{"dim"};
   bool is_down_{false};
+  double dimness_{0};
 };
 
 class DeviceVerbsTest : public ::testing::Test {
@@ -123,13 +133,30 @@ TEST_F(DeviceVerbsTest, MisbehavesOnDemand) {
   EXPECT_TRUE(is_taken("nak 0.5"));
   EXPECT_TRUE(bench_.misbehaviour.is_silent(now + std::chrono::milliseconds(499)));
   EXPECT_TRUE(is_taken("short 1"));
+  EXPECT_TRUE(is_taken("short-out 1"));
   std::array<std::uint8_t, 64> room{};
   EXPECT_EQ(bench_.misbehaviour.spoil(room, 14), 7U);
+  EXPECT_EQ(bench_.misbehaviour.taken_of(room).size(), 32U);
+  bench_.misbehaviour.note_taken(room);
   const json::object trouble = say("status").at("trouble").as_object();
-  EXPECT_EQ(
-      trouble,
-      json::object(
-          {{"refused", 1}, {"unanswered", 0}, {"corrupted", 0}, {"shortened", 1}, {"babbled", 0}}));
+  EXPECT_EQ(trouble, json::object({{"refused", 1},
+                                   {"unanswered", 0},
+                                   {"corrupted", 0},
+                                   {"shortened", 1},
+                                   {"babbled", 0},
+                                   {"cut", 1}}));
+}
+
+TEST_F(DeviceVerbsTest, DoesWrongWhatItsModelKnowsToAndNamesThatForWhatItDoesNot) {
+  EXPECT_TRUE(is_taken("fault dim 4"));
+  EXPECT_EQ(say("status").at("readings").at("dim").to_number<double>(), 4);
+  for (const char* line : {"fault dim 10", "fault bright 1"}) {
+    const json::object refused = say(line);
+    EXPECT_FALSE(refused.at("ok").as_bool()) << line;
+    EXPECT_NE(refused.at("error").as_string().find("it has: dim"), std::string::npos) << line;
+  }
+  DeviceVerbs plain(arm_.describe(), plug_, {nullptr, nullptr}, bench_.surroundings());
+  EXPECT_NE(whole(plain.execute("fault dim 4")).find("it has: none"), std::string::npos);
 }
 
 TEST_F(DeviceVerbsTest, SaysWhatItIsAndWhereItsTipIs) {

@@ -59,6 +59,25 @@ TEST(MisbehaviourTest, CutsToHalfAndBabbles) {
   EXPECT_EQ(sut.struck(), (Misbehaviour::Struck{.shortened = 1, .babbled = 2}));
 }
 
+TEST(MisbehaviourTest, TakesTheFirstHalfOfSoManyThatItIsSentAndNoMore) {
+  Misbehaviour sut(1);
+  const Room room{1, 2, 3};
+  sut.cut_what_comes(2);
+  const auto take = [&](std::span<const std::uint8_t> sent) {
+    const auto taken = sut.taken_of(sent);
+    sut.note_taken(sent);
+    return taken;
+  };
+  EXPECT_EQ(take({}).size(), 0U) << "of nothing there is no half";
+  EXPECT_EQ(sut.taken_of(room).size(), 32U) << "and was not taken";
+  EXPECT_EQ(take(room).size(), 32U);
+  EXPECT_EQ(take(std::span(room).first(1)).size(), 0U);
+  const auto whole = take(room);
+  EXPECT_EQ(whole.size(), room.size());
+  EXPECT_EQ(whole.data(), room.data());
+  EXPECT_EQ(sut.struck(), (Misbehaviour::Struck{.cut = 2}));
+}
+
 TEST(MisbehaviourTest, ANakIsNotSpoiled) {
   Misbehaviour sut(1);
   sut.babble(1);

@@ -257,6 +257,30 @@ TEST_F(UsbipSessionTest, MisbehavesOnDemand) {
   EXPECT_EQ(transfer(host_.read(Model::kBulkIn, 20), true).status, -EOVERFLOW);
 }
 
+TEST_F(UsbipSessionTest, APacketThatItTakesHalfOfEndsItsTransferAndTheHostHearsHowMuch) {
+  attach();
+  bench_.misbehaviour.cut_what_comes(1);
+  const auto reply = transfer(host_.write(Model::kBulkOut, Bytes(80, 7)), false);
+  EXPECT_EQ(reply.status, 0);
+  EXPECT_EQ(reply.actual, 32U);
+  EXPECT_EQ(script_->received[Model::kBulkOut], std::vector<Bytes>{Bytes(32, 7)});
+  EXPECT_EQ(transfer(host_.write(Model::kBulkOut, Bytes(80, 8)), false).actual, 80U);
+  EXPECT_EQ(bench_.misbehaviour.struck().cut, 1U);
+}
+
+TEST_F(UsbipSessionTest, APacketThatIsPutOffIsCutWhenItIsTaken) {
+  attach();
+  bench_.misbehaviour.cut_what_comes(1);
+  script_->deaf = {Model::kBulkOut};
+  say(host_.write(Model::kBulkOut, Bytes(16, 7)));
+  serve(8);
+  EXPECT_EQ(bench_.misbehaviour.struck().cut, 0U);
+  script_->deaf.clear();
+  serve(8);
+  EXPECT_EQ(UsbipHost::take_reply(sut_.outbox(), false)->actual, 8U);
+  EXPECT_EQ(bench_.misbehaviour.struck().cut, 1U);
+}
+
 TEST_F(UsbipSessionTest, CutsOffWhoAsksForTooMuch) {
   attach();
   EXPECT_FALSE(sut_.take(host_.read(Model::kBulkIn, UsbipSession::kMaxTransferBytes + 1)));

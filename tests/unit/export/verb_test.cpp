@@ -15,6 +15,8 @@ TEST(Verb, IsAWordAndItsNumbers) {
   EXPECT_EQ(*parse_verb("unplug"), Verb{VerbKind::Unplug});
   EXPECT_EQ(*parse_verb("pull-cable"), Verb{VerbKind::PullCable});
   EXPECT_EQ(*parse_verb("stall 0.25"), (Verb{VerbKind::Stall, {0.25}}));
+  EXPECT_EQ(*parse_verb("short-out 50"), (Verb{VerbKind::ShortOut, {50}}));
+  EXPECT_EQ(*parse_verb("fault lost-echo 700"), (Verb{VerbKind::Fault, {700}, "lost-echo"}));
 }
 
 TEST(Verb, HasUsualNumbersForThoseThatMayBeLeftOut) {
@@ -22,6 +24,7 @@ TEST(Verb, HasUsualNumbersForThoseThatMayBeLeftOut) {
   EXPECT_EQ(parse_verb("home")->numbers[0], 1);
   EXPECT_EQ(parse_verb("corrupt")->numbers[0], 1);
   EXPECT_EQ(parse_verb("log")->numbers[0], 1);
+  EXPECT_EQ(*parse_verb("fault deaf"), (Verb{VerbKind::Fault, {1}, "deaf"}));
 }
 
 TEST(Verb, RefusesWhatItCannotBe) {
@@ -51,6 +54,10 @@ TEST(Verb, RefusesWhatItCannotBe) {
                            "push 1000 0 0",
                            "MOVE 0 0 0",
                            "move 0x1 0 0",
+                           "fault",
+                           "fault deaf 0.5",
+                           "fault deaf 1 2",
+                           "short-out -1",
                            "home 0"}) {
     const auto verb = parse_verb(line);
     ASSERT_FALSE(verb) << line;

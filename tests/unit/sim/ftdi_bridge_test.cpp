@@ -112,6 +112,31 @@ TEST_F(FtdiBridgeTest, HoldsAFewBytesBackUntilTheLatencyTimer) {
   EXPECT_EQ(fetch(), (Bytes{1, 2, 3}));
 }
 
+TEST_F(FtdiBridgeTest, OneThatInsistsKeepsItsLatencyWhateverItIsToldAndWithoutPower) {
+  const auto told = [&] {
+    std::array<std::uint8_t, 1> in{};
+    const auto answer = sut.control(
+        now, {.request_type = 0xc0, .request = 10, .value = 0, .index = 0, .length = 1}, in);
+    EXPECT_EQ(answer.handshake, UsbHandshake::Ack);
+    return in[0];
+  };
+  sut.insist_on_latency(milliseconds(16));
+  EXPECT_EQ(set(9, 1), UsbHandshake::Ack);
+  EXPECT_EQ(told(), 16) << "it says what it does";
+  receive({1});
+  at_ms(15);
+  EXPECT_EQ(fetch(), std::nullopt);
+  at_ms(16);
+  EXPECT_EQ(fetch(), Bytes{1});
+  at_ms(17);
+  EXPECT_EQ(fetch(), std::nullopt);
+  sut.insist_on_latency({});
+  EXPECT_EQ(told(), 1) << "as it was told meanwhile";
+  sut.insist_on_latency(milliseconds(9));
+  sut.power_up(now);
+  EXPECT_EQ(told(), 9);
+}
+
 TEST_F(FtdiBridgeTest, AFullPacketGoesAtOnce) {
   receive(Bytes(61, 7));
   EXPECT_EQ(fetch(), std::nullopt);
