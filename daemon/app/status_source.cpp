@@ -129,8 +129,11 @@ api::ServoStatus servo_status(session::ArmRig& rig, std::size_t index,
   servo.compute_s = percentiles(loop.compute());
   servo.exchange_s = percentiles(loop.exchange());
   servo.missed_exchanges = snapshot.missed_exchanges;
-  servo.malformed_reports = snapshot.protocol_errors;
-  servo.superseded_commands = session.device().counters().commands_superseded;
+  const DeviceCounters counters = session.device().counters();
+  // Of a tick that had a good report besides, only the driver knows the bad one; the servo counts
+  // on when the arm is plugged in anew.
+  servo.malformed_reports = std::max(snapshot.protocol_errors, counters.malformed);
+  servo.superseded_commands = counters.commands_superseded;
   servo.is_realtime = context.threads != nullptr && context.threads->is_realtime(index);
   return servo;
 }
