@@ -101,7 +101,6 @@ void UsbipBus::fire(MonotonicTime now) noexcept {
   model_->advance(now);
   for (auto connection = connections_.begin(); connection != connections_.end();) {
     const auto next = std::next(connection);
-    connection->session.set_available(is_plugged_ && !is_attached());
     if (!run_round(*connection, now)) drop(connection);
     connection = next;
   }
@@ -113,15 +112,14 @@ void UsbipBus::fire(MonotonicTime now) noexcept {
 
 bool UsbipBus::run_round(Connection& connection, MonotonicTime now) {
   UsbipSession& session = connection.session;
-  const std::size_t unsent = session.outbox().size();
-  const bool is_up = receive(connection);
-  if (session.outbox().size() > unsent) connection.answered_at = now;
+  receive(connection, now);
   if (session.is_attached()) {
     session.serve(now);
   } else {
     session.leave_round_out();
   }
-  return send(connection, now) && is_up && !is_idle(connection, now) && !is_over(connection);
+  return send(connection, now) && connection.is_up && !is_idle(connection, now) &&
+         !is_over(connection);
 }
 
 MonotonicTime UsbipBus::next_needed() const noexcept {
@@ -134,7 +132,21 @@ MonotonicTime UsbipBus::next_needed() const noexcept {
   return needed;
 }
 
+// What comes is read at once: to wait for what the device does not have yet is no reason for a
+// round.
 bool UsbipBus::wait_for_kernel(MonotonicTime until) noexcept {
+  const MonotonicTime needed = next_needed();
+  while (has_word_from_kernel(until)) {
+    for (Connection& connection : connections_) {
+      receive(connection, around_.clock->now());
+      if (!connection.is_up) return true;
+    }
+    if (next_needed() < needed) return true;
+  }
+  return false;
+}
+
+bool UsbipBus::has_word_from_kernel(MonotonicTime until) noexcept {
   std::array<pollfd, kMostConnections> sockets{};
   nfds_t count = 0;
   for (Connection& connection : connections_) {
@@ -163,8 +175,15 @@ UsbipSession& UsbipBus::connect(Socket socket) {
   return connections_.back().session;
 }
 
+void UsbipBus::receive(Connection& connection, MonotonicTime now) {
+  connection.session.set_available(is_plugged_ && !is_attached());
+  const std::size_t unsent = connection.session.outbox().size();
+  connection.is_up = read(connection) && connection.is_up;
+  if (connection.session.outbox().size() > unsent) connection.answered_at = now;
+}
+
 // Who does not read the answers is not heard, and so can ask for no more.
-bool UsbipBus::receive(Connection& connection) {
+bool UsbipBus::read(Connection& connection) {
   if (connection.session.outbox().size() > kMostUnsentBytes) return true;
   std::array<std::uint8_t, 16384> buffer;
   for (int i = 0; i < kMostReadsOfARound; ++i) {

@@ -65,13 +65,16 @@ class UsbipBus : public Plug, private Event {
     MonotonicTime answered_at{};  // or accepted; a byte now and then is no question
     MonotonicTime taken_at{};     // something of the outbox, or there was nothing in it
     std::size_t sent{0};          // of the session's outbox
+    bool is_up{true};             // false: it has to be dropped
   };
   void fire(MonotonicTime now) noexcept override;
   // False: the connection has to be dropped.
-  [[nodiscard]] static bool run_round(Connection& connection, MonotonicTime now);
+  [[nodiscard]] bool run_round(Connection& connection, MonotonicTime now);
+  [[nodiscard]] bool has_word_from_kernel(MonotonicTime until) noexcept;
   [[nodiscard]] static bool is_idle(const Connection& connection, MonotonicTime now) noexcept;
   [[nodiscard]] static bool is_over(Connection& connection) noexcept;
-  [[nodiscard]] static bool receive(Connection& connection);
+  void receive(Connection& connection, MonotonicTime now);
+  [[nodiscard]] static bool read(Connection& connection);
   [[nodiscard]] static bool send(Connection& connection, MonotonicTime now);
   void drop(std::list<Connection>::iterator connection);
 

@@ -109,6 +109,7 @@ bool UsbipSession::take_submit(const usbip::Submit& submit, std::span<const std:
   if (submit.device_id != kDeviceId || submit.is_isochronous()) return false;
   if (submit.length > kMaxTransferBytes || transfers_.size() >= kMaxTransfers) return false;
   transfers_.push_back({submit, {data.begin(), data.end()}, {}, 0});
+  is_under_way_ = is_under_way_ || submit.endpoint == 0 || !submit.is_in;
   return true;
 }
 

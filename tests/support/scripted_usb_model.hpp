@@ -26,6 +26,7 @@ struct UsbModelScript {
   std::set<std::uint8_t> deaf;                 // endpoints, 0 among them, that say Nak
   std::multiset<std::uint8_t> stalls_to_come;  // one STALL for each
   MonotonicTime now{};
+  MonotonicTime unchanged_until{};
   int advances{0};
   int power_cycles{0};
 };
@@ -54,6 +55,9 @@ class ScriptedUsbModel final : public plugin::SimUsbModel {
                       {0, kInterruptOut, Interrupt, kInterruptBytes, 1},
                       {1, 0x85, Isochronous, 64, 1}};
     return info;
+  }
+  [[nodiscard]] MonotonicTime unchanged_until() const noexcept override {
+    return script_->unchanged_until;
   }
   void advance(MonotonicTime t) noexcept override {
     script_->now = t;

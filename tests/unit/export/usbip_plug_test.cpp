@@ -32,6 +32,7 @@ class UsbipPlugTest : public ::testing::Test {
     Tcp::socket socket(io_);
     socket.connect({boost::asio::ip::address_v4::loopback(), plug.port()});
     socket.non_blocking(true);
+    socket.set_option(Tcp::no_delay(true));  // as a kernel's host has it
     return socket;
   }
   // Says it, and runs frames until so many bytes came back, or the other side hangs up.
@@ -113,6 +114,47 @@ TEST_F(UsbipPlugTest, HearsTheHostWhileItWaits) {
   EXPECT_FALSE(sut_->wait_for_kernel(bench_.machine.now()));
   boost::asio::write(host, boost::asio::buffer(host_.read(test::ScriptedUsbModel::kBulkIn, 64)));
   EXPECT_TRUE(sut_->wait_for_kernel(bench_.machine.now() + std::chrono::seconds(5)));
+}
+
+TEST_F(UsbipPlugTest, WhoWaitsForWhatTheDeviceDoesNotHaveYetNeedsNoRound) {
+  Tcp::socket host = connect(*sut_);
+  ask(host, UsbipHost::import(), 320);
+  script_->unchanged_until = bench_.clock.now() + milliseconds(7);
+  const auto hears = [&](const Bytes& words) {
+    boost::asio::write(host, boost::asio::buffer(words));
+    return sut_->wait_for_kernel(bench_.machine.now() + milliseconds(20));
+  };
+  EXPECT_FALSE(hears(host_.read(test::ScriptedUsbModel::kBulkIn, 64)));
+  EXPECT_TRUE(hears(host_.write(test::ScriptedUsbModel::kBulkOut, {1, 2})));
+  EXPECT_EQ(sut_->next_needed(), bench_.clock.now() + sut_->round_period());
+  bench_.run_frames(1);
+  EXPECT_EQ(script_->received[test::ScriptedUsbModel::kBulkOut], (std::vector<Bytes>{{1, 2}}));
+  EXPECT_FALSE(hears(host_.read(test::ScriptedUsbModel::kBulkIn, 64)));
+  EXPECT_TRUE(hears(host_.control({0x80, 6, 0, 1, 0, 0, 18, 0})));
+  script_->to_send[test::ScriptedUsbModel::kBulkIn] = {{3}, {4}};
+  bench_.run_frames(7);
+  EXPECT_EQ(sut_->counters().to_host, 2U) << "both that had been read meanwhile";
+  EXPECT_TRUE(hears(host_.unlink(4711)));
+}
+
+TEST_F(UsbipPlugTest, WhoComesWhileItWaitsIsAnsweredAsEver) {
+  Tcp::socket host = connect(*sut_);
+  bench_.run_frames(1);
+  boost::asio::write(host, boost::asio::buffer(UsbipHost::import()));
+  EXPECT_TRUE(sut_->wait_for_kernel(bench_.machine.now() + std::chrono::seconds(5)));
+  EXPECT_EQ(ask(host, {}, 320).size(), 320U);
+  EXPECT_TRUE(sut_->is_attached());
+}
+
+TEST_F(UsbipPlugTest, WhoSaysNoMessageWhileItWaitsIsHungUpOn) {
+  Tcp::socket host = connect(*sut_);
+  ask(host, UsbipHost::import(), 320);
+  boost::asio::write(host, boost::asio::buffer(Bytes(48, 0xff)));
+  EXPECT_TRUE(sut_->wait_for_kernel(bench_.machine.now() + std::chrono::seconds(5)));
+  EXPECT_EQ(sut_->counters().malformed, 1U);
+  ask(host, {}, 1);
+  EXPECT_TRUE(is_hung_up_);
+  EXPECT_FALSE(sut_->is_attached());
 }
 
 TEST_F(UsbipPlugTest, ARoundThatIsLeftOutDoesNothing) {
