@@ -5,26 +5,14 @@
 #include <cstddef>
 #include <numbers>
 
+#include "sim/model/arm/sine_cosine.hpp"
+
 namespace thimble::sim {
 namespace {
 
 constexpr double kSingular = 1e-9;  // m²: below it the tip cannot be pushed in some direction
 
 double square(double value) noexcept { return value * value; }
-
-// Taylor's terms to the 8th power are exact in double up to this step (0.03^9 / 9! < 1e-19).
-constexpr double kSmallStep_rad = 0.03;
-
-struct SineCosine {
-  double sine, cosine;
-};
-
-SineCosine sine_cosine(double step_rad) noexcept {
-  if (!(std::abs(step_rad) <= kSmallStep_rad)) return {std::sin(step_rad), std::cos(step_rad)};
-  const double x2 = step_rad * step_rad;
-  return {step_rad * (1 - x2 * (1.0 / 6 - x2 * (1.0 / 120 - x2 / 5040))),
-          1 - x2 * (1.0 / 2 - x2 * (1.0 / 24 - x2 * (1.0 / 720 - x2 / 40320)))};
-}
 
 }  // namespace
 
@@ -56,12 +44,10 @@ ArmDynamics::Pose ArmDynamics::pose(const JointVector& q) noexcept {
 }
 
 ArmDynamics::Pose ArmDynamics::turned(const Pose& from, const JointVector& step) noexcept {
-  const auto [sin_a, cos_a] = sine_cosine(step[0]);
-  const auto [sin_b, cos_b] = sine_cosine(step[1]);
-  const auto [sin_c, cos_c] = sine_cosine(step[2]);
-  return {from.sin_a * cos_a + from.cos_a * sin_a, from.cos_a * cos_a - from.sin_a * sin_a,
-          from.sin_b * cos_b + from.cos_b * sin_b, from.cos_b * cos_b - from.sin_b * sin_b,
-          from.sin_c * cos_c + from.cos_c * sin_c, from.cos_c * cos_c - from.sin_c * sin_c};
+  const SineCosine a = SineCosine{from.sin_a, from.cos_a}.after(sine_cosine_of(step[0]));
+  const SineCosine b = SineCosine{from.sin_b, from.cos_b}.after(sine_cosine_of(step[1]));
+  const SineCosine c = SineCosine{from.sin_c, from.cos_c}.after(sine_cosine_of(step[2]));
+  return {a.sine, a.cosine, b.sine, b.cosine, c.sine, c.cosine};
 }
 
 Position3 ArmDynamics::tip(const Pose& s) const noexcept {

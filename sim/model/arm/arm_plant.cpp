@@ -15,13 +15,6 @@ JointVector scaled(double scale, const JointVector& a) noexcept {
   return {scale * a[0], scale * a[1], scale * a[2]};
 }
 
-JointVector weighted(const JointVector& k1, const JointVector& k2, const JointVector& k3,
-                     const JointVector& k4) noexcept {
-  JointVector sum{};
-  for (std::size_t i = 0; i < 3; ++i) sum[i] = (k1[i] + 2 * (k2[i] + k3[i]) + k4[i]) / 6;
-  return sum;
-}
-
 // How far `angle` is beyond the range: > 0 above, < 0 below, 0 inside.
 double beyond(const AngleRange& range, double angle_rad) noexcept {
   if (angle_rad > range.max_rad) return angle_rad - range.max_rad;
@@ -108,21 +101,14 @@ JointVector ArmPlant::acceleration(const ArmDynamics::Pose& pose, const JointVec
 }
 
 void ArmPlant::step(double dt_s, const JointVector& motor_torque, Force3 tip_force) noexcept {
-  // `way`: from where the step began.
-  const auto accelerate = [&](const JointVector& way, const JointVector& rate) noexcept {
-    return acceleration(ArmDynamics::turned(pose_, way), plus(q_, 1, way), rate, motor_torque,
-                        tip_force);
-  };
   const double half_s = dt_s / 2;
-  const JointVector a1 = acceleration(pose_, q_, rate_, motor_torque, tip_force);
-  const JointVector v2 = plus(rate_, half_s, a1);
-  const JointVector a2 = accelerate(scaled(half_s, rate_), v2);
-  const JointVector v3 = plus(rate_, half_s, a2);
-  const JointVector a3 = accelerate(scaled(half_s, v2), v3);
-  const JointVector v4 = plus(rate_, dt_s, a3);
-  const JointVector a4 = accelerate(scaled(dt_s, v3), v4);
-  move_by(scaled(dt_s, weighted(rate_, v2, v3, v4)));
-  rate_ = plus(rate_, dt_s, weighted(a1, a2, a3, a4));
+  const JointVector begin = acceleration(pose_, q_, rate_, motor_torque, tip_force);
+  const JointVector half_rate = plus(rate_, half_s, begin);
+  const JointVector way = scaled(half_s, rate_);
+  const JointVector middle = acceleration(ArmDynamics::turned(pose_, way), plus(q_, 1, way),
+                                          half_rate, motor_torque, tip_force);
+  move_by(scaled(dt_s, half_rate));
+  rate_ = plus(rate_, dt_s, middle);
 }
 
 Position3 ArmPlant::tip() const noexcept { return dynamics_.tip(pose_); }

@@ -7,7 +7,7 @@
 namespace thimble::sim {
 
 // The moving arm: joint angles and rates under motor torques, a force at the tip, friction,
-// gravity and end stops; classical Runge-Kutta of order 4 with inputs held over a step.
+// gravity and end stops; the midpoint method with inputs held over a step (decision 0500).
 //
 // Thread: one. RT: step() and all readers. Ownership: by value, no allocation after construction.
 class ArmPlant {

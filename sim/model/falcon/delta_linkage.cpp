@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "sim/model/arm/sine_cosine.hpp"
+
 namespace thimble::sim {
 namespace {
 
@@ -29,6 +31,17 @@ DeltaLinkage::DeltaLinkage(const FalconParameters& parameters) : p_(parameters) 
 DeltaLinkage::Cranks DeltaLinkage::cranks(const Triple& q) noexcept {
   return {{std::sin(q.x), std::sin(q.y), std::sin(q.z)},
           {std::cos(q.x), std::cos(q.y), std::cos(q.z)}};
+}
+
+DeltaLinkage::Cranks DeltaLinkage::turned(const Cranks& from, const Triple& step_rad) noexcept {
+  Cranks to{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const SineCosine end =
+        SineCosine{from.sine[i], from.cosine[i]}.after(sine_cosine_of(step_rad[i]));
+    to.sine[i] = end.sine;
+    to.cosine[i] = end.cosine;
+  }
+  return to;
 }
 
 DeltaLinkage::Reach DeltaLinkage::reach(std::size_t leg, const Cranks& cranks,

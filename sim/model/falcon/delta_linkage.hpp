@@ -29,6 +29,10 @@ class DeltaLinkage {
   };
   THIMBLE_RT [[nodiscard]] static Cranks cranks(const Triple& q_rad) noexcept;
 
+  // Of the same cranks after that step.
+  THIMBLE_RT [[nodiscard]] static Cranks turned(const Cranks& from,
+                                                const Triple& step_rad) noexcept;
+
   // Of a leg's plane: p, its length, and y.
   struct Reach {
     double out_m, up_m, length_m, across_m;

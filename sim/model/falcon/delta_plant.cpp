@@ -54,6 +54,7 @@ bool DeltaPlant::rest_at(const Triple& x) noexcept {
   q_ = *q;
   rate_ = {};
   pose_ = *pose;
+  steps_since_exact_ = 0;
   return true;
 }
 
@@ -98,7 +99,7 @@ DeltaPlant::Stage DeltaPlant::evaluate(const Triple& q, const Triple& rate,
                                        const DeltaLinkage::Pose& pose,
                                        const Inputs& in) const noexcept {
   const Matrix3 jacobian = jacobian_of(pose);
-  Stage stage{pose.x, times(jacobian, rate), {}};
+  Stage stage{times(jacobian, rate), {}};
   const Triple bias = linkage_.bias(pose.cranks, pose.constraint, rate, stage.velocity);
   const Triple drift = -times(pose.a_inverse, bias);
   const Triple force = in.grip_force + grip_forces(pose.x, stage.velocity) - grip_kg_ * drift;
@@ -108,50 +109,38 @@ DeltaPlant::Stage DeltaPlant::evaluate(const Triple& q, const Triple& rate,
   return stage;
 }
 
-std::optional<DeltaPlant::Stage> DeltaPlant::evaluate(const Triple& q, const Triple& rate,
-                                                      const Triple& near,
-                                                      const Inputs& in) const noexcept {
-  const auto pose = linkage_.forward(DeltaLinkage::cranks(q), near);
-  if (!pose.has_value()) return std::nullopt;
-  return evaluate(q, rate, *pose, in);
-}
-
-std::optional<DeltaPlant::Stage> DeltaPlant::advance(double dt_s, const Inputs& in, Triple& q,
-                                                     Triple& rate) const noexcept {
-  const Stage k1 = evaluate(q_, rate_, *pose_, in);
-  const Triple rate2 = rate_ + dt_s / 2 * k1.acceleration;
-  const auto k2 = evaluate(q_ + dt_s / 2 * rate_, rate2, k1.x + dt_s / 2 * k1.velocity, in);
-  if (!k2) return std::nullopt;
-  const Triple rate3 = rate_ + dt_s / 2.0 * k2->acceleration;
-  const auto k3 = evaluate(q_ + dt_s / 2 * rate2, rate3, k2->x, in);
-  if (!k3) return std::nullopt;
-  const Triple rate4 = rate_ + dt_s * k3->acceleration;
-  const auto k4 = evaluate(q_ + dt_s * rate3, rate4, k1.x + dt_s * k3->velocity, in);
-  if (!k4) return std::nullopt;
-  q = q_ + dt_s / 6 * (rate_ + 2.0 * rate2 + 2.0 * rate3 + rate4);
-  rate = rate_ +
-         dt_s / 6 *
-             (k1.acceleration + 2.0 * k2->acceleration + 2.0 * k3->acceleration + k4->acceleration);
-  return k4;
-}
-
 void DeltaPlant::step(double dt_s, const Triple& motor_torque, const Triple& grip_force) noexcept {
   if (!pose_.has_value()) {
     ++standstills_;
     return;
   }
-  Triple q;
-  Triple rate;
-  const auto end = advance(dt_s, {motor_torque, grip_force}, q, rate);
-  const auto pose = end ? linkage_.forward(DeltaLinkage::cranks(q), end->x) : std::nullopt;
-  if (!pose.has_value() || !(norm(rate) <= kFastest_rad_per_s)) {
-    rate_ = {};
-    ++standstills_;
-    return;
-  }
-  q_ = q;
+  const Inputs in{motor_torque, grip_force};
+  const double half_s = dt_s / 2;
+  const Stage begin = evaluate(q_, rate_, *pose_, in);
+  const Triple half_way = half_s * rate_;
+  const auto half_pose = linkage_.forward(DeltaLinkage::turned(pose_->cranks, half_way),
+                                          pose_->x + half_s * begin.velocity);
+  if (!half_pose.has_value()) return stand_still();
+  const Triple half_rate = rate_ + half_s * begin.acceleration;
+  const Stage middle = evaluate(q_ + half_way, half_rate, *half_pose, in);
+  const Triple way = dt_s * half_rate;
+  const Triple rate = rate_ + dt_s * middle.acceleration;
+  const auto pose = linkage_.forward(cranks_after(way), pose_->x + dt_s * middle.velocity);
+  if (!pose.has_value() || !(norm(rate) <= kFastest_rad_per_s)) return stand_still();
+  q_ += way;
   rate_ = rate;
   pose_ = *pose;
+}
+
+DeltaLinkage::Cranks DeltaPlant::cranks_after(const Triple& way_rad) noexcept {
+  steps_since_exact_ = (steps_since_exact_ + 1) % kStepsToExactCranks;
+  return steps_since_exact_ == 0 ? DeltaLinkage::cranks(q_ + way_rad)
+                                 : DeltaLinkage::turned(pose_->cranks, way_rad);
+}
+
+void DeltaPlant::stand_still() noexcept {
+  rate_ = {};
+  ++standstills_;
 }
 
 Matrix3 DeltaPlant::jacobian() const noexcept {

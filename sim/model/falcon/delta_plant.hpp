@@ -15,7 +15,7 @@ namespace thimble::sim {
 //
 //   (I + m JᵀJ) q" + m Jᵀ(x" at q" = 0) + dV/dq = motors + JᵀF + friction + stops
 //
-// by classical Runge-Kutta of order 4 with inputs held over a step. README.md has the masses.
+// by the midpoint method with inputs held over a step (decision 0500). README.md has the masses.
 // Frame: the device's. Units: SI.
 //
 // Thread: one. RT: all but the constructor. Ownership: by value, no allocation.
@@ -45,19 +45,21 @@ class DeltaPlant {
   [[nodiscard]] const DeltaLinkage& linkage() const noexcept { return linkage_; }
 
  private:
+  // Steps between two sets of cranks that are computed from the angles: in between each follows
+  // from the one before.
+  static constexpr int kStepsToExactCranks = 20;
+
   struct Inputs {
     Triple motor_torque, grip_force;
   };
   struct Stage {
-    Triple x, velocity, acceleration;  // of the grip, of the grip, of the cranks
+    Triple velocity, acceleration;  // of the grip, of the cranks
   };
   // `pose`: that of `q`.
   [[nodiscard]] Stage evaluate(const Triple& q, const Triple& rate, const DeltaLinkage::Pose& pose,
                                const Inputs& in) const noexcept;
-  [[nodiscard]] std::optional<Stage> evaluate(const Triple& q, const Triple& rate,
-                                              const Triple& near, const Inputs& in) const noexcept;
-  [[nodiscard]] std::optional<Stage> advance(double dt_s, const Inputs& in, Triple& q,
-                                             Triple& rate) const noexcept;
+  [[nodiscard]] DeltaLinkage::Cranks cranks_after(const Triple& way_rad) noexcept;
+  void stand_still() noexcept;
   [[nodiscard]] Triple crank_torques(const Triple& q, const Triple& sine,
                                      const Triple& rate) const noexcept;
   [[nodiscard]] Triple grip_forces(const Triple& x, const Triple& velocity) const noexcept;
@@ -72,6 +74,7 @@ class DeltaPlant {
   Triple q_{};
   Triple rate_{};
   std::optional<DeltaLinkage::Pose> pose_;  // for q_; nothing before it was put anywhere
+  int steps_since_exact_{0};
   std::uint64_t standstills_{0};
 };
 
