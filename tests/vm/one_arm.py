@@ -24,6 +24,16 @@ def assert_ended_by_its_watchdog(test, log, watchdog_s, pressed_newton):
     test.assertLess(max(newton for when_s, newton in after if when_s > since_s), simdev.NOTHING_NEWTON)
 
 
+def press_from_the_middle(test, arm, least_newton):
+    """Of the box, where nothing is felt, to where its wall at +x pushes back."""
+    arm.say("move 0 0 0 0.15")
+    test.guest.run("sleep 0.4")
+    test.assertLess(simdev.norm(arm.felt(0.1)), 0.1)
+    arm.say("move 0.018 0 0 0.15")
+    test.guest.run("sleep 0.4")
+    test.assertLess(arm.felt(0.1)[0], -least_newton)
+
+
 class OneArm(guest.GuestTest):
     """Numbered: each test goes on where the one before it ended. `plug_in()` makes the arm; it shows the first test, of its node."""
 
@@ -115,7 +125,7 @@ class OneArm(guest.GuestTest):
         self.arm.plug()
         self.guest.run("systemctl start thimbled")
         self.arm.activate()
-        self.guest.run(f"daemon={arms.PID}; pgrep -x thimble-guard; kill -STOP $daemon; {self.arm.command('unplug')}; kill -KILL $daemon; "
-                       "sleep 1; ! pgrep -x thimble-guard")
+        self.guest.run(f"daemon={arms.PID} && pgrep -x thimble-guard && kill -STOP $daemon && {self.arm.command('unplug')} && "
+                       "kill -KILL $daemon && sleep 1 && ! pgrep -x thimble-guard")
 
 

@@ -21,27 +21,14 @@ class FalconInTrouble(guest.GuestTest):
         super().setUpClass()
         cls.arm = arms.Falcon(cls.guest, is_named=False)
 
-    def uploads(self):
-        return self.arm.status()["readings"]["uploads"]
-
-    def wait_for_words(self, words):
-        """That a person reads what is wrong."""
-        self.guest.wait_for(f"thimble status | grep -q '{words}'")
-
     def press(self):
-        """From the middle of the box, where nothing is felt, to where its wall pushes back."""
-        self.arm.say("move 0 0 0 0.15")
-        self.guest.run("sleep 0.3")
-        self.assertLess(simdev.norm(self.arm.felt(0.1)), 0.1)
-        self.arm.say("move 0.018 0 0 0.15")
-        self.guest.run("sleep 0.3")
-        self.assertLess(self.arm.felt(0.1)[0], -one_arm.WALL_NEWTON)
+        one_arm.press_from_the_middle(self, self.arm, one_arm.WALL_NEWTON)
 
     def test_1_a_lost_echo_is_found_and_the_firmware_sent_again(self):
         self.arm.say(f"fault lost-echo {FIRMWARE_BYTES // 2}", "fault deaf 3")
         self.arm.configure()
         simdev.wait_for_state(self.guest, "calibrating")
-        self.assertEqual(self.uploads(), 2)
+        self.assertEqual(self.arm.status()["readings"]["uploads"], 2)
         self.arm.activate()
         self.press()
 
@@ -85,7 +72,7 @@ class FalconInTrouble(guest.GuestTest):
     def test_5_a_boot_loader_that_stays_deaf_is_told_and_works_as_soon_as_it_hears(self):
         self.arm.say("fault deaf 1000000", "unplug", "plug")
         self.arm.plug()
-        self.wait_for_words("boot-loader does not answer")
+        self.guest.wait_for("thimble status | grep -q 'boot-loader does not answer'")
         self.assertLess(max(self.arm.forces(0.5)), simdev.NOTHING_NEWTON)
         self.arm.say("fault deaf 0")
         self.arm.resume()

@@ -4,6 +4,7 @@ import json
 
 import arms
 import guest
+import one_arm
 import simdev
 
 BESIDE = "VM-ARM-2"
@@ -17,7 +18,6 @@ amplifier_max_a = 3.0
 # A sample older than that is stale, and its arm begins to let go (DESIGN): the arm beside never comes near. A command waits longer where
 # another device comes and goes, on uhid behind the kernel's one lock of hidraw (decision 0358); at 20 ms the servo would stop the arm.
 GAP_S = {"in": 0.003, "out": 0.005}
-IN_THE_WALL = "move 0.018 0 0 0.15"
 WALL_NEWTON = 0.3
 
 
@@ -64,13 +64,7 @@ class TwoArms(guest.GuestTest):
         """Devices that are nobody's arm."""
 
     def press(self, arm):
-        """From the middle of the box, where nothing is felt, to where its wall pushes back."""
-        arm.say("move 0 0 0 0.15")
-        self.guest.run("sleep 0.4")
-        self.assertLess(simdev.norm(arm.felt(0.1)), 0.1)
-        arm.say(IN_THE_WALL)
-        self.guest.run("sleep 0.4")
-        self.assertLess(arm.felt(0.1)[0], -WALL_NEWTON)
+        one_arm.press_from_the_middle(self, arm, WALL_NEWTON)
 
     def press_both(self):
         self.right.activate()
