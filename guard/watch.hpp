@@ -18,7 +18,7 @@ struct WatchSettings {
   // own watchdog, if it has one, takes the power away: as the servo does after a fault, and for as
   // long as that (ServoSettings::zero_before_silence). Ours.
   Duration zero_for{std::chrono::milliseconds(100)};
-  // Who is gone for good is not asked again: an arm that takes no zero for so long takes none.
+  // An arm that takes no zero for so long takes none, though its node does not say that it is gone.
   // Ours, and no shorter than what the kernel may keep one write over hiddev for: 10 s, and before
   // them 10 s of the daemon's that was under way (decision 0488).
   Duration gives_up_after{std::chrono::seconds(25)};

@@ -17,7 +17,7 @@ namespace {
 namespace asio = boost::asio;
 using boost::system::error_code;
 
-// Ours: what a connection may bring in one round.
+// Ours: what a connection may bring in one look.
 constexpr int kMostReadsOfARound = 4;
 // Ours: far beyond what a host leaves unread.
 constexpr std::size_t kMostUnsentBytes = std::size_t{1} << 20;

@@ -18,9 +18,10 @@ namespace thimble::sim {
 // them: what UsbipPlug and VhciPlug have in common.
 //
 // Runs the rounds of the device's bus on the model's clock, and looks at its sockets there, without
-// waiting. One host has the device at a time. Unplugged the connections close, which pulls the
-// cable on the other side. A device with bulk pipes has eight rounds in a frame, as SimUsbPort; one
-// with interrupt pipes alone needs but one.
+// waiting; between two of them wait_for_kernel() reads what comes. One host has the device at a
+// time. Unplugged the connections close, which pulls the cable on the other side. A device with
+// bulk pipes has eight rounds in a frame, as SimUsbPort; one with interrupt pipes alone needs but
+// one.
 //
 // Thread, Errors: as Plug. RT: none of it. Ownership: model and surroundings must outlive it, and
 // the io_context of its sockets.

@@ -113,7 +113,8 @@ class UsbipSession {
   unsigned rounds_per_frame_;
   std::uint64_t round_{0};
   std::size_t bytes_left_{0};
-  // The next round matters by what happened in this one, or did not for want of time.
+  // The next round matters by what happened in this one, or did not for want of time, or by what
+  // was asked since.
   bool is_under_way_{false};
   bool is_available_{false};
   bool is_attached_{false};
