@@ -123,7 +123,13 @@ function(thimble_test name)
     thimble_whole_program(${name} "${ARG_LABEL}" "${left_out}")
     return()
   endif()
+  set(suppressions)
+  if(THIMBLE_SANITIZE STREQUAL "thread")
+    # Not in ENVIRONMENT: gtest_discover_tests() keeps but the first of two.
+    set(suppressions ENVIRONMENT_MODIFICATION
+      "TSAN_OPTIONS=set:suppressions=${CMAKE_SOURCE_DIR}/tests/support/tsan_in_tests.supp")
+  endif()
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST TEST_FILTER "-${left_out}"
     PROPERTIES LABELS "${ARG_LABEL}" TIMEOUT ${THIMBLE_TEST_TIMEOUT}
-    ENVIRONMENT "${ARG_ENVIRONMENT}")
+    ENVIRONMENT "${ARG_ENVIRONMENT}" ${suppressions})
 endfunction()
