@@ -35,6 +35,35 @@ class SummariseTests(PlantedTreeTest):
         self.assertIn("FAILED  unit: A.Fails\n", said)
         self.assertTrue(said.endswith("\n1 passed, 1 failed\n"), said)
 
+    def test_says_in_a_few_lines_why_something_failed(self):
+        output = "".join(f"line {i}\n" for i in range(100))
+        race = output + "a.cpp:3: Failure\nExpected: 1\n  actual: 2\n" + output + "SUMMARY: ThreadSanitizer: race in f\n"
+        status, said = self.summarise(f'<testcase name="A" status="fail"><system-out>{race}</system-out></testcase>')
+
+        self.assertIn("FAILED  unit: A\n    a.cpp:3: Failure\n    Expected: 1\n      actual: 2\n    line 0\n"
+                      "    SUMMARY: ThreadSanitizer: race in f\n", said)
+        self.assertEqual(status, 1)
+
+    def test_keeps_a_sanitizers_summary_behind_many_failures(self):
+        output = 20 * "a.cpp:3: Failure\nwrong\n" + "SUMMARY: AddressSanitizer: leak\nx.y.VmError: no\n"
+        _, said = self.summarise(f'<testcase name="A" status="fail"><system-out>{output}</system-out></testcase>')
+
+        self.assertEqual(said.count("wrong"), summarise_tests.MOST_LINES // 2)
+        self.assertIn("    SUMMARY: AddressSanitizer: leak\n", said)
+
+    def test_knows_an_exception_by_its_modules_name(self):
+        output = "x.y.VmError: no\n" + 20 * "more\n"
+        _, said = self.summarise(f'<testcase name="A" status="fail"><system-out>{output}</system-out></testcase>')
+
+        self.assertIn("FAILED  unit: A\n    x.y.VmError: no\n", said)
+
+    def test_gives_the_end_of_what_a_failure_said_that_tells_nothing(self):
+        output = "".join(f"line {i}\n" for i in range(100))
+        _, said = self.summarise(f'<testcase name="A" status="fail"><system-out>{output}</system-out></testcase>')
+
+        self.assertIn("FAILED  unit: A\n    line 88\n", said)
+        self.assertIn("    line 99\n", said)
+
     def test_gives_the_reason_of_a_skip(self):
         status, said = self.summarise(PASSED, SKIPPED)
 

@@ -26,6 +26,20 @@ def skips_within(case):
     return re.findall(r"^(\S+:\d+): Skipped\n(.+)", case.findtext("system-out") or "", re.MULTILINE)
 
 
+TELLING = re.compile(r": Failure$|^SUMMARY: |^(FAIL|ERROR): |^[\w.]*(Error|Exception)\b|Timeout|runtime error: ")
+MOST_LINES = 12
+
+
+def why_it_failed(case):
+    """What its output says of it, in a few lines: a log of minutes may be all that somebody has of a run."""
+    lines = [line for line in (case.findtext("system-out") or "").splitlines() if line.strip()]
+    telling = [at for at, line in enumerate(lines) if TELLING.search(line)]
+    near = sorted({near for at in telling for near in range(at, min(at + 4, len(lines)))})
+    summaries = {at for at in near if lines[at].startswith("SUMMARY: ")}  # of a sanitizer, after pages
+    kept = set(near[:MOST_LINES]) | set(sorted(summaries)[:1])
+    return [lines[at] for at in sorted(kept)] or lines[-MOST_LINES:]
+
+
 class Totals:
     def __init__(self):
         self.passed = 0
@@ -43,15 +57,17 @@ def read_step(path, totals):
         elif status in ("notrun", "disabled"):
             totals.skipped.append((name, skip_reason(case)))
         else:
-            totals.failed.append(name)
+            totals.failed.append((name, why_it_failed(case)))
 
 
 def main(folder):
     totals = Totals()
     for path in sorted(pathlib.Path(folder).glob("*.xml")):
         read_step(path, totals)
-    for name in totals.failed:
+    for name, why in totals.failed:
         print(f"FAILED  {name}")
+        for line in why:
+            print(f"    {line[:400]}")
     for name, reason in totals.skipped:
         print(f"skipped {name}: {reason}")
     if not totals.skipped:
