@@ -88,11 +88,11 @@ struct ServoStatus {
   Percentiles compute_s;
   Percentiles exchange_s;
   bool is_realtime{false};
-  std::uint64_t missed_exchanges{0};   // device periods without a sample, or with no command taken
+  std::uint64_t missed_exchanges{0};  // device periods without a sample, or with no command taken
+  // This one and the next are of every device that was the arm since the start: they never fall.
   std::uint64_t malformed_reports{0};  // that the driver refused
   // Replaced by a newer one before the bus took them: those of a servo that is faster than its bus,
-  // and those of a write that was blocked, once it has ended. Exactly the mailbox's
-  // writes_superseded.
+  // and those of a write that was blocked, once it has ended. The mailboxes' writes_superseded.
   std::uint64_t superseded_commands{0};
   bool operator==(const ServoStatus&) const = default;
 };

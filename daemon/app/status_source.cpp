@@ -130,9 +130,9 @@ api::ServoStatus servo_status(session::ArmRig& rig, std::size_t index,
   servo.exchange_s = percentiles(loop.exchange());
   servo.missed_exchanges = snapshot.missed_exchanges;
   const DeviceCounters counters = session.device().counters();
-  // Of a tick that had a good report besides, only the driver knows the bad one; the servo counts
-  // on when the arm is plugged in anew.
-  servo.malformed_reports = std::max(snapshot.protocol_errors, counters.malformed);
+  // Not the servo's count of ticks: of one that had a good report besides, only the driver knows
+  // the bad one.
+  servo.malformed_reports = counters.malformed;
   servo.superseded_commands = counters.commands_superseded;
   servo.is_realtime = context.threads != nullptr && context.threads->is_realtime(index);
   return servo;

@@ -7,17 +7,15 @@
 
 namespace thimble::devices {
 
-// The place of a device that is gone, or was never there: it tells what is known of it, and never
-// answers.
+// The place of a device that is gone, or was never there: it tells what is known of it, never
+// answers, and has counted nothing.
 //
 // Thread, RT: as HapticDevice.
 class GoneDevice final : public HapticDevice {
  public:
   explicit GoneDevice(HapticCapabilities known) : capabilities_(std::move(known)) {}
   explicit GoneDevice(const HapticDevice& gone)
-      : capabilities_(gone.capabilities()),
-        instruction_(gone.calibration_instruction()),
-        counters_(gone.counters()) {}
+      : capabilities_(gone.capabilities()), instruction_(gone.calibration_instruction()) {}
 
   [[nodiscard]] const HapticCapabilities& capabilities() const noexcept override {
     return capabilities_;
@@ -25,7 +23,7 @@ class GoneDevice final : public HapticDevice {
   [[nodiscard]] std::string_view calibration_instruction() const noexcept override {
     return instruction_;
   }
-  [[nodiscard]] DeviceCounters counters() const noexcept override { return counters_; }
+  [[nodiscard]] DeviceCounters counters() const noexcept override { return {}; }
   [[nodiscard]] std::optional<ZeroCommand> zero_command() const noexcept override { return {}; }
   THIMBLE_RT void forget_calibration() noexcept override {}
   THIMBLE_RT_IO IoStatus read(HapticState& /*out*/) noexcept override {
@@ -38,7 +36,6 @@ class GoneDevice final : public HapticDevice {
  private:
   HapticCapabilities capabilities_;
   std::string instruction_;
-  DeviceCounters counters_{};
 };
 
 }  // namespace thimble::devices

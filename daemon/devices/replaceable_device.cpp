@@ -36,7 +36,9 @@ bool ReplaceableDevice::retire() {
 
 void ReplaceableDevice::collect() {
   // The servo empties the mailbox when it takes the new device: it uses the old one no more.
-  if (incoming_.load(std::memory_order_acquire) == nullptr) closer_.close(std::move(previous_));
+  if (previous_ == nullptr || incoming_.load(std::memory_order_acquire) != nullptr) return;
+  closed_ += previous_->counters();
+  closer_.close(std::move(previous_));
 }
 
 const HapticCapabilities& ReplaceableDevice::capabilities() const noexcept {
@@ -47,7 +49,12 @@ std::string_view ReplaceableDevice::calibration_instruction() const noexcept {
   return known_->calibration_instruction();
 }
 
-DeviceCounters ReplaceableDevice::counters() const noexcept { return known_->counters(); }
+DeviceCounters ReplaceableDevice::counters() const noexcept {
+  DeviceCounters all = closed_;
+  if (previous_ != nullptr) all += previous_->counters();
+  all += known_->counters();
+  return all;
+}
 
 std::optional<ZeroCommand> ReplaceableDevice::zero_command() const noexcept {
   return known_->zero_command();

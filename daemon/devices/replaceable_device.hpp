@@ -13,9 +13,9 @@ namespace thimble::devices {
 // takes it at its next read, the control thread collects the old one.
 //
 // Thread: read(), write(), forget_calibration() from the servo; offer(), collect() from one
-//         control thread; capabilities(), counters() and the instruction from that control
-//         thread too. A device ends where its closer closes it, of a real arm in the arm's own
-//         thread: neither the servo nor the control thread has it then.
+//         control thread; capabilities(), has_reported(), counters(), zero_command() and the
+//         instruction from that control thread too. A device ends where its closer closes it, of a
+//         real arm in the arm's own thread: neither the servo nor the control thread has it then.
 // RT: read() and write() are THIMBLE_RT_IO; the hand-over is one atomic exchange.
 // Ownership: owns every device given to it, and closes them by `closer`, which must outlive it.
 class ReplaceableDevice final : public HapticDevice {
@@ -39,10 +39,12 @@ class ReplaceableDevice final : public HapticDevice {
 
   // These four are of the newest device that was offered, while the servo may still drive the one
   // before.
+  [[nodiscard]] bool has_reported() const noexcept { return known_->counters().reports_in > 0; }
   [[nodiscard]] const HapticCapabilities& capabilities() const noexcept override;
   [[nodiscard]] std::string_view calibration_instruction() const noexcept override;
-  [[nodiscard]] DeviceCounters counters() const noexcept override;
   [[nodiscard]] std::optional<ZeroCommand> zero_command() const noexcept override;
+  // Of every device that was here: they never fall.
+  [[nodiscard]] DeviceCounters counters() const noexcept override;
   THIMBLE_RT void forget_calibration() noexcept override { current_->forget_calibration(); }
   THIMBLE_RT_IO IoStatus read(HapticState& out) noexcept override;
   THIMBLE_RT_IO IoStatus write(const LimitedWrench& wrench) noexcept override {
@@ -54,6 +56,7 @@ class ReplaceableDevice final : public HapticDevice {
   HapticDevice* current_;                         // servo
   std::unique_ptr<HapticDevice> known_;           // control: the newest offered
   std::unique_ptr<HapticDevice> previous_;        // control: until the servo lets go of it
+  DeviceCounters closed_;                         // control: of those before it
   std::atomic<HapticDevice*> incoming_{nullptr};  // control → servo
   bool is_retired_{false};                        // control
 };

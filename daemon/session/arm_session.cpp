@@ -117,7 +117,7 @@ Result<void> ArmSession::follow(MonotonicTime now) {
     // What is being closed is given to no guard: ArmGuard::ask().
     if (device_.is_retired()) return {};
     // One that dies before its first report was never had: the tries go on as rare as they were.
-    if (device_.counters().reports_in > 0) pace_.restart();
+    if (device_.has_reported()) pace_.restart();
     Result<void> guarded = guard_.follow(now);
     if (!guarded) trouble_ = guarded.error().message;
     return guarded;

@@ -69,12 +69,22 @@ struct HapticState {
   CalibrationState calibration{CalibrationState::Unknown};
 };
 
+// Since the device was opened; none ever falls. Read while the servo drives it.
 struct DeviceCounters {
   std::uint64_t reports_in{0};
   std::uint64_t reports_skipped{0};
   std::uint64_t malformed{0};
   std::uint64_t commands_out{0};
   std::uint64_t commands_superseded{0};
+
+  DeviceCounters& operator+=(const DeviceCounters& other) noexcept {
+    reports_in += other.reports_in;
+    reports_skipped += other.reports_skipped;
+    malformed += other.malformed;
+    commands_out += other.commands_out;
+    commands_superseded += other.commands_superseded;
+    return *this;
+  }
 };
 
 // A force-feedback arm, opened by a driver on some bus, real or simulated.

@@ -96,7 +96,7 @@ TEST_F(ArmThreads, AnArmThatDiesAgainAndAgainIsOpenedAgainAndShared) {
     // A report shows that it was had: without one the tries would become rarer.
     EXPECT_TRUE(look_after_until([&] {
       wires.back().device_sends({1, 0, 0, 0, 0, 0, 0});
-      return arm().device().counters().reports_in > 0;
+      return arm().device().has_reported();
     })) << i;
     EXPECT_TRUE(look_after_until([&] { return buses.share({"hid:P1"}).has_value(); })) << i;
     exchange_wire();

@@ -29,6 +29,7 @@ class CountingDevice final : public HapticDevice {
   [[nodiscard]] DeviceCounters counters() const noexcept override {
     DeviceCounters counters;
     counters.reports_in = static_cast<std::uint64_t>(id_);
+    counters.malformed = 10 * counters.reports_in;
     return counters;
   }
   [[nodiscard]] std::optional<ZeroCommand> zero_command() const noexcept override { return {}; }
@@ -102,6 +103,34 @@ TEST(ReplaceableDevice, ARetiredDeviceIsClosedAndWhatItWasIsRemembered) {
   EXPECT_EQ(sut.calibration_instruction(), "count");
   EXPECT_EQ(sut.counters().reports_in, 7U);
   EXPECT_EQ(sut.write(LimitedWrench::zero()), IoStatus::Disconnected);
+}
+
+// A status that told less after an arm was plugged in anew would hide what the new one does wrong.
+TEST(ReplaceableDevice, CountsEveryDeviceOnceFromItsOfferOn) {
+  std::atomic<int> alive{0};
+  InlineExecutor work;
+  ReplaceableDevice sut(std::make_unique<CountingDevice>(7, alive), work);
+  HapticState state;
+  const auto expect_malformed = [&](std::uint64_t counted) {
+    EXPECT_EQ(sut.counters().malformed, counted);
+    sut.read(state);
+    EXPECT_EQ(sut.counters().malformed, counted);
+    sut.collect();
+    EXPECT_EQ(sut.counters().malformed, counted);
+    sut.collect();
+    EXPECT_EQ(sut.counters().malformed, counted);
+  };
+  expect_malformed(70);
+  ASSERT_TRUE(sut.retire());
+  EXPECT_FALSE(sut.has_reported()) << "nothing is there that could";
+  expect_malformed(70);
+  for (const int id : {2, 3}) {
+    std::unique_ptr<HapticDevice> next = std::make_unique<CountingDevice>(id, alive);
+    ASSERT_TRUE(sut.offer(next));
+    EXPECT_TRUE(sut.has_reported());
+    expect_malformed(id == 2 ? 90 : 120);
+  }
+  EXPECT_EQ(sut.counters().reports_in, 12U);
 }
 
 TEST(ReplaceableDevice, ARetiredDeviceIsReplacedByTheNext) {
