@@ -47,8 +47,9 @@ class SimUsbModel {
                                   std::span<const std::uint8_t> bytes) noexcept = 0;
   // Fills `out`, which has room for one packet of the endpoint. Ack with size 0: an empty packet.
   virtual UsbAnswer in_packet(std::uint8_t endpoint, std::span<std::uint8_t> out) noexcept = 0;
-  // From when on it may have something for the host if it is sent nothing more: in rounds before
-  // that a bus need not advance it and ask. In the past: it has something already, or nobody knows.
+  // From when on it may have something for the host, or refuse what it is asked on an endpoint that
+  // it has, if it is sent nothing more: in rounds before that a bus need not advance it and ask. In
+  // the past: it has something already, or nobody knows.
   [[nodiscard]] virtual MonotonicTime unchanged_until() const noexcept { return {}; }
   // Power cut and restored, as on unplug and replug: what is in volatile memory is lost.
   virtual void power_cycle() noexcept = 0;

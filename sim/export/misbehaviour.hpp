@@ -33,10 +33,11 @@ class Misbehaviour {
 
   // Asked for each transfer or request, of which it counts those that it refuses.
   [[nodiscard]] bool refuses(MonotonicTime now) noexcept {
-    if (now >= stalls_until_) return false;
+    if (!is_stalling(now)) return false;
     ++struck_.refused;
     return true;
   }
+  [[nodiscard]] bool is_stalling(MonotonicTime now) const noexcept { return now < stalls_until_; }
   [[nodiscard]] bool is_silent(MonotonicTime now) const noexcept { return now < silent_until_; }
   // Somebody waited for it in a round in which it was silent.
   void note_unanswered() noexcept { ++struck_.unanswered; }

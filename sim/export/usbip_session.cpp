@@ -109,8 +109,14 @@ bool UsbipSession::take_submit(const usbip::Submit& submit, std::span<const std:
   if (submit.device_id != kDeviceId || submit.is_isochronous()) return false;
   if (submit.length > kMaxTransferBytes || transfers_.size() >= kMaxTransfers) return false;
   transfers_.push_back({submit, {data.begin(), data.end()}, {}, 0});
-  is_under_way_ = is_under_way_ || submit.endpoint == 0 || !submit.is_in;
+  is_under_way_ = is_under_way_ || !waits_for_model(transfers_.back());
   return true;
+}
+
+// The others are answered in the next round, whatever the model has.
+bool UsbipSession::waits_for_model(const Transfer& transfer) const noexcept {
+  if (!transfer.submit.is_in || transfer.submit.length == 0) return false;
+  return transfer.submit.endpoint != 0 && endpoint_of(transfer) != nullptr;
 }
 
 void UsbipSession::take_unlink(const usbip::Unlink& unlink) {
@@ -146,7 +152,7 @@ MonotonicTime UsbipSession::next_needed(MonotonicTime now) const noexcept {
   const Duration round = kUsbFrame / rounds_per_frame_;
   const MonotonicTime frame = now + (rounds_per_frame_ - round_ % rounds_per_frame_) * round;
   if (transfers_.empty() && outbox_.empty()) return frame;
-  const bool is_next = is_under_way_ || !outbox_.empty();
+  const bool is_next = is_under_way_ || !outbox_.empty() || around_.misbehaviour->is_stalling(now);
   const MonotonicTime changes = is_next ? now : model_->unchanged_until();
   if (changes >= frame) return frame;
   const auto rounds = (std::max(changes - now, Duration(1)) + round - Duration(1)) / round;
@@ -186,6 +192,7 @@ void UsbipSession::serve_kind(UsbTransferKind kind, MonotonicTime now) {
     if (slot == 0) {
       progress = control(*transfer, now);
     } else if (endpoint == nullptr || around_.misbehaviour->refuses(now)) {
+      is_under_way_ = true;  // so is the next one, if there is one
       progress = end(*transfer, -EPIPE);
     } else {
       progress = transfer->submit.is_in ? fetch(*transfer, *endpoint, now)

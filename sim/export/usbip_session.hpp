@@ -90,6 +90,7 @@ class UsbipSession {
   [[nodiscard]] bool take_message(std::span<const std::uint8_t> message);
   [[nodiscard]] bool take_op(std::span<const std::uint8_t> message);
   [[nodiscard]] bool take_submit(const usbip::Submit& submit, std::span<const std::uint8_t> data);
+  [[nodiscard]] bool waits_for_model(const Transfer& transfer) const noexcept;
   void take_unlink(const usbip::Unlink& unlink);
   [[nodiscard]] usbip::DeviceRecord record() const;
 

@@ -132,6 +132,33 @@ TEST_F(UsbipSessionTest, SaysHowATransferWentWrong) {
   EXPECT_EQ(transfer(host_.write(Model::kBulkOut, {1}), false).status, -EPIPE);
 }
 
+TEST_F(UsbipSessionTest, AReadForWhichTheModelIsNotAskedIsAnsweredInTheNextRound) {
+  attach();
+  script_->unchanged_until = bench_.clock.now() + std::chrono::hours(1);
+  const auto needed_after = [&](const Bytes& read) {
+    say(read);
+    const MonotonicTime now = bench_.clock.now();
+    const Duration after = sut_.next_needed(now) - now;
+    serve();
+    say(host_.unlink(host_.seqnum));
+    serve(7);  // to the end of the frame
+    sut_.outbox().clear();
+    return after;
+  };
+  EXPECT_EQ(needed_after(host_.read(Model::kBulkIn, 64)), 8 * kRound);
+  EXPECT_EQ(needed_after(host_.read(Model::kBulkIn, 0)), kRound) << "of nothing";
+  EXPECT_EQ(needed_after(host_.read(0x8f, 64)), kRound) << "where nothing is";
+  say(host_.read(0x8f, 64));
+  say(host_.read(0x8f, 64));
+  serve();
+  sut_.outbox().clear();
+  EXPECT_EQ(needed_after(host_.read(Model::kBulkIn, 64)), kRound) << "there is the second";
+  serve(7);  // to the end of the frame
+  say(host_.read(Model::kBulkIn, 64));
+  bench_.misbehaviour.stall_until(bench_.clock.now() + std::chrono::milliseconds(2));
+  EXPECT_EQ(sut_.next_needed(bench_.clock.now()), bench_.clock.now() + kRound) << "it is refused";
+}
+
 // As a host controller: what was queued behind the transfer that stalled is not tried.
 TEST_F(UsbipSessionTest, AHaltedEndpointWaitsUntilItsHaltIsEnded) {
   attach();
