@@ -113,7 +113,8 @@ void UsbipBus::fire(MonotonicTime now) noexcept {
 bool UsbipBus::run_round(Connection& connection, MonotonicTime now) {
   UsbipSession& session = connection.session;
   receive(connection, now);
-  if (session.is_attached()) {
+  // What a host said before it hung up is done still: it may be the last zero.
+  if (session.is_attached() && connection.is_sound) {
     session.serve(now);
   } else {
     session.leave_round_out();
@@ -136,12 +137,14 @@ MonotonicTime UsbipBus::next_needed() const noexcept {
 // round.
 bool UsbipBus::wait_for_kernel(MonotonicTime until) noexcept {
   const MonotonicTime needed = next_needed();
+  // Whoever talks without an end is heard until then, not beyond it.
   while (has_word_from_kernel(until)) {
     for (Connection& connection : connections_) {
       receive(connection, around_.clock->now());
       if (!connection.is_up) return true;
     }
     if (next_needed() < needed) return true;
+    if (around_.machine->now() >= until) return false;
   }
   return false;
 }
@@ -176,9 +179,10 @@ UsbipSession& UsbipBus::connect(Socket socket) {
 }
 
 void UsbipBus::receive(Connection& connection, MonotonicTime now) {
+  if (!connection.is_up) return;  // the next round drops it
   connection.session.set_available(is_plugged_ && !is_attached());
   const std::size_t unsent = connection.session.outbox().size();
-  connection.is_up = read(connection) && connection.is_up;
+  connection.is_up = read(connection);
   if (connection.session.outbox().size() > unsent) connection.answered_at = now;
 }
 
@@ -190,7 +194,8 @@ bool UsbipBus::read(Connection& connection) {
     error_code error;
     const std::size_t size = connection.socket.read_some(asio::buffer(buffer), error);
     if (error) return is_for_later(error);
-    if (!connection.session.take(std::span(buffer).first(size))) return false;
+    connection.is_sound = connection.session.take(std::span(buffer).first(size));
+    if (!connection.is_sound) return false;
     if (size < buffer.size()) return true;  // that was all
   }
   return true;

@@ -67,13 +67,16 @@ class UsbipBus : public Plug, private Event {
     MonotonicTime taken_at{};     // something of the outbox, or there was nothing in it
     std::size_t sent{0};          // of the session's outbox
     bool is_up{true};             // false: it has to be dropped
+    bool is_sound{true};          // false: what it said is no message
   };
   void fire(MonotonicTime now) noexcept override;
   // False: the connection has to be dropped.
   [[nodiscard]] bool run_round(Connection& connection, MonotonicTime now);
+  // Waits until then, on the machine's clock, at the longest; true also of a connection that ended.
   [[nodiscard]] bool has_word_from_kernel(MonotonicTime until) noexcept;
   [[nodiscard]] static bool is_idle(const Connection& connection, MonotonicTime now) noexcept;
   [[nodiscard]] static bool is_over(Connection& connection) noexcept;
+  // What came is taken, nothing is served; `is_up` tells of the connection afterwards.
   void receive(Connection& connection, MonotonicTime now);
   [[nodiscard]] static bool read(Connection& connection);
   [[nodiscard]] static bool send(Connection& connection, MonotonicTime now);

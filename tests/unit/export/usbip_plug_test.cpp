@@ -158,6 +158,54 @@ TEST_F(UsbipPlugTest, WhoSaysNoMessageWhileItWaitsIsHungUpOn) {
   EXPECT_FALSE(sut_->is_attached());
 }
 
+// A message that never ends, of which a byte comes whenever somebody looks at the time.
+class DrippingClock final : public Clock {
+ public:
+  [[nodiscard]] MonotonicTime now() const noexcept override {
+    boost::system::error_code error;
+    if (host != nullptr) drops += host->write_some(boost::asio::buffer("", 1), error);
+    return {};
+  }
+  Duration sleep_until(MonotonicTime) noexcept override { return {}; }
+  Tcp::socket* host{nullptr};
+  mutable std::size_t drops{0};
+};
+
+TEST_F(UsbipPlugTest, HearsWhoeverTalksWithoutAnEndNoLongerThanIsWaited) {
+  DrippingClock machine;
+  PlugSurroundings around = bench_.surroundings();
+  around.machine = &machine;
+  auto plug = UsbipPlug::listen(io_, 0, model_, {model_.describe(), {}}, around);
+  ASSERT_TRUE(plug);
+  ASSERT_TRUE((*plug)->plug());
+  Tcp::socket host = connect(**plug);
+  ask(host, UsbipHost::import(), 320);
+  machine.host = &host;
+  EXPECT_FALSE((*plug)->wait_for_kernel(machine.now()));
+  EXPECT_LT(machine.drops, 10U);
+}
+
+TEST_F(UsbipPlugTest, WhatAHostSaysBeforeItHangsUpIsDoneStill) {
+  Tcp::socket host = connect(*sut_);
+  ask(host, UsbipHost::import(), 320);
+  const Bytes zero = host_.write(test::ScriptedUsbModel::kBulkOut, {0});
+  boost::asio::write(host, boost::asio::buffer(zero));
+  host.close();
+  bench_.run_frames(2);
+  EXPECT_EQ(script_->received[test::ScriptedUsbModel::kBulkOut], (std::vector<Bytes>{{0}}));
+  EXPECT_FALSE(sut_->is_attached());
+}
+
+TEST_F(UsbipPlugTest, NothingIsDoneForWhomItSaidWithNonsenseBehindIt) {
+  Tcp::socket host = connect(*sut_);
+  ask(host, UsbipHost::import(), 320);
+  Bytes words = host_.write(test::ScriptedUsbModel::kBulkOut, {1});
+  words.insert(words.end(), 48, 0xff);
+  ask(host, words, 1);
+  EXPECT_TRUE(is_hung_up_);
+  EXPECT_TRUE(script_->received[test::ScriptedUsbModel::kBulkOut].empty());
+}
+
 TEST_F(UsbipPlugTest, ARoundThatIsLeftOutDoesNothing) {
   Tcp::socket host = connect(*sut_);
   ask(host, UsbipHost::import(), 320);
