@@ -17,9 +17,9 @@ class DeviceCalls {
   virtual std::ptrdiff_t write(int node, std::span<const std::uint8_t> bytes) noexcept = 0;
   // ioctl().
   virtual int control(int node, unsigned long request, void* argument) noexcept = 0;
-  // Whether the device left its node for good, as poll() says of those of usbfs, hidraw and
-  // terminals, and of a hiddev without unread events; one that returns has another node. Does not
-  // wait.
+  // Whether this descriptor will never reach its device again: the device left, also when it comes
+  // back, which is by another node. poll() says so of usbfs, hidraw and terminals, and of a hiddev
+  // without unread events. False where poll() fails. Does not wait.
   virtual bool is_gone(int node) noexcept = 0;
 };
 

@@ -6,7 +6,10 @@
 #include <sys/socket.h>
 
 #include <array>
+#include <cerrno>
+#include <span>
 #include <string>
+#include <utility>
 
 #include "hal/linux/monotonic_clock.hpp"
 #include "sim/time/virtual_clock.hpp"
@@ -249,17 +252,52 @@ TEST(GuardSession, OfAnArmThatLeftWithItsDaemonEndsWithTheFirstZeroThatIsRefused
   }
 }
 
+// A kernel that refuses every zero by the same word.
+struct RefusingKernel final : linux::DeviceCalls {
+  std::ptrdiff_t write(int, std::span<const std::uint8_t>) noexcept override { return refuse(); }
+  int control(int, unsigned long, void*) noexcept override { return refuse(); }
+  bool is_gone(int) noexcept override { return is_node_gone; }
+  int refuse() noexcept {
+    errno = by;
+    return -1;
+  }
+  int by{0};
+  bool is_node_gone{false};
+};
+
+// ENODEV of usbfs is said of a device that is being reset, too, whose zero must be tried on.
 TEST(GuardSession, OneThatRefusesAndIsThereIsAskedFor25SecondsMore) {
-  Rig rig;
-  test::FakeHidKernel kernel;
-  kernel.has_hiddev = false;
-  auto guard = rig.accept(ZeroRoute::Hiddev, kernel);
-  rig.run(*guard, 100, true);
-  rig.daemon = Descriptor();
-  rig.run(*guard, 24'900, false);
-  EXPECT_FALSE(rig.is_over);
-  rig.run(*guard, 200, false);
-  EXPECT_TRUE(rig.is_over);
+  using Refusal = std::pair<ZeroRoute, int>;
+  for (const auto& [route, by] :
+       {Refusal{ZeroRoute::UsbBulk, ENODEV}, Refusal{ZeroRoute::UsbBulk, ETIMEDOUT},
+        Refusal{ZeroRoute::UsbBulk, EPIPE}, Refusal{ZeroRoute::Write, EIO},
+        Refusal{ZeroRoute::Write, ENODEV}, Refusal{ZeroRoute::Hiddev, EINVAL}}) {
+    Rig rig;
+    RefusingKernel kernel;
+    kernel.by = by;
+    auto guard = rig.accept(route, kernel);
+    rig.run(*guard, 100, true);
+    rig.daemon = Descriptor();
+    rig.run(*guard, 24'900, false);
+    EXPECT_FALSE(rig.is_over) << by;
+    rig.run(*guard, 200, false);
+    EXPECT_TRUE(rig.is_over) << by;
+  }
+}
+
+TEST(GuardSession, OneOfWhichTheNodeSaysThatItLeftIsAskedOnceWhateverItSays) {
+  for (const ZeroRoute route : {ZeroRoute::UsbBulk, ZeroRoute::Write}) {
+    Rig rig;
+    RefusingKernel kernel;
+    kernel.by = EIO;
+    kernel.is_node_gone = true;
+    auto guard = rig.accept(route, kernel);
+    rig.run(*guard, 10, true);
+    rig.daemon = Descriptor();
+    rig.run(*guard, 1000, false);
+    EXPECT_TRUE(rig.is_over);
+    EXPECT_EQ(guard->zeros().refused(), 1U);
+  }
 }
 
 TEST(KernelCalls, ANodeIsGoneWhenItsOtherEndIsAndNotBefore) {
