@@ -20,23 +20,29 @@
 namespace thimble::plugin {
 
 // What a person can press and read of a simulated device that is no arm, or beside an arm's verbs.
-// Thread: that of the bus. Ownership: a face of the model; valid as long as that is.
+// Thread: that of the bus. Ownership: a face of the model; valid as long as that is. RT: press()
+// and set_fault(), bounded; the rest is not.
 class ModelPanel {
  public:
   struct Reading {
     std::string name;  // with its unit, as in "line_4" or "latency_s"
     double value{0};
   };
+  struct Fault {
+    std::string_view name;    // of the program's text
+    std::uint32_t number{0};  // 0: it does not do that; what another means is the model's to say
+  };
   virtual ~ModelPanel() = default;
   // False: it has no such button, switch or input.
   virtual bool press(unsigned number, bool pressed) noexcept = 0;
-  // What its firmware does wrong on demand, by names of its own; what a number means is the model's
-  // to say. False: it has no such fault, or not that number.
+  // What its firmware does wrong on demand, by names of its own, until it is set to 0 or, of what
+  // happens once, has happened; a loss of power ends none. False: it has no such fault, or not that
+  // number.
   virtual bool set_fault(std::string_view /*name*/, std::uint32_t /*number*/) noexcept {
     return false;
   }
-  [[nodiscard]] virtual std::span<const std::string_view> faults() const noexcept { return {}; }
-  // Not RT.
+  // All that it has, as they stand.
+  [[nodiscard]] virtual std::vector<Fault> faults() const { return {}; }
   [[nodiscard]] virtual std::vector<Reading> readings() const = 0;
 };
 

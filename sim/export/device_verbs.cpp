@@ -105,7 +105,7 @@ Result<void> DeviceVerbs::set_fault(const std::string& name, std::uint32_t numbe
   if (faces_.panel != nullptr && faces_.panel->set_fault(name, number)) return {};
   std::string known;
   if (faces_.panel != nullptr) {
-    for (const std::string_view one : faces_.panel->faults()) known += " " + std::string(one);
+    for (const auto& one : faces_.panel->faults()) known += " " + std::string(one.name);
   }
   return fail(Errc::InvalidArgument, "it has no fault " + name + " with that number; it has:" +
                                          (known.empty() ? " none" : known));
@@ -152,6 +152,9 @@ std::string DeviceVerbs::status() const {
     json::object readings;
     for (const auto& [name, value] : faces_.panel->readings()) readings[name] = value;
     reply["readings"] = std::move(readings);
+    json::object faults;
+    for (const auto& [name, number] : faces_.panel->faults()) faults[name] = number;
+    reply["faults"] = std::move(faults);
   }
   return line_of(reply);
 }

@@ -20,7 +20,6 @@ constexpr std::string_view kDeaf = "deaf";
 constexpr std::string_view kShortReplies = "short-replies";
 constexpr std::string_view kGluedReplies = "glued-replies";
 constexpr std::string_view kLatency = "latency";
-constexpr std::array kFaults{kLostEcho, kDeaf, kShortReplies, kGluedReplies, kLatency};
 
 // Force along z at the origin, when all cranks have 1 N m.
 double newton_per_newton_m(const FalconParameters& parameters) {
@@ -203,14 +202,24 @@ void FalconArmModel::set_faults(const FalconBootFaults& boot,
   processor_.firmware().set_faults(replies);
 }
 
-std::span<const std::string_view> FalconArmModel::faults() const noexcept { return kFaults; }
+std::vector<plugin::ModelPanel::Fault> FalconArmModel::faults() const {
+  const FalconBootFaults& boot = processor_.faults();
+  const FalconReplyFaults& replies = processor_.firmware().faults();
+  const Duration latency = bridge_.insisted_latency().value_or(Duration(0));
+  const auto number = [](auto count) { return static_cast<std::uint32_t>(count); };
+  return {{kLostEcho, number(boot.lost_echo ? *boot.lost_echo + 1 : 0)},
+          {kDeaf, number(boot.deaf_questions)},
+          {kShortReplies, number(replies.short_every)},
+          {kGluedReplies, number(replies.glue_every)},
+          {kLatency, number(latency / std::chrono::milliseconds(1))}};
+}
 
 bool FalconArmModel::set_fault(std::string_view name, std::uint32_t number) noexcept {
   constexpr std::uint32_t kMostLatency_ms = 255;  // a byte of the request
   FalconBootFaults boot = processor_.faults();
   FalconReplyFaults replies = processor_.firmware().faults();
   if (name == kLostEcho) {
-    boot.lost_echo = number;
+    boot.lost_echo = number > 0 ? std::optional<std::size_t>(number - 1) : std::nullopt;
   } else if (name == kDeaf) {
     boot.deaf_questions = number;
   } else if (name == kShortReplies) {

@@ -72,11 +72,12 @@ class FalconArmModel final : public plugin::SimUsbModel,
   [[nodiscard]] plugin::ModelPanel* panel() noexcept override { return this; }
   bool press(unsigned /*number*/, bool /*pressed*/) noexcept override { return false; }
   [[nodiscard]] std::vector<Reading> readings() const override;
-  // "lost-echo" N: byte N of the next image, from 0, is not echoed. "deaf" N: so many questions of
-  // the boot-loader's are not answered. "short-replies" N, "glued-replies" N: as FalconReplyFaults.
-  // "latency" MS: of the bridge, whatever it is told, up to 255; 0: as it is told.
+  // "lost-echo" N: the Nth byte of the next image, or of one after it that is so long, is not
+  // echoed. "deaf" N: so many questions of the boot-loader's are not answered. "short-replies" N,
+  // "glued-replies" N: as FalconReplyFaults. "latency" MS: of the bridge, whatever it is told, up
+  // to 255.
   THIMBLE_RT bool set_fault(std::string_view name, std::uint32_t number) noexcept override;
-  [[nodiscard]] std::span<const std::string_view> faults() const noexcept override;
+  [[nodiscard]] std::vector<Fault> faults() const override;
 
   THIMBLE_RT void press_button(FalconButton button, bool pressed) noexcept;
   // As if an image had been uploaded, at any time.

@@ -79,6 +79,7 @@ class FtdiBridge {
   // On demand: it has this latency, whatever it is told, also after a loss of power; nothing: what
   // it was told last.
   void insist_on_latency(std::optional<Duration> latency) noexcept { insisted_ = latency; }
+  [[nodiscard]] std::optional<Duration> insisted_latency() const noexcept { return insisted_; }
   [[nodiscard]] const FtdiCounters& counters() const noexcept { return counters_; }
 
  private:

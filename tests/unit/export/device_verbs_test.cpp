@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <boost/json.hpp>
 #include <memory>
 #include <sstream>
@@ -29,16 +30,16 @@ class Panel final : public plugin::ModelPanel {
     return {{"line_5", is_down_ ? 1.0 : 0.0}, {"dim", dimness_}};
   }
   bool set_fault(std::string_view name, std::uint32_t number) noexcept override {
-    if (name != kFaults[0] || number > 9) return false;
+    if (name != kDim || number > 9) return false;
     dimness_ = number;
     return true;
   }
-  [[nodiscard]] std::span<const std::string_view> faults() const noexcept override {
-    return kFaults;
+  [[nodiscard]] std::vector<Fault> faults() const override {
+    return {{kDim, static_cast<std::uint32_t>(dimness_)}};
   }
 
  private:
-  static constexpr std::array<std::string_view, 1> kFaults{"dim"};
+  static constexpr std::string_view kDim = "dim";
   bool is_down_{false};
   double dimness_{0};
 };
@@ -150,6 +151,7 @@ TEST_F(DeviceVerbsTest, MisbehavesOnDemand) {
 TEST_F(DeviceVerbsTest, DoesWrongWhatItsModelKnowsToAndNamesThatForWhatItDoesNot) {
   EXPECT_TRUE(is_taken("fault dim 4"));
   EXPECT_EQ(say("status").at("readings").at("dim").to_number<double>(), 4);
+  EXPECT_EQ(say("status").at("faults").at("dim").to_number<int>(), 4);
   for (const char* line : {"fault dim 10", "fault bright 1"}) {
     const json::object refused = say(line);
     EXPECT_FALSE(refused.at("ok").as_bool()) << line;

@@ -95,42 +95,6 @@ TEST(FalconModel, SaysNothingInRunModeWithoutFirmware) {
   for (int ms = 0; ms < 50; ++ms) EXPECT_EQ(host.exchange(kIdle), std::nullopt);
 }
 
-TEST(FalconModel, ALostEchoFailsTheCheckAndTheNextUploadSucceeds) {
-  FalconHost host;
-  host.arm().set_faults({.lost_echo = 700, .deaf_questions = 1}, {});
-  ASSERT_TRUE(host.greet());
-  EXPECT_FALSE(host.upload(test::falcon_image()));
-  ASSERT_TRUE(host.greet());
-  EXPECT_TRUE(host.upload(test::falcon_image()));
-}
-
-TEST(FalconModel, DoesWrongWhatItsPanelIsToldOneBesideTheOther) {
-  FalconHost host;
-  plugin::ModelPanel& panel = *host.arm().panel();
-  for (const std::string_view name : panel.faults()) EXPECT_TRUE(panel.set_fault(name, 0)) << name;
-  EXPECT_FALSE(panel.set_fault("latency", 256)) << "a byte has no such number";
-  EXPECT_FALSE(panel.set_fault("echo", 1));
-  EXPECT_FALSE(panel.set_fault("", 1));
-
-  EXPECT_TRUE(panel.set_fault("lost-echo", 700));
-  EXPECT_TRUE(panel.set_fault("deaf", 1));
-  EXPECT_TRUE(panel.set_fault("latency", 16));
-  ASSERT_TRUE(host.greet());
-  EXPECT_EQ(host.arm().processor().counters().questions, 2U);
-  EXPECT_FALSE(host.upload(test::falcon_image()));
-  ASSERT_TRUE(host.greet());
-  ASSERT_TRUE(host.upload(test::falcon_image()));
-  host.go_to_run_mode();
-  EXPECT_EQ(host.arm().bridge().latency(), milliseconds(16));
-  EXPECT_TRUE(panel.set_fault("latency", 0));
-  EXPECT_EQ(host.arm().bridge().latency(), milliseconds(1));
-
-  EXPECT_TRUE(panel.set_fault("short-replies", 3));
-  EXPECT_TRUE(panel.set_fault("glued-replies", 4));
-  EXPECT_EQ(host.arm().processor().firmware().faults().short_every, 3U);
-  EXPECT_EQ(host.arm().processor().firmware().faults().glue_every, 4U);
-}
-
 TEST(FalconModel, ReadsHowOftenAnUploadWasBegunWhateverBecameOfIt) {
   FalconHost host;
   const auto uploads = [&] {
