@@ -12,7 +12,6 @@ namespace {
 constexpr int kMostIterations = 30;
 constexpr double kLongestStep_m = 0.01;
 // Of G in each leg: less than 1e-12 m from where it is 0; rounding leaves a ten-thousandth of it.
-// leaves.
 constexpr double kFits_m2 = 1e-13;
 constexpr double kSingular = 1e-10;  // m³ of det A, which is 1e-3 where the arm works
 

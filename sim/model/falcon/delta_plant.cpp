@@ -127,15 +127,16 @@ void DeltaPlant::step(double dt_s, const Triple& motor_torque, const Triple& gri
   const Triple rate = rate_ + dt_s * middle.acceleration;
   const auto pose = linkage_.forward(cranks_after(way), pose_->x + dt_s * middle.velocity);
   if (!pose.has_value() || !(norm(rate) <= kFastest_rad_per_s)) return stand_still();
+  steps_since_exact_ = (steps_since_exact_ + 1) % kStepsToExactCranks;
   q_ += way;
   rate_ = rate;
   pose_ = *pose;
 }
 
-DeltaLinkage::Cranks DeltaPlant::cranks_after(const Triple& way_rad) noexcept {
-  steps_since_exact_ = (steps_since_exact_ + 1) % kStepsToExactCranks;
-  return steps_since_exact_ == 0 ? DeltaLinkage::cranks(q_ + way_rad)
-                                 : DeltaLinkage::turned(pose_->cranks, way_rad);
+DeltaLinkage::Cranks DeltaPlant::cranks_after(const Triple& way_rad) const noexcept {
+  return steps_since_exact_ + 1 == kStepsToExactCranks
+             ? DeltaLinkage::cranks(q_ + way_rad)
+             : DeltaLinkage::turned(pose_->cranks, way_rad);
 }
 
 void DeltaPlant::stand_still() noexcept {

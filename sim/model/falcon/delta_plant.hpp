@@ -58,7 +58,7 @@ class DeltaPlant {
   // `pose`: that of `q`.
   [[nodiscard]] Stage evaluate(const Triple& q, const Triple& rate, const DeltaLinkage::Pose& pose,
                                const Inputs& in) const noexcept;
-  [[nodiscard]] DeltaLinkage::Cranks cranks_after(const Triple& way_rad) noexcept;
+  [[nodiscard]] DeltaLinkage::Cranks cranks_after(const Triple& way_rad) const noexcept;
   void stand_still() noexcept;
   [[nodiscard]] Triple crank_torques(const Triple& q, const Triple& sine,
                                      const Triple& rate) const noexcept;

@@ -116,6 +116,19 @@ TEST_F(DeltaLinkageTest, ItsDerivativesAreThoseOfItsEquations) {
   }
 }
 
+TEST_F(DeltaLinkageTest, CranksThatAreTurnedAreThoseOfTheAngleThere) {
+  for (int i = 0; i < 2000; ++i) {
+    Triple q = within(random, 2);
+    // A tenth of a radian in 0.1 ms is far beyond what a crank does.
+    const Triple step = within(random, 0.1);
+    const auto turned = DeltaLinkage::turned(DeltaLinkage::cranks(q), step);
+    q += step;
+    const auto expected = DeltaLinkage::cranks(q);
+    EXPECT_LT(norm(turned.sine - expected.sine), 1e-15);
+    EXPECT_LT(norm(turned.cosine - expected.cosine), 1e-15);
+  }
+}
+
 TEST_F(DeltaLinkageTest, WhatIsOutOfReachHasNoPose) {
   EXPECT_FALSE(sut.inverse({0, 0, 0.3}));
   EXPECT_FALSE(sut.inverse({0.2, 0, 0.12}));
@@ -144,6 +157,22 @@ TEST(DeltaPlant, KeepsItsEnergyWhenNothingRubsOrPushes) {
     EXPECT_NEAR(sut.mechanical_energy_j(), before_j, 2e-4) << i;
     EXPECT_EQ(sut.standstills(), 0U);
   }
+}
+
+// Also where its cranks' sines follow from those of the step before.
+TEST(DeltaPlant, TheGripIsWhereItsCranksHoldItHoweverLongItSwings) {
+  std::mt19937 random(9);
+  DeltaPlant sut(without_friction());
+  ASSERT_TRUE(sut.rest_at(somewhere(random)));
+  sut.set_rate(within(random, 8));
+  double farthest_m = 0;
+  for (int step = 0; step < 50'000; ++step) {
+    sut.step(kStep_s, {}, {});
+    const auto exact = sut.linkage().forward(DeltaLinkage::cranks(sut.crank_rad()), sut.grip());
+    ASSERT_TRUE(exact);
+    farthest_m = std::max(farthest_m, norm(exact->x - sut.grip()));
+  }
+  EXPECT_LT(farthest_m, 1e-11);
 }
 
 TEST(DeltaPlant, MotorsAndHandBalanceWhereTheirForcesCancel) {
