@@ -125,7 +125,7 @@ class OneArm(guest.GuestTest):
         self.arm.plug()
         self.guest.run("systemctl start thimbled")
         self.arm.activate()
-        self.guest.run(f"daemon={arms.PID} && pgrep -x thimble-guard && kill -STOP $daemon && {self.arm.command('unplug')} && "
+        self.guest.run(f"daemon={arms.PID} && [ \"$daemon\" -gt 0 ] && pgrep -x thimble-guard && kill -STOP $daemon && {self.arm.command('unplug')} && "
                        "kill -KILL $daemon && sleep 1 && ! pgrep -x thimble-guard")
 
 
