@@ -39,7 +39,7 @@ struct FtdiCounters {
 // with what there is, and with nothing but the status when there is nothing. Else it says NAK. The
 // timer is 1 to 255 ms, 16 after power-up. Sources: FT232R data sheet ("receive buffer timeout"),
 // ftdi_sio.h (status bytes, requests), libftdi 1.5 (which purge is which). The timer begins anew
-// with each packet, on the bus's clock: ours.
+// with each packet (FTDI AN232B-04), on the bus's clock: ours.
 //
 // Thread: one. RT: all. Errors: none; requests may be any, and those it does not know stall.
 class FtdiBridge {
