@@ -33,7 +33,8 @@ json::object counters_of(const PlugCounters& counters) {
 json::object trouble_of(const Misbehaviour::Struck& struck) {
   return {{"refused", struck.refused},     {"unanswered", struck.unanswered},
           {"corrupted", struck.corrupted}, {"shortened", struck.shortened},
-          {"babbled", struck.babbled},     {"cut", struck.cut}};
+          {"babbled", struck.babbled},     {"cut", struck.cut},
+          {"halted", struck.halted},       {"halted_out", struck.halted_out}};
 }
 
 void add_arm(json::object& reply, const plugin::ArmBackend& arm) {
@@ -57,6 +58,7 @@ DeviceVerbs::Reply DeviceVerbs::execute(std::string_view line) {
   const Result<Verb> verb = parse_verb(line);
   if (!verb) return whole(refused(verb.error()));
   if (verb->kind == VerbKind::Status) return whole(status());
+  if (verb->kind == VerbKind::Felt) return whole(felt(*verb));
   if (verb->kind == VerbKind::Log) return log_of_last(from_seconds(verb->numbers[0]));
   const Result<void> done = apply(*verb);
   return whole(done ? line_of({{"ok", true}}) : refused(done.error()));
@@ -91,6 +93,8 @@ Result<void> DeviceVerbs::apply(const Verb& verb) {
     case VerbKind::ShortOut:
       around_.misbehaviour->cut_what_comes(reports);
       return {};
+    case VerbKind::Halt:
+      return halt(reports);
     case VerbKind::Fault:
       return set_fault(verb.name, reports);
     case VerbKind::Press:
@@ -99,6 +103,15 @@ Result<void> DeviceVerbs::apply(const Verb& verb) {
     default:
       return apply_to_arm(verb);
   }
+}
+
+Result<void> DeviceVerbs::halt(std::uint32_t transfers) {
+  if (!plug_->has_endpoints()) {
+    return fail(Errc::InvalidArgument,
+                "through uhid it has no endpoints: offer it with --usbip or --vhci");
+  }
+  around_.misbehaviour->halt(transfers);
+  return {};
 }
 
 Result<void> DeviceVerbs::set_fault(const std::string& name, std::uint32_t number) {
@@ -157,6 +170,21 @@ std::string DeviceVerbs::status() const {
     reply["faults"] = std::move(faults);
   }
   return line_of(reply);
+}
+
+std::string DeviceVerbs::felt(const Verb& verb) const {
+  if (faces_.arm == nullptr) {
+    return refused({Errc::InvalidArgument, "it is no arm: it has no force"});
+  }
+  const MonotonicTime from = around_.clock->now() - from_seconds(verb.numbers[0]);
+  const ModelLog::Felt felt = around_.log->felt(from, verb.numbers[1]);
+  return line_of({{"ok", true},
+                  {"frames", felt.frames},
+                  {"from_s", seconds(felt.first.since_epoch)},
+                  {"lasted_s", seconds(felt.lasted)},
+                  {"least_newton", felt.least_newton},
+                  {"most_newton", felt.most_newton},
+                  {"longest_below_s", seconds(felt.longest_below)}});
 }
 
 DeviceVerbs::Reply DeviceVerbs::log_of_last(Duration duration) const {

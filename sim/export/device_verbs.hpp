@@ -41,7 +41,9 @@ class DeviceVerbs {
   [[nodiscard]] Result<void> apply_to_arm(const Verb& verb);
   [[nodiscard]] Result<void> press(const Verb& verb);
   [[nodiscard]] Result<void> set_fault(const std::string& name, std::uint32_t number);
+  [[nodiscard]] Result<void> halt(std::uint32_t transfers);
   [[nodiscard]] std::string status() const;
+  [[nodiscard]] std::string felt(const Verb& verb) const;
   [[nodiscard]] Reply log_of_last(Duration duration) const;
 
   bus::BusDeviceInfo info_;

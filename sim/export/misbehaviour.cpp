@@ -15,6 +15,12 @@ bool count_down(std::uint32_t& left, std::uint64_t& done) noexcept {
 
 }  // namespace
 
+bool Misbehaviour::halts(bool is_in) noexcept {
+  const bool halts = count_down(halt_, struck_.halted);
+  if (halts && !is_in) ++struck_.halted_out;
+  return halts;
+}
+
 std::size_t Misbehaviour::spoil(std::span<std::uint8_t> room, std::size_t size) noexcept {
   if (size == 0 || size > room.size()) return size;
   if (count_down(corrupt_, struck_.corrupted)) {

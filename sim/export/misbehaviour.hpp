@@ -31,6 +31,12 @@ class Misbehaviour {
   // Of the next `packets` that it is sent it takes the first half, and the host may hear how much.
   void cut_what_comes(std::uint32_t packets) noexcept { cut_ = packets; }
 
+  // The next `transfers` halt the endpoint that they are on, until the host ends that (USB 2.0,
+  // 9.4.5): not requests, which have nothing to halt.
+  void halt(std::uint32_t transfers) noexcept { halt_ = transfers; }
+
+  // Asked for each transfer that the model would be asked for, of which it counts those that halt.
+  [[nodiscard]] bool halts(bool is_in) noexcept;
   // Asked for each transfer or request, of which it counts those that it refuses.
   [[nodiscard]] bool refuses(MonotonicTime now) noexcept {
     if (!is_stalling(now)) return false;
@@ -60,7 +66,9 @@ class Misbehaviour {
     std::uint64_t corrupted{0};   // reports, as the two below
     std::uint64_t shortened{0};
     std::uint64_t babbled{0};
-    std::uint64_t cut{0};  // of those that it was sent
+    std::uint64_t cut{0};         // of those that it was sent
+    std::uint64_t halted{0};      // transfers, that halted their endpoint
+    std::uint64_t halted_out{0};  // those of them that go out
     bool operator==(const Struck&) const = default;
   };
   [[nodiscard]] const Struck& struck() const noexcept { return struck_; }
@@ -72,6 +80,7 @@ class Misbehaviour {
   std::uint32_t short_{0};
   std::uint32_t babble_{0};
   std::uint32_t cut_{0};
+  std::uint32_t halt_{0};
   Struck struck_{};
   std::mt19937_64 random_;
 };

@@ -88,6 +88,31 @@ ModelLog::Cursor ModelLog::since(MonotonicTime from) const noexcept {
   return {first, noted_};
 }
 
+// From the newest back, so that it goes through no more than was asked for, and once.
+ModelLog::Felt ModelLog::felt(MonotonicTime from, double above_newton) const noexcept {
+  Felt felt;
+  MonotonicTime last{};
+  MonotonicTime above{};
+  for (std::uint64_t i = noted_; i > oldest() && at(i - 1).time.model >= from; --i) {
+    const Entry& entry = at(i - 1);
+    if (!entry.is_sample) continue;
+    const double force_newton = norm(entry.truth.motor_force);
+    felt.first = entry.time.model;
+    if (felt.frames++ == 0) {
+      last = above = felt.first;
+      felt.least_newton = felt.most_newton = force_newton;
+    }
+    felt.least_newton = std::min(felt.least_newton, force_newton);
+    felt.most_newton = std::max(felt.most_newton, force_newton);
+    if (!(force_newton > above_newton)) continue;
+    felt.longest_below = std::max(felt.longest_below, above - felt.first);
+    above = felt.first;
+  }
+  felt.longest_below = std::max(felt.longest_below, above - felt.first);
+  felt.lasted = last - felt.first;
+  return felt;
+}
+
 std::string ModelLog::lines(Cursor& cursor, std::size_t most) const {
   std::string lines;
   cursor.next = std::max(cursor.next, oldest());

@@ -40,6 +40,19 @@ class ModelLog {
   void note_bytes(const LogTime& time, Direction direction,
                   std::span<const std::uint8_t> bytes) noexcept;
 
+  // What the motors did in short, by the samples since `from`, of the model's time. All 0 where
+  // there is none.
+  struct Felt {
+    std::uint64_t frames{0};  // with a sample
+    MonotonicTime first{};    // of the model; later than `from` where the log has forgotten
+    Duration lasted{};        // from the first of them to the last
+    double least_newton{0};
+    double most_newton{0};
+    Duration
+        longest_below{};  // between two that are above `above_newton`, or an end and the next one
+  };
+  [[nodiscard]] Felt felt(MonotonicTime from, double above_newton) const noexcept;
+
   // A way through what was noted since `from`, of the model's time, until now; what is overwritten
   // meanwhile is left out.
   struct Cursor {

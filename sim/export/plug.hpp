@@ -36,6 +36,8 @@ class Plug {
   [[nodiscard]] virtual bool is_plugged() const noexcept = 0;
   // Somebody on the kernel's side uses it.
   [[nodiscard]] virtual bool is_open() const noexcept = 0;
+  // It is on a wire that has them: they can halt. Else the kernel has reports of it, and no more.
+  [[nodiscard]] virtual bool has_endpoints() const noexcept = 0;
   // The connection to the kernel is gone for good.
   [[nodiscard]] virtual bool is_broken() const noexcept = 0;
   [[nodiscard]] virtual PlugCounters counters() const noexcept = 0;

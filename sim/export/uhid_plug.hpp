@@ -37,6 +37,7 @@ class UhidPlug final : public Plug, private Event {
   [[nodiscard]] bool is_plugged() const noexcept override { return is_plugged_; }
   [[nodiscard]] bool is_open() const noexcept override { return is_plugged_ && is_open_; }
   [[nodiscard]] bool is_broken() const noexcept override { return is_broken_; }
+  [[nodiscard]] bool has_endpoints() const noexcept override { return false; }
   [[nodiscard]] PlugCounters counters() const noexcept override { return counters_; }
   // A frame: each is needed, and what the kernel says waits for the next one.
   [[nodiscard]] Duration round_period() const noexcept override { return model_->frame_period(); }

@@ -41,6 +41,7 @@ class UsbipBus : public Plug, private Event {
   [[nodiscard]] bool is_plugged() const noexcept override { return is_plugged_; }
   [[nodiscard]] bool is_open() const noexcept override;
   [[nodiscard]] bool is_broken() const noexcept override { return false; }
+  [[nodiscard]] bool has_endpoints() const noexcept override { return true; }
   [[nodiscard]] PlugCounters counters() const noexcept override;
   [[nodiscard]] Duration round_period() const noexcept override;
   [[nodiscard]] MonotonicTime next_needed() const noexcept override;

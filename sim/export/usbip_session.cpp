@@ -194,6 +194,8 @@ void UsbipSession::serve_kind(UsbTransferKind kind, MonotonicTime now) {
     } else if (endpoint == nullptr || around_.misbehaviour->refuses(now)) {
       is_under_way_ = true;  // so is the next one, if there is one
       progress = end(*transfer, -EPIPE);
+    } else if (around_.misbehaviour->halts(transfer->submit.is_in)) {
+      progress = halt(*transfer, *endpoint);
     } else {
       progress = transfer->submit.is_in ? fetch(*transfer, *endpoint, now)
                                         : send(*transfer, *endpoint, now);

@@ -15,8 +15,9 @@ struct Argument {
   bool is_whole{false};
 };
 
-constexpr Argument kMetres{-1, 1, 0};        // no arm here is longer
-constexpr Argument kNewtons{-50, 50, 0};     // nor stronger
+constexpr Argument kMetres{-1, 1, 0};     // no arm here is longer
+constexpr Argument kNewtons{-50, 50, 0};  // nor stronger
+constexpr Argument kThreshold_newton{0, 50, 0};
 constexpr Argument kStroke_s{0.001, 60, 1};  // the hand's shortest stroke is 1 ms
 constexpr Argument kWhile_s{0, 3600, 1};
 constexpr Argument kButton{0, 31, 0, true};
@@ -31,7 +32,7 @@ struct Rule {
   bool has_name{false};  // before its numbers
 };
 
-constexpr std::array<Rule, 18> kRules{{
+constexpr std::array<Rule, 20> kRules{{
     {"move", VerbKind::Move, 3, 4, {kMetres, kMetres, kMetres, kStroke_s}},
     {"home", VerbKind::Home, 0, 1, {kStroke_s}},
     {"let-go", VerbKind::LetGo, 0, 0, {}},
@@ -47,9 +48,11 @@ constexpr std::array<Rule, 18> kRules{{
     {"short", VerbKind::Short, 0, 1, {kReports}},
     {"babble", VerbKind::Babble, 0, 1, {kReports}},
     {"short-out", VerbKind::ShortOut, 0, 1, {kReports}},
+    {"halt", VerbKind::Halt, 0, 1, {kReports}},
     {"fault", VerbKind::Fault, 0, 1, {kReports}, true},
     {"status", VerbKind::Status, 0, 0, {}},
     {"log", VerbKind::Log, 0, 1, {kWhile_s}},
+    {"felt", VerbKind::Felt, 0, 2, {kWhile_s, kThreshold_newton}},
 }};
 
 // Takes the next word off; empty at the end.

@@ -30,9 +30,11 @@ enum class VerbKind : std::uint8_t {
   Short,     // [N]: the next N reports are cut to half
   Babble,    // [N]: the next N reports are longer than they may be
   ShortOut,  // [N]: of the next N reports that it is sent it takes half
+  Halt,      // [N]: the next N transfers halt their endpoints
   Fault,     // NAME [N]: what its firmware does wrong, by its own names; N whole
   Status,
-  Log,  // [SECONDS]: what happened in the last ones
+  Log,   // [SECONDS]: what happened in the last ones
+  Felt,  // [SECONDS [NEWTON]]: that in short; and for how long there was no more than NEWTON
 };
 
 struct Verb {

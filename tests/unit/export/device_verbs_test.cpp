@@ -145,7 +145,23 @@ TEST_F(DeviceVerbsTest, MisbehavesOnDemand) {
                                    {"corrupted", 0},
                                    {"shortened", 1},
                                    {"babbled", 0},
-                                   {"cut", 1}}));
+                                   {"cut", 1},
+                                   {"halted", 0},
+                                   {"halted_out", 0}}));
+  const json::object refused = say("halt 1");
+  EXPECT_FALSE(refused.at("ok").as_bool()) << "through uhid";
+}
+
+TEST_F(DeviceVerbsTest, TellsInShortWhatItsMotorsDid) {
+  bench_.run_frames(20);
+  const json::object felt = say("felt 0.0105 0.5");
+  EXPECT_EQ(felt.at("frames").to_number<int>(), 11);
+  EXPECT_DOUBLE_EQ(felt.at("from_s").to_number<double>(), 0.010);
+  EXPECT_DOUBLE_EQ(felt.at("lasted_s").to_number<double>(), 0.010);
+  EXPECT_EQ(felt.at("most_newton").to_number<double>(), 0);
+  EXPECT_DOUBLE_EQ(felt.at("longest_below_s").to_number<double>(), 0.010);
+  DeviceVerbs plain(arm_.describe(), plug_, {nullptr, nullptr}, bench_.surroundings());
+  EXPECT_NE(whole(plain.execute("felt")).find("no arm"), std::string::npos);
 }
 
 TEST_F(DeviceVerbsTest, DoesWrongWhatItsModelKnowsToAndNamesThatForWhatItDoesNot) {

@@ -102,6 +102,44 @@ TEST(ModelLogTest, PrintsEveryNumberAsJson) {
   EXPECT_DOUBLE_EQ(entry.at("force_newton").at(2).to_number<double>(), -1);
 }
 
+TEST(ModelLogTest, TellsInShortWhatWasFeltAndTheLongestHole) {
+  ModelLog sut(100);
+  EXPECT_EQ(sut.felt({}, 0).frames, 0U);
+  plugin::ArmTruth truth;
+  // 3 N but for two holes: frames 2 to 4, of 1 N, and 7.
+  for (int frame = 0; frame < 10; ++frame) {
+    const bool is_hole = (frame >= 2 && frame <= 4) || frame == 7;
+    truth.motor_force = {0, is_hole ? 1.0 : 3.0, 0};
+    sut.note_sample(at(0.001 * frame), truth);
+    sut.note_bytes(at(0.001 * frame), ModelLog::Direction::ToHost, {});
+  }
+  const ModelLog::Felt all = sut.felt({}, 2);
+  EXPECT_EQ(all.frames, 10U);
+  EXPECT_DOUBLE_EQ(seconds(all.lasted), 0.009);
+  EXPECT_EQ(all.least_newton, 1);
+  EXPECT_EQ(all.most_newton, 3);
+  EXPECT_DOUBLE_EQ(seconds(all.longest_below), 0.004) << "from frame 1 to frame 5";
+  EXPECT_DOUBLE_EQ(seconds(sut.felt({}, 0.5).longest_below), 0.001);
+  EXPECT_DOUBLE_EQ(seconds(sut.felt({}, 3).longest_below), 0.009) << "never above";
+  const ModelLog::Felt late = sut.felt({from_seconds(0.004)}, 2);
+  EXPECT_EQ(late.frames, 6U);
+  EXPECT_DOUBLE_EQ(seconds(late.longest_below), 0.002) << "round frame 7";
+  EXPECT_DOUBLE_EQ(seconds(late.first.since_epoch), 0.004);
+}
+
+TEST(ModelLogTest, OfWhatItForgotItFeelsNothing) {
+  ModelLog sut(4);
+  plugin::ArmTruth truth;
+  for (int frame = 0; frame < 10; ++frame) {
+    truth.motor_force = {frame < 6 ? 9.0 : 1.0, 0, 0};
+    sut.note_sample(at(0.001 * frame), truth);
+  }
+  const ModelLog::Felt felt = sut.felt({}, 0);
+  EXPECT_EQ(felt.frames, 4U);
+  EXPECT_EQ(felt.most_newton, 1);
+  EXPECT_DOUBLE_EQ(seconds(felt.first.since_epoch), 0.006);
+}
+
 TEST(ModelLogTest, TellsOnlyWhatIsAskedFor) {
   ModelLog sut(100);
   for (int i = 0; i < 50; ++i) sut.note_sample(at(i), {});

@@ -38,6 +38,7 @@ class ScriptedPlug final : public Plug, private Event {
   bool is_plugged() const noexcept override { return true; }
   bool is_open() const noexcept override { return true; }
   bool is_broken() const noexcept override { return false; }
+  bool has_endpoints() const noexcept override { return true; }
   PlugCounters counters() const noexcept override { return {}; }
   Duration round_period() const noexcept override { return kRound; }
   MonotonicTime next_needed() const noexcept override { return clock_->now() + needed * kRound; }

@@ -16,6 +16,8 @@ TEST(Verb, IsAWordAndItsNumbers) {
   EXPECT_EQ(*parse_verb("pull-cable"), Verb{VerbKind::PullCable});
   EXPECT_EQ(*parse_verb("stall 0.25"), (Verb{VerbKind::Stall, {0.25}}));
   EXPECT_EQ(*parse_verb("short-out 50"), (Verb{VerbKind::ShortOut, {50}}));
+  EXPECT_EQ(*parse_verb("halt 2"), (Verb{VerbKind::Halt, {2}}));
+  EXPECT_EQ(*parse_verb("felt 3 0.25"), (Verb{VerbKind::Felt, {3, 0.25}}));
   EXPECT_EQ(*parse_verb("fault lost-echo 700"), (Verb{VerbKind::Fault, {700}, "lost-echo"}));
 }
 
@@ -58,6 +60,9 @@ TEST(Verb, RefusesWhatItCannotBe) {
                            "fault deaf 0.5",
                            "fault deaf 1 2",
                            "short-out -1",
+                           "halt 0.5",
+                           "felt 1 -1",
+                           "felt 1 1 1",
                            "home 0"}) {
     const auto verb = parse_verb(line);
     ASSERT_FALSE(verb) << line;
