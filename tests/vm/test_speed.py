@@ -18,7 +18,6 @@ MOST_OF_BARE = 1.15
 # Of processor time, where the goal of 1.15 is not reached (docs/benchmarks.md): a sixth above what was measured. What this clock counts
 # is the same in every run but for some per cent, so it is new work that breaks these.
 MOST_WORK_OF_BARE = {"hidraw, uhid": 2.0, "HID, USB": 2.3, "HID, USB, bare over hiddev": 1.55, "usbfs, USB": 1.8, "cdc_acm, USB": 2.3}
-MOST_OF_A_PROCESSOR = 0.25  # of this emulated one, for four arms; 0.17 were measured
 
 
 def tell(text):
@@ -81,13 +80,14 @@ class RoundTrips(guest.GuestTest):
             self.measure("cdc_acm, USB", "serial", f"serial:{ECHO}", node)
 
 
-# Processor time of each thread of the daemon, by its name, and ticks of the servos, around two seconds in one script: between two
+# Processor time of each thread of the daemon, by its name, and of its arms' guards, and ticks of the servos, around two seconds in one script: between two
 # commands an idle guest's clock runs ahead.
 SHARES = """
 look() {
   thimble status --json | tr -d '\\n'; echo
   awk '{print $1}' /proc/uptime
   for task in /proc/$pid/task/*; do echo "$(cat $task/comm) $(awk '{print $1}' $task/schedstat)"; done
+  for guard in $(pgrep -x thimble-guard); do echo "guards $(cat /proc/$guard/task/*/schedstat | awk '{sum += $1} END {print sum}')"; done
 }
 pid=$(systemctl show thimbled -p MainPID --value)
 look > /run/before; sleep 2; look > /run/after
@@ -101,7 +101,7 @@ def parse(text):
     for line in threads:
         name, busy_ns = line.rsplit(" ", 1)
         kind = name.split("-")[0]
-        busy_s[kind] = busy_s.get(kind, 0) + 1e-9 * int(busy_ns)
+        busy_s[kind] = busy_s.get(kind, 0) + 1e-9 * float(busy_ns)
     return json.loads(status)["servos"], float(uptime_s), busy_s
 
 
@@ -110,20 +110,28 @@ class FourArms(guest.GuestTest):
 
     pace = guest.COUNTED
     names = ("right", "left", "third", "fourth")
+    way = "--uhid"
+    most = 0.21  # of this emulated processor, with the guards; 0.15 to 0.17 were measured
+    right_newton = 0.3
+
+    @classmethod
+    def plug_in_right(cls):
+        return arms.HidArm(cls.guest, rate_hz=arms.FULL_HZ, is_named=False)
 
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        right = arms.HidArm(cls.guest, rate_hz=arms.FULL_HZ, is_named=False)
+        right = cls.plug_in_right()
         cls.arms = [right]
         words = [right.words]
         for name in cls.names[1:]:
             serial = f"VM-{name}"
-            cls.arms.append(simdev.Simdev(cls.guest, name, "--uhid", "--serial", serial, "phantom-vintage"))
+            cls.arms.append(simdev.Simdev(cls.guest, name, cls.way, "--serial", serial, "phantom-vintage"))
+            cls.guest.run(simdev.RAISE_CARRIERS)
             cls.guest.wait_for(f"thimble devices | grep -q {serial}")
             words.append(f'[[arm]]\nname = "{name}"\ndevice = "hid:{serial}"\nmodel = "phantom-vintage"\namplifier_max_a = 3.0')
         right.words = '\nworld = "box"\n\n'.join(words)
-        right.configure()
+        right.configure(arms.FULL_HZ)
 
     def test_share_of_a_processor(self):
         for number, arm in enumerate(self.arms):
@@ -135,10 +143,23 @@ class FourArms(guest.GuestTest):
         seconds = after[1] - before[1]
         shares = {name: round((after[2][name] - before[2].get(name, 0)) / seconds, 4) for name in sorted(after[2])}
         ticks = [servo["ticks"] - earlier["ticks"] for servo, earlier in zip(after[0], before[0])]
-        tell(f"four arms: {sum(shares.values()):.3f} of a processor in {seconds:.1f} s; of it {shares}; ticks {ticks}")
+        tell(f"{type(self).__name__}: {sum(shares.values()):.3f} of a processor in {seconds:.1f} s; of it {shares}; ticks {ticks}")
         self.assertEqual(len(ticks), len(self.names))
-        self.assertLess(sum(shares.values()), MOST_OF_A_PROCESSOR)
+        self.assertLess(sum(shares.values()), self.most)
+        self.assertGreater(shares["guards"], 0)
         for count in ticks:
             self.assertAlmostEqual(count / seconds, 1000, delta=50)
-        for arm in self.arms:
-            self.assertLess(arm.felt(0.2)[0], -0.3)
+        for arm, newton in zip(self.arms, (self.right_newton, 0.3, 0.3, 0.3)):
+            self.assertLess(arm.felt(0.2)[0], -newton)
+
+
+class FourArmsOnUsb(FourArms):
+    """A Falcon, which is asked each second tick then, and three HID arms."""
+
+    way = "--vhci"
+    most = 0.27  # 0.20 to 0.23 were measured
+    right_newton = 0.2  # a Falcon feels 0.29 N there
+
+    @classmethod
+    def plug_in_right(cls):
+        return arms.Falcon(cls.guest, is_named=False)
