@@ -1,16 +1,52 @@
 """Safety lines on a CP2112, wired as docs/safety-wiring.md says."""
 
+import json
 import pathlib
 import re
 
+import guest
 import simdev
 
 PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "safety-wiring.md"
+BEATS = 40  # of the enable line in a second, of 50: one in two may be late before the relay of that page falls off
 SAFETY = re.search(r"```toml\n(\[safety\]\n.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)[1]
 
 
-def plug_in(guest):
-    """The adapter, once the kernel has a chip of it."""
-    adapter = simdev.Simdev(guest, "cp2112", "--uhid", "cp2112")
-    guest.wait_for("ls -d /sys/bus/gpio/devices/gpiochip*/")
+def plug_in(one):
+    """The adapter, once the kernel of that guest has a chip of it."""
+    adapter = simdev.Simdev(one, "cp2112", "--uhid", "cp2112")
+    one.wait_for("ls -d /sys/bus/gpio/devices/gpiochip*/")
     return adapter
+
+
+class GuestWithLines(guest.GuestTest):
+    """Its `arm_kind`, of arms.py, whose configuration has the lines, and the adapter. Each test goes on where the one before it ended."""
+
+    pace = guest.COUNTED
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.adapter = plug_in(cls.guest)
+        cls.arm = cls.arm_kind(cls.guest)
+
+    def status(self):
+        return json.loads(self.guest.run("thimble status --json"))
+
+    def wait_until(self, path, value):
+        """The daemon's status says so: the part of it where that stands."""
+        try:
+            return json.loads(self.guest.wait_for_module("status_until", path, value))
+        except guest.GuestError as error:
+            raise AssertionError(f"{error}\n{self.guest.ask('journalctl -u thimbled | tail -30')[1]}") from None
+
+    def wait_until_enable_beats(self):
+        self.wait_until("safety.state", "free")
+        self.wait_until("safety.is_enable_beating", "true")
+
+    def beats(self, adapter=None, script=":"):
+        """Changes of the enable line while the script runs and in the second after it; in one go, for between two commands the guest's clock runs ahead."""
+        look = (adapter or self.adapter).command("status")
+        looks = self.guest.run(f"{look}; {script}; sleep 1; {look}").splitlines()
+        first, last = (json.loads(line)["readings"]["changes_3"] for line in (looks[0], looks[-1]))
+        return last - first

@@ -5,7 +5,6 @@ libgpiod, the packaged daemon. The arm hangs on uhid and presses on a wall; what
 import json
 
 import arms
-import guest
 import lines
 import nodes
 import simdev
@@ -16,8 +15,6 @@ ACT_S = 0.002
 PRESSED_S = POLL_S + ACT_S + 1 / arms.QUIET_HZ
 # That page's 200 ms since its last answer, the 20 ms between two looks at it, and the tick.
 SILENT_S = 0.23
-# In a second, of 50: one in two may be late before the relay of that page falls off.
-BEATS = 40
 # In two seconds, of 4: the first and the last may fall outside.
 BLINKS = 2
 
@@ -26,26 +23,8 @@ class Arm(arms.HidArm):
     daemon_words = lines.SAFETY
 
 
-class Estop(guest.GuestTest):
-    """Numbered: each test goes on where the one before it ended."""
-
-    pace = guest.COUNTED
-
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        cls.adapter = lines.plug_in(cls.guest)
-        cls.arm = Arm(cls.guest)
-
-    def status(self):
-        return json.loads(self.guest.run("thimble status --json"))
-
-    def wait_until(self, path, value):
-        """The daemon's status says so: the part of it where that stands."""
-        try:
-            return json.loads(self.guest.wait_for_module("status_until", path, value))
-        except guest.GuestError as error:
-            raise AssertionError(f"{error}\n{self.guest.ask('journalctl -u thimbled | tail -30')[1]}") from None
+class Estop(lines.GuestWithLines):
+    arm_kind = Arm
 
     def wait_for(self, state):
         return self.wait_until("safety.state", state)
@@ -66,13 +45,6 @@ class Estop(guest.GuestTest):
     def clear(self):
         return self.guest.ask("thimble clear-fault right")
 
-    def beats(self, adapter=None):
-        """Changes of the enable line within a second of the guest."""
-        lines_of = adapter or self.adapter
-        before = lines_of.status()["readings"]["changes_3"]
-        self.guest.run("sleep 1")
-        return lines_of.status()["readings"]["changes_3"] - before
-
     def lamp(self):
         """How it looks to a person who has two seconds."""
         before = self.adapter.status()["readings"]
@@ -87,8 +59,7 @@ class Estop(guest.GuestTest):
         """`was_killed`: the daemon, after which a person has to ask for the arm."""
         self.wait_for("waiting")
         self.assertEqual(self.clear()[0], 0)
-        self.wait_for("free")
-        self.wait_until("safety.is_enable_beating", "true")
+        self.wait_until_enable_beats()
         states = ("calibrating", "inactive") if was_killed else ("calibrating", "active")
         if json.loads(simdev.wait_for_state(self.guest, *states))["calibration"] == "needs-user":
             self.arm.calibrate()
@@ -129,7 +100,7 @@ class Estop(guest.GuestTest):
         self.assertEqual(self.lamp(), "blinks")
         self.assertEqual(self.status()["arms"][0]["faults"][0]["code"], "estop")
         self.start_again()
-        self.assertGreaterEqual(self.beats(), BEATS)
+        self.assertGreaterEqual(self.beats(), lines.BEATS)
         self.assertEqual(self.lamp(), "lit")
         self.lean()
 
@@ -152,7 +123,7 @@ class Estop(guest.GuestTest):
         self.assertEqual(self.status()["arms"][0]["state"], "fault")
         self.assert_no_force()
         self.start_again()
-        self.assertGreaterEqual(self.beats(), BEATS)
+        self.assertGreaterEqual(self.beats(), lines.BEATS)
         self.lean()
 
     def test_5_one_channel_alone_is_a_defect_until_both_were_open(self):
@@ -249,7 +220,7 @@ class Estop(guest.GuestTest):
     def test_8_the_heartbeat_stops_with_a_daemon_that_hangs_is_killed_or_stopped(self):
         for signal in ("STOP", "KILL"):
             with self.subTest(signal):
-                self.assertGreaterEqual(self.beats(), BEATS)
+                self.assertGreaterEqual(self.beats(), lines.BEATS)
                 self.guest.run(f"systemctl kill -s {signal} thimbled; sleep 0.2")
                 self.assertEqual(self.beats(), 0)
                 if signal == "STOP":
@@ -258,7 +229,7 @@ class Estop(guest.GuestTest):
 
     def test_8b_it_stops_with_a_servo_that_hangs_and_comes_back_with_it(self):
         """All else in the daemon runs on: nobody but the servo could have let it beat."""
-        self.assertGreaterEqual(self.beats(), BEATS)
+        self.assertGreaterEqual(self.beats(), lines.BEATS)
         # In one go, for between two commands the guest's clock runs ahead: it hangs for less than WatchdogSec, and says when it has begun.
         look = self.adapter.command("status")
         printed = self.guest.run(f"python3 -B /run/tests/hang_thread.py {arms.SERVO} 2 > /run/hung 2>&1 & until [ -s /run/hung ]; do sleep 0.05; done; "
@@ -267,7 +238,7 @@ class Estop(guest.GuestTest):
         self.assertEqual(second - first, 0)
         arm = json.loads(simdev.wait_for_state(self.guest, "fault"))
         self.assertIn("servo-late", [fault["code"] for fault in arm["faults"]])
-        self.assertGreaterEqual(self.beats(), BEATS)
+        self.assertGreaterEqual(self.beats(), lines.BEATS)
 
     def test_9_it_stops_with_a_daemon_that_is_stopped(self):
         self.guest.run("systemctl stop thimbled")
@@ -281,7 +252,7 @@ class Estop(guest.GuestTest):
         self.start_again()
         self.adapter.say("press 1")  # nobody's line
         self.lean()
-        self.assertGreaterEqual(self.beats(), BEATS)
+        self.assertGreaterEqual(self.beats(), lines.BEATS)
         self.assertLess(self.felt_after(self.adapter, "press 0"), PRESSED_S)
         self.assertEqual(self.wait_for("stopped")["trouble"], "open")
         self.adapter.say("release 0")

@@ -5,12 +5,10 @@ power (decision 0494). The relay is the test: it takes the arm's supply once the
 import json
 
 import arms
-import guest
 import lines
 import one_arm
 import simdev
 
-BEATS = 40  # in a second, of 50
 # Until a line that has no beat any more rests: the kernel tells the daemon of a pulled cable at once; 0.2 s are what the page's relay holds at the most.
 LAST_BEATS = 10
 
@@ -19,61 +17,40 @@ class Falcon(arms.Falcon):
     daemon_words = lines.SAFETY
 
 
-class OutOfReach(guest.GuestTest):
-    """Numbered: each test goes on where the one before it ended."""
-
-    pace = guest.COUNTED
-
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        cls.adapter = lines.plug_in(cls.guest)
-        cls.arm = Falcon(cls.guest)
-
-    def wait_until(self, path, value):
-        return json.loads(self.guest.wait_for_module("status_until", path, value))
-
-    def enable_beats(self):
-        self.wait_until("safety.state", "free")
-        self.wait_until("safety.is_enable_beating", "true")
-
-    def changes_in_a_second(self, script=":"):
-        """Of the enable line, while and after the script ran; in one go, for between two commands the guest's clock runs ahead."""
-        looks = self.guest.run(f"{self.adapter.command('status')}; {script}; sleep 1; {self.adapter.command('status')}").splitlines()
-        first, last = (json.loads(look)["readings"]["changes_3"] for look in (looks[0], looks[-1]))
-        return last - first
+class OutOfReach(lines.GuestWithLines):
+    arm_kind = Falcon
 
     def test_1_it_beats_while_the_arm_presses(self):
         self.wait_until("safety.state", "waiting")
         self.guest.run("thimble clear-fault right")
-        self.enable_beats()
+        self.wait_until_enable_beats()
         self.arm.activate()
         one_arm.press_from_the_middle(self, self.arm, one_arm.WALL_NEWTON)
-        self.assertGreaterEqual(self.changes_in_a_second(), BEATS)
+        self.assertGreaterEqual(self.beats(), lines.BEATS)
 
     def test_2_its_cable_pulled_it_pushes_on_and_the_heartbeat_stops(self):
         pressed_newton = simdev.norm(self.arm.felt(0.1))
         pulled = f"{self.arm.command('pull-cable')}; sleep 0.3; thimble status --json > /run/pulled.json"
-        self.assertLess(self.changes_in_a_second(pulled), LAST_BEATS)
-        self.assertEqual(self.changes_in_a_second(), 0)
+        self.assertLess(self.beats(script=pulled), LAST_BEATS)
+        self.assertEqual(self.beats(), 0)
         status = json.loads(self.guest.run("cat /run/pulled.json"))
         self.assertEqual((status["safety"]["state"], status["safety"]["trouble"]), ("stopped", "arm-out-of-reach"))
         self.assertIn("'right'", status["safety"]["message"])
         self.assertEqual((status["arms"][0]["state"], status["arms"][0]["faults"][0]["code"]), ("lost", "disconnected"))
-        self.assertEqual(json.loads(self.guest.run("thimble status --json"))["safety"]["state"], "waiting")
+        self.assertEqual(self.status()["safety"]["state"], "waiting")
         self.assertAlmostEqual(simdev.norm(self.arm.felt(0.1)), pressed_newton, delta=0.1 * pressed_newton)
 
     def test_3_the_relay_has_fallen_it_is_without_force_and_nothing_comes_back_by_itself(self):
         self.arm.say("unplug")
         self.guest.run("sleep 1")
         self.assertLess(max(self.arm.forces(0.5)), simdev.NOTHING_NEWTON)
-        self.assertEqual(self.changes_in_a_second(), 0)
+        self.assertEqual(self.beats(), 0)
 
     def test_4_cleared_and_plugged_in_it_presses_again(self):
         refused, said = self.guest.ask("thimble clear-fault right")
         self.assertNotEqual(refused, 0, "it is lost still")
-        self.enable_beats()
-        self.assertGreaterEqual(self.changes_in_a_second(), BEATS, said)
+        self.wait_until_enable_beats()
+        self.assertGreaterEqual(self.beats(), lines.BEATS, said)
         self.arm.say("plug")
         self.arm.plug()
         self.arm.resume()

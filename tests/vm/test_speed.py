@@ -110,7 +110,7 @@ class FourArms(guest.GuestTest):
 
     pace = guest.COUNTED
     names = ("right", "left", "third", "fourth")
-    way = "--uhid"
+    way = "uhid"  # of arms.WAYS
     most = 0.21  # of this emulated processor, with the guards; 0.15 to 0.17 were measured
     right_newton = 0.3
 
@@ -126,8 +126,9 @@ class FourArms(guest.GuestTest):
         words = [right.words]
         for name in cls.names[1:]:
             serial = f"VM-{name}"
-            cls.arms.append(simdev.Simdev(cls.guest, name, cls.way, "--serial", serial, "phantom-vintage"))
-            cls.guest.run(simdev.RAISE_CARRIERS)
+            cls.arms.append(simdev.Simdev(cls.guest, name, *arms.WAYS[cls.way], "--serial", serial, "phantom-vintage"))
+            if cls.way == "usb":
+                cls.arms[-1].attach()
             cls.guest.wait_for(f"thimble devices | grep -q {serial}")
             words.append(f'[[arm]]\nname = "{name}"\ndevice = "hid:{serial}"\nmodel = "phantom-vintage"\namplifier_max_a = 3.0')
         right.words = '\nworld = "box"\n\n'.join(words)
@@ -156,7 +157,7 @@ class FourArms(guest.GuestTest):
 class FourArmsOnUsb(FourArms):
     """A Falcon, which is asked each second tick then, and three HID arms."""
 
-    way = "--vhci"
+    way = "usb"
     most = 0.27  # 0.20 to 0.23 were measured
     right_newton = 0.2  # a Falcon feels 0.29 N there
 
