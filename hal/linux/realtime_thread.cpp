@@ -108,6 +108,14 @@ int create_thread(pthread_t& handle, void* (*entry)(void*), void* argument) {
   return error;
 }
 
+std::string thread_refusal(const std::string& name, int error) {
+  std::string refused = "thread '" + name + "' refused (" + std::strerror(error) + ")";
+  if (error != EAGAIN) return refused;  // pthread_create(3): limits, or no memory
+  return refused +
+         ": there are as many as may be; name fewer arms, or raise TasksMax= and LimitNPROC= of "
+         "the unit ('ulimit -u' of a shell)";
+}
+
 }  // namespace
 
 Result<std::unique_ptr<RealtimeThread>> RealtimeThread::start(
@@ -133,9 +141,8 @@ Result<std::unique_ptr<RealtimeThread>> RealtimeThread::start(
     if (self->may_run) self->body();
     return nullptr;
   };
-  const int error = create_thread(shared->handle, entry, shared.get());
-  if (error != 0) {
-    return fail(Errc::System, "thread '" + settings.name + "': " + std::strerror(error));
+  if (const int error = create_thread(shared->handle, entry, shared.get()); error != 0) {
+    return fail(Errc::System, thread_refusal(settings.name, error));
   }
   shared->rights_known.acquire();
   const Result<void> decision = enforce(settings.policy, shared->report);
