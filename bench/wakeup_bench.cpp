@@ -70,7 +70,7 @@ std::optional<double> median_of_histogram_us(std::FILE* lines) {
 
 std::optional<double> cyclictest_median_us(int rate_hz, unsigned cpu) {
   const std::string command =
-      "cyclictest -q -m -N -t 1 -p " + std::to_string(linux::kServoPriority) + " -a " +
+      "cyclictest -q -m -N -t 1 -p " + std::to_string(kServoPriority) + " -a " +
       std::to_string(cpu) + " -i " + std::to_string(1'000'000 / rate_hz) + " -l " +
       std::to_string(rate_hz) + " -h " + std::to_string(kLongest_ns) + " 2>/dev/null";
   std::FILE* const output = ::popen(command.c_str(), "r");

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "guard/guard_session.hpp"
+#include "hal/base/realtime_priority.hpp"
 #include "hal/linux/monotonic_clock.hpp"
 #include "hal/linux/realtime_process.hpp"
 #include "hal/linux/realtime_thread.hpp"
@@ -12,8 +13,6 @@ namespace {
 
 using namespace thimble;
 
-// Above every servo (linux::kServoPriority) and below the kernel's own.
-constexpr int kGuardPriority = 90;
 // The connection that the daemon or systemd (StandardInput=socket) made.
 constexpr int kConnection = 0;
 

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "hal/base/realtime_priority.hpp"
+
 namespace thimble::config {
 
 // What a configuration file says, checked: every value is in range, every name resolves.
@@ -27,8 +29,8 @@ enum class Realtime : std::uint8_t { BestEffort, Required };
 struct ServoConfig {
   std::optional<double> rate_hz;  // of every arm; else each has that of its driver
   Realtime realtime{Realtime::BestEffort};
-  int priority{80};        // SCHED_FIFO
-  std::optional<int> cpu;  // pins the servo threads
+  int priority{kServoPriority};  // SCHED_FIFO, 1 to kMaxServoPriority
+  std::optional<int> cpu;        // pins the servo threads
   bool operator==(const ServoConfig&) const = default;
 };
 

@@ -221,7 +221,7 @@ ServoConfig read_servo(TableReader reader) {
   reader.read("rate_hz", {500, 8000}, out.rate_hz);
   read_choice(reader, "realtime", kRealtime, out.realtime);
   std::int64_t number = 0;
-  if (reader.read_integer("priority", {1, 98}, number)) out.priority = static_cast<int>(number);
+  if (reader.read_integer("priority", {1, kMaxServoPriority}, number)) out.priority = static_cast<int>(number);
   if (reader.read_integer("cpu", {0, 1023}, number)) out.cpu = static_cast<int>(number);
   reader.finish();
   return out;

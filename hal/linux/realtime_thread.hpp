@@ -5,15 +5,11 @@
 #include <optional>
 #include <string>
 
+#include "hal/base/realtime_priority.hpp"
 #include "hal/base/result.hpp"
 #include "hal/linux/realtime_report.hpp"
 
 namespace thimble::linux {
-
-// Ours: above audio servers (83-88 with rtkit, but unusual beside a servo) only on purpose;
-// below 99, which the kernel's own watchdog and migration threads have.
-inline constexpr int kServoPriority = 80;
-inline constexpr int kMaxPriority = 98;
 
 struct RealtimeThreadSettings {
   std::string name{};  // the first 15 bytes show in ps and perf

@@ -247,7 +247,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadLine{"", "[daemon]\nsocket_mode = \"0666\"\n", "nothing for others"},
         BadLine{"", "[daemon]\nsocket_mode = \"rw\"\n", "octal"},
         BadLine{"", "[daemon]\nsocket = \"a\\u0000b\"\n", "without zero bytes"},
-        BadLine{"", "[servo]\npriority = 99\n", "from 1 to 98"},
+        BadLine{"", "[servo]\npriority = 90\n", "from 1 to 89"},
         BadLine{"", "[servo]\nrealtime = \"yes\"\n", "one of \"best-effort\", \"required\""},
         BadLine{"", "[[world]]\nname = \"box\"\nsource = \"box:4\"\n",
                 "world.1.name: expected a name of its own"},
