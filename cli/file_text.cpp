@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <fstream>
 
+#include "hal/linux/replace_file.hpp"
+
 namespace thimble::cli {
 
 Result<std::string> read_at_most(const std::string& file, std::size_t bytes) {
@@ -20,11 +22,9 @@ Result<std::string> read_at_most(const std::string& file, std::size_t bytes) {
 }
 
 Result<void> write_whole(const std::string& file, const std::string& content) {
-  std::ofstream stream(file, std::ios::binary);
-  stream.write(content.data(), static_cast<std::streamsize>(content.size()));
-  stream.close();
-  if (!stream) return fail(Errc::System, "cannot be written");
-  return {};
+  const Result<void> done = linux::replace_file(file, content);
+  if (done) return {};
+  return fail(done.error().code, "cannot be written: " + done.error().message);
 }
 
 }  // namespace thimble::cli

@@ -11,7 +11,7 @@ namespace thimble::cli {
 // Errors: NotFound when it cannot be opened, System when it cannot be read.
 [[nodiscard]] Result<std::string> read_at_most(const std::string& file, std::size_t bytes);
 
-// All of a file, made or replaced. Errors: System.
+// All of a file, made or replaced, as linux::replace_file() does it. Errors: System.
 [[nodiscard]] Result<void> write_whole(const std::string& file, const std::string& content);
 
 }  // namespace thimble::cli

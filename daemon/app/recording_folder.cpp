@@ -12,6 +12,8 @@
 #include <filesystem>
 #include <tuple>
 
+#include "hal/linux/replace_file.hpp"
+
 namespace thimble::app {
 namespace {
 
@@ -59,13 +61,7 @@ tl::unexpected<Error> refused(const std::string& path, int error) {
 
 // Takes the descriptor. 0, or the errno of what failed; a disk may tell only at the end.
 int write_and_close(int descriptor, std::string_view text) {
-  int error = 0;
-  while (error == 0 && !text.empty()) {
-    const ssize_t count = ::write(descriptor, text.data(), text.size());
-    if (count > 0) text.remove_prefix(static_cast<std::size_t>(count));
-    if (count == 0) error = EIO;  // no file gives it; nothing else would end this loop
-    if (count < 0 && errno != EINTR) error = errno;
-  }
+  int error = linux::write_all(descriptor, text);
   if (error == 0 && ::fsync(descriptor) != 0) error = errno;
   if (::close(descriptor) != 0 && error == 0) error = errno;
   return error;

@@ -3,29 +3,22 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <cstring>
-#include <fstream>
 #include <memory>
+#include <string>
 #include <utility>
 
-#include "hal/base/time.hpp"
+#include "hal/base/contain.hpp"
 #include "hal/linux/background_worker.hpp"
+#include "hal/linux/replace_file.hpp"
 
 namespace thimble::app {
 namespace {
 
 // Ours; with those of the daemon's end and of recordings, within TimeoutStopSec= of the unit.
-constexpr Duration kPatience = std::chrono::seconds(2);
-
-bool replace(const std::string& path, const std::string& text) {
-  std::ofstream file(path, std::ios::trunc);
-  file << text;
-  file.close();
-  return !file.fail();
-}
+constexpr std::chrono::seconds kPatience{2};
 
 }  // namespace
 
@@ -51,11 +44,17 @@ void SummaryFile::leave_out() noexcept {
 
 Result<void> SummaryFile::write(const std::string& text) {
   if (!path_) return {};
-  const auto is_written = std::make_shared<std::atomic<bool>>(false);
-  linux::BackgroundWorker worker;
-  worker.post([=, path = *path_] { *is_written = replace(path, text); });
-  if (worker.wait(kPatience) && *is_written) return {};
-  return refused("");
+  const auto written = std::make_shared<Result<void>>();
+  const Result<void> waited = contain([&]() -> Result<void> {
+    linux::BackgroundWorker worker;  // there may be no thread for it
+    worker.post([written, text, path = *path_] { *written = linux::replace_file(path, text); });
+    if (worker.wait(kPatience)) return {};
+    return fail(Errc::Timeout,
+                "its disk did not take it in " + std::to_string(kPatience.count()) + " s");
+  });
+  if (!waited) return refused(": " + waited.error().message);
+  if (!*written) return refused(": " + written->error().message);
+  return {};
 }
 
 }  // namespace thimble::app

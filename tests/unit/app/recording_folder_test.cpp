@@ -1,16 +1,17 @@
 #include "daemon/app/recording_folder.hpp"
 
 #include <gtest/gtest.h>
-#include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <chrono>
-#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <random>
 #include <set>
 
+#include "tests/rt/in_child_process.hpp"
+#include "tests/support/small_disk.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace thimble::app {
@@ -21,26 +22,6 @@ namespace fs = std::filesystem;
 servo::FlightHeader header_of(const std::string& arm, FaultCode code = FaultCode::Estop) {
   return {arm, "sim:x", {code, {}, 1}};
 }
-
-// Files of this process end after so many bytes: as near to a full disk as a test comes.
-class SmallDisk {
- public:
-  explicit SmallDisk(rlim_t bytes) : old_handler_(std::signal(SIGXFSZ, SIG_IGN)) {
-    getrlimit(RLIMIT_FSIZE, &old_);
-    const rlimit small{bytes, old_.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &small);
-  }
-  ~SmallDisk() {
-    setrlimit(RLIMIT_FSIZE, &old_);
-    std::signal(SIGXFSZ, old_handler_);
-  }
-  SmallDisk(const SmallDisk&) = delete;
-  SmallDisk& operator=(const SmallDisk&) = delete;
-
- private:
-  rlimit old_{};
-  void (*old_handler_)(int);
-};
 
 class RecordingFolder : public ::testing::Test {
  protected:
@@ -85,7 +66,7 @@ TEST_F(RecordingFolder, ADiskThatBecomesFullLeavesNothingBehind) {
   ASSERT_TRUE(store("a"));
   const auto before = names();
   {
-    const SmallDisk disk(1000);
+    const testing_support::SmallDisk disk(1000);
     const auto refused = store("a", 2000);
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, Errc::System);

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "tests/support/small_disk.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace thimble::app {
@@ -66,7 +67,17 @@ TEST_F(SummaryFileTest, RefusesAPlaceThatCannotBeWrittenAndSaysWhich) {
 TEST_F(SummaryFileTest, SaysThatTheDiskIsFull) {
   SummaryFile sut("/dev/full");
   ASSERT_TRUE(sut.prepare());
-  EXPECT_FALSE(sut.write("text"));
+  const Result<void> written = sut.write("text");
+  ASSERT_FALSE(written);
+  EXPECT_THAT(written.error().message, HasSubstr("written to /dev/full: No space left on device"));
+}
+
+TEST_F(SummaryFileTest, ADiskThatBecomesFullLeavesTheEarlierOneWhole) {
+  folder_.write("summary.json", "of an earlier one");
+  ASSERT_TRUE(sut_.prepare());
+  const testing_support::SmallDisk disk(1000);
+  EXPECT_FALSE(sut_.write(std::string(2000, 'n')));
+  EXPECT_EQ(text(), "of an earlier one");
 }
 
 TEST(SummaryFile, OfNoPathIsNone) {

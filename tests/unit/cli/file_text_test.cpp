@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/small_disk.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace thimble::cli {
@@ -23,6 +24,19 @@ TEST(ReadAtMost, SaysWhatItCannotOpenOrRead) {
   const testing_support::TemporaryFolder folder;
   EXPECT_EQ(read_at_most((folder / "none").string(), 10).error().code, Errc::NotFound);
   EXPECT_EQ(read_at_most(folder.path().string(), 10).error().code, Errc::System);
+}
+
+TEST(WriteWhole, SaysWhyItCannotAndLeavesWhatWasThere) {
+  const testing_support::TemporaryFolder folder;
+  const std::string file = folder.write("a", "good");
+  ASSERT_TRUE(write_whole(file, "better"));
+  {
+    const testing_support::SmallDisk disk(1000);
+    const Result<void> done = write_whole(file, std::string(2000, 'x'));
+    ASSERT_FALSE(done);
+    EXPECT_EQ(done.error().message, "cannot be written: File too large");
+  }
+  EXPECT_EQ(read_at_most(file, 10), "better");
 }
 
 }  // namespace
