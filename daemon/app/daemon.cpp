@@ -374,6 +374,9 @@ void Daemon::take_recordings() {
     }
   }
 }
+  if (const std::optional<std::string> doubt = recorder_->take_doubt()) {
+    spdlog::warn("degraded: no flight recording can be written: {}", *doubt);
+  }
 
 void Daemon::pet_watchdog() {
   const std::optional<Duration> interval = notifier_.watchdog_interval();

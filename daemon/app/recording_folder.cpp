@@ -164,6 +164,17 @@ Result<void> check_recording_folder(const std::string& directory) {
   return {};
 }
 
+Result<void> check_recordings_can_be_made(const std::string& directory) {
+  std::error_code error;
+  fs::path path = fs::absolute(directory, error);
+  if (error) return fail(Errc::System, directory + ": " + error.message());
+  while (path.has_relative_path() && ::access(path.c_str(), F_OK) != 0 && errno == ENOENT) {
+    path = path.parent_path();
+  }
+  if (::access((path / ".").c_str(), W_OK | X_OK) != 0) return refused(path, errno);
+  return {};
+}
+
 Result<StoredRecording> store_recording(const std::string& directory,
                                         const servo::FlightHeader& header,
                                         const std::vector<servo::ServoFrame>& frames) {

@@ -24,8 +24,13 @@ struct RecordingName {
 [[nodiscard]] std::optional<RecordingName> parse_recording_name(std::string_view name);
 
 // Whether recordings can lie there: InvalidArgument where a part of the path is there and is no
-// folder. Rights are seen when one is written. Thread: any, not RT.
+// folder. Thread: any, not RT.
 [[nodiscard]] Result<void> check_recording_folder(const std::string& directory);
+
+// Whether this process may make recordings there, or the folders that are missing: System, with the
+// path and the system's word. Makes nothing; a full disk is seen when one is written. May wait for
+// a disk. Thread: any, not RT.
+[[nodiscard]] Result<void> check_recordings_can_be_made(const std::string& directory);
 
 struct StoredRecording {
   std::string path;

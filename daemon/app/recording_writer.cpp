@@ -12,13 +12,21 @@ struct RecordingWriter::Shared {
   Store store;
   std::mutex mutex;
   std::vector<Outcome> finished;
+  std::optional<std::string> doubt;
   std::size_t waiting{0};  // also the one that is being written
 };
 
-RecordingWriter::RecordingWriter(std::string directory)
-    : RecordingWriter([directory = std::move(directory)](const session::Recording& recording) {
+RecordingWriter::RecordingWriter(const std::string& directory)
+    : RecordingWriter([directory](const session::Recording& recording) {
         return store_recording(directory, recording.header, recording.frames);
-      }) {}
+      }) {
+  worker_.post([shared = shared_, directory] {
+    const Result<void> checked = contain([&] { return check_recordings_can_be_made(directory); });
+    if (checked) return;
+    const std::lock_guard lock(shared->mutex);
+    shared->doubt = checked.error().message;
+  });
+}
 
 RecordingWriter::RecordingWriter(Store store) : shared_(std::make_shared<Shared>()) {
   shared_->store = std::move(store);
@@ -49,6 +57,11 @@ void RecordingWriter::write(session::Recording recording) {
       shared->finished.push_back({header.arm, header.fault, "", stored.error().message, 0});
     }
   });
+}
+
+std::optional<std::string> RecordingWriter::take_doubt() {
+  const std::lock_guard lock(shared_->mutex);
+  return std::exchange(shared_->doubt, std::nullopt);
 }
 
 std::vector<RecordingWriter::Outcome> RecordingWriter::finished() {

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,13 +31,15 @@ class RecordingWriter {
   static constexpr std::size_t kMostWaiting = 4;
   using Store = std::function<Result<StoredRecording>(const session::Recording&)>;
 
-  explicit RecordingWriter(std::string directory);
+  explicit RecordingWriter(const std::string& directory);
   explicit RecordingWriter(Store store);
 
   // When kMostWaiting are not on the disk yet, this one is lost, and told so by finished().
   void write(session::Recording recording);
   // What has been finished since the last call.
   [[nodiscard]] std::vector<Outcome> finished();
+  // Once, why none will be: the folder was looked at when this was made.
+  [[nodiscard]] std::optional<std::string> take_doubt();
   // Whether all is written within `patience`; more may be written afterwards.
   [[nodiscard]] bool flush(Duration patience) { return worker_.wait(patience); }
 

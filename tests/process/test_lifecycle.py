@@ -327,9 +327,12 @@ class Places(ProcessTest):
         self.assertEqual((daemon.folder / "thimble.sock").stat().st_mode & 0o777, 0o660)
 
     def test_an_unwritable_flight_directory_stops_nothing(self):
-        daemon = self.start("--set", "daemon.flight_directory=/proc/nowhere", config=HELLO)
-        self.assert_servo_goes_on(daemon)
-        self.assertEqual(daemon.stop(), 0)
+        for name, place in (("away", "/proc/nowhere"), ("beneath", self.write("file", ""))):
+            with self.subTest(name):
+                daemon = self.start("--set", f"daemon.flight_directory={place}", config=HELLO, name=name)
+                self.assert_servo_goes_on(daemon)
+                self.assertEqual(daemon.stop(), 0)
+        self.assertIn(f"degraded: no flight recording can be written: {place}: ", daemon.log())
 
     def test_an_unknown_device_is_named_with_those_there_are(self):
         result = self.thimbled("--config", EXAMPLES / "hello-voxel.toml",

@@ -84,6 +84,31 @@ TEST_F(RecordingFolder, APlaceThatCannotBeWrittenIsNamed) {
   EXPECT_NE(refused.error().message.find(below), std::string::npos);
 }
 
+TEST_F(RecordingFolder, SaysBeforeTheFirstThatNoneCanBeMade) {
+  EXPECT_TRUE(check_recordings_can_be_made(folder.path().string()));
+  EXPECT_TRUE(check_recordings_can_be_made(path + "/that/is/made"));
+  EXPECT_FALSE(fs::exists(path)) << "looking makes nothing";
+  std::ofstream(folder / "file") << "x";
+  for (const char* below : {"file", "file/below"}) {
+    EXPECT_FALSE(check_recordings_can_be_made((folder / below).string())) << below;
+  }
+}
+
+TEST_F(RecordingFolder, SaysWhichFolderTakesNone) {
+  fs::create_directory(path);
+  ASSERT_EQ(::chmod(folder.path().c_str(), 0755), 0);
+  ASSERT_EQ(::chmod(path.c_str(), 0555), 0);
+  const std::string said = test::in_child_process(test::Rights::None, [this] {
+    std::string all;
+    for (const std::string& place : {path, path + "/below"}) {
+      const Result<void> checked = check_recordings_can_be_made(place);
+      all += (checked ? "well" : checked.error().message) + "; ";
+    }
+    return all;
+  });
+  EXPECT_EQ(said, path + ": Permission denied; " + path + ": Permission denied; ");
+}
+
 TEST_F(RecordingFolder, KeepsTheNewestAndTouchesNothingThatIsNotOurs) {
   fs::create_directories(path);
   for (int i = 1; i <= 70; ++i) put("flight-a-" + std::to_string(i) + "-overspeed.csv", 100 - i);

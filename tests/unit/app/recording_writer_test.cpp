@@ -7,6 +7,8 @@
 #include <memory>
 #include <stdexcept>
 
+#include "tests/support/temporary_folder.hpp"
+
 namespace thimble::app {
 namespace {
 
@@ -52,6 +54,17 @@ TEST(RecordingWriter, TellsOfEachRecordingInTheirOrderOnce) {
   EXPECT_EQ(outcomes[0].path, "/flights/right");
   EXPECT_EQ(outcomes[2].arm, "third");
   EXPECT_TRUE(sut.finished().empty());
+}
+
+TEST(RecordingWriter, DoubtsAFolderThatTakesNoneOnce) {
+  const testing_support::TemporaryFolder folder;
+  RecordingWriter good(folder.path().string());
+  RecordingWriter bad(folder.write("file", "x"));
+  ASSERT_TRUE(good.flush(kLong) && bad.flush(kLong));
+  EXPECT_EQ(good.take_doubt(), std::nullopt);
+  EXPECT_EQ(bad.take_doubt(), (folder / "file").string() + ": Not a directory");
+  EXPECT_EQ(bad.take_doubt(), std::nullopt);
+  EXPECT_TRUE(bad.finished().empty()) << "a doubt is no recording that was lost";
 }
 
 TEST(RecordingWriter, HasNothingToFlushAtFirst) {
