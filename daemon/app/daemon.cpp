@@ -42,6 +42,11 @@ api::ServerSettings server_settings(const config::Config& config) {
 }
 
 }  // namespace
+bool is_ignored(int number) noexcept {
+  struct sigaction now {};
+  return ::sigaction(number, nullptr, &now) == 0 && now.sa_handler == SIG_IGN;
+}
+
 
 Daemon::Daemon(const config::Config& config, const Options& options,
                const session::Plugins& plugins)
@@ -218,7 +223,8 @@ void Daemon::hold_back_after_crash() {
 void Daemon::wait_for_signals() {
   signals_.add(SIGINT);
   signals_.add(SIGTERM);
-  signals_.add(SIGHUP);  // the terminal was closed, or the connection to it lost
+  // The terminal was closed, or the connection to it lost; not where that was refused (nohup).
+  if (!is_ignored(SIGHUP)) signals_.add(SIGHUP);
   signals_.async_wait([this](const boost::system::error_code& error, int number) {
     if (error) return;
     spdlog::info("{}: stopping", number == SIGINT   ? "interrupted"

@@ -241,6 +241,17 @@ class Run(ProcessTest):
                 self.assertGreater(arm["peak_force_newton"], 0)
                 self.assertFalse((daemon.folder / "thimble.sock").exists())
 
+    def test_the_end_of_its_terminal_ends_it_but_where_that_was_refused(self):
+        self.assertEqual(self.start(config=HELLO, name="plain").stop(signal.SIGHUP), 0)
+
+        def as_nohup_does():
+            die_with_parent()
+            signal.signal(signal.SIGHUP, signal.SIG_IGN)
+        daemon = self.start(config=HELLO, name="nohup", preexec=as_nohup_does)
+        daemon.process.send_signal(signal.SIGHUP)
+        self.assert_servo_goes_on(daemon)
+        self.assertEqual(daemon.stop(), 0, daemon.log())
+
     def test_a_signal_while_a_large_volume_loads_ends_it_at_once(self):
         config = self.write("large.toml", session_in(zeros(self.folder / "large.npy", 1024)))
         process = subprocess.Popen([BIN / "thimbled", "--config", config, "--set",
