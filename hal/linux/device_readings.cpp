@@ -18,11 +18,10 @@ std::optional<ReadDevice> DeviceReadings::get(const SysfsPlace& place, Read read
     late_.erase(late);
     return remember(identity, *slot);
   }
-  if (is_crowded(place.device)) {
+  if (is_crowded(place.device) || !has_worker()) {
     put_off_.insert_or_assign(identity, place.device);
     return last(identity);
   }
-  if (!has_worker()) return last(identity);
   put_off_.erase(identity);
   const auto slot = std::make_shared<Slot>(place.device);
   worker_->post([slot, read = std::move(read)] {

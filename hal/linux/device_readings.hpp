@@ -42,7 +42,7 @@ struct ReadDevice {
 //
 // Thread: one; a reading runs in another and owns all that it uses. Not RT.
 // Ownership: its end waits for nobody. Errors: a reading gives nothing for what is no device, and
-// so does one that throws; where no thread can be had, it counts as late.
+// so does one that throws; where no thread can be had, it is put off.
 class DeviceReadings {
  public:
   using Read = std::function<std::optional<ReadDevice>()>;

@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <thread>
 
+#include "tests/rt/refused_threads.hpp"
+
 namespace thimble::linux {
 namespace {
 
@@ -219,6 +221,18 @@ TEST_F(DeviceReadingsTest, ItsEndWaitsForNoReading) {
     EXPECT_FALSE(brief.get(place("sick"), slow, kNotAtAll).has_value());
   }
   gate->open();
+}
+
+TEST_F(DeviceReadingsTest, OneThatNoThreadCouldBeHadForIsReadLater) {
+  {
+    const test::RefusedThreads none(test::RefusedThreads::Which::All);
+    EXPECT_EQ(read("a", "Arm"), "nothing");
+    EXPECT_EQ(sut.put_off(), 1U);
+  }
+  EXPECT_TRUE(sut.has_caught_up()) << "whoever waits for a device asks again for that";
+  EXPECT_EQ(read("a", "Arm"), "Arm");
+  EXPECT_EQ(sut.put_off(), 0U);
+  EXPECT_FALSE(sut.has_caught_up());
 }
 
 TEST_F(DeviceReadingsTest, OneThatThrowsGivesNothingAndIsNotLate) {
