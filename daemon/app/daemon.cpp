@@ -283,7 +283,9 @@ void Daemon::take_over(session::Runtime::Arrival arrival) {
   const std::string simulated = runtime_->arms()[arm]->session().config().device;
   threads_->stop(arm);
   take_recordings();
-  const auto exchange = [&] { runtime_->take_over(std::move(arrival)); };
+  // Ends after the exchange: the thread of the safety lines waits for that.
+  std::unique_ptr<session::ArmRig> replaced;
+  const auto exchange = [&] { replaced = runtime_->take_over(std::move(arrival)); };
   if (safety_) {
     safety_->session().exchange_arms(exchange);
   } else {
@@ -295,6 +297,7 @@ void Daemon::take_over(session::Runtime::Arrival arrival) {
     spdlog::info("arm '{}': {} is there and takes over from {}; calibrate it, then activate it",
                  real.config().name, real.config().device, simulated);
   } else {
+  replaced.reset();
     spdlog::info("arm '{}': {} is there now", real.config().name, real.config().device);
   }
   const Result<void> started = threads_->start(arm);

@@ -153,7 +153,9 @@ Result<void> Runtime::follow_awaited(std::size_t arm, MonotonicTime now) {
   return {};
 }
 
-void Runtime::take_over(Arrival arrival) { arms_.at(arrival.arm) = std::move(arrival.rig); }
+std::unique_ptr<ArmRig> Runtime::take_over(Arrival arrival) {
+  return std::exchange(arms_.at(arrival.arm), std::move(arrival.rig));
+}
 
 void Runtime::tell_events_of(bus::BusEnumerator& buses) {
   while (const std::optional<bus::BusEvent> event = buses.poll_event()) {

@@ -56,10 +56,10 @@ class Runtime {
   };
   // What follow_buses() opened. Each is to be put in its place at once.
   [[nodiscard]] std::vector<Arrival> take_arrivals() { return std::exchange(arrivals_, {}); }
-  // Puts it in the place of the rig that kept it, which is destroyed: no servo may run on that any
+  // Puts it in the place of the rig that kept it, and gives that one: no servo may run on it any
   // more. An arm that had a stand-in is not active, whatever the configuration says: nobody asked
   // for that one.
-  void take_over(Arrival arrival);
+  std::unique_ptr<ArmRig> take_over(Arrival arrival);
 
   // Ours. The guard of a daemon that died holds its arm for 120 ms (guard::WatchSettings), and for
   // longer on a busy machine; who starts a second daemon by mistake need not wait long.
