@@ -11,6 +11,7 @@
 #include "daemon/app/status_source.hpp"
 #include "daemon/config/paths.hpp"
 #include "daemon/world/cam/automaton_file.hpp"
+#include "hal/base/contain.hpp"
 #include "hal/linux/background_worker.hpp"
 #include "hal/linux/board_window.hpp"
 
@@ -41,12 +42,12 @@ api::ServerSettings server_settings(const config::Config& config) {
   return settings;
 }
 
-}  // namespace
 bool is_ignored(int number) noexcept {
   struct sigaction now {};
   return ::sigaction(number, nullptr, &now) == 0 && now.sa_handler == SIG_IGN;
 }
 
+}  // namespace
 
 Daemon::Daemon(const config::Config& config, const Options& options,
                const session::Plugins& plugins)
@@ -173,6 +174,11 @@ Result<void> Daemon::run() {
 }
 
 Result<void> Daemon::close(Duration patience) {
+  // There may be no thread for what waits.
+  return contain([&] { return close_all(patience); });
+}
+
+Result<void> Daemon::close_all(Duration patience) {
   const MonotonicTime deadline = clock_.now() + patience;
   const auto rest = [&] { return std::max(Duration(0), deadline - clock_.now()); };
   threads_.reset();
@@ -291,13 +297,13 @@ void Daemon::take_over(session::Runtime::Arrival arrival) {
   } else {
     exchange();
   }
+  replaced.reset();
   returns_.forget(arm);
   const session::ArmSession& real = runtime_->arms()[arm]->session();
   if (has_stand_in) {
     spdlog::info("arm '{}': {} is there and takes over from {}; calibrate it, then activate it",
                  real.config().name, real.config().device, simulated);
   } else {
-  replaced.reset();
     spdlog::info("arm '{}': {} is there now", real.config().name, real.config().device);
   }
   const Result<void> started = threads_->start(arm);
@@ -368,6 +374,9 @@ void Daemon::take_recordings() {
       recorder_->write(*std::move(recording));
     }
   }
+  if (const std::optional<std::string> doubt = recorder_->take_doubt()) {
+    spdlog::warn("degraded: no flight recording can be written: {}", *doubt);
+  }
   for (const RecordingWriter::Outcome& outcome : recorder_->finished()) {
     recordings_.note(outcome.arm, outcome.stop,
                      outcome.path.empty() ? outcome.error : outcome.path);
@@ -383,9 +392,6 @@ void Daemon::take_recordings() {
     }
   }
 }
-  if (const std::optional<std::string> doubt = recorder_->take_doubt()) {
-    spdlog::warn("degraded: no flight recording can be written: {}", *doubt);
-  }
 
 void Daemon::pet_watchdog() {
   const std::optional<Duration> interval = notifier_.watchdog_interval();

@@ -51,8 +51,9 @@ class Daemon final : private api::StatusView {
   // ended it unasked, which the log has: whoever started it should start it anew.
   [[nodiscard]] Result<void> run();
   // After run(), or a start that failed: closes the arms and all that the kernel may hold up,
-  // within `patience` altogether. Errors: Timeout, naming what is not closed: then nothing of it
-  // may be destroyed, and whoever called ends the process.
+  // within `patience` altogether. Errors: Timeout, naming what is not closed, or System, where no
+  // thread could be had to wait with: then nothing of it may be destroyed, and whoever called ends
+  // the process.
   [[nodiscard]] Result<void> close(Duration patience);
   // The status at the end, for --summary; before close().
   [[nodiscard]] api::Status final_status() const { return status(); }
@@ -60,6 +61,7 @@ class Daemon final : private api::StatusView {
  private:
   [[nodiscard]] api::Status status() const override;
 
+  [[nodiscard]] Result<void> close_all(Duration patience);
   [[nodiscard]] Result<void> close_arms(Duration patience);
   [[nodiscard]] Result<void> start_buses(const linux::RealtimeProcess& process);
   void hold_back_after_crash();

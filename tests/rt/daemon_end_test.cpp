@@ -3,12 +3,14 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <future>
 #include <sstream>
 
 #include "daemon/app/application.hpp"
 #include "daemon/app/daemon.hpp"
+#include "daemon/app/summary_file.hpp"
 #include "tests/rt/in_child_process.hpp"
 #include "tests/rt/refused_threads.hpp"
 #include "tests/support/fake_hidapi.hpp"
@@ -73,6 +75,25 @@ TEST_F(DaemonEnd, ForAnArmThatCameAndCannotBeServedIsAnErrorThatNamesIt) {
   for (const char* said : {"arm 'left': its servo could not be started", "TasksMax="}) {
     EXPECT_NE(ended.error().message.find(said), std::string::npos) << ended.error().message;
   }
+}
+
+// Whoever called ends the process then, with what is not destroyed.
+TEST_F(DaemonEnd, WithoutAThreadToCloseWithIsSaidAndNotThrown) {
+  options.for_s = 0.05;
+  start();
+  ASSERT_TRUE(sut->run());
+  const RefusedThreads refused(RefusedThreads::Which::All);
+  const Result<void> closed = sut->close(std::chrono::seconds(60));
+  ASSERT_FALSE(closed);
+  EXPECT_EQ(closed.error().code, Errc::System);
+  EXPECT_FALSE(std::filesystem::exists(folder / "socket")) << "it ended in order";
+}
+
+TEST_F(DaemonEnd, ASummaryThatNoThreadWritesIsSaid) {
+  app::SummaryFile summary((folder / "summary.json").string());
+  ASSERT_TRUE(summary.prepare());
+  const RefusedThreads refused(RefusedThreads::Which::All);
+  EXPECT_EQ(summary.write("text").error().code, Errc::System);
 }
 
 // A HID device in whose opening the kernel hangs: by hand it would swallow every Ctrl-C.
