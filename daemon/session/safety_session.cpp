@@ -1,6 +1,7 @@
 #include "daemon/session/safety_session.hpp"
 
 #include <algorithm>
+#include <mutex>
 #include <utility>
 
 #include "daemon/session/safety_settings.hpp"

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -14,6 +13,7 @@
 #include "daemon/safety/safety_chain.hpp"
 #include "daemon/session/runtime.hpp"
 #include "hal/bus/gpio_lines.hpp"
+#include "hal/rt/inheriting_mutex.hpp"
 #include "hal/rt/wake_signal.hpp"
 #include "hal/rt/word_seqlock.hpp"
 
@@ -110,7 +110,8 @@ class SafetySession {
   void publish();
   void answer_reset();
 
-  std::mutex arms_lock_;  // of the runtime's arms, and of the chain that they hear
+  // The thread of the lines has a real-time priority, who shares these locks has none.
+  rt::InheritingMutex arms_lock_;  // of the runtime's arms, and of the chain that they hear
   config::SafetyConfig config_;
   Runtime& runtime_;
   bus::GpioChips& chips_;
@@ -124,7 +125,7 @@ class SafetySession {
   std::atomic<std::uint64_t> reset_answer_{0};  // the id, twice, and whether it is free
   std::atomic<std::int64_t> stepped_at_ns_{0};  // 0: never
   std::atomic<bool> is_unwatched_{false};
-  mutable std::mutex trouble_lock_;
+  mutable rt::InheritingMutex trouble_lock_;
   std::string trouble_;
   std::string out_of_reach_;  // the arm that was, of the newest such stop
 };
