@@ -91,7 +91,7 @@ struct NamedProcess {
 // A device that a driver knows as an arm: of HID by its ids and the lengths of its reports, of USB
 // by its ids and endpoints.
 struct Controller {
-  std::string address;          // "hid:SERIAL", "serial:…" or "usb:PORT", as in a configuration
+  std::string address;          // "hid:SERIAL", "serial:…" or "usb:…", as in a configuration
   Node node;                    // by which the daemon drives it
   std::vector<Node> raw_nodes;  // other ways to it: /dev/bus/usb/001/004, /dev/usb/hiddev0
   std::uint16_t vendor_id{0};

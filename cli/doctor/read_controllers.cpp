@@ -30,7 +30,7 @@ constexpr const char* kUsb = "/sys/bus/usb/devices";
 struct Candidate {
   Controller controller;
   bus::BusDeviceInfo info;
-  linux::DevicePlace place;  // of HID and serial ports
+  linux::DevicePlace place;
 };
 
 // What the device says of itself.
@@ -199,7 +199,6 @@ std::optional<Candidate> read_serial(const FileTree& tree, const std::string& na
   return found;
 }
 
-// By its port alone, whatever number the device says.
 std::optional<Candidate> read_usb(const FileTree& tree, const std::string& name) {
   const fs::path folder = fs::path(kUsb) / name;
   const auto vendor = parse_hexadecimal(tree.text(folder / "idVendor"));
@@ -210,8 +209,7 @@ std::optional<Candidate> read_usb(const FileTree& tree, const std::string& name)
   found.controller.node = *node;
   read_device(tree, folder, found.controller, found.info);
   describe(bus::BusKind::Usb, *vendor, *product, words_in(tree, folder / "serial"), found);
-  found.controller.address = "usb:" + found.controller.usb_port;
-  found.info.address = {found.controller.address};
+  found.place = {found.controller.usb_port, 0, found.info.serial_number};
   found.info.endpoints = read_endpoints(tree, folder);
   return found;
 }
@@ -235,6 +233,7 @@ std::vector<Controller> read_controllers(const FileTree& tree,
   for (Candidate& candidate : candidates) candidate.place.is_arm = drivers.knows(candidate.info);
   address(candidates, bus::BusKind::Hid, &linux::hid_addresses);
   address(candidates, bus::BusKind::Serial, &linux::serial_addresses);
+  address(candidates, bus::BusKind::Usb, &linux::usb_addresses);
   std::vector<Controller> found;
   for (Candidate& candidate : candidates) {
     if (!candidate.place.is_arm) continue;

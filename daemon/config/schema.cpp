@@ -125,8 +125,8 @@ void read_device(TableReader& reader, ArmConfig& arm) {
       });
   if (is_good) return;
   reader.reject("device",
-                "expected sim:MODEL, or hid:SERIAL, hid:PORT, usb:PORT, serial:SERIAL or "
-                "serial:PORT as thimble devices lists it, found " +
+                "expected sim:MODEL, or hid:SERIAL, hid:PORT, usb:SERIAL, usb:PORT, serial:SERIAL "
+                "or serial:PORT as thimble devices lists it, found " +
                     in_quotes(arm.device));
   arm.device.clear();
 }
@@ -221,7 +221,8 @@ ServoConfig read_servo(TableReader reader) {
   reader.read("rate_hz", {500, 8000}, out.rate_hz);
   read_choice(reader, "realtime", kRealtime, out.realtime);
   std::int64_t number = 0;
-  if (reader.read_integer("priority", {1, kMaxServoPriority}, number)) out.priority = static_cast<int>(number);
+  if (reader.read_integer("priority", {1, kMaxServoPriority}, number))
+    out.priority = static_cast<int>(number);
   if (reader.read_integer("cpu", {0, 1023}, number)) out.cpu = static_cast<int>(number);
   reader.finish();
   return out;

@@ -6,7 +6,7 @@
 
 namespace thimble::bus {
 
-// Where a device is: "hid:SERIAL" or "hid:PORTPATH", "usb:1-4", "serial:SERIAL" or
+// Where a device is: "hid:SERIAL" or "hid:PORTPATH", "usb:SERIAL" or "usb:1-4", "serial:SERIAL" or
 // "serial:PORTPATH", "pci:0000:03:00.0", "sim:phantom-vintage". The scheme says which
 // bus implementation serves it. Nothing above the enumerator looks into it, but for whether it is a
 // simulated one: what else has to be known of a device, its bus says.

@@ -14,8 +14,8 @@
 
 namespace thimble::linux {
 
-// The HID devices, serial ports and USB devices of this machine. Addresses: hid_address.hpp, and
-// "usb:1-4" for port 4 of bus 1. To list opens no device and sends nothing.
+// The HID devices, serial ports and USB devices of this machine. Addresses: hid_address.hpp. To
+// list opens no device and sends nothing.
 //
 // Thread: list() and open_*() from any, one at a time for each device: they wait for the kernel,
 // for seconds where a device answers nothing, and so does the end of what they opened. poll_event()

@@ -125,8 +125,9 @@ std::optional<ReadDevice> usb_device_of(const DeviceTexts& texts) {
   bus::BusDeviceInfo& info = found.device.info;
   if (texts.node.empty() || !read_usb_ids(texts, info)) return std::nullopt;
   info.kind = bus::BusKind::Usb;
-  info.address = {"usb:" + texts.port};
   read_strings(texts, info);
+  found.place = place_of(texts, info);
+  found.place->interface_number = 0;  // it is all of them
   const auto configuration = number_of<std::uint8_t>(texts.configuration, 10).value_or(0);
   const auto* first = reinterpret_cast<const std::uint8_t*>(texts.descriptors.data());
   auto endpoints = bus::parse_usb_descriptors({first, texts.descriptors.size()}, configuration);
@@ -141,6 +142,7 @@ std::vector<FoundDevice> with_addresses(
   }
   address(read, bus::BusKind::Hid, &hid_addresses);
   address(read, bus::BusKind::Serial, &serial_addresses);
+  address(read, bus::BusKind::Usb, &usb_addresses);
   std::vector<FoundDevice> found;
   found.reserve(read.size());
   for (ReadDevice& one : read) found.push_back(std::move(one.device));

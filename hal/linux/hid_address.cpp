@@ -62,4 +62,8 @@ std::vector<bus::DeviceAddress> serial_addresses(std::span<const DevicePlace> pl
   return addresses_of("serial:", places);
 }
 
+std::vector<bus::DeviceAddress> usb_addresses(std::span<const DevicePlace> places) {
+  return addresses_of("usb:", places);
+}
+
 }  // namespace thimble::linux

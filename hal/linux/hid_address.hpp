@@ -8,10 +8,11 @@
 
 namespace thimble::linux {
 
-// What there is to name a HID device, or a serial port, by.
+// What there is to name a device by.
 struct DevicePlace {
   // Where it is plugged in: "1-4.2" (bus 1, port 4, port 2 of the hub there); what is on no USB
-  // has a name of its own there.
+  // has a name of its own there. The kernel counts buses in the order in which it finds them:
+  // another controller in the machine may change the first number.
   std::string port;
   unsigned interface_number{0};  // of a USB device that shows as several of them
   std::string serial_number;     // as the device says it; empty: none
@@ -29,5 +30,7 @@ struct DevicePlace {
 [[nodiscard]] std::vector<bus::DeviceAddress> hid_addresses(std::span<const DevicePlace> places);
 // The same of serial ports, "serial:SERIAL" and "serial:PORT".
 [[nodiscard]] std::vector<bus::DeviceAddress> serial_addresses(std::span<const DevicePlace> places);
+// The same of USB devices as such, "usb:SERIAL" and "usb:PORT" (decision 0505).
+[[nodiscard]] std::vector<bus::DeviceAddress> usb_addresses(std::span<const DevicePlace> places);
 
 }  // namespace thimble::linux

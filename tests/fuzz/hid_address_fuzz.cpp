@@ -79,6 +79,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::vector<bus::DeviceAddress> hid = linux::hid_addresses(places);
   require_addresses(hid, "hid:", places);
   require_addresses(linux::serial_addresses(places), "serial:", places);
+  require_addresses(linux::usb_addresses(places), "usb:", places);
   require_that_arms_keep_their_numbers(hid, places);
   return 0;
 }

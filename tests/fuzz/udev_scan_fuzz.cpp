@@ -84,7 +84,7 @@ void require_name(const FoundDevice& device, const std::vector<FoundDevice>& all
   const std::string& text = device.info.address.text;
   const std::string scheme(bus::to_string(device.info.kind));
   THIMBLE_CHECK(text.starts_with(scheme + ":") && text.size() <= 80);
-  THIMBLE_CHECK(bus::is_device_name(std::string_view(text).substr(scheme.size() + 1)));
+  THIMBLE_CHECK(bus::is_device_address(text));
   const auto has_it = [&](const FoundDevice& one) { return one.info.address.text == text; };
   THIMBLE_CHECK(std::count_if(all.begin(), all.end(), has_it) == 1);
 }
@@ -105,8 +105,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                   : kind == Serial ? linux::serial_port_of(texts)
                                    : linux::hid_device_of(texts);
     if (!device) continue;
-    THIMBLE_CHECK(device->place.has_value() == (kind != Usb));
-    const unsigned interface = device->place ? device->place->interface_number : 0;
+    THIMBLE_CHECK(device->place.has_value());
+    const unsigned interface = device->place->interface_number;
+    THIMBLE_CHECK(kind != Usb || interface == 0);
     if (!places.emplace(kind, texts.port, interface).second) continue;
     nodes.push_back(texts.node);
     read.push_back(*std::move(device));

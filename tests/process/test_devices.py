@@ -91,7 +91,7 @@ class RealDevices(ProcessTest):
         self.assertIn("amplifier_max_a is missing", arm["needs"])
         self.assertIn("woody-2015", arm["models"])
         self.assertRegex(self.devices().stdout, r"(?s)^hid:ABC1.*its arm.model: .*woody-2015.*sim:")
-        for stranger in ("usb:1-4", "usb:1-5"):
+        for stranger in ("usb:ABC1", "usb:1-5"):
             self.assertEqual(entries[stranger]["obstacle"], "no driver knows it")
 
 
@@ -190,7 +190,7 @@ class LyingArms(ProcessTest):
             self.skipTest("umockdev-run is not installed (package umockdev)")
         file = self.write("lying.toml", HELLO + self.arm("long", "hid:LONG")
                           + self.arm("other", "hid:OTHER", 'model = "spacenavigator"')
-                          + self.arm("twice", "usb:1-6"))
+                          + self.arm("twice", "usb:FALCON"))
         summary = self.folder / "summary.json"
         ended = subprocess.run(
             ["umockdev-run", "--device", self.write("machine.umockdev", self.MACHINE), "--",

@@ -160,8 +160,8 @@ class Falcon(Arm):
         super().__init__(guest, "falcon", *WAYS[way], "falcon")
         self.rate_hz = rate_hz
         self.plug()
-        port = guest.wait_for("basename $(dirname $(grep -lx cb48 /sys/bus/usb/devices/*/idProduct))").strip()
-        self.address = f"usb:{port}"
+        self.port = guest.wait_for("basename $(dirname $(grep -lx cb48 /sys/bus/usb/devices/*/idProduct))").strip()
+        self.address = "usb:" + guest.run(f"cat /sys/bus/usb/devices/{self.port}/serial").strip()
         image = firmware()
         guest.run(f"python3 -c 'import sys; open(sys.argv[1], \"wb\").write(bytes.fromhex(sys.argv[2]))' {FIRMWARE} {image.hex()}")
         self.words = (f'device = "{self.address}"\nfirmware = "{FIRMWARE}"\nfirmware_sha256 = "{hashlib.sha256(image).hexdigest()}"\n'

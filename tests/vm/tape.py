@@ -15,8 +15,8 @@ class Tape:
                   "-p CPUSchedulingPolicy=fifo -p CPUSchedulingPriority=85 "
                   f"{PROGRAM} offer {arm} {way}")
         if arm == "falcon":
-            port = guest.wait_for("basename $(dirname $(grep -lx cb48 /sys/bus/usb/devices/*/idProduct))").strip()
-            self.address, self.node = f"usb:{port}", "-"
+            guest.wait_for("grep -lx cb48 /sys/bus/usb/devices/*/idProduct")
+            self.address, self.node = guest.wait_for("thimble devices | grep -o 'usb:[^ ]*'").split()[0], "-"
         else:
             found = guest.wait_for("ls -d /sys/bus/hid/devices/0003:1234:0006.*/hidraw/hidraw*").strip()
             self.address, self.node = f"hid:{SERIAL}", f"/dev/{found.rsplit('/', 1)[1]}"

@@ -24,7 +24,7 @@ class Falcon(one_arm.OneArm):
         self.arm.say("unplug")
 
     def test_1_its_node_is_the_daemons_and_the_daemon_has_claimed_it(self):
-        port = f"/sys/bus/usb/devices/{self.arm.address.removeprefix('usb:')}"
+        port = f"/sys/bus/usb/devices/{self.arm.port}"
         self.assert_node("/dev/" + self.guest.run(f"udevadm info --query=name {port}").strip())
         self.assertEqual(self.guest.run(f"cat {port}/power/control").strip(), "on")
 

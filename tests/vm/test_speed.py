@@ -72,7 +72,7 @@ class RoundTrips(guest.GuestTest):
         with self.offered("usb", "usb"):
             port = self.guest.wait_for("basename $(dirname $(grep -lx cb48 /sys/bus/usb/devices/*/idProduct))").strip()
             node = self.guest.run(f"udevadm info -q name /sys/bus/usb/devices/{port}").strip()
-            self.measure("usbfs, USB", "usb", f"usb:{port}", f"/dev/{node}")
+            self.measure("usbfs, USB", "usb", f"usb:{ECHO}", f"/dev/{node}")
 
     def test_serial(self):
         with self.offered("serial", "usb"):

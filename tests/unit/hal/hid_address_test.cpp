@@ -42,6 +42,15 @@ TEST(HidAddress, NamesFurtherInterfacesOfADevice) {
             (Texts{"hid:A1", "hid:A1:1.1", "hid:1-5:1.2"}));
 }
 
+TEST(HidAddress, OfAUsbDeviceIsMadeInTheSameWay) {
+  const std::vector<DevicePlace> places{{"1-4", 0, "F1", true}, {"1-5", 0, "F1"}, {"2-1", 0, ""}};
+  const std::vector<bus::DeviceAddress> addresses = usb_addresses(places);
+  ASSERT_EQ(addresses.size(), 3U);
+  EXPECT_EQ(addresses[0].text, "usb:F1");
+  EXPECT_EQ(addresses[1].text, "usb:1-5");
+  EXPECT_EQ(addresses[2].text, "usb:2-1");
+}
+
 TEST(HidAddress, OfASerialPortIsMadeInTheSameWay) {
   const std::vector<DevicePlace> places{{"1-4", 0, "A1"}, {"1-5", 0, ""}, {"1-6", 2, "B"}};
   const std::vector<bus::DeviceAddress> addresses = serial_addresses(places);

@@ -229,7 +229,7 @@ TEST_F(Doctor, LooksAtAnArmOnBareUsb) {
   EXPECT_EQ(facts.controllers[1].address, "usb:1-5");
   EXPECT_THAT(complaints(facts), SizeIs(0));
   machine_.plant("sys/devices/pci0000:00/0000:00:14.0/usb1/1-5/serial", "FA1CON\n");
-  EXPECT_EQ(this->facts().controllers.at(1).address, "usb:1-5") << "as the bus names it";
+  EXPECT_EQ(this->facts().controllers.at(1).address, "usb:FA1CON") << "as the bus names it";
   machine_.chmod("dev/bus/usb/001/009", 0666);
   expect_complaint(Level::Wrong, "node /dev/bus/usb/001/009",
                    "every user may write /dev/bus/usb/001/009",
