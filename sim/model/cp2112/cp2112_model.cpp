@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 namespace thimble::sim {
 namespace {
@@ -69,6 +70,7 @@ std::size_t Cp2112Model::get_report(HidReportKind kind, std::uint8_t number,
       return fill(out, {number, settings_.outputs, settings_.push_pull, settings_.special,
                         settings_.clock_divider});
     case kGetGpio:
+      note_told();
       return fill(out, {number, levels()});
     case kVersion:
       return fill(out, {number, kPartNumber, kHardware});
@@ -118,8 +120,13 @@ bool Cp2112Model::press(unsigned line, bool is_open) noexcept {
   return true;
 }
 
+void Cp2112Model::note_told() noexcept {
+  const auto inputs = static_cast<std::uint8_t>(levels() & ~settings_.outputs);
+  if (std::exchange(told_, inputs) != inputs) told_at_ = now_;
+}
+
 std::vector<plugin::ModelPanel::Reading> Cp2112Model::readings() const {
-  std::vector<Reading> out;
+  std::vector<Reading> out{{"told_s", seconds(told_at_.since_epoch)}};
   for (std::size_t i = 0; i < kLines; ++i) {
     out.push_back({"line_" + std::to_string(i), level(i) ? 1.0 : 0.0});
     out.push_back({"changes_" + std::to_string(i), static_cast<double>(changes_.at(i))});

@@ -34,7 +34,7 @@ class Cp2112Model final : public plugin::SimHidModel, public plugin::ModelPanel 
 
   [[nodiscard]] bus::BusDeviceInfo describe() const override;
   [[nodiscard]] Duration frame_period() const noexcept override;
-  THIMBLE_RT void advance(MonotonicTime) noexcept override {}
+  THIMBLE_RT void advance(MonotonicTime now) noexcept override { now_ = now; }
   // The SMBus's, which nobody asks for here.
   THIMBLE_RT void out_report(std::span<const std::uint8_t>) noexcept override {}
   THIMBLE_RT std::size_t in_report(std::span<std::uint8_t>) noexcept override { return 0; }
@@ -50,6 +50,7 @@ class Cp2112Model final : public plugin::SimHidModel, public plugin::ModelPanel 
   // Opens the contact between the line and ground, or closes it again.
   bool press(unsigned line, bool is_open) noexcept override;
   // "line_N": its level, 0 or 1. "changes_N": how often that changed since the model was made.
+  // "told_s": when the host last read another level of an input than before, on the model's clock.
   [[nodiscard]] std::vector<Reading> readings() const override;
 
   [[nodiscard]] bool level(std::size_t line) const noexcept;
@@ -66,11 +67,15 @@ class Cp2112Model final : public plugin::SimHidModel, public plugin::ModelPanel 
         kSmbusConfig, 0, 1, 0x86, 0xA0, 2, 0, 0, 0, 0, 0, 0, 0, 0};
   };
   [[nodiscard]] std::uint8_t levels() const noexcept;
+  void note_told() noexcept;
   void count_changes(std::uint8_t before) noexcept;
 
   Settings settings_{};
   std::uint8_t wires_{0};  // bit set: the contact to ground is open
   std::array<std::uint64_t, kLines> changes_{};
+  MonotonicTime now_{};
+  std::uint8_t told_{0};  // of the inputs
+  MonotonicTime told_at_{};
 };
 
 }  // namespace thimble::sim

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <random>
 
@@ -50,6 +51,28 @@ TEST_F(Cp2112ModelTest, AnOpenContactIsHighAndIsCounted) {
   EXPECT_EQ(levels(), 0x00);
   EXPECT_EQ(sut.changes(1), 2U);
   EXPECT_FALSE(sut.press(8, true)) << "there is none";
+}
+
+TEST_F(Cp2112ModelTest, KnowsSinceWhenTheHostKnowsOfAnInput) {
+  const auto at = [](int ms) { return MonotonicTime{std::chrono::milliseconds(ms)}; };
+  const auto told_s = [this] {
+    const auto all = sut.readings();
+    return std::find_if(all.begin(), all.end(),
+                        [](const auto& one) { return one.name == "told_s"; })
+        ->value;
+  };
+  EXPECT_TRUE(set({0x02, 0x08, 0xFF, 0, 0}));
+  sut.advance(at(1));
+  levels();
+  EXPECT_EQ(told_s(), 0);
+  EXPECT_TRUE(sut.press(1, true));
+  sut.advance(at(5));
+  EXPECT_EQ(told_s(), 0) << "nobody asked";
+  levels();
+  sut.advance(at(9));
+  EXPECT_TRUE(set({0x04, 0x08, 0x08}));
+  levels();
+  EXPECT_DOUBLE_EQ(told_s(), 0.005) << "an output is the host's own";
 }
 
 TEST_F(Cp2112ModelTest, AnOutputThatPushesHasItsLatchAndAnInputIsNotMovedByIt) {
@@ -102,7 +125,7 @@ TEST_F(Cp2112ModelTest, ThePanelTellsLevelsAndChanges) {
   }
   EXPECT_EQ(level, 1);
   EXPECT_EQ(changes, 1);
-  EXPECT_EQ(sut.readings().size(), 16U);
+  EXPECT_EQ(sut.readings().size(), 17U) << "and told_s";
 }
 
 TEST_F(Cp2112ModelTest, WhatIsNoneOfItsReportsIsRefusedAndChangesNothing) {
