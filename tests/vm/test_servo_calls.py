@@ -98,6 +98,17 @@ class Hid(guest.GuestTest):
         self.assertTrue(any(f"malloc by {taker}" in counts for counts in calls.values() for taker in ("thimbled", "libstdc++.so.6.0.30")))
 
 
+class Uhid(Hid):
+    """It has no hiddev, as a HID device on Bluetooth has none: what leaves for it takes hidraw."""
+
+    blocking_call = "write(", "</dev/hidraw"
+    test_its_safety_lines_are_read_by_a_thread_of_their_own = None
+
+    @classmethod
+    def plug_in(cls):
+        return arms.HidArm(cls.guest, rate_hz=arms.FULL_HZ)
+
+
 class Usbfs(Hid):
     pace = guest.COUNTED
     blocking_call = "ioctl(", "USBDEVFS_SUBMITURB"
