@@ -22,6 +22,7 @@ import unittest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples"
 BIN = pathlib.Path(os.environ.get("THIMBLE_BIN", ROOT / "build/release/bin"))
+SAMPLE = pathlib.Path(os.environ.get("THIMBLE_SAMPLE_DRIVER", BIN.parent / "tests/support/sample_driver/sample_driver.so"))
 TIMEOUT_S = 60.0
 _PR_SET_PDEATHSIG = 1
 

@@ -1,15 +1,10 @@
 """A driver that was built outside the tree, loaded by the real daemon."""
 
 import json
-import os
-import pathlib
 import shutil
 import subprocess
 
-from rig import BIN, ProcessTest
-
-SAMPLE = pathlib.Path(os.environ.get(
-    "THIMBLE_SAMPLE_DRIVER", BIN.parent / "tests/support/sample_driver/sample_driver.so"))
+from rig import SAMPLE, ProcessTest
 
 GANTRY = """
 [daemon]

@@ -2,13 +2,14 @@
 
 import json
 import re
+import shutil
 import signal
 import socket
 import struct
 import subprocess
 import zlib
 
-from rig import BIN, TIMEOUT_S, ProcessTest, clean_environment, die_with_parent
+from rig import BIN, SAMPLE, TIMEOUT_S, ProcessTest, clean_environment, die_with_parent
 
 DESCRIPTOR_OF_DEVICE = bytes([0x80, 6, 0, 1, 0, 0, 18, 0])
 
@@ -70,6 +71,23 @@ class Simdev(ProcessTest):
         descriptor = self.submit(host, length=18, setup=DESCRIPTOR_OF_DEVICE)
         self.assertEqual(len(descriptor), 18)
         return descriptor
+
+    def test_a_plugins_model_is_one_as_well(self):
+        plugin = self.folder / "gantry.so"
+        shutil.copyfile(SAMPLE, plugin)
+        plugin.chmod(0o644)
+        _, port = self.offer("gantry", "--plugin", plugin)
+        self.assertEqual(struct.unpack_from("<H", self.device_descriptor(self.attached(port)), 8), (0xFFF0,))
+        ((moved,), (status,)) = self.say("move 0 0 0.01 0.01", "status")
+        self.assertTrue(moved["ok"], moved)
+        self.assertEqual(status["model"], "sim:gantry")
+
+    def test_a_plugin_that_is_none_is_refused_in_a_sentence_that_names_it(self):
+        for file, words in ((self.write("none.so", "x"), "none.so"), ("", "--plugin needs the name of a file"), (self.folder / "away.so", "away.so")):
+            with self.subTest(file):
+                ended = self.run_program("thimble-simdev", "--usbip", "0", "--plugin", file, "gantry")
+                self.assertNotEqual(ended.returncode, 0)
+                self.assert_one_sentence(ended.stderr, words)
 
     def test_any_model_is_a_usb_device_for_who_attaches_it(self):
         for model, ids in (("sim:phantom-vintage", (0x1234, 0x0006)), ("polhem-1", (0x16C0, 0x0486)), ("falcon", (0x0403, 0xCB48)),

@@ -44,6 +44,10 @@ tl::expected<SimdevOptions, int> parse_simdev_options(int argc, const char* cons
       ->type_name("PORT");
   cli.add_option("--socket", options.socket, "where verbs are taken: move, press, unplug, log …")
       ->type_name("FILE");
+  cli.add_option("--plugin", options.plugins,
+                 "a shared object that brings the device, as daemon.plugins names one")
+      ->type_name("FILE")
+      ->allow_extra_args(false);  // the next word is the model
   cli.add_option("--serial", options.serial_number,
                  "its serial number, so that two can be told apart")
       ->type_name("TEXT")

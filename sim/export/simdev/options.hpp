@@ -4,13 +4,15 @@
 #include <optional>
 #include <string>
 #include <tl/expected.hpp>
+#include <vector>
 
 namespace thimble::sim {
 
 inline constexpr int kExitUsage = 2;  // the command line is a mistake
 
 struct SimdevOptions {
-  std::string model;  // "phantom-vintage"; "sim:" in front is taken off
+  std::string model;                 // "phantom-vintage"; "sim:" in front is taken off
+  std::vector<std::string> plugins;  // files that bring more of them
   bool is_uhid{false};
   bool is_vhci{false};
   // 0: one that is free, which is then printed.

@@ -7,12 +7,16 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <utility>
+#include <vector>
 
 #include "hal/linux/monotonic_clock.hpp"
 #include "hal/linux/system_error.hpp"
+#include "hal/plugin/plugin_loader.hpp"
 #include "hal/plugin/sim_model.hpp"
 #include "sim/bus/sim_usb_port.hpp"
 #include "sim/export/acm_on_usb.hpp"
@@ -36,6 +40,21 @@ namespace {
 
 constexpr const char* kUhidNode = "/dev/uhid";
 
+// Of the drivers that they bring nobody asks here.
+Result<void> add_plugins(const std::vector<std::string>& files, plugin::SimModelRegistry& models) {
+  plugin::DriverRegistry drivers;
+  for (const std::string& file : files) {
+    std::error_code error;
+    const std::string path = std::filesystem::absolute(file, error);
+    if (error) return fail(Errc::InvalidArgument, "--plugin needs the name of a file");
+    const Result<const thimble_plugin*> loaded = plugin::load_plugin(path);
+    if (!loaded) return tl::unexpected(loaded.error());
+    const Result<void> added = plugin::register_plugin(**loaded, drivers, models);
+    if (!added) return tl::unexpected(added.error().in(path));
+  }
+  return {};
+}
+
 Result<plugin::SimModel> make_model(const SimdevOptions& options) {
   plugin::SimModelRegistry models;
   register_arm_models(models);
@@ -45,6 +64,9 @@ Result<plugin::SimModel> make_model(const SimdevOptions& options) {
   register_cam_model(models);
   models.add({"cp2112", "Silicon Labs CP2112, eight lines (HID)",
               [](const plugin::SimModelSettings&) { return std::make_unique<Cp2112Model>(); }});
+  if (Result<void> added = add_plugins(options.plugins, models); !added) {
+    return tl::unexpected(added.error());
+  }
   const plugin::SimModelEntry* entry = models.find(options.model);
   if (entry == nullptr) {
     std::string known;
