@@ -22,6 +22,7 @@ workspace_m = 0.09
 # What the servo can do with least, and a quarter less to emulate than 1,000 (decision 0390): for tests that look at no time.
 QUIET_HZ = 500
 FULL_HZ = 1000
+OWN_RATES = "own"
 # In scripts of the guest: the daemon, and the thread that drives the arm.
 PID = "$(systemctl show thimbled -p MainPID --value)"
 SERVO = f"$(ps -L -o lwp=,comm= -p {PID} | awk '$2 == \"servo-right\" {{print $1}}')"
@@ -45,8 +46,9 @@ class Arm(simdev.Simdev):
     rate_hz = QUIET_HZ
 
     def configure(self, rate_hz=None):
-        """The daemon starts anew with it alone."""
-        text = (f'{self.daemon_words}\n[servo]\nrate_hz = {rate_hz or self.rate_hz}\nrealtime = "best-effort"\n\n'
+        """The daemon starts anew with it alone. OWN_RATES: each arm has that of its driver, as where nobody says one."""
+        rate = "" if rate_hz == OWN_RATES else f"rate_hz = {rate_hz or self.rate_hz}\n"
+        text = (f'{self.daemon_words}\n[servo]\n{rate}realtime = "best-effort"\n\n'
                 f'[[arm]]\nname = "right"\n{self.words}{self.box}')
         self.guest.run(f"cat > /etc/thimble/thimble.toml <<'E'\n{text}E\nudevadm settle; systemctl restart thimbled")
 
