@@ -23,7 +23,8 @@ class Pointer {
   explicit Pointer(double full_deflection_counts) noexcept : full_counts_(full_deflection_counts) {}
 
   THIMBLE_RT void forget() noexcept;
-  // The puck's axes, as on the wire.
+  // The puck's axes as on the wire: right, towards the person, down; in the base frame (x, -z, y).
+  // A turn moves nothing, but a puck that is turned is not let go.
   THIMBLE_RT void push(const std::array<std::int16_t, 3>& counts, MonotonicTime at) noexcept;
   THIMBLE_RT void turn(const std::array<std::int16_t, 3>& counts, MonotonicTime at) noexcept;
   // Moves the point up to `now`.

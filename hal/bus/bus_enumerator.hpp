@@ -27,6 +27,8 @@ struct BusDeviceInfo {
   std::string manufacturer;
   std::string product;
   std::string serial_number;  // empty when the device has none
+  // Of a HID device: the longest each way, with its number (HidReportLengths); 0: none, or not
+  // known.
   std::size_t input_report_bytes{0};
   std::size_t output_report_bytes{0};
   bool has_report_ids{false};              // of a HID device: see HidReport

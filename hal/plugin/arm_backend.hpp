@@ -22,12 +22,12 @@ class TipLoad {
   [[nodiscard]] virtual bool is_button_pressed(MonotonicTime t) const noexcept = 0;
 };
 
-// The truth inside a model, for tests and the lab; a driver never sees it.
+// The truth inside a model, for tests and the lab; a driver never sees it. Base frame, SI units.
 struct ArmTruth {
   Position3 tip{};
   Velocity3 tip_velocity{};
-  Force3 motor_force{};  // what the motors exert at the tip now
-  std::array<double, 3> motor_current_a{};
+  Force3 motor_force{};                     // what the motors exert at the tip now
+  std::array<double, 3> motor_current_a{};  // 0 where the model has no currents, as a Falcon's
   // Of the gimbal's axes, 0 with the arm in its home pose and the stylus straight; 0 without
   // gimbal.
   std::array<double, 3> gimbal_rad{};
@@ -35,7 +35,8 @@ struct ArmTruth {
   bool is_amplifier_on{false};
 };
 
-// Backend face of every simulated arm: physical verbs.
+// Backend face of every simulated arm: physical verbs. Places and forces are in the base frame, m
+// and N.
 // Thread: that of the bus, or another while the bus stands still. RT, but home_position().
 // Ownership: a face of the arm's model; valid as long as that is.
 class ArmBackend {

@@ -21,9 +21,12 @@ struct DriverSettings {
   bool is_named_by_person{false};  // the configuration names this very device (serial or port)
   std::string firmware;            // file for an arm that forgets its own; "" = none
   std::string firmware_sha256;     // of that file, hexadecimal; "" = whatever the driver knows
-  std::optional<double> newton_per_count;  // measured force of an arm that is told counts
+  // Measured force of an arm that is told counts, of each motor alike:
+  // drivers/falcon/falcon_model.hpp says where and along what.
+  std::optional<double> newton_per_count;
   // That of the servo and of the bus, for a device whose state goes on while it says nothing; it
-  // must outlive the device.
+  // must outlive the device. nullptr: open() of a driver that needs one gives InvalidArgument, or a
+  // device that does without, as the driver says.
   const Clock* clock{nullptr};
 };
 
@@ -44,7 +47,9 @@ class Driver {
   [[nodiscard]] virtual Result<void> check_files(const DriverSettings& settings) const = 0;
   [[nodiscard]] virtual Result<void> probe(const bus::BusDeviceInfo& info,
                                            const DriverSettings& settings) const = 0;
-  // Opens through `buses` and returns a device that has sent nothing yet.
+  // Opens through `buses` and returns a device that has sent nothing yet. Waits for the kernel as
+  // BusEnumerator::open_*() does, and for no answer of the device. Errors: those, and
+  // InvalidArgument or Unsupported for what `settings` say or the device is.
   [[nodiscard]] virtual Result<std::unique_ptr<HapticDevice>> open(
       bus::BusEnumerator& buses, const bus::BusDeviceInfo& info,
       const DriverSettings& settings) const = 0;

@@ -100,7 +100,9 @@ struct thimble_driver_settings {
 };
 
 /* Constant while the device is open. The limiter works with these limits, and the host refuses
- * what no arm has: each range is given, and no number may be infinite or NaN. */
+ * what no arm has: each range is given, and no number may be infinite or NaN. An arm whose motors
+ * are told no amperes has shares of its largest command in their place, the same everywhere: 1 is
+ * all that a motor can be told. */
 struct thimble_capabilities {
   uint32_t struct_bytes;
   uint32_t joint_count;           /* 3, or 6 with a gimbal whose angles are measured */

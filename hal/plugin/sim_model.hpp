@@ -53,6 +53,9 @@ enum class HidReportKind : std::uint8_t { Input, Output, Feature };
 // out_report() if the host had one queued before the frame began, then in_report(). Requests to the
 // control pipe come between frames, from a kernel that it is offered to (sim/export); no driver
 // here makes any.
+//
+// Thread: that of the bus. RT: all but describe() and report_descriptor(): bounded, no allocation.
+// Ownership: of the bus. Errors: what a device can say; bytes come from a driver and may be any.
 class SimHidModel {
  public:
   virtual ~SimHidModel() = default;
@@ -83,7 +86,7 @@ class SimHidModel {
 };
 
 struct SimModelSettings {
-  double amplifier_max_a{0};  // full scale the firmware was built with
+  double amplifier_max_a{0};  // full scale the firmware was built with; 0: the model's own
   std::uint64_t seed{0};
 };
 
