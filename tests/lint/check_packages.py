@@ -20,6 +20,9 @@ PROGRAMS = ("hal", "drivers", "sim", "daemon", "cli", "guard", "board")
 INSTALLED = re.compile(r"(docs/man/[^/]+\.[158]|systemd/[^/]+\.(service|socket|conf)|udev/[^/]+\.(rules|hwdb)|examples/[^/]+\.toml)")
 PAGE = re.compile(r"(?<![\w./-])(?:[a-z]+/)+[\w.-]+\.md\b")
 EXAMPLE = re.compile(r"(?<![\w./-])examples/[\w.-]+\w")
+DECISIONS = "docs/decisions"
+# "decision 0498", "decisions 0493, 0494": of what those pages rest on in turn, the source has the rest.
+NUMBERS = re.compile(r"\bdecisions? (\d{4}(?:(?:, | and | to )\d{4})*)")
 LINK = re.compile(r"\[[^]\n]*\]\((?!https?:)([^)#\s]+)[^)\s]*\)")
 
 
@@ -99,8 +102,23 @@ def names_that_lead_nowhere(root):
     return breaches
 
 
+def decisions_that_stay_behind(root):
+    """Numbers in installed pages, but in the decisions themselves."""
+    files = cpp_source.tree_files(root)
+    brought = patterns(root, files)
+    pages = {path.rsplit("/", 1)[1][:4]: path for path in files if path.startswith(f"{DECISIONS}/")}
+    for path, text in texts_that_are_installed(root, files, brought):
+        if path.startswith(DECISIONS) or not path.endswith((".md", ".1", ".5", ".8")):
+            continue
+        for match in NUMBERS.finditer(text):
+            for number in re.findall(r"\d{4}", match.group(1)):
+                if not is_brought(pages.get(number, ""), brought):
+                    yield (f"{path}:{cpp_source.line_of(text, match.start())}: names decision {number}, which no package brings: list it in "
+                           "debian/thimbled.install, or leave the number out")
+
+
 def check(root):
-    return lists_of_packages(root) + names_that_lead_nowhere(root)
+    return lists_of_packages(root) + names_that_lead_nowhere(root) + list(decisions_that_stay_behind(root))
 
 
 if __name__ == "__main__":

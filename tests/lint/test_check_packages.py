@@ -62,6 +62,13 @@ class CheckPackages(PlantedTreeTest):
         self.plant("docs/inner.md", "docs/gone.md and [more](../src.md)\n")
         self.assertEqual(check_packages.check(self.root), [])
 
+    def test_refuses_a_number_of_a_decision_that_stays_behind(self):
+        self.plant("docs/decisions/0001-it-is-so.md", "# 0001\n\nAs decision 0002 has it.\n")
+        self.plant("docs/decisions/0002-so-is-this.md", "# 0002\n")
+        self.plant("docs/api.md", "# API (decisions 0001 and 0002)\n")
+        self.plant("debian/thimbled.install", "docs/api.md x\ndocs/decisions/0001-it-is-so.md x\n")
+        self.assert_one_breach(check_packages.check(self.root), "docs/api.md:1", "decision 0002", "no package brings")
+
     def test_refuses_packages_without_pages(self):
         self.plant("debian/thimbled.install", "usr/bin/thimbled\n")
         self.assert_one_breach(check_packages.check(self.root), "debian", "no package brings any page")
