@@ -1,15 +1,13 @@
 #include "cli/client.hpp"
 
-#include <grp.h>
 #include <sys/socket.h>
-#include <sys/stat.h>
 #include <sys/time.h>
 #include <sys/un.h>
 
 #include <boost/beast/http.hpp>
 #include <cerrno>
-#include <filesystem>
 
+#include "cli/socket_group.hpp"
 #include "cli/text.hpp"
 #include "daemon/config/socket_place.hpp"
 
@@ -21,24 +19,6 @@ namespace http = boost::beast::http;
 
 constexpr std::size_t kMaxBodyBytes = std::size_t{1} << 22;
 constexpr unsigned kHttp11 = 11;
-
-// The group that owns the socket, or the folder around it that keeps people out.
-std::string group_of(const std::string& socket_path) {
-  struct stat info {};
-  if (::stat(socket_path.c_str(), &info) != 0) {
-    const std::string folder = std::filesystem::path(socket_path).parent_path().string();
-    if (::stat(folder.c_str(), &info) != 0) return "";
-  }
-  const group* found = ::getgrgid(info.st_gid);
-  return found != nullptr ? found->gr_name : "";
-}
-
-std::string advice_to_join(const std::string& socket_path) {
-  const std::string name = group_of(socket_path);
-  if (name.empty()) return "; become a member of the group that owns this socket";
-  return "; become a member of its group: sudo adduser \"$USER\" " + plain(name) +
-         ", then log in anew";
-}
 
 tl::unexpected<Error> refusal(const boost::system::error_code& error,
                               const std::string& socket_path) {

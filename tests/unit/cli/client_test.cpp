@@ -1,7 +1,6 @@
 #include "cli/client.hpp"
 
 #include <gmock/gmock.h>
-#include <grp.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -121,23 +120,6 @@ TEST_F(ClientTest, NoticesTheEndOfTheDaemon) {
   const auto reply = (*sut)->request("GET", "/v1/status");
   ASSERT_FALSE(reply);
   EXPECT_EQ(reply.error().code, Errc::Disconnected);
-}
-
-// The group is that of the folder where the socket itself may not be seen.
-TEST_F(ClientTest, NamesTheGroupToBecomeAMemberOf) {
-  if (::geteuid() != 0) GTEST_SKIP() << "only root can give a folder to another group";
-  const group* const others = ::getgrnam("audio");
-  ASSERT_NE(others, nullptr);
-  const gid_t number = others->gr_gid;
-  ASSERT_EQ(::chown(folder_.path().c_str(), 0, number), 0);
-  ASSERT_EQ(::chmod(folder_.path().c_str(), 0750), 0);
-  constexpr uid_t kStranger = 65534;
-  ASSERT_EQ(::seteuid(kStranger), 0);
-  const auto sut = Client::connect(path_);
-  ASSERT_EQ(::seteuid(0), 0);
-  ASSERT_FALSE(sut);
-  EXPECT_EQ(sut.error().code, Errc::Permission);
-  EXPECT_THAT(sut.error().message, HasSubstr("sudo adduser \"$USER\" audio, then log in anew"));
 }
 
 TEST(Client, SaysInOneSentenceThatNoDaemonRuns) {
