@@ -31,6 +31,15 @@ constexpr double kMostCounts = 400;
 constexpr double kMostNewton = 8;
 constexpr double kLeastNewton = 0.5;  // that --most takes
 
+// Of the default, from here on a force is it: it is shown with one digit behind the point.
+constexpr double kAlmost = 0.999;
+
+double default_newton(const api::ArmStatus& arm) {
+  return std::min(kMostNewton, kMostCounts * arm.newton_per_count);
+}
+
+constexpr double kLeastRise_gram = 3;  // ours: less is the scale, or a hand at its side
+
 std::string text_of(const char* format, double value) {
   std::array<char, 64> text{};
   std::snprintf(text.data(), text.size(), format, value);
@@ -41,6 +50,7 @@ std::string text_of(const char* format, double value) {
 struct Beginning {
   double assumed_newton_per_count{0};
   double most_newton{0};
+  bool is_trial{false};
 };
 
 // One arm that is measured, over one connection, whose end lets it go.
@@ -59,7 +69,7 @@ class Measurement {
     if (!answer) return tl::unexpected<Error>(answer.error());
     const auto active = wait_until_active();
     if (!active) return tl::unexpected<Error>(active.error());
-    return Beginning{status->newton_per_count, *most_newton};
+    return Beginning{status->newton_per_count, *most_newton, is_trial(*status, options)};
   }
 
   [[nodiscard]] Result<std::vector<ScaleReading>> read_all(const std::vector<double>& steps) {
@@ -156,6 +166,25 @@ int print(const ForceScale& scale, double assumed_newton_per_count) {
   return kExitOk;
 }
 
+// Nothing on standard output, where a line would be taken for one to paste.
+int tell_trial(const std::vector<ScaleReading>& readings) {
+  const double more_gram = rise_gram(readings);
+  const std::string shown = text_of("%.0f", std::abs(more_gram)) + " g";
+  if (more_gram < kLeastRise_gram) {
+    const bool is_up = more_gram <= -kLeastRise_gram;
+    return complain({Errc::Busy, is_up ? "the scale shows " + shown +
+                                             " less at the strongest force: the arm does not press "
+                                             "down; stop here, and report it"
+                                       : "the scale does not show that the arm presses down: does "
+                                         "the grip rest on it? If it pressed aside, stop here"});
+  }
+  std::cerr << "The arm presses down: the scale shows " << shown
+            << " more at the strongest force. That was only a trial of the direction; to measure a "
+               "count, take arm.limits.force_newton out of its table, restart the daemon, and run "
+               "thimble calibrate-force without --most.\n";
+  return kExitOk;
+}
+
 tl::unexpected<Error> too_weak(const api::ArmStatus& arm, double most_newton) {
   const std::string limit = text_of("%.3g", arm.max_force_newton);
   const bool is_askable = arm.max_force_newton >= kLeastNewton;
@@ -163,7 +192,7 @@ tl::unexpected<Error> too_weak(const api::ArmStatus& arm, double most_newton) {
               "arm " + arm.name + " is given " + limit + " N at most, and " +
                   text_of("%.1f", most_newton) +
                   " N is asked for: take arm.limits.force_newton out of its table" +
-                  (is_askable ? ", or give --most " + limit : ""));
+                  (is_askable ? ", or, to try its direction only, give --most " + limit : ""));
 }
 
 }  // namespace
@@ -181,10 +210,13 @@ Result<double> strongest_force_newton(const api::ArmStatus& arm, const Calibrate
     return fail(Errc::InvalidArgument,
                 "arm " + arm.name + " is told amperes: there is nothing to measure with a scale");
   }
-  const double most_newton =
-      options.most_newton.value_or(std::min(kMostNewton, kMostCounts * arm.newton_per_count));
+  const double most_newton = options.most_newton.value_or(default_newton(arm));
   if (arm.max_force_newton < most_newton) return too_weak(arm, most_newton);
   return most_newton;
+}
+
+bool is_trial(const api::ArmStatus& arm, const CalibrateOptions& options) {
+  return options.most_newton && *options.most_newton < kAlmost * default_newton(arm);
 }
 
 int run_calibrate_force(const std::string& socket_path, const std::string& arm,
@@ -196,8 +228,13 @@ int run_calibrate_force(const std::string& socket_path, const std::string& arm,
   Measurement measurement(**client, *name, typed);
   const auto begun = measurement.begin(options);
   if (!begun) return complain(begun.error());
+  if (begun->is_trial) {
+    std::cerr << "This is a trial of the direction only: no line for the configuration comes of so "
+                 "little force.\n";
+  }
   const auto readings = measurement.read_all(even_forces_newton(begun->most_newton, options.steps));
   if (!readings) return complain(readings.error());
+  if (begun->is_trial) return tell_trial(*readings);
   const auto scale = fit_force(*readings, begun->assumed_newton_per_count);
   if (!scale) return complain(scale.error());
   return print(*scale, begun->assumed_newton_per_count);

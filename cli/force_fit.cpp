@@ -1,8 +1,10 @@
 #include "cli/force_fit.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 
 namespace thimble::cli {
 namespace {
@@ -45,7 +47,28 @@ std::size_t count_forces(const std::vector<ScaleReading>& readings) {
   return static_cast<std::size_t>(std::unique(forces.begin(), forces.end()) - forces.begin());
 }
 
+bool is_weaker(const ScaleReading& one, const ScaleReading& other) {
+  return one.pressed_newton < other.pressed_newton;
+}
+
+tl::unexpected<Error> too_small(double span_gram) {
+  std::array<char, 160> text{};
+  std::snprintf(
+      text.data(), text.size(),
+      "the scale shows only %.0f g more at the strongest force, and below %.0f g no count "
+      "can be told from the scale's own steps: press harder, with --most",
+      span_gram, kLeastSpan_gram);
+  return fail(Errc::InvalidArgument, text.data());
+}
+
 }  // namespace
+
+double rise_gram(const std::vector<ScaleReading>& readings) {
+  if (readings.empty()) return 0;
+  const auto [weakest, strongest] =
+      std::minmax_element(readings.begin(), readings.end(), is_weaker);
+  return strongest->shown_gram - weakest->shown_gram;
+}
 
 std::vector<double> even_forces_newton(double most_newton, std::size_t count) {
   std::vector<double> steps;
@@ -70,18 +93,23 @@ Result<ForceScale> fit_force(const std::vector<ScaleReading>& readings,
   ForceScale scale;
   scale.newton_per_count = assumed_newton_per_count * line.slope;
   scale.rest_gram = line.at_zero / kNewtonPerGram;
-  double span_newton = 0;
+  const auto [weakest, strongest] =
+      std::minmax_element(readings.begin(), readings.end(), is_weaker);
+  const double span_newton = line.slope * (strongest->pressed_newton - weakest->pressed_newton);
   for (const ScaleReading& reading : readings) {
     const double meant_newton = line.slope * reading.pressed_newton;
     const double off_newton =
         std::abs(reading.shown_gram * kNewtonPerGram - line.at_zero - meant_newton);
     scale.worst_off_newton = std::max(scale.worst_off_newton, off_newton);
-    span_newton = std::max(span_newton, meant_newton);
   }
-  if (scale.worst_off_newton <= kWorstOfSpan * span_newton) return scale;
-  return fail(Errc::InvalidArgument,
-              "the readings lie on no straight line: do not touch the grip, let the scale settle, "
-              "and try again");
+  if (!(scale.worst_off_newton <= kWorstOfSpan * span_newton)) {
+    return fail(Errc::InvalidArgument,
+                "the readings lie on no straight line: do not touch the grip, let the scale "
+                "settle, and try again");
+  }
+  const double span_gram = span_newton / kNewtonPerGram;
+  if (span_gram < kLeastSpan_gram) return too_small(span_gram);
+  return scale;
 }
 
 Result<double> parse_gram(const std::string& typed) {

@@ -23,9 +23,9 @@ class CalibrateForce(ProcessTest):
 
     def test_the_line_to_paste_is_what_the_scale_said(self):
         daemon = self.start(*STILL, config=FALCON)
-        typed = "".join(f"{grams(newton):.0f} g\n" for newton in range(4)) + "oops\n" + "".join(
-            f"{grams(newton):.0f}\n" for newton in (4, 5))
-        result = self.calibrate(daemon, typed, "right", "--most", 5)
+        typed = "".join(f"{grams(1.4 * step):.0f} g\n" for step in range(4)) + "oops\n" + "".join(
+            f"{grams(1.4 * step):.0f}\n" for step in (4, 5))
+        result = self.calibrate(daemon, typed, "right", "--most", 7)
         self.assertEqual(result.returncode, 0, result.stderr)
         line = re.fullmatch(r"newton_per_count = (\S+)\n", result.stdout)
         self.assertTrue(line, result.stdout)
@@ -62,7 +62,26 @@ class CalibrateForce(ProcessTest):
         self.assertNotIn("pressing", result.stderr)
         self.assertEqual(daemon.status()["arms"][0]["lease"], "none")
         typed = "".join(f"{grams(newton / 5):.1f}\n" for newton in range(6))
-        self.assertEqual(self.calibrate(daemon, typed, "--most", 1).returncode, 0)
+        trial = self.calibrate(daemon, typed, "--most", 1)
+        self.assertEqual((trial.returncode, trial.stdout), (0, ""), trial.stderr)
+
+    def test_a_trial_of_the_direction_gives_no_line_to_paste(self):
+        daemon = self.start(*STILL, "--set", "arm.right.limits.force_newton=1", config=FALCON)
+        for gram, code, words in ((15, 0, "The arm presses down: the scale shows 15 g more"), (0, 1, "does not show"),
+                                  (-15, 1, "does not press down; stop here")):
+            with self.subTest(gram=gram):
+                typed = "".join(f"{250 + gram * step / 5:.0f}\n" for step in range(6))
+                result = self.calibrate(daemon, typed, "--most", 1)
+                self.assertEqual((result.returncode, result.stdout), (code, ""), result.stderr)
+                self.assertIn("a trial of the direction only", result.stderr)
+                self.assertIn(words, result.stderr)
+                self.assertEqual(code == 0, "without --most" in result.stderr)
+
+    def test_a_line_of_too_few_grams_is_not_trusted(self):
+        daemon = self.start(*STILL, "--set", "arm.right.newton_per_count=0.0024", config=FALCON)
+        result = self.calibrate(daemon, "".join(f"{250 + 7 * step}\n" for step in range(6)))
+        self.assertEqual((result.returncode, result.stdout), (1, ""))
+        self.assertIn("only 35 g more", result.stderr)
 
     def test_an_absent_arm_is_said_to_be_lost(self):
         daemon = self.start(config=FALCON.replace("sim:falcon-loaded", "usb:no-such").replace("amplifier_max_a = 3.0", 'model = "falcon"').replace(

@@ -38,7 +38,8 @@ TEST(StrongestForce, IsNeverOneThatTheLimiterCutsDown) {
     if (sut) continue;
     EXPECT_THAT(sut.error().message, HasSubstr("arm.limits.force_newton"));
     // What --most would not take is not offered.
-    EXPECT_EQ(sut.error().message.find("--most") != std::string::npos, arm.max_force_newton >= 0.5);
+    EXPECT_EQ(sut.error().message.find("its direction only, give --most") != std::string::npos,
+              arm.max_force_newton >= 0.5);
   }
 }
 
@@ -64,6 +65,24 @@ TEST(StrongestForce, OfADaemonThatTellsNoLimitIsNotRefused) {
   api::ArmStatus arm = falcon();
   arm.max_force_newton = std::numeric_limits<double>::quiet_NaN();
   EXPECT_TRUE(strongest_force_newton(arm, {}));
+}
+
+TEST(ATrial, IsWhatAsksForLessThanTheDefault) {
+  for (const double most_newton : {0.5, 1.0, 5.0, 6.9}) {
+    EXPECT_TRUE(is_trial(falcon(), {.most_newton = most_newton})) << most_newton;
+  }
+  EXPECT_FALSE(is_trial(falcon(), {}));
+  EXPECT_FALSE(is_trial(falcon(), {.most_newton = 7}));
+  EXPECT_FALSE(is_trial(falcon(), {.most_newton = 8}));
+}
+
+// A measured arm is asked for as many counts by fewer newtons.
+TEST(ATrial, GoesByCountsNotByNewtons) {
+  api::ArmStatus arm = falcon();
+  arm.newton_per_count = 0.00244;
+  EXPECT_FALSE(is_trial(arm, {.most_newton = 1}));
+  EXPECT_TRUE(is_trial(arm, {.most_newton = 0.9}));
+  EXPECT_FALSE(is_trial(arm, {})) << "below a newton, and yet 400 counts";
 }
 
 }  // namespace

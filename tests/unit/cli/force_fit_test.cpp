@@ -41,6 +41,39 @@ TEST(ForceFit, RefusesWhatCannotBeAScaleUnderAnArm) {
   EXPECT_FALSE(fit_force({{0, nan}, {1, 100}, {2, 200}}, 0.0175));
 }
 
+// 400 counts of the weakest arm that a configuration takes are 41 g.
+TEST(ForceFit, TrustsNoLineOfAFewGrams) {
+  const auto span_of = [](double gram) {
+    return std::vector<ScaleReading>{{0, 200}, {0.5, 200 + gram / 2}, {1, 200 + gram}};
+  };
+  for (const double gram : {6.0, 15.0, 30.0, 39.9}) {
+    const auto sut = fit_force(span_of(gram), 0.0175);
+    ASSERT_FALSE(sut) << gram;
+    EXPECT_NE(sut.error().message.find("more at the strongest force"), std::string::npos);
+    EXPECT_NE(sut.error().message.find("--most"), std::string::npos) << sut.error().message;
+  }
+  EXPECT_TRUE(fit_force(span_of(41), 0.0175));
+}
+
+// Both ends may be off by a gram, each to its own side.
+TEST(ForceFit, WhatItTrustsIsOffByAScalesGramsByFivePercentAtMost) {
+  for (const double off_gram : {-1.0, 1.0}) {
+    const auto sut = fit_force({{0, 200 - off_gram}, {1, 250}, {2, 300 + off_gram}}, 0.0175);
+    const auto exact = fit_force({{0, 200}, {1, 250}, {2, 300}}, 0.0175);
+    ASSERT_TRUE(sut && exact);
+    EXPECT_NEAR(sut->newton_per_count / exact->newton_per_count, 1, 2 / 100.0 + 1e-9);
+  }
+  EXPECT_LE(2 / kLeastSpan_gram, 0.05);
+}
+
+TEST(ForceFit, TheRiseIsFromTheWeakestForceToTheStrongest) {
+  EXPECT_EQ(rise_gram({}), 0);
+  EXPECT_EQ(rise_gram({{1, 90}}), 0);
+  EXPECT_EQ(rise_gram({{0, 100}, {1, 115}}), 15);
+  EXPECT_EQ(rise_gram({{1, 115}, {0.5, 300}, {0, 100}}), 15) << "in any order";
+  EXPECT_EQ(rise_gram({{0, 100}, {1, 85}}), -15) << "it pulls up";
+}
+
 TEST(ForceFit, NeverGivesANumberThatIsNone) {
   std::mt19937 dice(4);
   for (int round = 0; round < 20000; ++round) {
