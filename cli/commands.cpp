@@ -14,14 +14,28 @@
 #include "cli/status_document.hpp"
 #include "cli/terminal.hpp"
 #include "cli/text.hpp"
+#include "daemon/world/cam/automaton_file.hpp"
 
 namespace thimble::cli {
 namespace {
 
 constexpr double kLeaseLook_s = 0.5;
 constexpr std::size_t kMaxReportBytes = std::size_t{1} << 22;
-// More than any state has; the daemon says so.
-constexpr std::size_t kMaxStateBytes = std::size_t{1} << 20;
+
+// A person's file that is not there is no daemon that is not there: the exit code is another.
+int complain_of_file(const std::string& file, const Error& error) {
+  std::cerr << "thimble: " << plain(file) << ": " << error.message << '\n';
+  return kExitRefused;
+}
+
+// All of a file that is to have so many bytes at most. `kind` is what it is to be.
+Result<std::string> read_bounded(const std::string& file, std::size_t most_bytes,
+                                 const std::string& kind) {
+  auto text = read_at_most(file, most_bytes + 1);
+  if (!text || text->size() <= most_bytes) return text;
+  return fail(Errc::TooLarge, "has more than " + std::to_string(most_bytes >> 10) +
+                                  " KiB, which no " + kind + " has");
+}
 
 int hold_lease(Client& client, const CommandReply& reply) {
   Interrupts interrupts;  // before the words: who reads them may interrupt at once
@@ -137,9 +151,7 @@ int save_layout(Client& client, const api::WorldStatus& world, const std::string
   if (!layout) return complain(layout.error());
   const auto written =
       write_whole(file, file.ends_with(".npy") ? to_npy(*layout) : to_nrrd(*layout));
-  if (!written) {
-    return complain(written.error().in(file));
-  }
+  if (!written) return complain_of_file(file, written.error());
   std::cout << "world " << plain(world.name) << ": layout saved to " << plain(file) << '\n';
   return kExitOk;
 }
@@ -155,14 +167,15 @@ int run_world_state(const std::string& socket_path, const std::string& world,
   const bool is_load = edit.verb == "load";
   if (!is_load && meant->pieces) return save_layout(**client, *meant, edit.file);
   const Result<std::string> state =
-      is_load ? read_at_most(edit.file, kMaxStateBytes) : Result<std::string>("");
-  if (!state) return complain(state.error().in(edit.file));
+      is_load ? read_bounded(edit.file, world::cam::kMaxStateBytes, "saved state")
+              : Result<std::string>("");
+  if (!state) return complain_of_file(edit.file, state.error());
   const auto body =
       ask(**client, is_load ? "PUT" : "GET", "/v1/worlds/" + meant->name + "/state", *state);
   if (!body) return complain(body.error());
   if (!is_load) {
     if (const auto written = write_whole(edit.file, *body); !written) {
-      return complain(written.error().in(edit.file));
+      return complain_of_file(edit.file, written.error());
     }
   }
   std::cout << "world " << plain(meant->name) << (is_load ? ": goes on from " : ": saved to ")

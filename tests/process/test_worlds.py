@@ -159,6 +159,19 @@ class Live(ProcessTest):
         self.assertEqual(occupied(daemon.status()), first)
         self.assertEqual(daemon.stop(), 0)
 
+    def test_a_state_that_cannot_be_read_is_no_daemon_that_is_not_there(self):
+        daemon = self.start("--config", EXAMPLES / "life.toml", "--set", "world.automaton.steps_per_s=0")
+        first = occupied(daemon.status())
+        for file, said in ((self.folder / "nope", "cannot open it"), (self.folder, "cannot read it"),
+                           ("/dev/zero", "has more than 516 KiB, which no saved state has")):
+            with self.subTest(file=file):
+                told = self.thimble(daemon, "world", "load", "--file", file)
+                self.assertEqual((told.returncode, told.stdout), (1, ""), told.stderr)
+                self.assert_one_sentence(told.stderr, f"thimble: {file}: ", said)
+        self.assertEqual(occupied(daemon.status()), first)
+        told = self.run_program("thimble", "--socket", self.folder / "none", "world", "load", "--file", self.folder / "nope")
+        self.assertEqual(told.returncode, 3, "the connection comes first")
+
     def test_a_world_that_does_not_run_has_no_state(self):
         daemon = self.start(config=HELLO)
         told = self.thimble(daemon, "world", "save", "--file", self.folder / "none")
