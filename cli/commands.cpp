@@ -203,12 +203,9 @@ int run_piece_action(const std::string& socket_path, const std::string& verb,
 }
 
 int run_report(const std::string& file) {
-  const Result<std::string> text = read_at_most(file, kMaxReportBytes);
-  if (!text && text.error().code == Errc::NotFound) {
-    std::cerr << "thimble: cannot open " << plain(file) << '\n';
-    return kExitRefused;
-  }
-  const auto status = parse_status(text.value_or(""));
+  const Result<std::string> text = read_bounded(file, kMaxReportBytes, "summary of thimbled");
+  if (!text) return complain_of_file(file, text.error());
+  const auto status = parse_status(*text);
   if (!status) {
     std::cerr << "thimble: " << plain(file) << " is no summary of thimbled\n";
     return kExitRefused;

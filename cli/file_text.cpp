@@ -1,23 +1,34 @@
 #include "cli/file_text.hpp"
 
-#include <algorithm>
-#include <fstream>
+#include <fcntl.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+#include "hal/linux/descriptor.hpp"
 #include "hal/linux/replace_file.hpp"
 
 namespace thimble::cli {
 
 Result<std::string> read_at_most(const std::string& file, std::size_t bytes) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) return fail(Errc::NotFound, "cannot open it");
+  const auto word = [] { return std::string(": ") + std::strerror(errno); };
+  const linux::Descriptor source(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  if (source.get() < 0) {
+    const Errc code = errno == ENOENT ? Errc::NotFound : Errc::System;
+    return fail(code, "cannot open it" + word());
+  }
   std::string text;
   std::string block(std::size_t{1} << 16, '\0');
-  while (text.size() < bytes && stream) {
+  while (text.size() < bytes) {
     const std::size_t wanted = std::min(block.size(), bytes - text.size());
-    stream.read(block.data(), static_cast<std::streamsize>(wanted));
-    text.append(block, 0, static_cast<std::size_t>(stream.gcount()));
+    const ssize_t got = ::read(source.get(), block.data(), wanted);
+    if (got == 0) break;
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return fail(Errc::System, "cannot read it" + word());
+    text.append(block, 0, static_cast<std::size_t>(got));
   }
-  if (stream.bad()) return fail(Errc::System, "cannot read it");
   return text;
 }
 

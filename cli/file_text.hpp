@@ -8,7 +8,8 @@
 namespace thimble::cli {
 
 // The first `bytes` of a file that a person named, or all of a shorter one.
-// Errors: NotFound when it cannot be opened, System when it cannot be read.
+// Errors: NotFound when it is not there, System when it cannot be opened or read; each with the
+// system's word.
 [[nodiscard]] Result<std::string> read_at_most(const std::string& file, std::size_t bytes);
 
 // All of a file, made or replaced, as linux::replace_file() does it. Errors: System.

@@ -75,6 +75,17 @@ class Words(ProcessTest):
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIn("right", result.stdout)
 
+    def test_a_report_of_what_is_no_summary_says_what_is_the_matter(self):
+        large = self.write("large", " " * (4 << 20) + "{}")
+        for file, said in ((self.folder / "none", "cannot open it: No such file or directory"),
+                           (self.folder, "cannot read it: Is a directory"),
+                           (large, "has more than 4096 KiB, which no summary of thimbled has"),
+                           (self.write("other", "no document"), "is no summary of thimbled")):
+            with self.subTest(said):
+                result = self.run_program("thimble", "report", file)
+                self.assertEqual((result.returncode, result.stdout), (1, ""))
+                self.assert_one_sentence(result.stderr, str(file), said)
+
     def test_an_arm_that_is_not_there(self):
         daemon = self.start(config=HELLO)
         for verb in ("activate", "deactivate", "clear-fault"):
