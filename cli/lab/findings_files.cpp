@@ -129,6 +129,33 @@ Result<void> write_into(const std::string& folder, const std::string& name,
   return {};
 }
 
+bool is_there(const std::string& file) {
+  std::error_code failed;
+  const auto bytes = std::filesystem::file_size(file, failed);
+  return !failed && bytes > 0;
+}
+
+// The pictures of the plot `name`; `why`: there are none, or empty, which gnuplot says on a full
+// disk, too.
+void note_pictures(const std::string& folder, const std::string& name, std::string why,
+                   Written& written) {
+  if (why.empty()) {
+    for (const char* kind : {".svg", ".png"}) {
+      std::string file = folder;
+      file.append("/").append(name).append(kind);
+      if (is_there(file)) {
+        written.files.push_back(std::move(file));
+      } else if (why.empty()) {
+        why = "gnuplot did not draw " + name + kind;
+      }
+    }
+  }
+  if (why.empty()) return;
+  // Each plot has the same reason where there is no gnuplot.
+  if (written.not_drawn.find(why) != std::string::npos) return;
+  written.not_drawn += (written.not_drawn.empty() ? "" : "; ") + why;
+}
+
 }  // namespace
 
 std::string to_csv(const lab::Table& table) {
@@ -210,13 +237,7 @@ Result<Written> write_findings(const lab::Findings& findings, const std::string&
     const std::string name = stem + '-' + plot.name;
     auto done = write_into(folder, name + ".gp", to_gnuplot(plot, name), written);
     if (!done) return tl::unexpected(done.error());
-    written.not_drawn = draw(folder, name + ".gp");
-    if (!written.not_drawn.empty()) continue;
-    for (const char* kind : {".svg", ".png"}) {
-      std::string file = folder;
-      file.append("/").append(name).append(kind);
-      written.files.push_back(std::move(file));
-    }
+    note_pictures(folder, name, draw(folder, name + ".gp"), written);
   }
   return written;
 }

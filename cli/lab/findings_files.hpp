@@ -20,7 +20,7 @@ namespace thimble::lab_commands {
 // What was written, and what could not be drawn.
 struct Written {
   std::vector<std::string> files;
-  std::string not_drawn;  // why, or empty
+  std::string not_drawn;  // why, of each plot; or empty
 };
 // Into `folder`, which is made: EXPERIMENT.json, EXPERIMENT-TABLE.csv, EXPERIMENT-PLOT.gp, and by
 // gnuplot, where there is one, EXPERIMENT-PLOT.svg and .png. Errors: System, with the file's name.

@@ -1,12 +1,15 @@
 #include "cli/lab/findings_files.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <boost/json.hpp>
+#include <cstdlib>
 #include <filesystem>
 #include <limits>
 
 #include "cli/file_text.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace thimble::lab_commands {
 namespace {
@@ -83,6 +86,67 @@ TEST(FindingsFiles, WritesIntoAFolderThatItMakes) {
   // With gnuplot or without, it says what it did.
   EXPECT_EQ(written->not_drawn.empty(), std::filesystem::exists(folder + "/probe-curve.svg"));
   EXPECT_EQ(written->files.size(), written->not_drawn.empty() ? 5U : 3U);
+}
+
+// In place of gnuplot: a program that draws as `cases` of sh say of its script $1, then exits well.
+class AnotherGnuplot {
+ public:
+  explicit AnotherGnuplot(const std::string& cases) {
+    const std::string program =
+        folder_.write("gnuplot", "#!/bin/sh\nname=${1%.gp}\ncase $1 in\n" + cases +
+                                     "\nesac\necho x >$name.svg; echo x >$name.png\n");
+    EXPECT_EQ(::chmod(program.c_str(), 0700), 0);
+    const std::string path = folder_.path().string() + ":" + before_;
+    EXPECT_EQ(::setenv("PATH", path.c_str(), 1), 0);
+  }
+  ~AnotherGnuplot() { ::setenv("PATH", before_.c_str(), 1); }
+  AnotherGnuplot(const AnotherGnuplot&) = delete;
+  AnotherGnuplot& operator=(const AnotherGnuplot&) = delete;
+
+ private:
+  testing_support::TemporaryFolder folder_;
+  std::string before_{std::getenv("PATH")};
+};
+
+Written draw_plots(const std::vector<std::string>& names) {
+  const testing_support::TemporaryFolder folder;
+  lab::Findings findings = sample();
+  const lab::Plot plot = findings.plots[0];
+  findings.plots.clear();
+  for (const std::string& name : names) {
+    findings.plots.push_back(plot);
+    findings.plots.back().name = name;
+  }
+  auto written = write_findings(findings, folder.path().string());
+  EXPECT_TRUE(written);
+  Written out = written.value_or(Written{});
+  for (std::string& file : out.files) file.erase(0, file.rfind('/') + 1);
+  return out;
+}
+
+TEST(FindingsFiles, APlotThatWasNotDrawnIsToldOfThoughALaterOneIs) {
+  const AnotherGnuplot program("*bad*) exit 1 ;;");
+  const Written sut = draw_plots({"bad", "good", "worse-bad"});
+  EXPECT_EQ(sut.not_drawn, "gnuplot refuses probe-bad.gp; gnuplot refuses probe-worse-bad.gp");
+  EXPECT_EQ(sut.files, (std::vector<std::string>{"probe.json", "probe-offsets.csv", "probe-bad.gp",
+                                                 "probe-good.gp", "probe-good.svg",
+                                                 "probe-good.png", "probe-worse-bad.gp"}));
+}
+
+TEST(FindingsFiles, OneReasonIsSaidOnce) {
+  const AnotherGnuplot program("*) kill -9 $$ ;;");
+  EXPECT_EQ(draw_plots({"one", "two"}).not_drawn, "gnuplot was ended");
+}
+
+TEST(FindingsFiles, APictureIsWrittenOnlyIfItIsThereAndNotEmpty) {
+  const AnotherGnuplot program(
+      "*none*) exit 0 ;; *empty*) : >$name.svg; echo x >$name.png; exit 0 ;;");
+  const Written sut = draw_plots({"empty", "none"});
+  EXPECT_EQ(sut.not_drawn,
+            "gnuplot did not draw probe-empty.svg; gnuplot did not draw probe-none.svg");
+  EXPECT_EQ(sut.files,
+            (std::vector<std::string>{"probe.json", "probe-offsets.csv", "probe-empty.gp",
+                                      "probe-empty.png", "probe-none.gp"}));
 }
 
 TEST(FindingsFiles, SaysWhereItCannotWrite) {
