@@ -28,6 +28,24 @@ lab::Progress shown_progress() {
   };
 }
 
+std::string refuse_empty_name(const std::string& text) {
+  return text.empty() ? "expected a name, found \"\"" : "";
+}
+
+void add_out(CLI::App& command, std::string& folder) {
+  command
+      .add_option("--out", folder, "Write CSV, JSON and plots (SVG and PNG, by gnuplot) there, too")
+      ->type_name("FOLDER")
+      ->check(refuse_empty_name);
+}
+
+bool prepare_folder(const std::string& folder) {
+  if (folder.empty()) return true;
+  const auto made = make_folder(folder);
+  if (!made) std::cerr << "thimble: " << cli::plain(made.error().message) << '\n';
+  return made.has_value();
+}
+
 int finish_experiment(const Result<lab::Findings>& findings, const std::string& folder) {
   if (!findings) {
     std::cerr << "thimble: " << cli::plain(findings.error().message) << '\n';
@@ -63,11 +81,12 @@ void add_experiment(CLI::App& lab, const ExperimentCommand& of, int& code) {
         ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1'000'000}))
         ->capture_default_str();
   }
-  command
-      ->add_option("--out", said->folder,
-                   "Write CSV, JSON and plots (SVG and PNG, by gnuplot) there, too")
-      ->type_name("FOLDER");
+  add_out(*command, said->folder);
   command->callback([&code, said, run = of.run] {
+    if (!prepare_folder(said->folder)) {
+      code = cli::kExitRefused;
+      return;
+    }
     said->asked.progress = shown_progress();
     code = finish_experiment(run(said->asked), said->folder);
   });

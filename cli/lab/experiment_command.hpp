@@ -31,6 +31,15 @@ struct ExperimentCommand {
 // far it is. The exit code is 0 only where all criteria are met.
 void add_experiment(CLI::App& lab, const ExperimentCommand& of, int& code);
 
+// --out of `command`, into `folder`, which stays empty where it is not given: an empty one is
+// refused.
+void add_out(CLI::App& command, std::string& folder);
+// For CLI11's check(): why an empty `text` names no file. Pure.
+[[nodiscard]] std::string refuse_empty_name(const std::string& text);
+// Before the work: whether files can go to `folder`, which is made; empty: nothing to do. What is
+// in the way is said.
+[[nodiscard]] bool prepare_folder(const std::string& folder);
+
 // On the terminal of standard error; nothing elsewhere, as a file has no use for it.
 [[nodiscard]] lab::Progress shown_progress();
 

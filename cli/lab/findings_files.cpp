@@ -2,11 +2,14 @@
 
 #include <spawn.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <array>
 #include <boost/json.hpp>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <system_error>
 #include <utility>
@@ -220,10 +223,22 @@ std::string to_gnuplot(const lab::Plot& plot, const std::string& stem) {
   return text;
 }
 
-Result<Written> write_findings(const lab::Findings& findings, const std::string& folder) {
+Result<void> make_folder(const std::string& folder) {
   std::error_code failed;
+  const auto status = std::filesystem::status(folder, failed);
+  if (std::filesystem::exists(status) && !std::filesystem::is_directory(status)) {
+    return fail(Errc::InvalidArgument, folder + ": is there, and is no folder");
+  }
   std::filesystem::create_directories(folder, failed);
   if (failed) return fail(Errc::System, folder + ": " + failed.message());
+  if (::access(folder.c_str(), W_OK | X_OK) != 0) {
+    return fail(Errc::System, folder + ": " + std::strerror(errno));
+  }
+  return {};
+}
+
+Result<Written> write_findings(const lab::Findings& findings, const std::string& folder) {
+  if (const auto made = make_folder(folder); !made) return tl::unexpected(made.error());
   Written written;
   const std::string& stem = findings.experiment;
   if (auto done = write_into(folder, stem + ".json", to_json(findings), written); !done) {

@@ -22,6 +22,9 @@ struct Written {
   std::vector<std::string> files;
   std::string not_drawn;  // why, of each plot; or empty
 };
+// Makes `folder`, so that a place where nothing can be written is told before the work of minutes.
+// Errors: InvalidArgument where it is something else; System, with its name.
+[[nodiscard]] Result<void> make_folder(const std::string& folder);
 // Into `folder`, which is made: EXPERIMENT.json, EXPERIMENT-TABLE.csv, EXPERIMENT-PLOT.gp, and by
 // gnuplot, where there is one, EXPERIMENT-PLOT.svg and .png. Errors: System, with the file's name.
 [[nodiscard]] Result<Written> write_findings(const lab::Findings& findings,

@@ -58,7 +58,8 @@ void add_separate(CLI::App& app, int& code) {
           "--write", said->write,
           "Instead: the pieces before they are moved, to a file for world.pieces.layout: .npy or "
           ".nrrd")
-      ->type_name("FILE");
+      ->type_name("FILE")
+      ->check(refuse_empty_name);
   separate->callback([&code, said] { code = run_separate(said->seed, said->write); });
 }
 
@@ -202,6 +203,7 @@ void add_seeded_experiments(CLI::App& lab, int& code) {
 int play_session(const lab::RunSettings& settings, const std::string& folder) {
   const auto run = lab::SessionRun::load(settings);
   if (!run) return finish_experiment(tl::unexpected(run.error()), folder);
+  if (!prepare_folder(folder)) return kExitRefused;
   const linux::MonotonicClock clock;
   const MonotonicTime began = clock.now();
   (*run)->play(shown_progress());
@@ -233,9 +235,7 @@ void add_run(CLI::App& lab, int& code) {
       ->check(cli::refuse_finite_number)
       ->check(CLI::Range(0.001, 1e5))
       ->capture_default_str();
-  run->add_option("--out", said->folder,
-                  "Write CSV, JSON and plots (SVG and PNG, by gnuplot) there, too")
-      ->type_name("FOLDER");
+  add_out(*run, said->folder);
   run->callback([&code, said] { code = play_session(said->settings, said->folder); });
 }
 

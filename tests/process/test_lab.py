@@ -13,7 +13,7 @@ import unittest
 import xml.etree.ElementTree
 
 from lab_rig import SVG, LabTest, pixels_of_png, reckons
-from rig import BIN, ROOT, TIMEOUT_S, clean_environment, die_with_parent
+from rig import BIN, HELLO, ROOT, TIMEOUT_S, clean_environment, die_with_parent
 
 
 class Lab(LabTest):
@@ -176,6 +176,21 @@ source = "box:3"
             self.assertIn(arm, shown.stdout)
         wrong = self.run_experiment("run", host, "--set", "guest:arm.hand.seed=1")
         self.assertIn("no configuration is called 'guest'", wrong.stderr)
+
+    def test_a_place_that_takes_no_files_is_refused_before_the_run(self):
+        file = self.write("file", "kept")
+        config = self.write("short.toml", HELLO)
+        for words in (("hello-sphere",), ("table-4.1",), ("run", config, "--for", "1e5")):
+            for place, said in ((file, "is there, and is no folder"), ("/proc/none", "/proc/none")):
+                with self.subTest(words=words, place=place):
+                    shown = self.run_experiment(*words, "--out", place)
+                    self.assertEqual((shown.returncode, shown.stdout), (1, ""), shown.stderr)
+                    self.assert_one_sentence(shown.stderr, str(place), said)
+            empty = self.run_program("thimble", "lab", *words, "--out", "")
+            self.assertEqual((empty.returncode, empty.stdout), (2, ""), empty.stderr)
+            self.assertIn('--out: expected a name, found ""', empty.stderr)
+        self.assertEqual(file.read_text(), "kept")
+        self.assertEqual(self.run_experiment("separate", "--write", "").returncode, 2)
 
     def test_what_cannot_be_done_is_said(self):
         shown = self.run_experiment("table-4.1", "--contacts", "1", "--out", "/proc/none")

@@ -155,6 +155,20 @@ TEST(FindingsFiles, SaysWhereItCannotWrite) {
   EXPECT_NE(written.error().message.find("/proc/none"), std::string::npos);
 }
 
+TEST(FindingsFiles, AFolderIsMadeOrRefusedBeforeThereIsAnythingToWrite) {
+  const testing_support::TemporaryFolder folder;
+  const std::string deep = (folder / "a/b").string();
+  EXPECT_TRUE(make_folder(deep));
+  EXPECT_TRUE(make_folder(deep)) << "it may be there already";
+  EXPECT_TRUE(std::filesystem::is_directory(deep));
+  const std::string file = folder.write("file", "kept");
+  EXPECT_EQ(make_folder(file).error(),
+            (Error{Errc::InvalidArgument, file + ": is there, and is no folder"}));
+  EXPECT_EQ(make_folder(file + "/under").error().code, Errc::System);
+  EXPECT_EQ(make_folder("/proc/none").error().code, Errc::System);
+  EXPECT_FALSE(make_folder(""));
+}
+
 TEST(FindingsFiles, PeopleAreToldTablesRemarksAndVerdicts) {
   EXPECT_EQ(
       lab::tell(sample()),
