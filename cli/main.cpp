@@ -18,6 +18,7 @@
 #include "cli/flight/report.hpp"
 #include "cli/flight/show.hpp"
 #include "cli/lab/lab_commands.hpp"
+#include "cli/mistyped.hpp"
 #include "cli/numbers.hpp"
 #include "cli/picture/snapshot.hpp"
 #include "cli/text.hpp"
@@ -304,7 +305,10 @@ int run(int argc, char** argv) {
       "3 no daemon.");
   app.failure_message(
       [](const CLI::App* of, const CLI::Error& error) {  // with what was given in it
-        return thimble::linux::printable_lines(CLI::FailureMessage::simple(of, error));
+        const std::string mistyped = thimble::cli::tell_mistyped(*of);
+        return thimble::linux::printable_lines(
+            mistyped.empty() ? CLI::FailureMessage::simple(of, error)
+                             : mistyped + "\nRun with --help for more information.\n");
       });
   try {
     std::vector<std::string> words = with_leading_zeros(argc, argv);
