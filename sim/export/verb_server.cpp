@@ -107,6 +107,10 @@ Result<std::unique_ptr<VerbServer>> VerbServer::listen(asio::io_context& io,
     return fail(Errc::InvalidArgument, "the path of a socket has 1 to 107 bytes");
   }
   std::error_code ignored;
+  const auto there = std::filesystem::status(path, ignored);
+  if (std::filesystem::exists(there) && !std::filesystem::is_socket(there)) {
+    return fail(Errc::InvalidArgument, path + ": is there already, and is no socket");
+  }
   if (is_stale(io, path)) std::filesystem::remove(path, ignored);
   std::unique_ptr<VerbServer> server(new VerbServer(io, path, std::move(answer)));
   Local::acceptor acceptor(io);

@@ -25,8 +25,8 @@ class VerbServer {
   using Reply = std::function<std::string()>;
   using Answer = std::function<Reply(std::string_view line)>;
 
-  // Errors: Busy when somebody listens there, else System. A file that nobody listens at is
-  // replaced.
+  // Errors: Busy when somebody listens there, InvalidArgument for a path that is too long or
+  // something else than a socket, else System. A socket that nobody listens at is replaced.
   [[nodiscard]] static Result<std::unique_ptr<VerbServer>> listen(boost::asio::io_context& io,
                                                                   const std::string& path,
                                                                   Answer answer);

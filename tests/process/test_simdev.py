@@ -89,6 +89,15 @@ class Simdev(ProcessTest):
                 self.assertNotEqual(ended.returncode, 0)
                 self.assert_one_sentence(ended.stderr, words)
 
+    def test_what_cannot_be_offered_says_what_would_do(self):
+        for words, said in ((("--usbip", "99999"), ("--usbip", "99999", "65535")), (("--usbip", "-1"), ("--usbip", "65535")),
+                            (("--usbip", "0", "--socket", self.folder), (str(self.folder), "is there already, and is no socket"))):
+            with self.subTest(words):
+                result = self.run_program("thimble-simdev", *words, "phantom-vintage")
+                self.assertEqual((result.returncode, result.stdout), (2, ""), result.stderr)
+                for part in said:
+                    self.assertIn(part, result.stderr)
+
     def test_any_model_is_a_usb_device_for_who_attaches_it(self):
         for model, ids in (("sim:phantom-vintage", (0x1234, 0x0006)), ("polhem-1", (0x16C0, 0x0486)), ("falcon", (0x0403, 0xCB48)),
                            ("woody-2015-serial", (0x16C0, 0x0483)), ("spacemouse", (0x256F, 0xC635))):

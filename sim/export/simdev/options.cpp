@@ -13,6 +13,7 @@ constexpr std::string_view kScheme = "sim:";
 constexpr unsigned kMostFramesAtOnce = 8;
 constexpr unsigned kMostSlicesPerFrame = 10;  // the mechanics' own steps
 constexpr double kMostAmpere = 32.767;        // what a board's report can say
+constexpr unsigned kMostPort = 65535;
 constexpr std::size_t kMostSerialBytes = 63;  // what uhid has room for
 
 // What each kernel, and each terminal that shows it, takes as it is.
@@ -41,7 +42,8 @@ tl::expected<SimdevOptions, int> parse_simdev_options(int argc, const char* cons
   cli.add_option(
          "--usbip", options.usbip_port,
          "as a USB/IP server on this port of the loopback: usbip attach -r 127.0.0.1 -b 1-1")
-      ->type_name("PORT");
+      ->type_name("PORT")
+      ->check(CLI::Range(0U, kMostPort));
   cli.add_option("--socket", options.socket, "where verbs are taken: move, press, unplug, log …")
       ->type_name("FILE");
   cli.add_option("--plugin", options.plugins,

@@ -133,7 +133,10 @@ TEST_F(VerbServerTest, RefusesAPlaceThatIsTaken) {
   EXPECT_EQ(VerbServer::listen(io_, path_, {}).error().code, Errc::Busy);
   const std::string file = (folder_ / "file").string();
   std::ofstream(file) << "mine";
-  EXPECT_EQ(VerbServer::listen(io_, file, {}).error().code, Errc::Busy);
+  for (const std::string& path : {file, folder_.path().string()}) {
+    EXPECT_EQ(VerbServer::listen(io_, path, {}).error(),
+              (Error{Errc::InvalidArgument, path + ": is there already, and is no socket"}));
+  }
   EXPECT_EQ(std::filesystem::file_size(file), 4U);
   EXPECT_EQ(VerbServer::listen(io_, std::string(200, 'x'), {}).error().code, Errc::InvalidArgument);
 }
