@@ -145,6 +145,10 @@ namespace {
 
 // Where pieces are, as a layout that `world.pieces.layout` reads.
 int save_layout(Client& client, const api::WorldStatus& world, const std::string& file) {
+  if (!file.ends_with(".npy") && !file.ends_with(".nrrd")) {
+    return complain_of_file(
+        file, {Errc::InvalidArgument, "a layout is written to a file ending in .npy or .nrrd"});
+  }
   const auto body = ask(client, "GET", "/v1/worlds/" + world.name + "/cells");
   if (!body) return complain(body.error());
   const auto layout = parse_cells(*body).map(without_particles);

@@ -22,6 +22,9 @@ void add_fingers(ColorVolume& volume, std::uint32_t every, const api::WorldStatu
 
 // `thimble snapshot`: a picture of a world of cells, to a PNG file; the exit code.
 int run_snapshot(const std::string& socket_path, const std::string& world, const std::string& file);
+// For CLI11's check(): why a picture cannot have the name, as others would take it for something
+// else; /dev/stdout is told by whoever it leads to. Pure.
+[[nodiscard]] std::string refuse_other_than_png(const std::string& name);
 // The command, told of by `app`; both references must outlive it.
 void add_snapshot_command(CLI::App& app, const std::string& socket_path, int& code);
 

@@ -4,6 +4,11 @@
 
 namespace thimble::picture {
 
+std::string refuse_other_than_png(const std::string& name) {
+  const bool is_good = name.ends_with(".png") || name.starts_with("/dev/");
+  return is_good ? "" : "a picture is written to a file ending in .png";
+}
+
 void add_snapshot_command(CLI::App& app, const std::string& socket_path, int& code) {
   struct Said {
     std::string world;
@@ -11,9 +16,13 @@ void add_snapshot_command(CLI::App& app, const std::string& socket_path, int& co
   };
   const auto said = std::make_shared<Said>();
   CLI::App* command =
-      app.add_subcommand("snapshot", "Draw a world of cells, and the fingers in it");
+      app.add_subcommand("snapshot",
+                         "Draw a world of cells (a box, a volume, pieces, one that runs by "
+                         "itself), and the fingers in it");
   command->add_option("WORLD", said->world, "Name of the world; not needed when there is one");
-  command->add_option("--file", said->file, "The picture, PNG")->required();
+  command->add_option("--file", said->file, "The picture: .png")
+      ->required()
+      ->check(refuse_other_than_png);
   command->callback(
       [&socket_path, &code, said] { code = run_snapshot(socket_path, said->world, said->file); });
 }

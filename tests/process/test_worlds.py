@@ -105,6 +105,11 @@ class Pieces(ProcessTest):
             told = self.ask_the_board(daemon, "world", "save", "--file", file)
             self.assertEqual((told.returncode, told.stderr), (0, ""))
             self.assertEqual(told.stdout, f"world {daemon.status()['worlds'][0]['name']}: layout saved to {file}\n")
+        other = self.folder / "layout.txt"
+        told = self.ask_the_board(daemon, "world", "save", "--file", other)
+        self.assertEqual((told.returncode, told.stdout), (1, ""))
+        self.assert_one_sentence(told.stderr, str(other), "a layout is written to a file ending in .npy or .nrrd")
+        self.assertFalse(other.exists(), "world.pieces.layout would refuse it")
         self.assertEqual(daemon.stop(), 0)
         self.assertEqual(array.read_bytes()[-32 ** 3:], first.read_bytes()[-32 ** 3:])
         self.assertEqual(set(first.read_bytes()[-32 ** 3:]), {0, 1, 2, 3})
@@ -158,6 +163,19 @@ class Live(ProcessTest):
         self.assert_one_sentence(told.stderr, "dish", "data: expected 32768 bytes, found 32767")
         self.assertEqual(occupied(daemon.status()), first)
         self.assertEqual(daemon.stop(), 0)
+
+    def test_any_world_of_cells_is_drawn_to_what_is_named_a_png(self):
+        for name, config in (("life", ("--config", EXAMPLES / "life.toml")), ("box", ("--config", EXAMPLES / "hello-voxel.toml"))):
+            daemon = self.start(*config, name=name)
+            picture, other = self.folder / f"{name}.png", self.folder / f"{name}.jpg"
+            told = self.thimble(daemon, "snapshot", "--file", picture)
+            self.assertEqual((told.returncode, told.stderr), (0, ""))
+            self.assertTrue(picture.read_bytes().startswith(b"\x89PNG"))
+            told = self.thimble(daemon, "snapshot", "--file", other)
+            self.assertEqual((told.returncode, told.stdout), (2, ""))
+            self.assertIn("a picture is written to a file ending in .png", told.stderr)
+            self.assertFalse(other.exists())
+            self.assertEqual(daemon.stop(), 0)
 
     def test_a_state_that_cannot_be_read_is_no_daemon_that_is_not_there(self):
         daemon = self.start("--config", EXAMPLES / "life.toml", "--set", "world.automaton.steps_per_s=0")

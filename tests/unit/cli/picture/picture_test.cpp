@@ -100,6 +100,13 @@ TEST(Render, ColorsAreToldApartInLightAndInShadow) {
   }
 }
 
+TEST(Snapshot, IsNamedAsWhatItIs) {
+  for (const char* name : {"dish.png", "/dev/stdout"}) EXPECT_EQ(refuse_other_than_png(name), "");
+  for (const char* name : {"", "dish", "dish.jpg", "dish.png.jpg", "png"}) {
+    EXPECT_NE(refuse_other_than_png(name), "") << name;
+  }
+}
+
 TEST(Snapshot, ParticlesAreWhiteSpecks) {
   cli::WorldCells cells{{64, 1, 1}, 1, std::string(64, '\0')};
   cells.values[9] = cli::kParticleValue;
