@@ -10,12 +10,6 @@
 #include "hal/linux/gpio_lines.hpp"
 
 namespace thimble::app {
-namespace {
-
-constexpr std::size_t kSimLines = 8;  // as a CP2112 has
-
-}  // namespace
-
 Result<std::unique_ptr<SafetyThread>> SafetyThread::start(const config::Config& config,
                                                           session::Runtime& runtime,
                                                           const Clock& clock,
@@ -44,9 +38,9 @@ SafetyThread::SafetyThread(const config::Config& config, const Clock& clock,
         linux::BusSettings{clock, bus_thread_settings(config.servo), process.report()});
     return;
   }
-  sim_chip_.emplace(clock, config.safety->chip, kSimLines);
+  sim_chip_.emplace(clock, config.safety->chip, config::kSimulatedLines);
   const bool is_closed_high = config.safety->closed_level == config::ClosedLevel::High;
-  for (std::size_t i = 0; i < kSimLines; ++i) sim_chip_->set_level(i, is_closed_high);
+  for (std::size_t i = 0; i < config::kSimulatedLines; ++i) sim_chip_->set_level(i, is_closed_high);
   chips_ = std::make_unique<sim::SimGpioChips>(std::vector<sim::SimGpioChip*>{&*sim_chip_});
 }
 

@@ -39,6 +39,9 @@ enum class ClosedLevel : std::uint8_t { Low, High };
 // What holds an input whose contact is open at the other level.
 enum class PullResistor : std::uint8_t { Internal, External };
 
+// Of a simulated GPIO chip, as a CP2112 has. They have no names.
+inline constexpr std::size_t kSimulatedLines = 8;
+
 // Lines of one GPIO chip, by number or name.
 struct SafetyConfig {
   std::string chip;                // its label; "sim:NAME": a simulated one

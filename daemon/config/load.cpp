@@ -42,6 +42,7 @@ Config read_tree(const toml::table& root, const std::filesystem::path& file, Rep
   }
   reader.finish();
   check_relations(arms, worlds);
+  check_real_arms(safety, arms);
   if (arms.empty() && worlds.empty()) {
     reader.reject("", "expected at least one [[arm]] or [[world]], found neither");
   }

@@ -29,11 +29,34 @@ void check_name(TableReader& reader, std::string_view key, const std::string& na
                 "expected up to 31 characters as gpioinfo shows them, found " + in_quotes(name));
 }
 
+bool is_simulated(const SafetyConfig& safety) { return safety.chip.starts_with("sim:"); }
+
+// The label may have a '/', where the kernel makes it of a path of the device tree; but none is of
+// a node.
+void check_chip(TableReader& reader, const SafetyConfig& safety) {
+  check_name(reader, "chip", safety.chip);
+  if (!safety.chip.starts_with("/dev/")) return;
+  reader.object("chip",
+                "expected the label of a GPIO chip, as gpiodetect shows it in brackets: the number "
+                "of its node may change; found " +
+                    in_quotes(safety.chip));
+}
+
+// Of a real chip only the kernel knows which there are.
+void check_place(TableReader& reader, std::string_view key, const std::string& line) {
+  const bool is_there =
+      line.size() == 1 && line[0] >= '0' && line[0] < '0' + static_cast<char>(kSimulatedLines);
+  if (is_there) return;
+  reader.object(key, "expected a line from \"0\" to \"" + std::to_string(kSimulatedLines - 1) +
+                         "\" of a simulated chip, found " + in_quotes(line));
+}
+
 // One line serves one purpose.
 void check_lines(TableReader& reader, const SafetyConfig& safety) {
   std::vector<std::string> taken;
   const auto take = [&](std::string_view key, const std::string& line) {
     check_name(reader, key, line);
+    if (is_simulated(safety)) check_place(reader, key, line);
     if (std::find(taken.begin(), taken.end(), line) != taken.end()) {
       reader.object(key, "expected a line of its own, found " + in_quotes(line) + " again");
     }
@@ -63,10 +86,26 @@ Entry<SafetyConfig> read_safety(TableReader reader) {
   reader.read("lamp", out.lamp);
   reader.read("closed_level", std::span<const Choice<ClosedLevel>>(kLevels), out.closed_level);
   reader.read("pull", std::span<const Choice<PullResistor>>(kPulls), out.pull);
-  check_name(reader, "chip", out.chip);
+  check_chip(reader, out);
   check_lines(reader, out);
   reader.finish();
   return {std::move(reader), std::move(out)};
+}
+
+void check_real_arms(Entry<SafetyConfig>& safety, const std::vector<Entry<ArmConfig>>& arms) {
+  if (!is_simulated(safety.value)) return;
+  // One that a simulated arm stands in for is real when it comes.
+  const auto real = std::find_if(arms.begin(), arms.end(), [](const auto& entry) {
+    return !entry.value.device.empty() && !entry.value.device.starts_with("sim:");
+  });
+  if (real == arms.end()) return;
+  safety.reader.object(
+      "chip",
+      "expected the label of a GPIO chip, as gpiodetect shows it in brackets, since arm '" +
+          real->value.name +
+          "' is a real one: the contacts of a simulated chip are always closed, and nobody could "
+          "stop the arm; build what docs/safety-wiring.md says, or take [safety] out; found " +
+          in_quotes(safety.value.chip));
 }
 
 }  // namespace thimble::config

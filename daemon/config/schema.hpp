@@ -21,6 +21,8 @@ struct Entry {
                                               const std::filesystem::path& folder);
 [[nodiscard]] ServoConfig read_servo(TableReader reader);
 [[nodiscard]] Entry<SafetyConfig> read_safety(TableReader reader);
+// A simulated chip keeps no real arm safe.
+void check_real_arms(Entry<SafetyConfig>& safety, const std::vector<Entry<ArmConfig>>& arms);
 [[nodiscard]] Entry<ArmConfig> read_arm(TableReader reader, const std::filesystem::path& folder);
 [[nodiscard]] Entry<WorldConfig> read_world(TableReader reader,
                                             const std::filesystem::path& folder);

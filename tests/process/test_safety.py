@@ -36,6 +36,22 @@ class Safety(ProcessTest):
         self.assertNotIn("emergency stop is pressed", daemon.log())
         self.assertFalse(list(daemon.folder.glob("flight-*")), "a start is no stop")
 
+    def test_a_simulated_chip_beside_a_real_arm_starts_nowhere(self):
+        file = self.write("thimble.toml", SAFETY.replace("CHIP", "sim:bench") + HELLO)
+        self.assertEqual(self.thimbled("--config", file, "--check").returncode, 0)
+        for more in ((), ("--check",)):
+            refused = self.thimbled("--config", file, "--set", "arm.device=hid:NOBODY",
+                                    "--set", f"daemon.socket={self.folder}/s", *more)
+            self.assertEqual(refused.returncode, 2, refused.stderr)
+            self.assertIn("safety.chip: ", refused.stderr)
+            self.assertIn("arm 'right' is a real one", refused.stderr)
+        advice = self.run_program("thimble", "doctor", "--config", file)
+        self.assertIn("the safety lines are simulated", advice.stdout)
+        file.write_text(file.read_text().replace("sim:phantom-vintage", "hid:NOBODY"))
+        advice = self.run_program("thimble", "doctor", "--config", file)
+        self.assertRegex(advice.stdout, r"WRONG +configuration: [^ ]* safety.chip:")
+        self.assertNotIn("the safety lines are simulated", advice.stdout)
+
     def test_lines_that_are_not_there_are_a_stop_that_says_why(self):
         daemon = self.started_on("no-such-chip")
         self.wait_for(daemon, state="stopped", trouble="no-lines", is_deadman_held=False)
