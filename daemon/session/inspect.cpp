@@ -13,6 +13,7 @@
 #include "daemon/link/link_key.hpp"
 #include "daemon/session/arm_settings.hpp"
 #include "daemon/session/combination.hpp"
+#include "daemon/session/real_arm_check.hpp"
 #include "daemon/session/stand_in.hpp"
 #include "daemon/session/world_settings.hpp"
 #include "daemon/world/fields/field_world.hpp"
@@ -20,7 +21,7 @@
 #include "daemon/world/io/mesh_file.hpp"
 #include "daemon/world/io/world_source.hpp"
 #include "drivers/falcon/find_model.hpp"
-#include "hal/bus/device_name.hpp"
+#include "hal/bus/device_address.hpp"
 #include "sim/bus/sim_enumerator.hpp"
 #include "sim/time/virtual_clock.hpp"
 
@@ -65,7 +66,11 @@ class ArmInspection {
       : servo_(config.servo), arm_(config.arms[index]), index_(index), parts_(parts) {}
 
   [[nodiscard]] std::vector<Objection> run() && {
-    if (!arm_.device.empty()) inspect_device();
+    if (arm_.device.empty()) return {};
+    for (KeyRefusal& refusal : refusals_of_real(arm_, parts_.drivers)) {
+      object(std::move(refusal.key), std::move(refusal.message));
+    }
+    if (!has_objection("device")) inspect_device();
     return std::move(objections_);
   }
 
@@ -74,14 +79,12 @@ class ArmInspection {
     objections_.push_back({Objection::Table::Arm, index_, std::move(key), std::move(message)});
   }
 
+  [[nodiscard]] bool has_objection(std::string_view key) const {
+    return std::any_of(objections_.begin(), objections_.end(),
+                       [&](const Objection& objection) { return objection.key == key; });
+  }
+
   void inspect_device() {
-    const std::string_view said = arm_.device;
-    if (!bus::is_simulated(said) && !bus::is_device_name(said.substr(said.find(':') + 1))) {
-      return object("device",
-                    "no bus names a device so: a serial number or a port follows \"hid:\", "
-                    "\"serial:\" or \"usb:\", as thimble devices lists it; found " +
-                        config::in_quotes(arm_.device));
-    }
     if (arm_.fallback == config::Fallback::Simulated) {
       const Result<config::ArmConfig> simulated = stand_in_for(arm_, parts_.models);
       if (!simulated) return object("fallback", simulated.error().message);
@@ -105,8 +108,9 @@ class ArmInspection {
       return object("device",
                     "expected one of" + known + "; found " + config::in_quotes(arm_.device));
     }
+    const std::size_t before = objections_.size();
     inspect_settings(*entry);
-    if (objections_.empty()) inspect_session();
+    if (objections_.size() == before) inspect_session();
   }
 
   // Plugged in or not: what is wrong with the configuration of a real arm shall be known before
@@ -128,6 +132,7 @@ class ArmInspection {
   // A puck or a Falcon tells what it is; what has amplifiers of unknown size does not.
   void inspect_unnamed() {
     if (!arm_.amplifier_max_a || !known_models(parts_.drivers)) return;
+    if (has_objection("amplifier_max_a")) return;
     object("model",
            "expected beside amplifier_max_a: the controller does not tell which arm it drives");
   }

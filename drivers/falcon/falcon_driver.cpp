@@ -25,6 +25,14 @@ class FalconDriver final : public plugin::Driver {
     for (const FalconModel& model : kFalconModels) names.emplace_back(model.name);
     return names;
   }
+  [[nodiscard]] std::optional<std::vector<bus::BusKind>> buses_of(
+      std::string_view model) const override {
+    const bool is_mine = model.empty() || find_model(model) != nullptr;
+    return is_mine ? std::vector{bus::BusKind::Usb} : std::vector<bus::BusKind>{};
+  }
+  [[nodiscard]] std::optional<plugin::UsedSettings> used_settings() const override {
+    return plugin::UsedSettings{.firmware = true, .newton_per_count = true};
+  }
   [[nodiscard]] Result<void> check_files(const plugin::DriverSettings& settings) const override {
     const auto image = image_for(settings);
     if (!image) return tl::unexpected<Error>(image.error());

@@ -5,6 +5,7 @@
 #include "drivers/phantom/phantom_device.hpp"
 #include "drivers/phantom/phantom_match.hpp"
 #include "drivers/phantom/text_link.hpp"
+#include "drivers/phantom/text_wire.hpp"
 
 namespace thimble::phantom {
 namespace {
@@ -35,6 +36,17 @@ class PhantomDriver final : public plugin::Driver {
     names.reserve(kPhantomModels.size());
     for (const PhantomModel& model : kPhantomModels) names.emplace_back(model.name);
     return names;
+  }
+  [[nodiscard]] std::optional<std::vector<bus::BusKind>> buses_of(
+      std::string_view model) const override {
+    if (model.empty()) return std::vector{bus::BusKind::Hid, bus::BusKind::Serial};
+    if (find_model(model) == nullptr) return std::vector<bus::BusKind>{};
+    // The text protocol is that of some arms' firmware only.
+    if (!text::build_number(model)) return std::vector{bus::BusKind::Hid};
+    return std::vector{bus::BusKind::Hid, bus::BusKind::Serial};
+  }
+  [[nodiscard]] std::optional<plugin::UsedSettings> used_settings() const override {
+    return plugin::UsedSettings{.amplifier_max_a = true};
   }
   [[nodiscard]] Result<void> check_files(
       const plugin::DriverSettings& /*it reads none*/) const override {

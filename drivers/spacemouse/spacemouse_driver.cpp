@@ -1,5 +1,6 @@
 #include "drivers/spacemouse/spacemouse_driver.hpp"
 
+#include <algorithm>
 #include <string>
 #include <string_view>
 
@@ -39,6 +40,15 @@ class SpaceMouseDriver final : public plugin::Driver {
     std::vector<std::string> names{std::string(kAnyPuck)};
     for (const SpaceMouseModel& model : kSpaceMouseModels) names.emplace_back(model.name);
     return names;
+  }
+  [[nodiscard]] std::optional<std::vector<bus::BusKind>> buses_of(
+      std::string_view model) const override {
+    const std::vector<std::string> mine = models();
+    const bool is_mine = model.empty() || std::find(mine.begin(), mine.end(), model) != mine.end();
+    return is_mine ? std::vector{bus::BusKind::Hid} : std::vector<bus::BusKind>{};
+  }
+  [[nodiscard]] std::optional<plugin::UsedSettings> used_settings() const override {
+    return plugin::UsedSettings{};
   }
   [[nodiscard]] Result<void> check_files(
       const plugin::DriverSettings& /*it reads none*/) const override {

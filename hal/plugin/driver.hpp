@@ -30,6 +30,13 @@ struct DriverSettings {
   const Clock* clock{nullptr};
 };
 
+// Which of those a driver makes something of.
+struct UsedSettings {
+  bool amplifier_max_a{false};
+  bool firmware{false};  // and its sum
+  bool newton_per_count{false};
+};
+
 // Finds and opens devices of one family.
 //
 // Thread: any but a real-time one; for several devices at once, so a driver has no state but
@@ -43,6 +50,14 @@ class Driver {
   [[nodiscard]] virtual std::string_view name() const noexcept = 0;
   // What DriverSettings::model may say of its devices; nothing: it cannot tell.
   [[nodiscard]] virtual std::vector<std::string> models() const = 0;
+  // On which buses it drives that model, or any of its own where it is empty; an empty list: it has
+  // no such model. Nothing: it cannot tell.
+  [[nodiscard]] virtual std::optional<std::vector<bus::BusKind>> buses_of(
+      std::string_view /*model*/) const {
+    return std::nullopt;
+  }
+  // Nothing: it cannot tell.
+  [[nodiscard]] virtual std::optional<UsedSettings> used_settings() const { return std::nullopt; }
   // What open() would find wrong with the files that `settings` name; touches no device.
   [[nodiscard]] virtual Result<void> check_files(const DriverSettings& settings) const = 0;
   [[nodiscard]] virtual Result<void> probe(const bus::BusDeviceInfo& info,

@@ -78,6 +78,11 @@ class PluginUsbDriver final : public Driver {
 
   [[nodiscard]] std::string_view name() const noexcept override { return name_; }
   [[nodiscard]] std::vector<std::string> models() const override { return {}; }
+  // Which models it has only the plugin knows.
+  [[nodiscard]] std::optional<std::vector<bus::BusKind>> buses_of(
+      std::string_view /*model*/) const override {
+    return std::vector{bus::BusKind::Usb};
+  }
   [[nodiscard]] Result<void> check_files(
       const DriverSettings& /*a plugin cannot tell*/) const override {
     return {};

@@ -84,7 +84,7 @@ class CalibrateForce(ProcessTest):
         self.assertIn("only 35 g more", result.stderr)
 
     def test_an_absent_arm_is_said_to_be_lost(self):
-        daemon = self.start(config=FALCON.replace("sim:falcon-loaded", "usb:no-such").replace("amplifier_max_a = 3.0", 'model = "falcon"').replace(
+        daemon = self.start(config=FALCON.replace("sim:falcon-loaded", "usb:250-1").replace("amplifier_max_a = 3.0", 'model = "falcon"').replace(
             '[arm.hand]\nmotion = "explore"\nseed = 1\n', ""))
         result = self.calibrate(daemon, "")
         self.assertEqual((result.returncode, result.stdout), (1, ""))

@@ -18,6 +18,7 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::SizeIs;
 using testing::StartsWith;
 using Table = config::Objection::Table;
 
@@ -59,8 +60,10 @@ TEST_F(InspectSphere, LooksForNoRealDeviceAndObjectsToABusThatIsNotThere) {
 TEST_F(InspectSphere, ObjectsToAnAddressThatNoBusCouldGive) {
   config::ArmConfig arm;
   arm.world = "hello";
-  for (const char* device : {"serial:/dev/ttyACM0", "hid:/dev/hidraw0", "usb:1/4", "hid:A B",
-                             "hid:\xc3\xa4", "serial:A\n"}) {
+  for (const char* device :
+       {"serial:/dev/ttyACM0", "hid:/dev/hidraw0", "usb:1/4", "hid:A B", "hid:\xc3\xa4",
+        "serial:A\n", "usb:0403:cb48", "usb:1-4:1.0", "usb:A7", "usb:1-", "usb:1-4.", "usb:-4",
+        "usb:1-4..2", "usb:1-4-2", "hid:256f:c635", "serial:16C0:0483", "hid:1-4:1.0"}) {
     arm.device = device;
     config.arms = {arm};
     const auto sut = inspected();
@@ -74,6 +77,13 @@ TEST_F(InspectSphere, ObjectsToAnAddressThatNoBusCouldGive) {
 TEST(DeviceName, HasEveryLetterOfASerialNumber) {
   for (const char letter : bus::kSerialLetters) EXPECT_TRUE(bus::is_device_name({&letter, 1}));
   EXPECT_FALSE(bus::is_device_name(""));
+}
+
+TEST(DeviceName, OfUsbIsAPort) {
+  for (const char* port : {"1-4", "1-4.2", "12-13.14.15"}) EXPECT_TRUE(bus::is_usb_port(port));
+  for (const char* other : {"", "1", "-", "1-", "-4", "1-4.", "1-.4", "1.4", "1-4:1.0", "a-4"}) {
+    EXPECT_FALSE(bus::is_usb_port(other)) << other;
+  }
 }
 
 TEST_F(InspectSphere, HasNothingAgainstIt) { EXPECT_TRUE(inspected().empty()); }
@@ -172,6 +182,11 @@ TEST(InspectModels, HasNothingAgainstAnySimulatedArm) {
   }
 }
 
+const char* device_on(bus::BusKind kind) {
+  if (kind == bus::BusKind::Usb) return "usb:1-4";
+  return kind == bus::BusKind::Serial ? "serial:NOBODY" : "hid:NOBODY";
+}
+
 class InspectRealArm : public ::testing::Test {
  protected:
   InspectRealArm() {
@@ -194,12 +209,123 @@ class InspectRealArm : public ::testing::Test {
 TEST_F(InspectRealArm, HasNothingAgainstWhatADriverCouldOpenWhenItComes) {
   EXPECT_THAT(objections(), IsEmpty()) << "a puck, which tells its model itself";
   for (const auto& driver : plugins.drivers.drivers()) {
+    const bool has_amplifiers = driver->used_settings().value().amplifier_max_a;
     for (const std::string& model : driver->models()) {
-      arm().model = model;
-      arm().amplifier_max_a = 3;
-      EXPECT_THAT(objections(), IsEmpty()) << model;
+      const std::vector<bus::BusKind> kinds = driver->buses_of(model).value();
+      for (const bus::BusKind kind : kinds) {
+        arm().model = model;
+        arm().device = device_on(kind);
+        arm().amplifier_max_a = has_amplifiers ? std::optional<double>(3) : std::optional<double>();
+        EXPECT_THAT(objections(), IsEmpty()) << model << " at " << arm().device;
+      }
     }
   }
+}
+
+TEST_F(InspectRealArm, ObjectsToAModelOnABusThatNothingDrivesItOn) {
+  arm().amplifier_max_a = 3;
+  const auto expect = [&](const char* device, const char* model, const std::string& buses) {
+    arm().device = device;
+    arm().model = model;
+    EXPECT_THAT(
+        objections(),
+        ElementsAre(AllOf(StartsWith("device: expected an address that begins with " + buses),
+                          HasSubstr("a '" + std::string(model) + "' on another bus"),
+                          HasSubstr(device))));
+  };
+  for (const char* model : {"polhem-1", "aluhaptics-2"}) expect("serial:12", model, "\"hid:\", ");
+  expect("usb:1-4", "phantom-vintage", "\"hid:\" or \"serial:\"");
+  expect("hid:1-5", "falcon", "\"usb:\"");
+  expect("usb:1-5", "spacemouse", "\"hid:\"");
+  expect("serial:A7", "spacemouse-compact", "\"hid:\"");
+  arm().fallback = config::Fallback::Simulated;
+  expect("serial:12", "polhem-1", "\"hid:\"");
+}
+
+TEST_F(InspectRealArm, ObjectsToKeysThatDoNothingThere) {
+  const auto refused = [](const std::string& driver, const std::string& key) {
+    return StartsWith(key + ": " + driver + ": " + key + " is not a setting of this arm");
+  };
+  const auto say_all = [&] {
+    arm().amplifier_max_a = 3;
+    arm().newton_per_count = 0.01;
+    arm().firmware = "/falcon.bin";
+    arm().firmware_sha256 = std::string(64, '0');
+  };
+  say_all();
+  arm().model = "phantom-vintage";
+  EXPECT_THAT(objections(),
+              ElementsAre(refused("phantom", "firmware"), refused("phantom", "firmware_sha256"),
+                          refused("phantom", "newton_per_count")));
+  arm().fallback = config::Fallback::Simulated;
+  EXPECT_THAT(objections(), SizeIs(3)) << "the real one comes later";
+  arm().fallback = config::Fallback::None;
+  arm().model = "spacemouse";
+  EXPECT_THAT(objections(), SizeIs(4));
+  arm().device = "usb:1-4";
+  arm().model = "falcon";
+  EXPECT_THAT(objections(), ElementsAre(refused("falcon", "amplifier_max_a")));
+  arm().model.reset();
+  EXPECT_THAT(objections(), ElementsAre(refused("falcon", "amplifier_max_a")));
+}
+
+TEST_F(InspectRealArm, ObjectsToAKeyWithoutAModelOnlyWhereNobodyOnThatBusUsesIt) {
+  arm().newton_per_count = 0.01;
+  EXPECT_THAT(objections(), ElementsAre(StartsWith("newton_per_count: phantom, spacemouse: ")));
+  arm().device = "usb:1-4";
+  EXPECT_THAT(objections(), IsEmpty()) << "a Falcon";
+}
+
+// Of a configuration for a real arm an override makes a simulated one.
+TEST_F(InspectRealArm, LetsASimulatedArmHaveTheKeysOfAnother) {
+  arm().hand.emplace();
+  arm().device = "sim:falcon-loaded";
+  arm().amplifier_max_a = 3;
+  EXPECT_THAT(objections(), IsEmpty());
+  arm().device = "sim:phantom-vintage";
+  arm().newton_per_count = 0.01;
+  EXPECT_THAT(objections(), IsEmpty());
+}
+
+// Tells nothing but the one bus that it has, as those of plugins do.
+class SilentDriver final : public plugin::Driver {
+ public:
+  explicit SilentDriver(std::optional<std::vector<bus::BusKind>> buses)
+      : buses_(std::move(buses)) {}
+  [[nodiscard]] std::string_view name() const noexcept override { return "silent"; }
+  [[nodiscard]] std::vector<std::string> models() const override { return {}; }
+  [[nodiscard]] std::optional<std::vector<bus::BusKind>> buses_of(
+      std::string_view /*model*/) const override {
+    return buses_;
+  }
+  [[nodiscard]] Result<void> check_files(const plugin::DriverSettings&) const override {
+    return {};
+  }
+  [[nodiscard]] Result<void> probe(const bus::BusDeviceInfo&,
+                                   const plugin::DriverSettings&) const override {
+    return fail(Errc::NotMine, {});
+  }
+  [[nodiscard]] Result<std::unique_ptr<HapticDevice>> open(
+      bus::BusEnumerator&, const bus::BusDeviceInfo&,
+      const plugin::DriverSettings&) const override {
+    return fail(Errc::NotMine, {});
+  }
+
+ private:
+  std::optional<std::vector<bus::BusKind>> buses_;
+};
+
+TEST_F(InspectRealArm, LeavesWhatAPluginMayDriveAlone) {
+  plugins.drivers.add(std::make_unique<SilentDriver>(std::vector<bus::BusKind>{bus::BusKind::Hid}));
+  arm().device = "hid:A7";
+  arm().model = "gantry";
+  arm().newton_per_count = 0.01;
+  arm().amplifier_max_a = 3;
+  EXPECT_THAT(objections(), IsEmpty());
+  arm().device = "usb:1-4";
+  EXPECT_THAT(objections(), ElementsAre(HasSubstr("begins with \"hid:\", since nothing drives")));
+  plugins.drivers.add(std::make_unique<SilentDriver>(std::nullopt));
+  EXPECT_THAT(objections(), IsEmpty());
 }
 
 TEST_F(InspectRealArm, ObjectsToAModelThatNoDriverHas) {
@@ -222,6 +348,8 @@ TEST_F(InspectRealArm, ObjectsToWhatItsDriverWouldRefuseWhenItComes) {
   arm().limits.rise_newton_per_s = 2000;
   EXPECT_THAT(objections(), ElementsAre(StartsWith("limits: ")));
   arm().limits.rise_newton_per_s = 1000;
+  arm().amplifier_max_a.reset();
+  arm().device = "usb:1-4";
   arm().model = "falcon";
   arm().newton_per_count = 1e-4;
   EXPECT_THAT(objections(), ElementsAre(StartsWith("newton_per_count: ")));
