@@ -60,6 +60,11 @@ bool is_falcon(const config::ArmConfig& arm) {
   return arm.model ? falcon::find_model(*arm.model) != nullptr : arm.device.starts_with("usb:");
 }
 
+// A simulated Falcon forgets its firmware as a real one does; "sim:falcon-loaded" has some.
+bool is_unloaded_falcon(const config::ArmConfig& arm) {
+  return bus::simulated_model(arm.device) == falcon::kFalconModels.front().name && !arm.firmware;
+}
+
 class ArmInspection {
  public:
   ArmInspection(const config::Config& config, std::size_t index, const RigParts& parts)
@@ -312,6 +317,10 @@ std::vector<std::string> doubts_of(const config::Config& config,
   if (!known_models(drivers) || drivers.is_from_outside("falcon")) return {};
   std::vector<std::string> out;
   for (const config::ArmConfig& arm : config.arms) {
+    if (is_unloaded_falcon(arm)) {
+      out.push_back("arm '" + arm.name + "' lacks " + std::string(kFalconWantsFirmware) +
+                    "; without a firmware file use sim:falcon-loaded");
+    }
     if (!is_falcon(arm)) continue;
     if (!arm.firmware) {
       out.push_back("arm '" + arm.name + "' lacks " + std::string(kFalconWantsFirmware));

@@ -457,6 +457,21 @@ TEST_F(InspectFiles, DoubtsAFalconWithoutFirmwareAndNoOtherArm) {
   EXPECT_THAT(doubts(), IsEmpty());
 }
 
+TEST_F(InspectFiles, DoubtsASimulatedFalconWithoutFirmware) {
+  arm().name = "right";
+  arm().device = "sim:falcon";
+  EXPECT_THAT(doubts_of(config, plugins.drivers),
+              ElementsAre(AllOf(StartsWith("arm 'right' lacks arm.firmware"),
+                                HasSubstr("without a firmware file use sim:falcon-loaded"))));
+  arm().firmware = "/somewhere";
+  EXPECT_THAT(doubts_of(config, plugins.drivers), IsEmpty());
+  arm().firmware.reset();
+  for (const char* other : {"sim:falcon-loaded", "sim:phantom-vintage"}) {
+    arm().device = other;
+    EXPECT_THAT(doubts_of(config, plugins.drivers), IsEmpty());
+  }
+}
+
 TEST_F(InspectFiles, DoubtsAServoThatIsTooSlowForAllSamplesOfAFalcon) {
   const auto doubts = [&] { return doubts_of(config, plugins.drivers); };
   config.safety = config::SafetyConfig{};
