@@ -67,8 +67,14 @@ bool is_unloaded_falcon(const config::ArmConfig& arm) {
 
 class ArmInspection {
  public:
-  ArmInspection(const config::Config& config, std::size_t index, const RigParts& parts)
-      : servo_(config.servo), arm_(config.arms[index]), index_(index), parts_(parts) {}
+  // `is_whole`: there are no models and drivers but these.
+  ArmInspection(const config::Config& config, std::size_t index, const RigParts& parts,
+                bool is_whole)
+      : servo_(config.servo),
+        arm_(config.arms[index]),
+        index_(index),
+        parts_(parts),
+        is_whole_(is_whole) {}
 
   [[nodiscard]] std::vector<Objection> run() && {
     if (arm_.device.empty()) return {};
@@ -92,6 +98,7 @@ class ArmInspection {
   void inspect_device() {
     if (arm_.fallback == config::Fallback::Simulated) {
       const Result<config::ArmConfig> simulated = stand_in_for(arm_, parts_.models);
+      if (!simulated && !is_whole_) return;
       if (!simulated) return object("fallback", simulated.error().message);
       arm_ = *simulated;  // what is wrong with it is wrong with the real one
     }
@@ -107,6 +114,7 @@ class ArmInspection {
                         config::in_quotes(arm_.device));
     }
     const plugin::SimModelEntry* entry = parts_.models.find(bus::simulated_model(address));
+    if (entry == nullptr && !is_whole_) return;
     if (entry == nullptr) {
       std::string known;
       for (const auto& model : parts_.models.entries()) known += " sim:" + model.name;
@@ -128,7 +136,9 @@ class ArmInspection {
       return inspect_device();
     }
     const std::optional<std::vector<std::string>> known = known_models(parts_.drivers);
-    if (!known || std::find(known->begin(), known->end(), *arm_.model) != known->end()) return;
+    if (!is_whole_ || !known ||
+        std::find(known->begin(), known->end(), *arm_.model) != known->end())
+      return;
     std::string names;
     for (const std::string& name : *known) names += " " + name;
     object("model", "expected one of" + names + "; found " + config::in_quotes(*arm_.model));
@@ -208,6 +218,7 @@ class ArmInspection {
   config::ArmConfig arm_;
   std::size_t index_;
   const RigParts& parts_;
+  bool is_whole_;
   std::vector<Objection> objections_;
 };
 
@@ -255,10 +266,10 @@ void inspect_field(const config::Config& config, std::size_t index, std::vector<
 
 }  // namespace
 
-std::vector<Objection> inspect(const config::Config& config, const RigParts& parts) {
+std::vector<Objection> inspect(const config::Config& config, const RigParts& parts, bool is_whole) {
   std::vector<Objection> out;
   for (std::size_t i = 0; i < config.arms.size(); ++i) {
-    for (Objection& objection : ArmInspection(config, i, parts).run()) {
+    for (Objection& objection : ArmInspection(config, i, parts, is_whole).run()) {
       out.push_back(std::move(objection));
     }
   }
@@ -344,7 +355,7 @@ std::vector<Objection> inspect_with_plugins(const config::Config& config, Plugin
   for (const Error& error : plugins.load(config.daemon.plugins)) {
     refused += (refused.empty() ? "" : "; ") + error.message;
   }
-  std::vector<Objection> out = inspect(config, {plugins.models, plugins.drivers});
+  std::vector<Objection> out = inspect(config, {plugins.models, plugins.drivers}, refused.empty());
   if (!refused.empty()) out.push_back({Objection::Table::Daemon, 0, "plugins", refused});
   return out;
 }

@@ -15,8 +15,9 @@ namespace thimble::session {
 // socket, loads no volume (of a file it reads the header): numbers within a file, taken ports and
 // missing rights are found only at the start.
 // Thread: control thread. Not RT.
+// Not `is_whole`: a plugin was refused, so that a name which nobody here has may be its.
 [[nodiscard]] std::vector<config::Objection> inspect(const config::Config& config,
-                                                     const RigParts& parts);
+                                                     const RigParts& parts, bool is_whole = true);
 
 // What is wrong with the files that real arms need. They can be mended while the daemon runs, and
 // the other arms need them not, so a start looks at none: decision 0330.

@@ -24,11 +24,12 @@ tl::unexpected<Error> cannot_look() {
   return fail(Errc::System, std::string("cannot be looked at: ") + std::strerror(error));
 }
 
-Result<void> check_place(const std::string& place) {
+// `path` is what the caller puts in front.
+Result<void> check_place(const std::string& place, const std::string& path) {
   struct stat found {};
   if (::lstat(place.c_str(), &found) != 0) return cannot_look();
   const std::string why = why_untrusted({found.st_mode, found.st_uid}, ::geteuid());
-  if (!why.empty()) return fail(Errc::Permission, place + " " + why);
+  if (!why.empty()) return fail(Errc::Permission, place == path ? why : place + " " + why);
   return {};
 }
 
@@ -56,10 +57,10 @@ Result<std::string> trusted_plugin_path(const std::string& path) {
   if (::lstat(file.c_str(), &found) != 0) return cannot_look();
   if (!S_ISREG(found.st_mode)) return fail(Errc::InvalidArgument, "is not a regular file");
   for (std::string place = file; !place.empty(); place.erase(place.find_last_of('/'))) {
-    const auto checked = check_place(place);
+    const auto checked = check_place(place, path);
     if (!checked) return tl::unexpected(checked.error());
   }
-  const auto root = check_place("/");
+  const auto root = check_place("/", path);
   if (!root) return tl::unexpected(root.error());
   return file;
 }

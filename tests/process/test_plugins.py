@@ -69,7 +69,9 @@ class Plugins(ProcessTest):
         self.assertIn("no such file", self.refusal(self.folder / "none.so"))
         self.assertIn("cannot be loaded", self.refusal(self.write("text.so", "no object")))
         self.plugin.chmod(0o666)
-        self.assertIn("chmod go-w", self.refusal(self.plugin))
+        words = self.refusal(self.plugin)
+        self.assertIn("chmod go-w", words)
+        self.assertEqual(words.count(str(self.plugin)), 1, words)
         self.plugin.chmod(0o644)
         file = self.write("thimble.toml", self.configuration("sample_driver.so"))
         result = self.thimbled("--config", file, "--check")
@@ -100,3 +102,7 @@ class Plugins(ProcessTest):
                                    "--socket", self.folder / "none")
         self.assertEqual(refused.returncode, 1)
         self.assert_one_sentence(refused.stderr, "none.so", "no such file")
+        for command in ("devices", "doctor"):
+            refused = self.run_program("thimble", command, "--plugin", "")
+            self.assertEqual(refused.returncode, 1)
+            self.assert_one_sentence(refused.stderr, "--plugin: the name of a file is expected, and it is empty")

@@ -66,7 +66,9 @@ TEST_F(PluginPath, MustBeThatOfARegularFileFromTheRoot) {
 
 TEST_F(PluginPath, IsRefusedWhereOthersMayWriteToTheFileOrAFolderAboveIt) {
   ASSERT_EQ(::chmod(file_.c_str(), 0664), 0);
-  EXPECT_THAT(refusal(file_), testing::AllOf(HasSubstr(file_.string()), HasSubstr("chmod go-w")));
+  EXPECT_THAT(refusal(file_),
+              testing::AllOf(testing::StartsWith("may be written by"), HasSubstr("chmod go-w")))
+      << "its name stands in front of it already";
   ASSERT_EQ(::chmod(file_.c_str(), 0644), 0);
   ASSERT_EQ(::chmod((folder_ / "inner").c_str(), 0777), 0);
   EXPECT_THAT(refusal(file_), HasSubstr("inner may be written by"));

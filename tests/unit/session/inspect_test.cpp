@@ -355,6 +355,28 @@ TEST_F(InspectRealArm, ObjectsToWhatItsDriverWouldRefuseWhenItComes) {
   EXPECT_THAT(objections(), ElementsAre(StartsWith("newton_per_count: ")));
 }
 
+// What a plugin would have brought is not known while it is refused; that is the mistake to mend.
+TEST_F(InspectRealArm, BlamesThePluginThatDidNotLoadAndNotWhatItMayHaveBrought) {
+  config.daemon.plugins = {"/nowhere/gantry.so"};
+  arm().hand.emplace();
+  const auto expect = [&] {
+    const auto all = inspect_with_plugins(config, plugins);
+    ASSERT_EQ(all.size(), 1U) << all[0].message;
+    EXPECT_EQ(all[0].key, "plugins");
+    EXPECT_EQ(all[0].message, "/nowhere/gantry.so: there is no such file");
+  };
+  arm().device = "sim:gantry";
+  expect();
+  arm().device = "hid:A7";
+  arm().model = "gantry";
+  expect();
+  arm().fallback = config::Fallback::Simulated;
+  expect();
+  config.daemon.plugins.clear();
+  arm().device = "sim:gantry";
+  EXPECT_EQ(inspect_with_plugins(config, plugins).size(), 1U) << "nobody has it";
+}
+
 class InspectFiles : public InspectRealArm {
  protected:
   InspectFiles() { arm().device = "usb:1-4"; }
