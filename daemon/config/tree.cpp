@@ -2,6 +2,7 @@
 #define TOML_IMPLEMENTATION
 #include "daemon/config/tree.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <utility>
 #include <vector>
@@ -123,6 +124,15 @@ toml::table* element_at(toml::array& elements, std::size_t index, const Override
   return elements[index].as_table();
 }
 
+// Whether parts[1] is a key of such an element, such as the "limits" of an arm.
+bool is_key_of_element(const Override& change) {
+  const std::string key = change.parts[0] + "." + change.parts[1];
+  const std::vector<std::string> keys = schema_keys();
+  return std::any_of(keys.begin(), keys.end(), [&](const std::string& known) {
+    return known == key || known.starts_with(key + ".");
+  });
+}
+
 // Which element of [[arm]] or [[world]] is meant by parts[1], and how many parts that took.
 std::pair<toml::table*, std::size_t> find_element(toml::array& elements, const Override& change) {
   const std::string& part = change.parts[1];
@@ -138,8 +148,14 @@ std::pair<toml::table*, std::size_t> find_element(toml::array& elements, const O
       return {table, 2};
     }
   }
-  if (elements.size() == 1) return {element_at(elements, 0, change), 1};
   const std::string names = names_of(elements);
+  // Else a table of that name would be made in the one that there is, and the file blamed for it.
+  if (change.parts.size() > 2 && !names.empty() && !is_key_of_element(change)) {
+    change.reject("there is no " + change.parts[0] + " " + in_quotes(part) +
+                  "; expected an index or one of " + names);
+    return {nullptr, 0};
+  }
+  if (elements.size() == 1) return {element_at(elements, 0, change), 1};
   change.reject("nothing is called " + in_quotes(part) +
                 (names.empty() ? ", and there is not exactly one to be meant"
                                : "; expected an index or one of " + names));

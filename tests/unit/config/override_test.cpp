@@ -101,12 +101,30 @@ INSTANTIATE_TEST_SUITE_P(
                     BadOverride{"=3", "expected names between dots"},
                     BadOverride{"servo..rate_hz=3", "expected names between dots"},
                     BadOverride{"arm.model=x", "expected an index or one of \"left\", \"right\""},
-                    BadOverride{"arm.midle.model=x", "nothing is called \"midle\""},
+                    BadOverride{"arm.midle.model=x",
+                                "--set arm.midle.model: there is no arm \"midle\"; expected an "
+                                "index or one of \"left\", \"right\""},
                     BadOverride{"arm.3.model=x", "there is no element 3, only 2"},
-                    BadOverride{"arm.99999999999999999999999.model=x", "nothing is called"},
+                    BadOverride{"arm.99999999999999999999999.model=x", "there is no arm \"9999"},
+                    BadOverride{"world.bax.source=x",
+                                "--set world.bax.source: there is no world \"bax\"; expected an "
+                                "index or one of \"box\""},
                     BadOverride{"arm.0.name.x=1", "--set arm.0.name.x: \"name\" is not a table"},
                     BadOverride{"arm.0=3", "expected a key of this element"},
                     BadOverride{"arm.0.model=\xff", "expected a value in UTF-8"}));
+
+// The file is not to blame for a name that an override made up.
+TEST(ConfigOverride, OfAnArmThatIsNotThereSaysSoWhereThereIsOne) {
+  EXPECT_THAT(
+      mistakes(kHello, {"arm.left.limits.force_newton=2"}),
+      ElementsAre("--set arm.left.limits.force_newton: there is no arm \"left\"; expected an "
+                  "index or one of \"right\""));
+  EXPECT_THAT(mistakes(kHello, {"arm.left.model=x"}), ElementsAre(HasSubstr("there is no arm")));
+  EXPECT_EQ(with(kHello, {"arm.limits.force_newton=2"}).arms[0].limits.force_newton, 2.0);
+  EXPECT_EQ(with(kHello, {"world.sphere.radius_m=0.01", "world.source=sphere"}).worlds[0].source,
+            "sphere");
+  EXPECT_THAT(mistakes(kHello, {"arm.device.x=1"}), ElementsAre(HasSubstr("is not a table")));
+}
 
 TEST(ConfigOverride, WithAnAbsurdlyLongKeyIsRefusedShortly) {
   const auto sut = mistakes(kHello, {std::string(100000, 'a') + "=1"});
