@@ -13,8 +13,6 @@ namespace thimble::config {
 namespace {
 
 constexpr std::string_view kSocketName = "/thimble.sock";
-// RuntimeDirectory= of systemd/thimbled.service.
-constexpr const char* kServiceFolder = "/run/thimble";
 
 constexpr std::array kVariables = {"THIMBLE_SOCKET",  "RUNTIME_DIRECTORY", "XDG_RUNTIME_DIR",
                                    "STATE_DIRECTORY", "XDG_STATE_HOME",    "HOME"};

@@ -32,6 +32,9 @@ struct Environment {
 // For the calling process. Thread: as process_environment().
 [[nodiscard]] std::string client_socket_path();
 
+// RuntimeDirectory= of systemd/thimbled.service.
+inline constexpr const char* kServiceFolder = "/run/thimble";
+
 // Where flight recordings go: $STATE_DIRECTORY, else thimble in $XDG_STATE_HOME, else
 // ~/.local/state/thimble, else /var/lib/thimble.
 [[nodiscard]] std::string default_flight_directory(const Environment& environment);

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@
 namespace thimble::app {
 namespace {
 
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -36,11 +38,10 @@ class InspectPlaces : public testing::Test {
 
 TEST_F(InspectPlaces, ObjectToNothingThatAStartWouldTake) {
   EXPECT_THAT(objections(), IsEmpty());
-  config_.daemon.socket = (folder_ / "new/thimble.sock").string();
+  config_.daemon.socket = (folder_ / "thimble.sock").string();
   config_.daemon.group = "root";
   config_.daemon.flight_directory = (folder_ / "yet/to/be/made").string();
   EXPECT_THAT(objections(), IsEmpty());
-  EXPECT_FALSE(std::filesystem::exists(folder_ / "new"));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "yet"));
 }
 
@@ -53,6 +54,31 @@ TEST_F(InspectPlaces, TellAllAtOnceByTheirKeys) {
       ElementsAre(HasSubstr("socket: " + *config_.daemon.socket),
                   HasSubstr("group: there is no group \"no-such-group\""),
                   HasSubstr("flight_directory: " + (folder_ / "file").string() + " is no folder")));
+}
+
+// A typing error must not make a folder somewhere, which the daemon may do as root.
+TEST_F(InspectPlaces, ObjectToASocketInAFolderThatIsNotThere) {
+  config_.daemon.socket = (folder_ / "nope/thimble.sock").string();
+  EXPECT_THAT(
+      objections(),
+      ElementsAre(AllOf(HasSubstr("socket: there is no folder " + (folder_ / "nope").string()),
+                        HasSubstr("correct daemon.socket, or make the folder"))));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "nope"));
+  std::filesystem::create_directory(folder_ / "nope");
+  EXPECT_THAT(objections(), IsEmpty());
+  config_.daemon.socket = (folder_.write("file", "x") / "thimble.sock").string();
+  EXPECT_THAT(objections(), ElementsAre(HasSubstr("file is no folder for the socket")));
+  config_.daemon.socket = "thimble.sock";
+  EXPECT_THAT(objections(), IsEmpty()) << "where the daemon is started";
+}
+
+TEST_F(InspectPlaces, LeaveTheDefaultFoldersToTheStart) {
+  config_.daemon.socket = "/run/thimble/other.sock";
+  EXPECT_THAT(objections(), IsEmpty()) << "the service manager makes it";
+  ASSERT_EQ(::setenv("THIMBLE_SOCKET", (folder_ / "own/thimble.sock").c_str(), 1), 0);
+  config_.daemon.socket = (folder_ / "own/thimble.sock").string();
+  EXPECT_THAT(objections(), IsEmpty());
+  ::unsetenv("THIMBLE_SOCKET");
 }
 
 TEST_F(InspectPlaces, MeasureASocketsPath) {
