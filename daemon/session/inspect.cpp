@@ -78,9 +78,7 @@ class ArmInspection {
 
   [[nodiscard]] std::vector<Objection> run() && {
     if (arm_.device.empty()) return {};
-    for (KeyRefusal& refusal : refusals_of_real(arm_, parts_.drivers)) {
-      object(std::move(refusal.key), std::move(refusal.message));
-    }
+    if (is_whole_) inspect_without_device();
     if (!has_objection("device")) inspect_device();
     return std::move(objections_);
   }
@@ -88,6 +86,12 @@ class ArmInspection {
  private:
   void object(std::string key, std::string message) {
     objections_.push_back({Objection::Table::Arm, index_, std::move(key), std::move(message)});
+  }
+
+  void inspect_without_device() {
+    for (KeyRefusal& refusal : refusals_of_real(arm_, parts_.drivers)) {
+      object(std::move(refusal.key), std::move(refusal.message));
+    }
   }
 
   [[nodiscard]] bool has_objection(std::string_view key) const {
@@ -137,8 +141,9 @@ class ArmInspection {
     }
     const std::optional<std::vector<std::string>> known = known_models(parts_.drivers);
     if (!is_whole_ || !known ||
-        std::find(known->begin(), known->end(), *arm_.model) != known->end())
+        std::find(known->begin(), known->end(), *arm_.model) != known->end()) {
       return;
+    }
     std::string names;
     for (const std::string& name : *known) names += " " + name;
     object("model", "expected one of" + names + "; found " + config::in_quotes(*arm_.model));

@@ -372,6 +372,11 @@ TEST_F(InspectRealArm, BlamesThePluginThatDidNotLoadAndNotWhatItMayHaveBrought) 
   expect();
   arm().fallback = config::Fallback::Simulated;
   expect();
+  arm().device = "serial:12";
+  arm().model = "polhem-1";
+  arm().amplifier_max_a = 3;
+  arm().fallback = config::Fallback::None;
+  expect();
   config.daemon.plugins.clear();
   arm().device = "sim:gantry";
   EXPECT_EQ(inspect_with_plugins(config, plugins).size(), 1U) << "nobody has it";
