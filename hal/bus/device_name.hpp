@@ -20,20 +20,6 @@ inline constexpr std::string_view kSerialLetters =
   return true;
 }
 
-// "1-4", "1-4.2": what the kernel calls a USB device by its place. Total; pure.
-[[nodiscard]] constexpr bool is_usb_port(std::string_view name) noexcept {
-  bool has_dash = false;
-  bool is_behind_digit = false;
-  for (const char letter : name) {
-    const bool is_digit = letter >= '0' && letter <= '9';
-    const bool is_mark = letter == (has_dash ? '.' : '-');
-    if (!is_digit && !(is_mark && is_behind_digit)) return false;
-    has_dash = has_dash || is_mark;
-    is_behind_digit = is_digit;
-  }
-  return has_dash && is_behind_digit;
-}
-
 // "0403:cb48", as lsusb shows what every device of a kind has. Total; pure.
 [[nodiscard]] constexpr bool are_usb_ids(std::string_view name) noexcept {
   constexpr std::string_view kHexadecimal = "0123456789abcdefABCDEF";
@@ -43,14 +29,14 @@ inline constexpr std::string_view kSerialLetters =
          name.substr(kDigits + 1).find_first_not_of(kHexadecimal) == std::string_view::npos;
 }
 
-// Whether a bus of this machine could give this address: as its name may be, on USB a port alone;
-// neither ids, nor an interface 0, which is left out. Total; pure.
+// Whether a bus of this machine could give this address: as its name may be, on USB without an
+// interface; neither ids, nor an interface 0, which is left out. Total; pure.
 [[nodiscard]] constexpr bool is_device_address(std::string_view address) noexcept {
   const std::size_t colon = address.find(':');
   if (colon == std::string_view::npos) return false;
   const std::string_view name = address.substr(colon + 1);
   if (!is_device_name(name) || are_usb_ids(name) || name.ends_with(":1.0")) return false;
-  return address.substr(0, colon) != "usb" || is_usb_port(name);
+  return address.substr(0, colon) != "usb" || name.find(':') == std::string_view::npos;
 }
 
 }  // namespace thimble::bus
