@@ -11,8 +11,6 @@
 #include "daemon/app/status_source.hpp"
 #include "daemon/config/paths.hpp"
 #include "daemon/world/cam/automaton_file.hpp"
-#include "hal/base/contain.hpp"
-#include "hal/linux/background_worker.hpp"
 #include "hal/linux/board_window.hpp"
 
 namespace thimble::app {
@@ -171,43 +169,6 @@ Result<void> Daemon::run() {
   }
   take_recordings();
   return ending_;
-}
-
-Result<void> Daemon::close(Duration patience) {
-  // There may be no thread for what waits.
-  return contain([&] { return close_all(patience); });
-}
-
-Result<void> Daemon::close_all(Duration patience) {
-  const MonotonicTime deadline = clock_.now() + patience;
-  const auto rest = [&] { return std::max(Duration(0), deadline - clock_.now()); };
-  threads_.reset();
-  server_.reset();
-  commands_.reset();
-  linux::BackgroundWorker worker;
-  worker.post([this] { safety_.reset(); });
-  if (!worker.wait(rest())) {
-    return fail(Errc::Timeout, "the chip of the safety lines does not answer; ended without it");
-  }
-  if (Result<void> closed = close_arms(rest()); !closed) return closed;
-  worker.post([this] {
-    device_threads_.reset();
-    guards_.reset();
-    buses_.reset();
-  });
-  if (worker.wait(rest())) return {};
-  return fail(Errc::Timeout, "the kernel holds up a device of a bus; ended without closing it");
-}
-
-Result<void> Daemon::close_arms(Duration patience) {
-  runtime_.reset();
-  if (device_threads_ == nullptr) return {};
-  std::string late;
-  for (const std::string& device : device_threads_->late_after(patience, clock_)) {
-    late += (late.empty() ? "" : ", ") + device;
-  }
-  if (late.empty()) return {};
-  return fail(Errc::Timeout, late + ": the kernel holds it up; ended without closing it");
 }
 
 // An arm that needs nobody to be calibrated, as a Falcon whose firmware runs on, would push again a
