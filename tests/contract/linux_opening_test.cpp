@@ -38,7 +38,7 @@ TEST_F(LinuxEnumerator, ANodeThatBecameAnotherDevicesWhileItWasOpenedIsRefused) 
   EXPECT_EQ(opened.error().code, Errc::NotFound);
   EXPECT_NE(opened.error().message.find("hid:X"), std::string::npos) << opened.error().message;
   EXPECT_TRUE(wire.received_by_device().empty()) << "nothing was sent to the other one";
-  EXPECT_TRUE(sut->open_hid({"hid:Y"}).has_value()) << "and it is not held";
+  EXPECT_TRUE(open_at_last({"hid:Y"}).has_value()) << "and it is not held";
 }
 
 TEST_F(LinuxEnumerator, SharesTheNodeOfAnOpenHidDeviceWithWhoMayHaveToLetItGo) {
@@ -46,7 +46,7 @@ TEST_F(LinuxEnumerator, SharesTheNodeOfAnOpenHidDeviceWithWhoMayHaveToLetItGo) {
   wire.attach("/dev/hidraw0");
   plug_arm("1-4", "X", 0);
   EXPECT_EQ(sut->share({"hid:X"}).error().code, Errc::NotFound) << "it is not open";
-  auto device = sut->open_hid({"hid:X"});
+  auto device = open_at_last({"hid:X"});
   ASSERT_TRUE(device.has_value()) << device.error().message;
   const auto shared = sut->share({"hid:X"});
   ASSERT_TRUE(shared.has_value()) << shared.error().message;
@@ -68,7 +68,7 @@ TEST_F(LinuxEnumerator, ToShareNeitherLooksNorOpens) {
   FakeHidWire wire;
   wire.attach("/dev/hidraw0");
   const std::string arm = plug_arm("1-4", "X", 0);
-  const auto device = sut->open_hid({"hid:X"});
+  const auto device = open_at_last({"hid:X"});
   ASSERT_TRUE(device.has_value()) << device.error().message;
   machine.unplug(arm);
   EXPECT_TRUE(sut->share({"hid:X"}).has_value());
@@ -78,7 +78,7 @@ TEST_F(LinuxEnumerator, AReportWithANumberIsSharedWithoutAZeroBeforeIt) {
   FakeHidWire wire;
   wire.attach("/dev/hidraw0");
   machine.plug_virtual(Hid{.serial_number = "P1", .report_descriptor = numbered_reports(6, 2)});
-  const auto device = sut->open_hid({"hid:P1"});
+  const auto device = open_at_last({"hid:P1"});
   ASSERT_TRUE(device.has_value()) << device.error().message;
   const auto shared = sut->share({"hid:P1"});
   ASSERT_TRUE(shared.has_value()) << shared.error().message;
@@ -120,7 +120,7 @@ TEST_F(LinuxEnumerator, TheHiddevOfAnArmIsOpenBeforeItsHidrawNodeAndUntilItIsClo
   machine.plug_hiddev("1-4", 0, "hiddev7");
   bool is_first = false;
   wire.at_next_opening([&] { is_first = is_open_here("hiddev7"); });
-  auto opened = sut->open_hid({"hid:X"});
+  auto opened = open_at_last({"hid:X"});
   ASSERT_TRUE(opened.has_value()) << opened.error().message;
   EXPECT_TRUE(is_first);
   EXPECT_TRUE(is_open_here("hiddev7"));
@@ -134,7 +134,7 @@ TEST_F(LinuxEnumerator, WithoutAHiddevThatAnswersHidrawIsTheWay) {
   wire.attach("/dev/hidraw0");
   plug_arm("1-4", "X", 0);
   machine.plug_hiddev("1-4", 0, "hiddev0");  // a plain file: no report, says the kernel
-  auto device = sut->open_hid({"hid:X"});
+  auto device = open_at_last({"hid:X"});
   ASSERT_TRUE(device.has_value()) << device.error().message;
   const auto shared = sut->share({"hid:X"});
   ASSERT_TRUE(shared.has_value()) << shared.error().message;
