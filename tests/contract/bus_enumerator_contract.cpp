@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "tests/contract/look_again.hpp"
 #include "tests/contract/usb_rig.hpp"
 
 namespace thimble::test {
@@ -76,15 +77,9 @@ Result<Opened> open(BusRig& rig, const bus::DeviceAddress& address) {
   return open_as(rig.kind(), rig, address);
 }
 
-// Of one that nobody has. On a stalled machine a bus may say that it is not opened, or closed, yet:
-// whoever wants it looks again.
+// Of one that nobody has.
 Result<Opened> open_free(BusRig& rig, const bus::DeviceAddress& address) {
-  constexpr int kLooks = 40;
-  Result<Opened> opened = open(rig, address);
-  for (int looks = 1; looks < kLooks && !opened && opened.error().code == Errc::Busy; ++looks) {
-    opened = open(rig, address);
-  }
-  return opened;
+  return look_again({Errc::Busy}, [&] { return open(rig, address); });
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "hal/linux/bus_enumerator.hpp"
 #include "hal/linux/monotonic_clock.hpp"
+#include "tests/contract/look_again.hpp"
 #include "tests/support/fake_hidapi.hpp"
 #include "tests/support/mock_machine.hpp"
 
@@ -52,13 +53,9 @@ struct LinuxEnumerator : testing::Test {
     ADD_FAILURE() << address << " is not listed";
     return {};
   }
-  // Of one that is there and that nobody has: what a stalled machine had not read, or opened,
-  // within its patience is had at a later look, as a daemon's.
+  // Of one that is there and that nobody has.
   Result<std::unique_ptr<bus::HidDevice>> open_at_last(const bus::DeviceAddress& address) {
-    constexpr int kLooks = 40;
-    auto opened = sut->open_hid(address);
-    for (int looks = 1; looks < kLooks && !opened; ++looks) opened = sut->open_hid(address);
-    return opened;
+    return look_again({Errc::Busy, Errc::NotFound}, [&] { return sut->open_hid(address); });
   }
   std::string plug_arm(const std::string& port, const std::string& serial, int number) {
     const std::string usb = machine.plug(Usb{.port = port, .serial_number = serial});

@@ -179,11 +179,8 @@ struct ClosedHiddev : LinuxEnumerator {
     return in_child_process(Rights::None, [&] {
       const WatchedClock watched(happening);
       linux::BusEnumerator buses(linux::BusSettings{watched, {}, {}});
-      auto opened = buses.open_hid({"hid:X"});
-      // What a stalled machine had not read within its patience is there at a later look.
-      for (int looks = 1; looks < 10 && !opened && opened.error().code == Errc::NotFound; ++looks) {
-        opened = buses.open_hid({"hid:X"});
-      }
+      const auto opened = look_again(
+          {Errc::NotFound}, [&] { return buses.open_hid({"hid:X"}); }, 10);
       if (opened.has_value()) return std::string("opened");
       return std::string(to_string(opened.error().code)) + " " + opened.error().message;
     });
