@@ -54,6 +54,7 @@ std::optional<Target> target_of(const std::string& path) {
 struct Part {
   std::string path;
   int descriptor{-1};
+  int error{0};  // why there is none
 };
 Part make_part(const std::string& path) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
@@ -63,9 +64,17 @@ Part make_part(const std::string& path) {
         ".thimble-" + std::to_string(::getpid()) + "-" + std::to_string(number) + ".part";
     Part part{folder / name};
     part.descriptor = ::open(part.path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kNewMode);
-    if (part.descriptor >= 0 || errno != EEXIST) return part;
+    if (part.descriptor >= 0) return part;
+    part.error = errno;
+    if (part.error != EEXIST) return part;
   }
-  return {};
+  return {{}, -1, EEXIST};
+}
+
+// Nobody may put a file there; on a full disk, or without descriptors, to write in place would only
+// take away what is there.
+bool is_about_rights(int error) noexcept {
+  return error == EACCES || error == EPERM || error == EROFS;
 }
 
 // 0, or the errno. Nothing of the part is left where it did not become the target.
@@ -85,7 +94,8 @@ int replace(const std::string& path, std::string_view text) {
   // What may not be written is not replaced either, though its folder would let us.
   if (target->mode && ::access(target->path.c_str(), W_OK) != 0) return errno;
   const Part part = make_part(target->path);
-  if (part.descriptor < 0) return write_in_place(target->path, text);
+  if (is_about_rights(part.error)) return write_in_place(target->path, text);
+  if (part.error != 0) return part.error;
   return write_beside(*target, part, text);
 }
 

@@ -108,6 +108,17 @@ TEST_F(ReplaceFile, WhatADeadOneLeftIsNobodysPart) {
   EXPECT_EQ(text_of((folder / left).string()), "of the dead");
 }
 
+// As where a disk has no room for one file more: written in its place, the earlier one would go.
+TEST_F(ReplaceFile, WhereNoPartCanBeHadForAnotherReasonThanRightsTheFileStays) {
+  folder.write("file", "good");
+  for (int number = 0; number < 100; ++number) {
+    folder.write(".thimble-" + std::to_string(::getpid()) + "-" + std::to_string(number) + ".part",
+                 "of the dead");
+  }
+  EXPECT_EQ(replace_file(file, "new").error().message, std::strerror(EEXIST));
+  EXPECT_EQ(text_of(file), "good");
+}
+
 TEST_F(ReplaceFile, RightsOfTheFileAndOfItsFolderCountAsForAnyWriter) {
   fs::create_directory(folder / "open");
   for (const char* name : {"open/theirs", "open/mine", "mine"}) folder.write(name, "old");
