@@ -6,24 +6,24 @@
 #include <string_view>
 
 #include "daemon/config/report.hpp"
+#include "hal/bus/bus_enumerator.hpp"
 #include "hal/bus/device_address.hpp"
 #include "hal/bus/device_name.hpp"
 
 namespace thimble::session {
 namespace {
 
-struct Scheme {
-  std::string_view text;
-  bus::BusKind kind;
-};
-constexpr std::array<Scheme, 3> kSchemes{
-    {{"hid:", bus::BusKind::Hid}, {"usb:", bus::BusKind::Usb}, {"serial:", bus::BusKind::Serial}}};
+// On which a real arm may be.
+constexpr std::array kKinds{bus::BusKind::Hid, bus::BusKind::Usb, bus::BusKind::Serial};
+
+// As the addresses of its devices begin.
+std::string scheme_of(bus::BusKind kind) { return std::string(bus::to_string(kind)) + ":"; }
 
 using Kinds = std::vector<bus::BusKind>;
 
 std::optional<bus::BusKind> kind_of(std::string_view address) {
-  for (const Scheme& scheme : kSchemes) {
-    if (address.starts_with(scheme.text)) return scheme.kind;
+  for (const bus::BusKind kind : kKinds) {
+    if (address.starts_with(scheme_of(kind))) return kind;
   }
   return std::nullopt;
 }
@@ -34,9 +34,9 @@ bool has(const Kinds& kinds, bus::BusKind kind) {
 
 std::string schemes_of(const Kinds& kinds) {
   std::string all;
-  for (const Scheme& scheme : kSchemes) {
-    if (!has(kinds, scheme.kind)) continue;
-    all += (all.empty() ? "\"" : " or \"") + std::string(scheme.text) + "\"";
+  for (const bus::BusKind kind : kKinds) {
+    if (!has(kinds, kind)) continue;
+    all += (all.empty() ? "" : " or ") + config::in_quotes(scheme_of(kind));
   }
   return all;
 }
