@@ -29,6 +29,16 @@ inline constexpr std::string_view kSerialLetters =
          name.substr(kDigits + 1).find_first_not_of(kHexadecimal) == std::string_view::npos;
 }
 
+// Whether it ends in a port of a controller's, "pci-0000:00:14.0-usb-0:1.4", with no interface
+// behind it (hal/linux/usb_path.hpp). Total; pure.
+[[nodiscard]] constexpr bool is_usb_path(std::string_view name) noexcept {
+  const std::size_t colon = name.rfind(':');
+  if (colon == std::string_view::npos || colon + 1 == name.size()) return false;
+  const std::string_view way = name.substr(0, colon);
+  return (way.ends_with("-usb-0") || way.ends_with("-usbv3-0")) &&
+         name.find_first_not_of("0123456789.", colon + 1) == std::string_view::npos;
+}
+
 // Whether a bus of this machine could give this address: as its name may be, on USB without an
 // interface; neither ids, nor an interface 0, which is left out. Total; pure.
 [[nodiscard]] constexpr bool is_device_address(std::string_view address) noexcept {
@@ -36,7 +46,8 @@ inline constexpr std::string_view kSerialLetters =
   if (colon == std::string_view::npos) return false;
   const std::string_view name = address.substr(colon + 1);
   if (!is_device_name(name) || are_usb_ids(name) || name.ends_with(":1.0")) return false;
-  return address.substr(0, colon) != "usb" || name.find(':') == std::string_view::npos;
+  if (address.substr(0, colon) != "usb") return true;
+  return name.find(':') == std::string_view::npos || is_usb_path(name);
 }
 
 }  // namespace thimble::bus
