@@ -14,6 +14,7 @@
 #include "hal/bus/hid_report_descriptor.hpp"
 #include "hal/linux/hid_address.hpp"
 #include "hal/linux/printable_text.hpp"
+#include "hal/linux/usb_path.hpp"
 
 // Paths: Documentation/ABI/{stable,testing}/sysfs-bus-usb of the kernel; the numbers of descriptors
 // are hexadecimal there (drivers/usb/core/sysfs.c and endpoint.c).
@@ -88,6 +89,12 @@ void read_usb_above(const FileTree& tree, fs::path folder, const HidIds& ids,
   }
 }
 
+// `folder`: of a USB device, behind all links.
+std::string usb_path(const FileTree& tree, const fs::path& folder) {
+  const std::string path = folder.string();
+  return linux::usb_path_of(path, tree.text(fs::path(linux::root_hub_above(path)) / "version"));
+}
+
 // Where a node is plugged in, as the real buses see it (UdevScan): below the nearest USB device,
 // whose number goes before that of its own; `name`: what is below none is called so.
 linux::DevicePlace place_of(const FileTree& tree, fs::path folder, const std::string& name,
@@ -100,6 +107,7 @@ linux::DevicePlace place_of(const FileTree& tree, fs::path folder, const std::st
     has_interface = has_interface || number;
     if (!raw_usb_node(tree, folder)) continue;
     place.port = folder.filename().string();
+    place.path = usb_path(tree, folder);
     const std::string said = words_in(tree, folder / "serial");
     if (!said.empty()) place.serial_number = said;
     return place;
@@ -209,7 +217,8 @@ std::optional<Candidate> read_usb(const FileTree& tree, const std::string& name)
   found.controller.node = *node;
   read_device(tree, folder, found.controller, found.info);
   describe(bus::BusKind::Usb, *vendor, *product, words_in(tree, folder / "serial"), found);
-  found.place = {found.controller.usb_port, 0, found.info.serial_number};
+  found.place = {found.controller.usb_port, 0, found.info.serial_number, false,
+                 usb_path(tree, tree.resolved(folder))};
   found.info.endpoints = read_endpoints(tree, folder);
   return found;
 }

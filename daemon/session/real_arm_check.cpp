@@ -105,8 +105,9 @@ std::vector<KeyRefusal> refusals_of_real(const config::ArmConfig& arm,
   if (bus::is_simulated(arm.device)) return {};
   if (!bus::is_device_address(arm.device)) {
     return {{"device",
-             "no bus names a device so: a serial number or a port such as 1-4.2 follows \"hid:\", "
-             "\"usb:\" and \"serial:\", as thimble devices lists it; found " +
+             "no bus names a device so: a serial number or a port such as "
+             "pci-0000:00:14.0-usb-0:4.2 follows \"hid:\", \"usb:\" and \"serial:\", as "
+             "thimble devices lists it; found " +
                  config::in_quotes(arm.device)}};
   }
   const std::optional<bus::BusKind> kind = kind_of(arm.device);

@@ -33,6 +33,9 @@ struct BusDeviceInfo {
   std::size_t output_report_bytes{0};
   bool has_report_ids{false};              // of a HID device: see HidReport
   std::vector<UsbEndpointInfo> endpoints;  // of a USB device, in the order of its descriptors
+  // What the kernel calls its place on USB today, "1-4"; empty: not known, or it is on none. No
+  // address: the kernel may count anew.
+  std::string port{};
   bool operator==(const BusDeviceInfo&) const = default;
 };
 

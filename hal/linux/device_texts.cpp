@@ -66,6 +66,7 @@ DevicePlace place_of(const DeviceTexts& texts, const bus::BusDeviceInfo& info) {
   place.port = texts.port;
   if (texts.is_on_usb) {
     place.interface_number = number_of<std::uint8_t>(texts.interface_number, 16).value_or(0);
+    place.path = texts.path;
   }
   place.serial_number = info.serial_number;
   return place;
@@ -84,7 +85,9 @@ void address(std::vector<ReadDevice>& read, bus::BusKind kind,
   const std::vector<bus::DeviceAddress> addresses = addresses_of(places);
   std::size_t next = 0;
   for (ReadDevice& one : read) {
-    if (is_meant(one)) one.device.info.address = addresses[next++];
+    if (!is_meant(one)) continue;
+    one.device.info.address = addresses[next++];
+    if (!one.place->path.empty()) one.device.info.port = port_name(*one.place);
   }
 }
 

@@ -24,24 +24,36 @@ bool has_arm(std::span<const DevicePlace> places, const std::string& port) {
                      [&](const DevicePlace& place) { return place.port == port && place.is_arm; });
 }
 
-// Whether the number leads to this port: nobody else has it, or this is the one arm of all that do.
-bool has_number_alone(std::span<const DevicePlace> places, const DevicePlace& place) {
+// Whether its number or path leads to this port: nobody else has it, or this is the one arm of all
+// that do.
+bool has_alone(std::span<const DevicePlace> places, const DevicePlace& place,
+               std::string DevicePlace::*name) {
   const bool is_arm = has_arm(places, place.port);
   return std::none_of(places.begin(), places.end(), [&](const DevicePlace& other) {
-    if (other.port == place.port || other.serial_number != place.serial_number) return false;
+    if (other.port == place.port || other.*name != place.*name) return false;
     return !is_arm || has_arm(places, other.port);
   });
+}
+
+const std::string& name_of(std::span<const DevicePlace> places, const DevicePlace& place) {
+  if (is_usable_serial(place.serial_number) &&
+      has_alone(places, place, &DevicePlace::serial_number)) {
+    return place.serial_number;
+  }
+  const bool has_path = !place.path.empty() && has_alone(places, place, &DevicePlace::path);
+  return has_path ? place.path : place.port;
+}
+
+std::string with_interface(const std::string& name, const DevicePlace& place) {
+  if (place.interface_number == 0) return name;
+  return name + ":1." + std::to_string(place.interface_number);
 }
 
 std::vector<bus::DeviceAddress> addresses_of(std::string_view scheme,
                                              std::span<const DevicePlace> places) {
   std::vector<bus::DeviceAddress> addresses;
   for (const DevicePlace& place : places) {
-    const bool has_serial =
-        is_usable_serial(place.serial_number) && has_number_alone(places, place);
-    std::string text = std::string(scheme) + (has_serial ? place.serial_number : place.port);
-    if (place.interface_number > 0) text += ":1." + std::to_string(place.interface_number);
-    addresses.push_back({text});
+    addresses.push_back({std::string(scheme) + with_interface(name_of(places, place), place)});
   }
   return addresses;
 }
@@ -53,6 +65,8 @@ bool is_usable_serial(const std::string& serial_number) noexcept {
          serial_number.find_first_not_of(bus::kSerialLetters) == std::string::npos &&
          !has_form_of_port(serial_number);
 }
+
+std::string port_name(const DevicePlace& place) { return with_interface(place.port, place); }
 
 std::vector<bus::DeviceAddress> hid_addresses(std::span<const DevicePlace> places) {
   return addresses_of("hid:", places);

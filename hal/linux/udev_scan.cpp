@@ -13,6 +13,7 @@
 #include "hal/linux/device_texts.hpp"
 #include "hal/linux/hiddev.hpp"
 #include "hal/linux/sysfs_places.hpp"
+#include "hal/linux/usb_path.hpp"
 
 // Names of files and properties: the kernel's Documentation/ABI/{stable,testing}/sysfs-bus-usb and
 // sysfs-driver-hid, and hid_uevent() in its hid-core.c.
@@ -48,6 +49,23 @@ std::string bytes_of(udev_device* device, const char* name) {
   return bytes;
 }
 
+// Not ID_PATH of udev's database: it is not there yet for a device whose rules udevd is about to
+// apply, and would call it otherwise then.
+std::string path_of(udev_device* usb) {
+  const std::string_view path = udev_text(::udev_device_get_syspath(usb));
+  const std::string_view hub = root_hub_above(path);
+  udev_device* above = usb;
+  while (above != nullptr && udev_text(::udev_device_get_syspath(above)) != hub) {
+    above = ::udev_device_get_parent(above);
+  }
+  return usb_path_of(path, above == nullptr ? "" : attribute(above, "version"));
+}
+
+void note_place(udev_device* usb, DeviceTexts& texts) {
+  texts.port = udev_text(::udev_device_get_sysname(usb));
+  texts.path = path_of(usb);
+}
+
 void note_strings(udev_device* usb, DeviceTexts& texts) {
   texts.vendor_id = attribute(usb, "idVendor");
   texts.product_id = attribute(usb, "idProduct");
@@ -75,13 +93,16 @@ std::optional<ReadDevice> read_hid(udev_device* hidraw) {
   texts.is_on_usb = usb != nullptr;
   texts.node = udev_text(::udev_device_get_devnode(hidraw));
   texts.hiddev = hiddev_node_of(hid);
-  texts.port = udev_text(::udev_device_get_sysname(usb != nullptr ? usb : hid));
+  texts.port = udev_text(::udev_device_get_sysname(hid));
   texts.hid_id = property(hid, "HID_ID");
   texts.hid_name = property(hid, "HID_NAME");
   texts.hid_uniq = property(hid, "HID_UNIQ");
   texts.report_descriptor = bytes_of(hid, "report_descriptor");
   texts.interface_number = interface_number(hid);
-  if (usb != nullptr) note_strings(usb, texts);
+  if (usb != nullptr) {
+    note_place(usb, texts);
+    note_strings(usb, texts);
+  }
   return hid_device_of(texts);
 }
 
@@ -90,7 +111,7 @@ std::optional<ReadDevice> read_serial(udev_device* tty) {
   if (usb == nullptr) return std::nullopt;
   DeviceTexts texts;
   texts.node = udev_text(::udev_device_get_devnode(tty));
-  texts.port = udev_text(::udev_device_get_sysname(usb));
+  note_place(usb, texts);
   texts.interface_number = interface_number(tty);
   note_strings(usb, texts);
   return serial_port_of(texts);
@@ -99,7 +120,7 @@ std::optional<ReadDevice> read_serial(udev_device* tty) {
 std::optional<ReadDevice> read_usb(udev_device* usb) {
   DeviceTexts texts;
   texts.node = udev_text(::udev_device_get_devnode(usb));
-  texts.port = udev_text(::udev_device_get_sysname(usb));
+  note_place(usb, texts);
   texts.configuration = attribute(usb, "bConfigurationValue");
   texts.descriptors = bytes_of(usb, "descriptors");
   note_strings(usb, texts);

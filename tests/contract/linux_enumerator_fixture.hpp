@@ -21,6 +21,10 @@ struct LinuxEnumerator : testing::Test {
   using Usb = MockMachine::UsbDevice;
   using Hid = MockMachine::HidDevice;
 
+  // To the ports of MockMachine's controller, and to those of a second one.
+  static inline const std::string kWay = "pci-0000:00:14.0-usb-0:";
+  static inline const std::string kSecondWay = "pci-0000:00:1c.4-usb-0:";
+
   linux::MonotonicClock clock;
   MockMachine machine;
   std::unique_ptr<linux::BusEnumerator> sut = make();

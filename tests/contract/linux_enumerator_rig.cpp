@@ -75,7 +75,7 @@ class LinuxUsbBusRig final : public LinuxBusRig {
   LinuxUsbBusRig(const LinuxUsbBusRig&) = delete;
   LinuxUsbBusRig& operator=(const LinuxUsbBusRig&) = delete;
 
-  bus::DeviceAddress address() const override { return {"usb:1-4"}; }
+  bus::DeviceAddress address() const override { return {"usb:pci-0000:00:14.0-usb-0:4"}; }
   bus::BusKind kind() const override { return bus::BusKind::Usb; }
   void unplug() override {
     wires_.back().unplug();

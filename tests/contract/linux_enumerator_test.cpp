@@ -51,16 +51,16 @@ TEST_F(LinuxEnumerator, WordsOfADeviceBreakNoLineAndSteerNoTerminal) {
       })) << testing::PrintToString(text);
     }
   }
-  EXPECT_EQ(info_of("hid:1-4").serial_number, "A?error: B?[2J");
-  EXPECT_EQ(info_of("hid:1-4").product, "Arm???]0;mine???? of \"me\"");
+  EXPECT_EQ(info_of("hid:" + kWay + "4").serial_number, "A?error: B?[2J");
+  EXPECT_EQ(info_of("hid:" + kWay + "4").product, "Arm???]0;mine???? of \"me\"");
 }
 
 TEST_F(LinuxEnumerator, DescribesAUsbDeviceAndLeavesHubsOut) {
   machine.plug(Usb{
       .port = "1-4", .vendor_id = "0403", .product_id = "cb48", .descriptors = bulk_descriptors()});
   machine.plug(Usb{.port = "1-5", .device_class = "09", .number = 5});
-  EXPECT_EQ(addresses(), Texts{"usb:1-4"});
-  const bus::BusDeviceInfo info = info_of("usb:1-4");
+  EXPECT_EQ(addresses(), Texts{"usb:" + kWay + "4"});
+  const bus::BusDeviceInfo info = info_of("usb:" + kWay + "4");
   EXPECT_EQ(info.kind, bus::BusKind::Usb);
   EXPECT_EQ(info.vendor_id, 0x0403);
   EXPECT_EQ(info.product_id, 0xCB48);
@@ -93,16 +93,41 @@ TEST_F(LinuxEnumerator, ADeviceIsCalledByItsNumberWhateverItsBusAndPort) {
   EXPECT_EQ(events(), Texts{"+usb:F1"});
   machine.unplug(first);
   EXPECT_EQ(events(), Texts{"-usb:F1"});
+  machine.find_bus(3, "0000:00:1c.4");
   falcon_at("3-2");
   EXPECT_EQ(events(), Texts{"+usb:F1"});
-  EXPECT_EQ(sut->open_usb({"usb:3-2"}, {}).error().code, Errc::NotFound) << "it has one name";
+  EXPECT_EQ(sut->open_usb({"usb:" + kSecondWay + "2"}, {}).error().code, Errc::NotFound)
+      << "it has one name";
+}
+
+// Of what has no number that is true of its place, too.
+TEST_F(LinuxEnumerator, ADeviceWithoutANumberIsCalledByItsControllerWhateverTheBusIsCounted) {
+  machine.find_bus(3, MockMachine::kController);
+  const std::string first = machine.plug(Usb{.port = "1-4"});
+  EXPECT_EQ(addresses(), Texts{"usb:" + kWay + "4"});
+  EXPECT_EQ(info_of("usb:" + kWay + "4").port, "1-4");
+  machine.unplug(first);
+  machine.plug(Usb{.port = "3-4"});
+  EXPECT_EQ(addresses(), Texts{"usb:" + kWay + "4"});
+  EXPECT_EQ(info_of("usb:" + kWay + "4").port, "3-4");
+  EXPECT_EQ(sut->open_usb({"usb:3-4"}, {}).error().code, Errc::NotFound) << "it has one name";
+  machine.plug(Usb{.port = "1-4"});
+  EXPECT_EQ(addresses(), (Texts{"usb:1-4", "usb:3-4"})) << "no controller has two such buses";
+}
+
+TEST_F(LinuxEnumerator, DevicesOfBothRootHubsOfAControllerHaveNamesOfTheirOwn) {
+  machine.find_bus(2, MockMachine::kController, " 3.00");
+  machine.find_bus(3, "0000:00:1c.4");
+  for (const char* port : {"1-4", "2-4", "3-4"}) machine.plug(Usb{.port = port});
+  EXPECT_EQ(addresses(), (Texts{"usb:" + kWay + "4", "usb:pci-0000:00:14.0-usbv3-0:4",
+                                "usb:" + kSecondWay + "4"}));
 }
 
 // Of a hundred of them each look would cost.
 TEST_F(LinuxEnumerator, WhatIsNamedLikeTheMachinesOwnPortsIsNotLookedAt) {
   machine.plug(Usb{.port = "1-4"});
   machine.plug(MockMachine::SerialDevice{.port = "1-4", .name = "ttyS4"});
-  EXPECT_EQ(addresses(), Texts{"usb:1-4"});
+  EXPECT_EQ(addresses(), Texts{"usb:" + kWay + "4"});
 }
 
 TEST_F(LinuxEnumerator, APortWithoutASerialNumberOrOfAnInterfaceOfManyIsNamedByItsPlace) {
@@ -110,7 +135,8 @@ TEST_F(LinuxEnumerator, APortWithoutASerialNumberOrOfAnInterfaceOfManyIsNamedByI
   machine.plug(MockMachine::SerialDevice{.port = "1-4", .name = "ttyACM0"});
   machine.plug(Usb{.port = "1-5", .serial_number = "AB", .number = 5});
   machine.plug(MockMachine::SerialDevice{.port = "1-5", .interface_number = 2, .name = "ttyUSB3"});
-  EXPECT_EQ(addresses(), (Texts{"serial:1-4", "serial:AB:1.2", "usb:1-4", "usb:AB"}));
+  EXPECT_EQ(addresses(),
+            (Texts{"serial:AB:1.2", "serial:" + kWay + "4", "usb:AB", "usb:" + kWay + "4"}));
 }
 
 TEST_F(LinuxEnumerator, ASerialPortIsOpenedAsNothingElseAndSharedOnlyWhileItIsOpen) {
@@ -130,10 +156,12 @@ TEST_F(LinuxEnumerator, ASecondOneOfTheSameSerialNumberLeavesThemTheirPorts) {
   plug_arm("1-4", "X", 0);
   EXPECT_EQ(events(), (Texts{"+hid:X", "+usb:X"}));
   const std::string second = plug_arm("1-5", "X", 1);
-  EXPECT_EQ(events(), (Texts{"-hid:X", "-usb:X", "+hid:1-4", "+hid:1-5", "+usb:1-4", "+usb:1-5"}));
+  EXPECT_EQ(events(), (Texts{"-hid:X", "-usb:X", "+hid:" + kWay + "4", "+hid:" + kWay + "5",
+                             "+usb:" + kWay + "4", "+usb:" + kWay + "5"}));
   EXPECT_EQ(sut->open_hid({"hid:X"}).error().code, Errc::NotFound) << "which one?";
   machine.unplug(second);
-  EXPECT_EQ(events(), (Texts{"-hid:1-4", "-hid:1-5", "-usb:1-4", "-usb:1-5", "+hid:X", "+usb:X"}));
+  EXPECT_EQ(events(), (Texts{"-hid:" + kWay + "4", "-hid:" + kWay + "5", "-usb:" + kWay + "4",
+                             "-usb:" + kWay + "5", "+hid:X", "+usb:X"}));
 }
 
 TEST_F(LinuxEnumerator, AStrangerWithTheNumberOfAnArmLeavesTheArmItsAddress) {
@@ -148,9 +176,10 @@ TEST_F(LinuxEnumerator, AStrangerWithTheNumberOfAnArmLeavesTheArmItsAddress) {
                    .instance = "0002",
                    .ids = "0003:0000046D:0000C077",
                    .serial_number = "1"});
-  EXPECT_EQ(events(), (Texts{"+hid:1-3", "+usb:1-3"})) << "the arm has not moved";
+  EXPECT_EQ(events(), (Texts{"+hid:" + kWay + "3", "+usb:" + kWay + "3"}))
+      << "the arm has not moved";
   EXPECT_EQ(info_of("hid:1").vendor_id, 0x1234);
-  EXPECT_EQ(info_of("hid:1-3").vendor_id, 0x046D);
+  EXPECT_EQ(info_of("hid:" + kWay + "3").vendor_id, 0x046D);
 }
 
 TEST_F(LinuxEnumerator, AFurtherInterfaceAndADeviceOnNoUsbHaveAddressesOfTheirOwn) {
@@ -174,10 +203,11 @@ TEST_F(LinuxEnumerator, TakesWhateverADeviceSaysOfItself) {
       .node_number = 3, .instance = "0004", .serial_number = "1-4", .report_descriptor = {0x75}});
   machine.plug(Usb{.port = "1-6", .vendor_id = "zz", .number = 6});
   machine.plug(Usb{.port = "1-7", .number = 7, .descriptors = {9, 2, 0, 0}});
-  EXPECT_EQ(addresses(), (Texts{"hid:0003:1234:0006.0004", "hid:1-4", "usb:1-4", "usb:1-7"}));
-  EXPECT_LE(info_of("hid:1-4").serial_number.size(), 256U);
+  EXPECT_EQ(addresses(), (Texts{"hid:0003:1234:0006.0004", "hid:" + kWay + "4", "usb:" + kWay + "4",
+                                "usb:" + kWay + "7"}));
+  EXPECT_LE(info_of("hid:" + kWay + "4").serial_number.size(), 256U);
   EXPECT_EQ(info_of("hid:0003:1234:0006.0004").input_report_bytes, 0U);
-  EXPECT_TRUE(info_of("usb:1-7").endpoints.empty());
+  EXPECT_TRUE(info_of("usb:" + kWay + "7").endpoints.empty());
 }
 
 TEST_F(LinuxEnumerator, ANumberedDeviceShowsAsOne) {

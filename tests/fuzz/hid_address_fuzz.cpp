@@ -9,6 +9,7 @@
 
 #include "hal/base/check.hpp"
 #include "hal/linux/hid_address.hpp"
+#include "hal/linux/usb_path.hpp"
 
 namespace {
 
@@ -21,13 +22,21 @@ std::string port_of(std::uint8_t byte) {
   return "1-" + number + (byte < 128 ? "" : ".2");
 }
 
+// Of one controller, or none: two ports may have one path.
+std::string path_of(std::uint8_t byte) {
+  if (byte % 4 == 0) return {};
+  return std::string("pci-0000:00:14.0-usb") + (byte % 4 == 1 ? "v3" : "") +
+         "-0:" + std::to_string(1 + byte % 16);
+}
+
 void require_addresses(const std::vector<bus::DeviceAddress>& all, const std::string& scheme,
                        const std::vector<linux::DevicePlace>& places) {
   THIMBLE_CHECK(all.size() == places.size());
   std::set<std::string> addresses;
   for (const bus::DeviceAddress& address : all) {
     THIMBLE_CHECK(addresses.insert(address.text).second);
-    THIMBLE_CHECK(address.text.starts_with(scheme) && address.text.size() <= 80);
+    THIMBLE_CHECK(address.text.starts_with(scheme) &&
+                  address.text.size() <= linux::kMaxUsbPathLetters + 13);
     const auto is_plain = [](char c) { return c > ' ' && c <= '~'; };
     THIMBLE_CHECK(std::all_of(address.text.begin(), address.text.end(), is_plain));
   }
@@ -59,8 +68,8 @@ void require_that_arms_keep_their_numbers(const std::vector<bus::DeviceAddress>&
 
 // Whatever devices say is their serial number: places that differ have addresses that differ, each
 // a word of its own that a configuration can hold, and no stranger takes an arm's. Of each device:
-// one byte of port, one of interface and of whether it is an arm, and its serial number up to a
-// zero.
+// one byte of port, one of interface, path and of whether it is an arm, and its serial number up to
+// a zero.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   std::vector<linux::DevicePlace> places;
   std::set<std::pair<std::string, unsigned>> where;
@@ -70,6 +79,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     place.port = port_of(data[at]);
     place.interface_number = data[at + 1] % 4;
     place.is_arm = data[at + 1] >= 128;
+    place.path = path_of(static_cast<std::uint8_t>(data[at + 1] / 4 % 32));
     for (at += 2; at < size && data[at] != 0; ++at) {
       place.serial_number += static_cast<char>(data[at]);
     }

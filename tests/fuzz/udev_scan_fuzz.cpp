@@ -11,6 +11,7 @@
 #include "hal/base/check.hpp"
 #include "hal/bus/device_name.hpp"
 #include "hal/linux/device_texts.hpp"
+#include "hal/linux/usb_path.hpp"
 
 namespace {
 
@@ -53,6 +54,11 @@ DeviceTexts texts_of(Pieces& pieces, unsigned kind, const std::string& number) {
   texts.hid_id = pieces.text();
   texts.hid_name = pieces.text();
   texts.hid_uniq = pieces.text();
+  // By the same bytes: what is on USB is not asked for them.
+  if (texts.is_on_usb) {
+    texts.path =
+        linux::usb_path_of("/sys/devices/" + texts.hid_name + "/usb1/" + texts.port, texts.hid_id);
+  }
   texts.vendor_id = pieces.text();
   texts.product_id = pieces.text();
   texts.manufacturer = pieces.text();
@@ -83,7 +89,7 @@ void require_bounded(const bus::BusDeviceInfo& info) {
 void require_name(const FoundDevice& device, const std::vector<FoundDevice>& all) {
   const std::string& text = device.info.address.text;
   const std::string scheme(bus::to_string(device.info.kind));
-  THIMBLE_CHECK(text.starts_with(scheme + ":") && text.size() <= 80);
+  THIMBLE_CHECK(text.starts_with(scheme + ":") && text.size() <= linux::kMaxUsbPathLetters + 13);
   THIMBLE_CHECK(bus::is_device_address(text));
   const auto has_it = [&](const FoundDevice& one) { return one.info.address.text == text; };
   THIMBLE_CHECK(std::count_if(all.begin(), all.end(), has_it) == 1);

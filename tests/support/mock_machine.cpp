@@ -16,8 +16,6 @@
 namespace thimble::test {
 namespace {
 
-constexpr const char* kController = "/sys/devices/usb1";
-
 // Lists for umockdev: name, value, name, value, nullptr.
 struct Pairs {
   explicit Pairs(std::initializer_list<std::string_view> said) : texts(said.begin(), said.end()) {
@@ -62,20 +60,33 @@ void let_kernel_answer(UMockdevTestbed* bed, const std::string& node) {
 
 }  // namespace
 
-MockMachine::MockMachine() : bed_(umockdev_testbed_new()) {
-  add(bed_, "usb", "usb1", "",
-      Pairs({"bDeviceClass", "09", "idVendor", "1d6b", "idProduct", "0002", "devnum", "1"}),
-      Pairs({"DEVTYPE", "usb_device", "DEVNAME", "/dev/bus/usb/001/001"}));
-}
+MockMachine::MockMachine() : bed_(umockdev_testbed_new()) { find_bus(1, kController); }
 
 MockMachine::~MockMachine() { ::g_object_unref(bed_); }
 
+void MockMachine::find_bus(int number, const std::string& controller, const std::string& version) {
+  const std::string path = "/sys/devices/" + controller;
+  if (!std::filesystem::exists(root() + path)) {
+    add(bed_, "pci", controller, "", Pairs({}), Pairs({}));
+  }
+  const std::string digits = std::to_string(number);
+  hubs_[digits] =
+      add(bed_, "usb", "usb" + digits, path,
+          Pairs({"bDeviceClass", "09", "idVendor", "1d6b", "idProduct", "0002", "devnum", "1",
+                 "version", version}),
+          Pairs({"DEVTYPE", "usb_device", "DEVNAME", "/dev/bus/usb/00" + digits + "/001"}));
+}
+
+const std::string& MockMachine::hub_of(const std::string& port) const {
+  return hubs_.at(port.substr(0, port.find('-')));
+}
+
 std::string MockMachine::plug(const UsbDevice& device) {
   const std::string number = std::to_string(device.number);
-  const std::string node =
-      "/dev/bus/usb/001/" + std::string(3 - std::min<std::size_t>(3, number.size()), '0') + number;
+  const std::string node = "/dev/bus/usb/00" + device.port.substr(0, device.port.find('-')) + "/" +
+                           std::string(3 - std::min<std::size_t>(3, number.size()), '0') + number;
   const std::string path =
-      add(bed_, "usb", device.port, kController,
+      add(bed_, "usb", device.port, hub_of(device.port),
           Pairs({"bDeviceClass", device.device_class, "idVendor", device.vendor_id, "idProduct",
                  device.product_id, "devnum", number, "bConfigurationValue", "1", "manufacturer",
                  "Maker", "product", device.product, "serial", device.serial_number}),
@@ -104,7 +115,7 @@ std::string MockMachine::plug(const SerialDevice& device) {
 std::string MockMachine::plug_hiddev(const std::string& port, int interface_number,
                                      const std::string& name) {
   const std::string interface =
-      std::string(kController) + "/" + port + "/" + port + ":1." + std::to_string(interface_number);
+      hub_of(port) + "/" + port + "/" + port + ":1." + std::to_string(interface_number);
   return plug_node("usbmisc", name, interface, "/dev/usb/");
 }
 
@@ -115,7 +126,7 @@ std::string MockMachine::plug_console(const std::string& name) {
 std::string MockMachine::plug_interface(const std::string& port, int number) {
   const std::string digits = std::to_string(number);
   const std::string interface =
-      add(bed_, "usb", port + ":1." + digits, std::string(kController) + "/" + port,
+      add(bed_, "usb", port + ":1." + digits, hub_of(port) + "/" + port,
           Pairs({"bInterfaceNumber", "0" + digits}), Pairs({"DEVTYPE", "usb_interface"}));
   paths_.push_back(interface);
   return interface;

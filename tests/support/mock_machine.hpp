@@ -31,6 +31,7 @@ class MockMachine {
   MockMachine& operator=(const MockMachine&) = delete;
 
   using Bytes = std::vector<std::uint8_t>;
+  // "1-4" is on the first bus, which a controller has from the beginning on: kController.
   struct UsbDevice {
     std::string port{"1-4"};
     std::string vendor_id{"1234"};
@@ -59,6 +60,10 @@ class MockMachine {
         terminal{};  // a terminal of the kernel's own to which its node leads; empty: a file
   };
 
+  static constexpr const char* kController = "0000:00:14.0";
+  // One more bus of a PCI function, as the kernel counts it today, with its root hub.
+  void find_bus(int number, const std::string& controller, const std::string& version = " 2.00");
+
   // Each returns the path below /sys, and is told of to who listens.
   std::string plug(const UsbDevice& device);
   std::string plug(const HidDevice& device);
@@ -84,6 +89,7 @@ class MockMachine {
 
  private:
   [[nodiscard]] std::string root() const;
+  [[nodiscard]] const std::string& hub_of(const std::string& port) const;
   std::string make_node(const std::string& name);
   std::string plug_interface(const std::string& port, int number);
   std::string plug_node(const char* subsystem, const std::string& name, const std::string& parent,
@@ -92,6 +98,7 @@ class MockMachine {
 
   _UMockdevTestbed* bed_;
   std::string uhid_;
+  std::map<std::string, std::string> hubs_;  // paths of root hubs by numbers of buses
   std::vector<std::string> paths_;
   std::map<std::string, int> pipes_;          // ends of what hangs
   std::map<std::string, std::string> nodes_;  // files by path below /sys

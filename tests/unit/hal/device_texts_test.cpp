@@ -15,6 +15,7 @@ DeviceTexts arm() {
   texts.node = "/dev/hidraw0";
   texts.hiddev = "/dev/usb/hiddev0";
   texts.port = "1-4";
+  texts.path = "pci-0000:00:14.0-usb-0:4";
   texts.hid_id = "0003:00001234:0000ABCD";
   texts.hid_name = "Maker Arm of HID";
   texts.vendor_id = "16c0";
@@ -41,6 +42,7 @@ TEST(DeviceTexts, OfAHidDeviceAreItsOwnIdsAndTheWordsOfItsUsbDevice) {
   EXPECT_EQ(info.product, "Arm");
   ASSERT_TRUE(read->place.has_value());
   EXPECT_EQ(read->place->port, "1-4");
+  EXPECT_EQ(read->place->path, "pci-0000:00:14.0-usb-0:4");
   EXPECT_EQ(read->place->interface_number, 2U);
   EXPECT_EQ(read->place->serial_number, "ABC1");
 }
@@ -55,6 +57,7 @@ TEST(DeviceTexts, OfAHidDeviceOnNoUsbAreItsOwn) {
   EXPECT_EQ(read->device.info.manufacturer, "");
   EXPECT_EQ(read->device.info.serial_number, "V1");
   EXPECT_EQ(read->place->interface_number, 0U);
+  EXPECT_EQ(read->place->path, "") << "of no USB";
 }
 
 TEST(DeviceTexts, OfAUsbDeviceAndASerialPortAreTheUsbDevices) {
@@ -126,6 +129,8 @@ TEST(DeviceTexts, DevicesKeepTheirOrderWithTheirAddresses) {
   EXPECT_EQ(found[0].info.address.text, "serial:AB:1.2");
   EXPECT_EQ(found[1].info.address.text, "usb:ABC1");
   EXPECT_EQ(found[2].info.address.text, "hid:ABC1:1.2");
+  EXPECT_EQ(found[1].info.port, "1-4");
+  EXPECT_EQ(found[2].info.port, "1-4:1.2") << "what it was called before paths were";
 }
 
 }  // namespace

@@ -37,6 +37,37 @@ TEST(HidAddress, OfAnArmStaysItsSerialNumberWhateverElseHasIt) {
       << "which of two arms is meant cannot be guessed";
 }
 
+// Buses are counted as the kernel finds them; the way from the controller stays.
+TEST(HidAddress, IsThePathWhereThereIsOneAndNoNumber) {
+  const DevicePlace plain{"1-4", 0, "", false, "pci-0000:00:14.0-usb-0:4"};
+  DevicePlace counted_anew = plain;
+  counted_anew.port = "3-4";
+  EXPECT_EQ(addresses_of({plain}), Texts{"hid:pci-0000:00:14.0-usb-0:4"});
+  EXPECT_EQ(addresses_of({counted_anew}), addresses_of({plain}));
+  EXPECT_EQ(addresses_of({plain, {"1-4", 2, "", false, plain.path}, {"1-5", 0, "A1", false, "x"}}),
+            (Texts{"hid:pci-0000:00:14.0-usb-0:4", "hid:pci-0000:00:14.0-usb-0:4:1.2", "hid:A1"}));
+  EXPECT_EQ(addresses_of({{"1-4", 0, "X", false, "a"}, {"2-4", 0, "X", false, "b"}}),
+            (Texts{"hid:a", "hid:b"}));
+}
+
+TEST(HidAddress, IsThePortWhereTwoHaveOnePath) {
+  EXPECT_EQ(
+      addresses_of(
+          {{"1-4", 0, "", false, "a"}, {"2-4", 1, "", false, "a"}, {"2-5", 0, "", false, "b"}}),
+      (Texts{"hid:1-4", "hid:2-4:1.1", "hid:b"}));
+  EXPECT_EQ(addresses_of({{"1-4", 0, "A1", false, "a"}, {"2-4", 0, "", false, "a"}}),
+            (Texts{"hid:A1", "hid:2-4"}))
+      << "also where one of them has a number today";
+  EXPECT_EQ(addresses_of({{"1-4", 0, "", true, "a"}, {"2-4", 0, "", false, "a"}}),
+            (Texts{"hid:a", "hid:2-4"}))
+      << "an arm's stays its own, as its number does";
+}
+
+TEST(HidAddress, SaysBesideWhatThePortIsCalledToday) {
+  EXPECT_EQ(port_name({"1-4.2", 0, "A1", false, "a"}), "1-4.2");
+  EXPECT_EQ(port_name({"1-4.2", 3, "A1", false, "a"}), "1-4.2:1.3");
+}
+
 TEST(HidAddress, NamesFurtherInterfacesOfADevice) {
   EXPECT_EQ(addresses_of({{"1-4", 0, "A1"}, {"1-4", 1, "A1"}, {"1-5", 2, ""}}),
             (Texts{"hid:A1", "hid:A1:1.1", "hid:1-5:1.2"}));
@@ -77,13 +108,16 @@ TEST(HidAddress, TakesNoSerialNumberThatReadsLikeSomethingElse) {
 TEST(HidAddress, LeadsToOneDeviceOnly) {
   std::mt19937 random(4);
   const Texts serials{"", "A1", "1-1", "1-2.1", "A1:1.1", "1-1:1.1", "x", "0003:1234:0006.0001"};
+  const Texts paths{"", "pci-0000:00:14.0-usb-0:1", "pci-0000:00:14.0-usb-0:1.1",
+                    "pci-0000:00:14.0-usbv3-0:1"};
   for (int round = 0; round < 5000; ++round) {
     std::vector<DevicePlace> places;
     for (const char* port : {"1-1", "1-2", "1-2.1", "0003:1234:0006.0001"}) {
       const std::string serial = serials[random() % serials.size()];
+      const std::string path = paths[random() % paths.size()];
       const std::size_t interfaces = random() % 3;
       for (unsigned i = 0; i < interfaces; ++i) {
-        places.push_back({port, i, serial, random() % 2 == 0});
+        places.push_back({port, i, serial, random() % 2 == 0, path});
       }
     }
     const Texts addresses = addresses_of(places);

@@ -32,8 +32,10 @@ class InspectSphere : public ::testing::Test {
 TEST_F(InspectSphere, LooksForNoRealDeviceAndObjectsToABusThatIsNotThere) {
   config::ArmConfig arm;
   arm.world = "hello";
-  for (const char* device : {"hid:1", "usb:1-4", "usb:FA1CON", "serial:1234567", "hid:1-4.2:1.1",
-                             "hid:0003:1234:0006.0004", "serial:A_b+c-1.2:1.1"}) {
+  for (const char* device :
+       {"hid:1", "usb:1-4", "usb:FA1CON", "serial:1234567", "hid:1-4.2:1.1",
+        "usb:pci-0000:00:14.0-usb-0:1.4", "usb:platform-vhci_hcd.0-usbv3-0:1",
+        "hid:pci-0000:00:14.0-usb-0:4:1.1", "hid:0003:1234:0006.0004", "serial:A_b+c-1.2:1.1"}) {
     arm.device = device;
     config.arms = {arm};
     EXPECT_TRUE(inspected().empty()) << device;
@@ -50,7 +52,8 @@ TEST_F(InspectSphere, ObjectsToAnAddressThatNoBusCouldGive) {
   for (const char* device :
        {"serial:/dev/ttyACM0", "hid:/dev/hidraw0", "usb:1/4", "hid:A B", "hid:\xc3\xa4",
         "serial:A\n", "usb:0403:cb48", "usb:1-4:1.0", "usb:1-4:1.1", "usb:A7:1.2", "hid:256f:c635",
-        "serial:16C0:0483", "hid:1-4:1.0"}) {
+        "usb:pci-0000:00:14.0", "usb:pci-0000:00:14.0-usb-0:4:1.1", "usb:pci-0000:00:14.0-usb-0:",
+        "hid:pci-0000:00:14.0-usb-0:4:1.0", "serial:16C0:0483", "hid:1-4:1.0"}) {
     arm.device = device;
     config.arms = {arm};
     const auto sut = inspected();

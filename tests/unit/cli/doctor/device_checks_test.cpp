@@ -226,7 +226,7 @@ TEST_F(Doctor, LooksAtAnArmOnBareUsb) {
   Facts facts = this->facts();
   ASSERT_THAT(facts.controllers, SizeIs(2));
   EXPECT_EQ(facts.controllers[0].address, "hid:A7");
-  EXPECT_EQ(facts.controllers[1].address, "usb:1-5");
+  EXPECT_EQ(facts.controllers[1].address, "usb:pci-0000:00:14.0-usb-0:5");
   EXPECT_THAT(complaints(facts), SizeIs(0));
   machine_.plant("sys/devices/pci0000:00/0000:00:14.0/usb1/1-5/serial", "FA1CON\n");
   EXPECT_EQ(this->facts().controllers.at(1).address, "usb:FA1CON") << "as the bus names it";

@@ -47,15 +47,24 @@ TEST_F(DoctorNames, AnArmAsTheDaemonDoes) {
   EXPECT_THAT(addresses(), testing::ElementsAre("hid:B8")) << "the USB device's own goes first";
   for (const char* unusable : {"B 8\n", "\x1b[2J\n", "1-4.2\n"}) {
     machine_.plant(PlantedMachine::kUsb + "serial", unusable);
-    EXPECT_THAT(addresses(), testing::ElementsAre("hid:1-4")) << unusable;
+    EXPECT_THAT(addresses(), testing::ElementsAre("hid:pci-0000:00:14.0-usb-0:4")) << unusable;
   }
   machine_.plant(PlantedMachine::kUsb + "1-4:1.0/bInterfaceNumber", "02\n");
-  EXPECT_THAT(addresses(), testing::ElementsAre("hid:1-4:1.2"));
+  EXPECT_THAT(addresses(), testing::ElementsAre("hid:pci-0000:00:14.0-usb-0:4:1.2"));
 }
 
 TEST_F(DoctorNames, TwoArmsOfOneNumberByTheirPorts) {
   plant_twin();
-  EXPECT_THAT(addresses(), testing::ElementsAre("hid:1-4", "hid:1-7"));
+  EXPECT_THAT(addresses(),
+              testing::ElementsAre("hid:pci-0000:00:14.0-usb-0:4", "hid:pci-0000:00:14.0-usb-0:7"));
+}
+
+TEST_F(DoctorNames, AnArmOfASuperSpeedHalfAsTheDaemonDoes) {
+  machine_.plant(PlantedMachine::kUsb + "serial", "");
+  machine_.plant(PlantedMachine::kUsb + "1-4:1.0/0003:1234:0006.0001/uevent",
+                 "HID_ID=0003:00001234:00000006\n");
+  machine_.plant("sys/devices/pci0000:00/0000:00:14.0/usb1/version", " 3.00\n");
+  EXPECT_THAT(addresses(), testing::ElementsAre("hid:pci-0000:00:14.0-usbv3-0:4"));
 }
 
 TEST_F(DoctorNames, AnArmOnNoUsbAsTheKernelCallsIt) {
