@@ -138,13 +138,18 @@ Verdict check_configured_arm(const Facts& facts, const ConfiguredArm& arm) {
       std::any_of(facts.controllers.begin(), facts.controllers.end(),
                   [&](const Controller& controller) { return controller.address == arm.device; });
   if (is_there) return all_well(check, arm.device + " is plugged in");
-  return {Level::Warn,
-          check,
-          "no arm that a driver knows is at " + arm.device,
-          "the daemon runs without it, and takes it when it comes",
-          "",
-          "plug it in, or correct its device in the configuration",
-          "thimble devices"};
+  Verdict verdict{Level::Warn,
+                  check,
+                  "no arm that a driver knows is at " + arm.device,
+                  "the daemon runs without it, and takes it when it comes",
+                  "",
+                  "plug it in, or correct its device in the configuration",
+                  "thimble devices"};
+  for (const Controller& controller : facts.controllers) {
+    if (controller.port_address != arm.device) continue;
+    verdict.advice += ": in that port is now " + controller.address;
+  }
+  return verdict;
 }
 
 Verdict check_node(const Facts& facts, const Controller& controller) {

@@ -92,6 +92,7 @@ struct NamedProcess {
 // by its ids and endpoints.
 struct Controller {
   std::string address;          // "hid:SERIAL", "serial:…" or "usb:…", as in a configuration
+  std::string port_address;     // of its port as the kernel calls that today: "hid:1-4", no address
   Node node;                    // by which the daemon drives it
   std::vector<Node> raw_nodes;  // other ways to it: /dev/bus/usb/001/004, /dev/usb/hiddev0
   std::uint16_t vendor_id{0};

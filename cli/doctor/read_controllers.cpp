@@ -136,6 +136,8 @@ void address(std::vector<Candidate>& candidates, bus::BusKind kind,
   for (Candidate& candidate : candidates) {
     if (candidate.info.kind != kind) continue;
     candidate.controller.address = addresses[next++].text;
+    candidate.controller.port_address =
+        std::string(bus::to_string(kind)) + ":" + linux::port_name(candidate.place);
     candidate.info.address = {candidate.controller.address};
   }
 }

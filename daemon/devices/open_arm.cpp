@@ -5,15 +5,29 @@
 
 namespace thimble::devices {
 
+namespace {
+
+// Whether ports were addresses until decision 0507, and this one's was that.
+bool was_called(const bus::BusDeviceInfo& device, const bus::DeviceAddress& address) {
+  return !device.port.empty() &&
+         address.text == std::string(bus::to_string(device.kind)) + ":" + device.port;
+}
+
+}  // namespace
+
 Result<bus::BusDeviceInfo> find_device(bus::BusEnumerator& buses,
                                        const bus::DeviceAddress& address) {
   std::string there;
+  std::string in_that_port;
   for (bus::BusDeviceInfo& device : buses.list()) {
     if (device.address == address) return std::move(device);
     there += " " + device.address.text;
+    if (was_called(device, address)) {
+      in_that_port = "; in that port is now: " + device.address.text;
+    }
   }
   return fail(Errc::NotFound,
-              "no device at " + address.text +
+              "no device at " + address.text + in_that_port +
                   (there.empty() ? "; none is plugged in" : "; there are:" + there));
 }
 

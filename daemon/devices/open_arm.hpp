@@ -10,7 +10,7 @@
 namespace thimble::devices {
 
 // What `buses` lists at `address`. Thread: as BusEnumerator. Errors: NotFound, naming what is
-// there.
+// there, and what is in the port of that name where one has it.
 [[nodiscard]] Result<bus::BusDeviceInfo> find_device(bus::BusEnumerator& buses,
                                                      const bus::DeviceAddress& address);
 

@@ -12,6 +12,8 @@ class TwoDevices final : public bus::BusEnumerator {
     a.address.text = "hid:A";
     bus::BusDeviceInfo b;
     b.address.text = "hid:B";
+    b.kind = bus::BusKind::Hid;
+    b.port = "1-4:1.2";
     return {a, b};
   }
   std::optional<bus::BusEvent> poll_event() override { return std::nullopt; }
@@ -54,6 +56,15 @@ std::string message_for(const char* address, const plugin::DriverRegistry& drive
 
 TEST(OpenArm, NamesWhatIsThereWhenTheAddressIsNot) {
   EXPECT_EQ(message_for("hid:C", {}), "no device at hid:C; there are: hid:A hid:B");
+}
+
+// A configuration may be older than the names of places that it has in it.
+TEST(OpenArm, NamesWhatIsInThePortThatItIsAskedFor) {
+  EXPECT_EQ(message_for("hid:1-4:1.2", {}),
+            "no device at hid:1-4:1.2; in that port is now: hid:B; there are: hid:A hid:B");
+  for (const char* other : {"usb:1-4:1.2", "hid:1-4", "hid:"}) {
+    EXPECT_EQ(message_for(other, {}).find("in that port"), std::string::npos) << other;
+  }
 }
 
 TEST(OpenArm, SaysSoWhenNoDriverKnowsTheDevice) {

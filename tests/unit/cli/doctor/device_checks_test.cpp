@@ -279,6 +279,16 @@ TEST_F(Doctor, SaysWhichArmOfTheConfigurationIsNotThere) {
   EXPECT_THAT(complaints(facts), SizeIs(2));
 }
 
+TEST_F(Doctor, SaysHowWhatIsInThePortOfAnOlderConfigurationIsCalledNow) {
+  config::Config config;
+  config.arms.resize(1);
+  config.arms[0].device = "hid:1-4";
+  const Facts facts = this->facts(config);
+  const Verdict verdict = check_configured_arm(facts, facts.configured_arms.at(0));
+  EXPECT_EQ(verdict.level, Level::Warn);
+  EXPECT_THAT(verdict.advice, testing::EndsWith("in that port is now hid:A7"));
+}
+
 // Knows one more arm, by its descriptor alone.
 class PlantedDriver : public plugin::Driver {
  public:
