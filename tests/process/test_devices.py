@@ -7,7 +7,7 @@ import subprocess
 from rig import BIN, HELLO, TIMEOUT_S, ProcessTest
 
 # For umockdev-run: an arm with a serial number, and a mouse without.
-MACHINE = """P: /devices/usb1/1-4
+MACHINE = """P: /devices/pci0000:00/0000:00:14.0/usb1/1-4
 N: bus/usb/001/004
 E: SUBSYSTEM=usb
 E: DEVTYPE=usb_device
@@ -21,23 +21,23 @@ A: manufacturer=Maker
 A: product=Arm
 A: serial=ABC1
 
-P: /devices/usb1/1-4/1-4:1.0
+P: /devices/pci0000:00/0000:00:14.0/usb1/1-4/1-4:1.0
 E: SUBSYSTEM=usb
 E: DEVTYPE=usb_interface
 A: bInterfaceNumber=00
 
-P: /devices/usb1/1-4/1-4:1.0/0003:1234:0006.0001
+P: /devices/pci0000:00/0000:00:14.0/usb1/1-4/1-4:1.0/0003:1234:0006.0001
 E: SUBSYSTEM=hid
 E: HID_ID=0003:00001234:00000006
 E: HID_UNIQ=ABC1
 H: report_descriptor=0600FF0901A101150026FF007508950E09018102950E09019102C0
 
-P: /devices/usb1/1-4/1-4:1.0/0003:1234:0006.0001/hidraw0
+P: /devices/pci0000:00/0000:00:14.0/usb1/1-4/1-4:1.0/0003:1234:0006.0001/hidraw0
 N: hidraw0
 E: SUBSYSTEM=hidraw
 E: DEVNAME=/dev/hidraw0
 
-P: /devices/usb1/1-5
+P: /devices/pci0000:00/0000:00:14.0/usb1/1-5
 N: bus/usb/001/005
 E: SUBSYSTEM=usb
 E: DEVTYPE=usb_device
@@ -91,7 +91,7 @@ class RealDevices(ProcessTest):
         self.assertIn("amplifier_max_a is missing", arm["needs"])
         self.assertIn("woody-2015", arm["models"])
         self.assertRegex(self.devices().stdout, r"(?s)^hid:ABC1.*its arm.model: .*woody-2015.*sim:")
-        for stranger in ("usb:ABC1", "usb:1-5"):
+        for stranger in ("usb:ABC1", "usb:pci-0000:00:14.0-usb-0:5"):
             self.assertEqual(entries[stranger]["obstacle"], "no driver knows it")
 
 
@@ -136,7 +136,7 @@ world = "box"
 
 def usb_device(port, number, ids, *attributes):
     vendor, product = ids.split(":")
-    return f"""P: /devices/usb1/{port}
+    return f"""P: /devices/pci0000:00/0000:00:14.0/usb1/{port}
 N: bus/usb/001/{number:03}
 E: SUBSYSTEM=usb
 E: DEVTYPE=usb_device
@@ -152,7 +152,7 @@ A: devnum={number}
 
 def puck(port, number, serial, input_bytes):
     """SpaceMouse Pro whose report has an identifier and so many bytes."""
-    folder = f"/devices/usb1/{port}/{port}:1.0"
+    folder = f"/devices/pci0000:00/0000:00:14.0/usb1/{port}/{port}:1.0"
     return usb_device(port, number, "046d:c62b", f"A: serial={serial}") + f"""P: {folder}
 E: SUBSYSTEM=usb
 E: DEVTYPE=usb_interface
@@ -190,7 +190,7 @@ class LyingArms(ProcessTest):
             self.skipTest("umockdev-run is not installed (package umockdev)")
         file = self.write("lying.toml", HELLO + self.arm("long", "hid:LONG")
                           + self.arm("other", "hid:OTHER", 'model = "spacenavigator"')
-                          + self.arm("twice", "usb:FALCON"))
+                          + self.arm("twice", "usb:FALCON") + self.arm("older", "usb:1-6"))
         summary = self.folder / "summary.json"
         ended = subprocess.run(
             ["umockdev-run", "--device", self.write("machine.umockdev", self.MACHINE), "--",
@@ -200,11 +200,12 @@ class LyingArms(ProcessTest):
             capture_output=True, text=True, timeout=TIMEOUT_S)
         self.assertEqual(ended.returncode, 0, ended.stderr)
         arms = {arm["name"]: arm["state"] for arm in json.loads(summary.read_text())["arms"]}
-        self.assertEqual((arms.pop("long"), arms.pop("other"), arms.pop("twice")), ("lost",) * 3)
+        self.assertEqual([arms.pop(name) for name in ("long", "other", "twice", "older")], ["lost"] * 4)
         self.assertNotIn("lost", arms.values())
         self.assertRegex(ended.stderr, "arm 'long'.*reports of more than 64 bytes")
         self.assertRegex(ended.stderr, "arm 'other'.*'spacenavigator'")
         self.assertRegex(ended.stderr, "arm 'twice'.*two bulk pipes of 64 bytes")
+        self.assertRegex(ended.stderr, "arm 'older': no device at usb:1-6; in that port is now: usb:FALCON;")
 
 
 class EveryArm(ProcessTest):
