@@ -96,7 +96,7 @@ std::string usb_path(const FileTree& tree, const fs::path& folder) {
 }
 
 // Where a node is plugged in, as the real buses see it (UdevScan): below the nearest USB device,
-// whose number goes before that of its own; `name`: what is below none is called so.
+// whose number goes before that of its own; `name`: its own, and what is below none is called so.
 linux::DevicePlace place_of(const FileTree& tree, fs::path folder, const std::string& name,
                             const std::string& own_number) {
   linux::DevicePlace place{name, 0, linux::printable_text(own_number)};
@@ -108,6 +108,7 @@ linux::DevicePlace place_of(const FileTree& tree, fs::path folder, const std::st
     if (!raw_usb_node(tree, folder)) continue;
     place.port = folder.filename().string();
     place.path = usb_path(tree, folder);
+    place.own_name = name;
     const std::string said = words_in(tree, folder / "serial");
     if (!said.empty()) place.serial_number = said;
     return place;
@@ -204,7 +205,7 @@ std::optional<Candidate> read_serial(const FileTree& tree, const std::string& na
   found.controller.node = tree.node("/dev/" + name);
   found.controller.raw_nodes = {*raw};
   read_device(tree, folder, found.controller, found.info);
-  found.place = place_of(tree, node, {}, {});
+  found.place = place_of(tree, node, name, {});
   describe(bus::BusKind::Serial, *vendor, *product, found.place.serial_number, found);
   return found;
 }

@@ -67,6 +67,7 @@ DevicePlace place_of(const DeviceTexts& texts, const bus::BusDeviceInfo& info) {
   if (texts.is_on_usb) {
     place.interface_number = number_of<std::uint8_t>(texts.interface_number, 16).value_or(0);
     place.path = texts.path;
+    place.own_name = texts.name;
   }
   place.serial_number = info.serial_number;
   return place;

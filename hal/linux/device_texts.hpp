@@ -17,6 +17,7 @@ struct DeviceTexts {
   std::string hiddev;    // "/dev/usb/hiddev0"
   std::string port;      // "1-4" of the USB device; of what is on none, its HID device's name
   std::string path;      // of that USB device whatever the kernel counts (usb_path.hpp)
+  std::string name;      // "ttyACM0", "0003:1234:0006.0001" of a HID device
   bool is_on_usb{true};  // whether there is such a USB device
   // Of the HID device: properties, and its report descriptor's bytes.
   std::string hid_id;  // "0003:00001234:00000006"

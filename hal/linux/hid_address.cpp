@@ -49,11 +49,20 @@ std::string with_interface(const std::string& name, const DevicePlace& place) {
   return name + ":1." + std::to_string(place.interface_number);
 }
 
+// Of several of one interface: no serial number and no path has a colon before such a name.
+std::string own_suffix(std::span<const DevicePlace> places, const DevicePlace& place) {
+  const auto beside = std::count_if(places.begin(), places.end(), [&](const DevicePlace& other) {
+    return other.port == place.port && other.interface_number == place.interface_number;
+  });
+  return beside > 1 && !place.own_name.empty() ? ":" + place.own_name : "";
+}
+
 std::vector<bus::DeviceAddress> addresses_of(std::string_view scheme,
                                              std::span<const DevicePlace> places) {
   std::vector<bus::DeviceAddress> addresses;
   for (const DevicePlace& place : places) {
-    addresses.push_back({std::string(scheme) + with_interface(name_of(places, place), place)});
+    addresses.push_back({std::string(scheme) + with_interface(name_of(places, place), place) +
+                         own_suffix(places, place)});
   }
   return addresses;
 }

@@ -19,6 +19,9 @@ struct DevicePlace {
   bool is_arm{false};            // a driver knows it, or another interface at its port
   // The same place whatever the kernel counts (usb_path.hpp); empty: there is none.
   std::string path{};
+  // What the kernel calls the device itself, "0003:1234:0006.0001" or "ttyUSB1": a receiver's
+  // interface may have several.
+  std::string own_name{};
 };
 
 // Whether a serial number can stand in an address: 1 to 64 of A-Z a-z 0-9 . _ + - and not in the
@@ -32,8 +35,8 @@ struct DevicePlace {
 
 // "hid:SERIAL" where no other port has that number, else "hid:PATH"; ":1.N" behind it for an
 // interface N above 0 (decision 0246). What is no arm takes no number from one that is (0338), and
-// no path. "hid:PORT" where there is no path, or another port has the same one (0507). All differ
-// where port and interface do.
+// no path. "hid:PORT" where there is no path, or another port has the same one; of several of one
+// interface, ":OWN_NAME" behind all (0507). All differ where port, interface or own name do.
 // Thread: any. Not RT. Pure.
 [[nodiscard]] std::vector<bus::DeviceAddress> hid_addresses(std::span<const DevicePlace> places);
 // The same of serial ports, "serial:SERIAL" and "serial:PATH".

@@ -93,7 +93,8 @@ std::optional<ReadDevice> read_hid(udev_device* hidraw) {
   texts.is_on_usb = usb != nullptr;
   texts.node = udev_text(::udev_device_get_devnode(hidraw));
   texts.hiddev = hiddev_node_of(hid);
-  texts.port = udev_text(::udev_device_get_sysname(hid));
+  texts.name = udev_text(::udev_device_get_sysname(hid));
+  texts.port = texts.name;
   texts.hid_id = property(hid, "HID_ID");
   texts.hid_name = property(hid, "HID_NAME");
   texts.hid_uniq = property(hid, "HID_UNIQ");
@@ -111,6 +112,7 @@ std::optional<ReadDevice> read_serial(udev_device* tty) {
   if (usb == nullptr) return std::nullopt;
   DeviceTexts texts;
   texts.node = udev_text(::udev_device_get_devnode(tty));
+  texts.name = udev_text(::udev_device_get_sysname(tty));
   note_place(usb, texts);
   texts.interface_number = interface_number(tty);
   note_strings(usb, texts);

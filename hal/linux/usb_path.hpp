@@ -5,9 +5,9 @@
 
 namespace thimble::linux {
 
-// A longer one is none: ours, so that an address with its scheme and an interface fits into what
+// A longer one is none: ours, so that an address with all that it may have about it fits into what
 // plugins are told of (THIMBLE_STRING_BYTES).
-inline constexpr std::size_t kMaxUsbPathLetters = 100;
+inline constexpr std::size_t kMaxUsbPathLetters = 80;
 
 // What a USB device is called by its place whatever the kernel counts: by the way to its
 // controller, and from there by the ports of the root hub and of hubs, "pci-0000:00:14.0-usb-0:1.4"

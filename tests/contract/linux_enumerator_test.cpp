@@ -139,6 +139,20 @@ TEST_F(LinuxEnumerator, APortWithoutASerialNumberOrOfAnInterfaceOfManyIsNamedByI
             (Texts{"serial:AB:1.2", "serial:" + kWay + "4", "usb:AB", "usb:" + kWay + "4"}));
 }
 
+TEST_F(LinuxEnumerator, DevicesOfOneInterfaceHaveAddressesOfTheirOwn) {
+  machine.plug(Usb{.port = "1-4"});
+  const std::string first = machine.plug(MockMachine::SerialDevice{.name = "ttyUSB0"});
+  machine.plug(MockMachine::SerialDevice{.name = "ttyUSB1"});
+  machine.plug(Hid{});
+  machine.plug(Hid{.node_number = 1, .instance = "0002"});
+  EXPECT_EQ(
+      addresses(),
+      (Texts{"hid:" + kWay + "4:0003:1234:0006.0001", "hid:" + kWay + "4:0003:1234:0006.0002",
+             "serial:" + kWay + "4:ttyUSB0", "serial:" + kWay + "4:ttyUSB1", "usb:" + kWay + "4"}));
+  machine.unplug(first);
+  EXPECT_EQ(info_of("serial:" + kWay + "4").kind, bus::BusKind::Serial) << "alone it needs no more";
+}
+
 TEST_F(LinuxEnumerator, ASerialPortIsOpenedAsNothingElseAndSharedOnlyWhileItIsOpen) {
   machine.plug(Usb{.serial_number = "AB"});
   const std::string path = machine.plug(MockMachine::SerialDevice{});

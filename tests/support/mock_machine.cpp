@@ -125,6 +125,8 @@ std::string MockMachine::plug_console(const std::string& name) {
 
 std::string MockMachine::plug_interface(const std::string& port, int number) {
   const std::string digits = std::to_string(number);
+  const std::string known = hub_of(port) + "/" + port + "/" + port + ":1." + digits;
+  if (std::find(paths_.begin(), paths_.end(), known) != paths_.end()) return known;
   const std::string interface =
       add(bed_, "usb", port + ":1." + digits, hub_of(port) + "/" + port,
           Pairs({"bInterfaceNumber", "0" + digits}), Pairs({"DEVTYPE", "usb_interface"}));

@@ -63,6 +63,17 @@ TEST(HidAddress, IsThePortWhereTwoHaveOnePath) {
       << "an arm's stays its own, as its number does";
 }
 
+TEST(HidAddress, TellsDevicesOfOneInterfaceApart) {
+  const DevicePlace first{"1-4", 0, "A1", false, "a", "ttyUSB0"};
+  DevicePlace second = first;
+  second.own_name = "ttyUSB1";
+  DevicePlace third = first;
+  third.interface_number = 1;
+  EXPECT_EQ(addresses_of({first, third}), (Texts{"hid:A1", "hid:A1:1.1"}));
+  EXPECT_EQ(addresses_of({first, second, third}),
+            (Texts{"hid:A1:ttyUSB0", "hid:A1:ttyUSB1", "hid:A1:1.1"}));
+}
+
 TEST(HidAddress, SaysBesideWhatThePortIsCalledToday) {
   EXPECT_EQ(port_name({"1-4.2", 0, "A1", false, "a"}), "1-4.2");
   EXPECT_EQ(port_name({"1-4.2", 3, "A1", false, "a"}), "1-4.2:1.3");
@@ -117,7 +128,11 @@ TEST(HidAddress, LeadsToOneDeviceOnly) {
       const std::string path = paths[random() % paths.size()];
       const std::size_t interfaces = random() % 3;
       for (unsigned i = 0; i < interfaces; ++i) {
-        places.push_back({port, i, serial, random() % 2 == 0, path});
+        const bool is_arm = random() % 2 == 0;
+        const std::size_t devices = 1 + random() % 8 / 7;
+        for (std::size_t one = 0; one < devices; ++one) {
+          places.push_back({port, i, serial, is_arm, path, "tty" + std::to_string(places.size())});
+        }
       }
     }
     const Texts addresses = addresses_of(places);
