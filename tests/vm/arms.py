@@ -1,5 +1,6 @@
 """Simulated arms as the packaged daemon has them: plugged into the guest, named in its configuration, with a box to feel."""
 
+import base64
 import hashlib
 import json
 import random
@@ -26,11 +27,6 @@ OWN_RATES = "own"
 # In scripts of the guest: the daemon, and the thread that drives the arm.
 PID = "$(systemctl show thimbled -p MainPID --value)"
 SERVO = f"$(ps -L -o lwp=,comm= -p {PID} | awk '$2 == \"servo-right\" {{print $1}}')"
-
-
-def signal(name):
-    """Sends it to the daemon and prints when."""
-    return f"python3 -c 'import os, signal, sys, time; print(time.monotonic()); os.kill(int(sys.argv[1]), signal.{name})' {PID}"
 
 
 # How a HID arm comes to the kernel.
@@ -165,7 +161,7 @@ class Falcon(Arm):
         self.port = guest.wait_for("basename $(dirname $(grep -lx cb48 /sys/bus/usb/devices/*/idProduct))").strip()
         self.address = "usb:" + guest.run(f"cat /sys/bus/usb/devices/{self.port}/serial").strip()
         image = firmware()
-        guest.run(f"python3 -c 'import sys; open(sys.argv[1], \"wb\").write(bytes.fromhex(sys.argv[2]))' {FIRMWARE} {image.hex()}")
+        guest.run(f"base64 -d > {FIRMWARE} <<< {base64.b64encode(image).decode()}")
         self.words = (f'device = "{self.address}"\nfirmware = "{FIRMWARE}"\nfirmware_sha256 = "{hashlib.sha256(image).hexdigest()}"\n'
                       f"newton_per_count = {NEWTON_PER_COUNT}")
         if is_named:
@@ -173,7 +169,7 @@ class Falcon(Arm):
 
     def calibrate(self):
         self.say("home 0.3")
-        self.guest.run("sleep 0.4")
+        self.guest.sleep(0.4)
 
     def activate(self):
         # A firmware that runs already knows where it is.

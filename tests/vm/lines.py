@@ -44,9 +44,9 @@ class GuestWithLines(guest.GuestTest):
         self.wait_until("safety.state", "free")
         self.wait_until("safety.is_enable_beating", "true")
 
-    def beats(self, adapter=None, script=":"):
-        """Changes of the enable line while the script runs and in the second after it; in one go, for between two commands the guest's clock runs ahead."""
-        look = (adapter or self.adapter).command("status")
-        looks = self.guest.run(f"{look}; {script}; sleep 1; {look}").splitlines()
+    def beats(self, adapter=None, during=()):
+        """Changes of the enable line during those steps and in the second after them."""
+        look = (adapter or self.adapter).step("status")
+        looks = self.guest.steps(look, *during, ("sleep", 1), look)
         first, last = (json.loads(line)["readings"]["changes_3"] for line in (looks[0], looks[-1]))
         return last - first

@@ -215,6 +215,14 @@ class Guest:
             raise GuestError(f"status {status} of {module} {' '.join(words)}\n{printed}")
         return printed
 
+    def steps(self, *steps, timeout_s=COMMAND_S):
+        """Those of guest/steps.py, in one go: the lines that they printed; each must succeed."""
+        return self.call("steps", *map(json.dumps, steps), timeout_s=timeout_s).splitlines()
+
+    def sleep(self, seconds):
+        """By its clock."""
+        self.steps(("sleep", seconds))
+
     def wait_for(self, script, timeout_s=COMMAND_S):
         """Until the script succeeds: its output. Polls, with a bound; mostly in the guest, where time that passes is cheaper than a question."""
         looks = f"for look in {{1..10}}; do said=$( {{ {script}\n}} 2>&1) && break; [ $look -lt 10 ] && sleep 0.1; done; status=$?; echo \"$said\"; exit $status"

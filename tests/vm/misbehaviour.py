@@ -86,7 +86,7 @@ class Misbehaviour:
             if seen["state"] == "fault":
                 clears += 1
                 self.guest.ask(f"thimble clear-fault {NAMES[arm]}")
-                self.guest.run("sleep 0.2")
+                self.guest.sleep(0.2)
             elif seen["state"] == "calibrating":
                 device.calibrate()
             elif seen["instruction"] == MUTE and may_be_mute:
@@ -96,10 +96,10 @@ class Misbehaviour:
                 device.attach()
                 simdev.wait_for_state(self.guest, "calibrating", arm=arm)
             else:
-                self.guest.run("sleep 0.2")
+                self.guest.sleep(0.2)
         self.assertLessEqual(clears, MOST_CLEARS)
         # From outside: a wall that an arm is in when it becomes active does not push it out.
-        self.guest.run(f"{device.command('move 0 0 0 0.1')} && sleep 0.12 && {device.command(DEEP)} && sleep 0.3")
+        self.guest.steps(device.step("move 0 0 0 0.1"), ("sleep", 0.12), device.step(DEEP), ("sleep", 0.5))
         status = self.status(arm)
         self.assertEqual((status["state"], status["is_in_contact"]), ("active", True), status)
         log = device.log(0.1)
@@ -118,9 +118,8 @@ class Misbehaviour:
         """The device does it for 0.35 s and no longer: how often, of each kind, and logs that hold all of that. Not always as often as it was told: an arm that was
         stopped is not asked any more, and one in lock-step then says nothing."""
         # In one go: between two commands an idle guest's clock runs ahead.
-        logs = " && ".join(one.command("log 1") for one in logged)
-        said = [json.loads(line) for line in self.guest.run(f"{device.command('status', verb)} && sleep 0.35 && "
-                                                            f"{device.command(*NO_MORE, 'status')} && {logs}").splitlines()]
+        said = [json.loads(line) for line in self.guest.steps(device.step("status", verb), ("sleep", 0.35), device.step(*NO_MORE, "status"),
+                                                              *(one.step("log 0.7") for one in logged))]
         before, after = (entry for entry in said if "trouble" in entry)
         ends = [at for at, entry in enumerate(said) if "entries" in entry]
         starts = [said.index(after) + 1, *(end + 1 for end in ends)]

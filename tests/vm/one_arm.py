@@ -5,7 +5,6 @@ What is felt is judged by the arm's own log, of what its motors did.
 
 import json
 
-import arms
 import guest
 import nodes
 import simdev
@@ -27,10 +26,10 @@ def assert_ended_by_its_watchdog(test, log, watchdog_s, pressed_newton):
 def press_from_the_middle(test, arm, least_newton):
     """Of the box, where nothing is felt, to where its wall at +x pushes back."""
     arm.say("move 0 0 0 0.15")
-    test.guest.run("sleep 0.4")
+    test.guest.sleep(0.4)
     test.assertLess(simdev.norm(arm.felt(0.1)), 0.1)
     arm.say("move 0.018 0 0 0.15")
-    test.guest.run("sleep 0.4")
+    test.guest.sleep(0.4)
     test.assertLess(arm.felt(0.1)[0], -least_newton)
 
 
@@ -68,7 +67,7 @@ class OneArm(guest.GuestTest):
         point_m = list(self.rest_m)
         point_m[axis] += sign * self.to_wall_m
         self.move(point_m, 0.15)
-        self.guest.run("sleep 0.3")
+        self.guest.sleep(0.3)
         return self.arm.felt(0.1)
 
     def test_2_brought_home_it_becomes_active(self):
@@ -81,7 +80,7 @@ class OneArm(guest.GuestTest):
 
     def test_3_where_no_wall_is_nothing_is_felt(self):
         self.move(self.rest_m, 0.15)
-        self.guest.run("sleep 0.3")
+        self.guest.sleep(0.3)
         self.assertLess(simdev.norm(self.arm.felt(0.1)), 0.1)
 
     def test_4_a_wall_of_the_box_pushes_back(self):
@@ -90,7 +89,7 @@ class OneArm(guest.GuestTest):
                 force = self.press(axis, sign)
                 self.assertLess(sign * force[axis], -WALL_NEWTON, force)
                 self.move(self.rest_m, 0.1)
-                self.guest.run("sleep 0.1")
+                self.guest.sleep(0.1)
 
     def test_5_pulled_out_while_the_hand_pushes_it_is_lost_and_comes_back_when_it_is_cleared(self):
         self.assertGreater(simdev.norm(self.press()), WALL_NEWTON)
@@ -107,16 +106,16 @@ class OneArm(guest.GuestTest):
         self.assertEqual((back["faults"][0]["code"], back["force_newton"]), ("disconnected", [0, 0, 0]))
         self.arm.clear()
         self.move(self.rest_m, 0.1)
-        self.guest.run("sleep 0.2")
+        self.guest.sleep(0.2)
 
     def pull(self):
         """Its cable alone, so that its watchdog has to end the force."""
-        self.guest.run(f"{self.arm.command('pull-cable')}; sleep {self.watchdog_s + 1}")
+        self.guest.steps(self.arm.step("pull-cable"), ("sleep", self.watchdog_s + 1))
         assert_ended_by_its_watchdog(self, self.arm.log(self.watchdog_s + 3), self.watchdog_s, WALL_NEWTON)
 
     def test_6_stopped_while_the_hand_pushes_the_daemon_leaves_no_force(self):
         self.assertGreater(simdev.norm(self.press()), WALL_NEWTON)
-        self.guest.run("systemctl stop thimbled; sleep 0.2")
+        self.guest.steps(("run", "systemctl stop thimbled"), ("sleep", 0.2))
         self.assertLess(max(self.arm.forces(0.1)), simdev.NOTHING_NEWTON)
 
     def test_7_gone_with_its_daemon_it_keeps_no_guard_at_work(self):
@@ -125,7 +124,7 @@ class OneArm(guest.GuestTest):
         self.arm.plug()
         self.guest.run("systemctl start thimbled")
         self.arm.activate()
-        self.guest.run(f"daemon={arms.PID} && [ \"$daemon\" -gt 0 ] && pgrep -x thimble-guard && kill -STOP $daemon && {self.arm.command('unplug')} && "
-                       "kill -KILL $daemon && sleep 1 && ! pgrep -x thimble-guard")
+        self.guest.steps(("run", "pgrep -x thimble-guard"), ("signal", "SIGSTOP"), self.arm.step("unplug"), ("signal", "SIGKILL"), ("sleep", 1),
+                         ("run", "! pgrep -x thimble-guard"))
 
 

@@ -77,12 +77,12 @@ class Pieces(guest.GuestTest):
         """What was said of it, the cell in which the grasp point ended, and which piece is held then."""
         if step.startswith("move"):
             self.arm.say(step)
-            self.guest.run(f"sleep {step.split()[-1]}")
+            self.guest.sleep(float(step.split()[-1]))
             said = ""
         else:
             said = self.guest.run(f"timeout 20 {step}").strip()
         self.guest.wait_for_module("status_until", CELL, json.dumps(cell))
-        self.guest.run(f"sleep {REST_S}")
+        self.guest.sleep(REST_S)
         pieces = self.pieces()
         return said, pieces["grasp_cell"], pieces["held"]
 
@@ -100,7 +100,7 @@ class Pieces(guest.GuestTest):
         self.assertGreater(simdev.norm(self.arm.felt(0.2)), 1)
 
     def assert_let_go(self):
-        self.guest.run("sleep 1.5")  # frozen first, then fading
+        self.guest.sleep(1.5)  # frozen first, then fading
         arm = self.status()["arms"][0]
         self.assertEqual((arm["state"], arm["faults"], arm["force_newton"]), ("active", [], [0, 0, 0]))
         self.assertLess(max(self.arm.forces(0.3)), simdev.NOTHING_NEWTON)

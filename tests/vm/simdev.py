@@ -62,9 +62,9 @@ class Simdev:
         """To the guest's kernel, where it is offered over USB/IP; what plugs itself into it is there."""
         self.guest.run(RAISE_CARRIERS if "--vhci" in self.options else attach_command())
 
-    def command(self, *verbs):
-        words = " ".join(f"'{verb}'" for verb in verbs)
-        return f"python3 -B /run/tests/simdev.py {self.socket} {words}"
+    def step(self, *verbs):
+        """For Guest.steps()."""
+        return "say", self.socket, *verbs
 
     def say(self, *verbs):
         """The answers, a dictionary each; every verb must succeed."""
@@ -92,9 +92,9 @@ class Simdev:
     def calibrate(self):
         """As a person does: the arm to its home pose, the button pressed and let go."""
         self.say("home 0.2")
-        self.guest.run("sleep 0.25")
+        self.guest.sleep(0.25)
         self.say("press 0")
-        self.guest.run("sleep 0.06")
+        self.guest.sleep(0.06)
         self.say("release 0")
 
     def stop(self):

@@ -25,9 +25,9 @@ class CamUsb(pieces.Pieces):
         cls.board.attach()
         cls.guest.wait_for("thimble devices | grep -q 'CAM-8 board'")
 
-    def pull(self, before=":"):
-        """`before`: a script of the guest that comes just before it."""
-        self.guest.run(f"{before}; {self.board.command('unplug')}")
+    def pull(self, *before):
+        """`before`: steps of the guest that come just before it."""
+        self.guest.steps(*before, self.board.step("unplug"))
         self.wait_for_board(is_there=False)
         self.assert_let_go()
 
@@ -51,7 +51,7 @@ class CamUsb(pieces.Pieces):
     def test_3_pulled_out_while_a_piece_is_moved_the_arm_is_let_go_and_plugged_in_all_is_felt_again(self):
         self.assertEqual(self.play(pieces.PIECE_3_IN_HAND), self.played[:pieces.PIECE_3_IN_HAND])
         self.assertEqual(self.pieces()["held"], 3)
-        self.pull(f"{self.arm.command('move -0.011 0.021 0 2')}; sleep 0.5")
+        self.pull(self.arm.step("move -0.011 0.021 0 2"), ("sleep", 0.5))
         self.plug()
         self.assertEqual(self.play(), self.played)
 
@@ -59,7 +59,7 @@ class CamUsb(pieces.Pieces):
         self.play(pieces.AGAINST_PIECE_3)
         pushed = self.arm.felt(0.2)
         self.assertGreater(pushed[0], PRESSED_NEWTON)
-        self.pull("sleep 0.2")
+        self.pull(("sleep", 0.2))
         # Never more than there was, and no push the other way.
         for entry in self.arm.samples(2):
             self.assertLess(entry["force_newton"][0], pushed[0] + 0.3)

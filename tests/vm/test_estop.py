@@ -39,7 +39,7 @@ class Estop(lines.GuestWithLines):
         """Again, as the daemon asks for, where a look of the kernel's fell between the two: the next is more than 50 ms later, and they disagree."""
         for _ in range(5):
             self.adapter.say("release 0", "release 1")
-            self.guest.run("sleep 0.3")
+            self.guest.sleep(0.3)
             if self.status()["safety"]["trouble"] != "disagree":
                 return
             self.press()
@@ -51,7 +51,7 @@ class Estop(lines.GuestWithLines):
     def lamp(self):
         """How it looks to a person who has two seconds."""
         before = self.adapter.status()["readings"]
-        self.guest.run("sleep 2")
+        self.guest.sleep(2)
         after = self.adapter.status()["readings"]
         changes = after["changes_4"] - before["changes_4"]
         if changes == 0:
@@ -74,11 +74,11 @@ class Estop(lines.GuestWithLines):
     def lean(self):
         """On a wall: it is felt."""
         self.arm.say("move 0 0 0 0.1", "move 0.018 0 0 0.3")
-        self.guest.run("sleep 0.8")
+        self.guest.sleep(0.8)
         self.assertLess(self.arm.felt(0.1)[0], -0.3)
 
     def assert_no_force(self):
-        self.guest.run("sleep 0.3")  # until what was before is out of the log that is read
+        self.guest.sleep(0.3)  # until what was before is out of the log that is read
         self.assertLess(max(self.arm.forces(0.2)), simdev.NOTHING_NEWTON)
 
     def felt_after(self, adapter, *verbs):
@@ -88,8 +88,7 @@ class Estop(lines.GuestWithLines):
 
     def ended_after(self, adapter, *verbs):
         """When that was, and the last force, both on the machine's clock."""
-        # In one go, for between two commands the guest's clock runs ahead.
-        before, *_ = self.guest.run(f"{adapter.command('status', *verbs)}; sleep 0.5").splitlines()
+        before, *_ = self.guest.steps(adapter.step("status", *verbs), ("sleep", 0.5))
         fell_s = json.loads(before)["machine_s"]
         samples = [(entry["machine_s"], simdev.norm(entry["force_newton"])) for entry in self.arm.samples(2)]
         self.assertGreater(min(force for at_s, force in samples if fell_s - 0.05 < at_s < fell_s), 0.3)
@@ -142,7 +141,7 @@ class Estop(lines.GuestWithLines):
     def test_5_one_channel_alone_is_a_defect_until_both_were_open(self):
         self.adapter.say("press 0")
         self.wait_for("stopped")
-        self.guest.run("sleep 0.5")
+        self.guest.sleep(0.5)
         self.adapter.say("release 0")
         self.wait_until("safety.trouble", "disagree")
         self.assertNotEqual(self.clear()[0], 0)
@@ -155,7 +154,7 @@ class Estop(lines.GuestWithLines):
         self.lean()
         self.adapter.say("press 2")
         self.wait_until("safety.is_deadman_held", "false")
-        self.guest.run("sleep 0.3")  # until it has faded
+        self.guest.sleep(0.3)  # until it has faded
         self.assert_no_force()
         self.assertEqual(self.status()["safety"]["state"], "free")
         self.assertEqual(self.status()["arms"][0]["state"], "active")
@@ -173,7 +172,7 @@ class Estop(lines.GuestWithLines):
     def assert_silence_is_a_stop(self, adapter, verb):
         """One that does not answer, until a person looks at its cable: `adapter` is told so by the verb."""
         self.arm.say("move 0 0 0 0.1")  # out of the wall, where one that became active in it is not pushed
-        self.guest.run("sleep 0.2")
+        self.guest.sleep(0.2)
         self.lean()
         self.assertLess(self.felt_after(adapter, f"{verb} 600"), SILENT_S)
         self.assertEqual(self.wait_until("safety.trouble", "silent")["state"], "stopped")
@@ -212,17 +211,17 @@ class Estop(lines.GuestWithLines):
         for verb, trouble in (("corrupt", "corrupted"), ("short", "shortened"), ("babble", "babbled")):
             with self.subTest(verb):
                 self.arm.say("move 0 0 0 0.1")
-                self.guest.run("sleep 0.2")
+                self.guest.sleep(0.2)
                 self.lean()
                 felt_newton = max(self.arm.forces(0.3))
                 done = self.adapter.status()["trouble"][trouble]
                 self.adapter.say(f"{verb} 100000")
-                self.guest.run("sleep 0.5")
+                self.guest.sleep(0.5)
                 self.assertGreater(self.adapter.status()["trouble"][trouble], done + 5)
                 self.assertLess(max(self.arm.forces(0.5)), 1.05 * felt_newton)
                 self.press()
                 # A look of the kernel's may be told that it is not pressed; not one after the other.
-                self.guest.run("sleep 0.5")
+                self.guest.sleep(0.5)
                 self.assert_no_force()
                 self.adapter.say(f"{verb} 0")
                 self.wait_for("stopped")
@@ -234,20 +233,20 @@ class Estop(lines.GuestWithLines):
         for signal in ("STOP", "KILL"):
             with self.subTest(signal):
                 self.assertGreaterEqual(self.beats(), lines.BEATS)
-                self.guest.run(f"systemctl kill -s {signal} thimbled; sleep 0.2")
+                self.guest.steps(("signal", f"SIG{signal}"), ("sleep", 0.2))
                 self.assertEqual(self.beats(), 0)
                 if signal == "STOP":
-                    self.guest.run("systemctl kill -s CONT thimbled")
+                    self.guest.steps(("signal", "SIGCONT"))
                 self.start_again(was_killed=signal == "KILL")
 
     def test_8b_it_stops_with_a_servo_that_hangs_and_comes_back_with_it(self):
         """All else in the daemon runs on: nobody but the servo could have let it beat."""
         self.assertGreaterEqual(self.beats(), lines.BEATS)
-        # In one go, for between two commands the guest's clock runs ahead: it hangs for less than WatchdogSec, and says when it has begun.
-        look = self.adapter.command("status")
-        printed = self.guest.run(f"python3 -B /run/tests/hang_thread.py {arms.SERVO} 2 > /run/hung 2>&1 & until [ -s /run/hung ]; do sleep 0.05; done; "
-                                 f"sleep 0.2; {look}; sleep 0.5; {look}")
-        first, second = (json.loads(line)["readings"]["changes_3"] for line in printed.splitlines())
+        # It hangs for less than WatchdogSec, and says when it has begun.
+        hangs = f"python3 -B /run/tests/hang_thread.py {arms.SERVO} 2 > /run/hung 2>&1 & until [ -s /run/hung ]; do sleep 0.05; done"
+        look = self.adapter.step("status")
+        printed = self.guest.steps(("run", hangs), ("sleep", 0.2), look, ("sleep", 0.5), look)
+        first, second = (json.loads(line)["readings"]["changes_3"] for line in printed)
         self.assertEqual(second - first, 0)
         arm = json.loads(simdev.wait_for_state(self.guest, "fault"))
         self.assertIn("servo-late", [fault["code"] for fault in arm["faults"]])

@@ -30,9 +30,9 @@ class Falcon(one_arm.OneArm):
 
     def test_1b_its_boot_loader_was_given_the_whole_firmware_once(self):
         simdev.wait_for_state(self.guest, "calibrating")
-        # What it was sent since it came; the rest of its log is long, and stays in the guest.
-        lines = self.guest.run(f"{self.arm.command('log 60')} | grep '\"out\"'").splitlines()
-        self.assertEqual(b"".join(bytes.fromhex(json.loads(line)["out"]) for line in lines).count(arms.firmware()), 1)
+        # What it was sent since it came.
+        sent = b"".join(bytes.fromhex(entry["out"]) for entry in self.arm.log(60) if "out" in entry)
+        self.assertEqual(sent.count(arms.firmware()), 1)
 
     def assert_ended_by_the_first_packets(self, log):
         """Those with which the daemon asks whether its firmware runs; on the arm's own clock."""
@@ -47,7 +47,7 @@ class Falcon(one_arm.OneArm):
         """Its firmware goes on, and no source knows of a watchdog: docs/first-arm.md says so to whoever has one. It knows where it is, and yet waits for a clear."""
         pressed = simdev.norm(self.press())
         self.assertGreater(pressed, one_arm.WALL_NEWTON)
-        self.guest.run(f"{self.arm.command('pull-cable')}; sleep 1")
+        self.guest.steps(self.arm.step("pull-cable"), ("sleep", 1))
         self.assertAlmostEqual(simdev.norm(self.arm.felt(0.3)), pressed, delta=0.1 * pressed)
         lost = json.loads(simdev.wait_for_state(self.guest, "lost"))
         self.assertEqual([fault["code"] for fault in lost["faults"]], ["disconnected"])
@@ -59,12 +59,12 @@ class Falcon(one_arm.OneArm):
         self.arm.plug()
         back = json.loads(simdev.wait_for_state(self.guest, "fault"))
         self.assertEqual((back["calibration"], back["faults"][0]["number"]), ("ok", lost["faults"][0]["number"]))
-        self.guest.run("sleep 0.5")
+        self.guest.sleep(0.5)
         self.assert_ended_by_the_first_packets(self.arm.log(5))
         self.assertEqual(self.arm.status()["readings"]["uploads"], uploads)
         self.arm.clear()
         self.move(self.rest_m, 0.1)
-        self.guest.run("sleep 0.2")
+        self.guest.sleep(0.2)
 
 
 class Measured(guest.GuestTest):

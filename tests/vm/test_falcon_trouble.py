@@ -62,9 +62,9 @@ class FalconInTrouble(guest.GuestTest):
         pressed_newton, since_s = self.pressed()
         malformed = self.malformed_reports()
         self.arm.say("fault short-replies 20", "fault glued-replies 33")
-        self.guest.run("sleep 0.5")
+        self.guest.sleep(0.5)
         self.arm.say("fault short-replies 0", "fault glued-replies 0")
-        self.guest.run("sleep 0.1")
+        self.guest.sleep(0.1)
         self.assert_lets_go_for_moments_only(pressed_newton, since_s)
         self.assertGreater(self.malformed_reports(), malformed)
 
@@ -72,7 +72,7 @@ class FalconInTrouble(guest.GuestTest):
         pressed_newton, since_s = self.pressed()
         cut = self.arm.status()["trouble"]["cut"]
         self.arm.say("short-out 3")
-        self.guest.run("sleep 0.3")
+        self.guest.sleep(0.3)
         self.assertEqual(self.arm.status()["trouble"]["cut"], cut + 3)
         self.assert_lets_go_for_moments_only(pressed_newton, since_s)
 
@@ -83,13 +83,13 @@ class FalconInTrouble(guest.GuestTest):
             arm = json.loads(simdev.wait_for_state(self.guest, "fault"))
             self.assertEqual([fault["code"] for fault in arm["faults"]], ["missed-exchanges"])
             numbers.append(arm["faults"][0]["number"])
-            self.guest.run("sleep 0.2")
+            self.guest.sleep(0.2)
             self.assertLess(max(self.arm.forces(0.1)), simdev.NOTHING_NEWTON)
             self.guest.run("thimble clear-fault right")
         numbers.append(json.loads(simdev.wait_for_state(self.guest, "fault"))["faults"][0]["number"])
         self.assertEqual(sorted(set(numbers)), numbers, "each clear had a new one to clear")
         self.arm.say("fault latency 0")
-        self.guest.run("sleep 0.2")
+        self.guest.sleep(0.2)
         self.arm.clear()
         self.press()
 

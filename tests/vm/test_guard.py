@@ -39,14 +39,14 @@ class LetsGo:
         type(self).is_first = False
         self.arm.activate()
         self.arm.say(self.FREE)
-        self.guest.run("sleep 0.15")
+        self.guest.sleep(0.15)
         self.arm.say(self.IN_A_WALL)
-        self.guest.run("sleep 0.3")
+        self.guest.sleep(0.3)
         self.guest.run("systemctl list-units --no-legend 'thimble-guard@*' | grep -q running")
 
     def let_go_after(self, blow):
-        """The blow, which prints when it fell, and when the motors' last force was: the time between."""
-        fell_s = float(self.guest.run(f"{blow}; sleep 0.3").split()[0])
+        """The blow, a step which prints when it fell, and when the motors' last force was: the time between."""
+        fell_s = float(self.guest.steps(blow, ("sleep", 0.3))[0])
         # More than what has passed: between two commands an idle guest's clock runs ahead.
         samples = [(entry["machine_s"], simdev.norm(entry["force_newton"])) for entry in self.arm.samples(2.5)]
         before = [force for at_s, force in samples if fell_s - 0.05 < at_s < fell_s]
@@ -62,23 +62,22 @@ class LetsGo:
         self.guest.run(f"sleep {after_s}; until systemctl show thimbled -p NRestarts | grep -qx NRestarts=1 && systemctl is-active thimbled; do sleep 0.3; done", 240)
         arm = json.loads(simdev.wait_for_state(self.guest, self.STARTED_ANEW))
         self.assertEqual(arm["lease"], "none")
-        self.guest.run("sleep 0.5")
+        self.guest.sleep(0.5)
         self.assert_without_force()
 
     def test_killed(self):
-        self.assertLess(self.let_go_after(arms.signal("SIGKILL")), LET_GO_S)
+        self.assertLess(self.let_go_after(("signal", "SIGKILL")), LET_GO_S)
         self.assert_started_anew_without_force(self.RESTART_S)
 
     def test_stopped(self):
-        self.assertLess(self.let_go_after(arms.signal("SIGSTOP")), LET_GO_S)
+        self.assertLess(self.let_go_after(("signal", "SIGSTOP")), LET_GO_S)
         self.assert_started_anew_without_force(self.WATCHDOG_S)
 
     def test_a_servo_that_hangs(self):
-        blow = f"python3 -B /run/tests/hang_thread.py {arms.SERVO} 0.5"
-        self.assertLess(self.let_go_after(blow), LET_GO_S)
+        self.assertLess(self.let_go_after(("hang", "servo-right", 0.5)), LET_GO_S)
         arm = json.loads(simdev.wait_for_state(self.guest, "fault"))
         self.assertIn("servo-late", [fault["code"] for fault in arm["faults"]])
-        self.guest.run("sleep 0.5")
+        self.guest.sleep(0.5)
         self.assert_without_force(0.5)
 
 

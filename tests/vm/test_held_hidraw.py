@@ -19,16 +19,6 @@ RIGHT, LEFT = 0, 1
 HANGS_S = 3
 # Samples of a millisecond: what was on its way when an arm began to hang, and a frame beside.
 MOST_LATE = 3
-# Has the device hang and ends the daemon before that could have noticed: when.
-HANG_AND_KILL = """python3 -B - {socket} {pid} <<'E'
-import os, signal, sys, time
-sys.path.insert(0, "/run/tests")
-import simdev
-with simdev.Verbs(sys.argv[1]) as device:
-    device.say("nak {seconds}")
-    print(time.monotonic())
-    os.kill(int(sys.argv[2]), signal.SIGKILL)
-E"""
 
 
 class HeldHidraw(two_arms.TwoArms):
@@ -47,8 +37,8 @@ class HeldHidraw(two_arms.TwoArms):
         return self.guest.run(f"for node in /sys/class/hidraw/*; do grep -lqx HID_UNIQ={serial} $node/device/uevent && basename $node; done; true").strip()
 
     def hold(self, serial):
-        """A script: a stranger's write to that device, which takes nothing, has hidraw's lock from then on."""
-        return f"(python3 -B /run/tests/hold_hidraw.py /dev/{self.node_of(serial)} > /run/held 2>&1 &)"
+        """A step: a stranger's write to that device, which takes nothing, has hidraw's lock from then on."""
+        return "run", f"(python3 -B /run/tests/hold_hidraw.py /dev/{self.node_of(serial)} > /run/held 2>&1 &)"
 
     def was_held(self):
         """From when until when."""
@@ -70,7 +60,7 @@ class HeldHidraw(two_arms.TwoArms):
 
     def while_held(self, serial):
         """Of SERIAL's device, which takes nothing meanwhile: what the left and the right arm felt while a stranger's write to it had the lock."""
-        at_s, *logs = self.log_around(self.hold(serial), LOOK_S)
+        at_s, *logs = self.log_around(self.hold(serial), seconds=LOOK_S)
         held_s, free_s = self.was_held()
         self.assertGreater(free_s - max(held_s, at_s), HELD_S, "hidraw was never held up: nothing was tried")
         return logs
@@ -114,7 +104,7 @@ class HeldHidraw(two_arms.TwoArms):
 
     def test_4_it_works_again_when_a_person_has_seen_to_it(self):
         before = self.status(RIGHT)
-        self.guest.run("sleep 6")
+        self.guest.sleep(6)
         self.assertLess(max(self.left.forces(1)), simdev.NOTHING_NEWTON, "what waited in the kernel came late")
         self.guest.run("thimble clear-fault left")
         # It fell silent, and may have been turned off meanwhile.
@@ -125,8 +115,8 @@ class HeldHidraw(two_arms.TwoArms):
         self.assert_undisturbed(RIGHT, before)
 
     def test_5_of_an_arm_that_hangs_when_the_daemon_is_killed_nothing_comes_back(self):
-        blow = HANG_AND_KILL.format(socket=self.left.socket, pid=arms.PID, seconds=HANGS_S)
-        fell_s = float(self.guest.run(f"{blow}\nsleep {HANGS_S + 1}").split()[0])
+        # The daemon is ended before it could have noticed.
+        *_, fell_s = map(float, self.guest.steps(self.left.step(f"nak {HANGS_S}"), ("signal", "SIGKILL"), ("sleep", HANGS_S + 1))[1:])
         left, right = (arm.log(HANGS_S + 3) for arm in (self.left, self.right))
         self.assertLess(self.pressed_until(right, fell_s), LET_GO_S)
         # Its own watchdog takes the force away; what the kernel has for it comes when it takes something again, and then zeros.
@@ -140,7 +130,7 @@ class HeldHidraw(two_arms.TwoArms):
         self.guest.run("systemctl reset-failed thimbled; systemctl restart thimbled")
         self.press_both()
         self.hung.say("nak 30")
-        fell_s = float(self.guest.run(f"{self.hold(HUNG)}; sleep 0.5; {arms.signal('SIGSTOP')}; sleep 1").split()[0])
+        fell_s = float(self.guest.steps(self.hold(HUNG), ("sleep", 0.5), ("signal", "SIGSTOP"), ("sleep", 1))[0])
         logs = [arm.log(3) for arm in (self.right, self.left)]
         held_s, free_s = self.was_held()
         self.assertTrue(held_s + 0.1 < fell_s < free_s - 1, "hidraw was free: nothing was tried")

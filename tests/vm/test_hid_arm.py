@@ -106,7 +106,7 @@ class FallBack(guest.GuestTest):
         self.arm.say("plug")
         self.arm.plug()
         self.guest.wait_for("thimble status --json | grep -q 'it takes over as soon as the simulated arm is inactive: thimble deactivate right'")
-        self.guest.run("sleep 2")  # it is looked for again meanwhile
+        self.guest.sleep(2)  # it is looked for again meanwhile
         self.assert_stands_in()
         arm = self.arm.status()
         self.assertEqual((arm["open"], arm["counters"]["from_host"]), (False, 0))
@@ -118,7 +118,7 @@ class FallBack(guest.GuestTest):
         self.arm.calibrate()
         simdev.wait_for_state(self.guest, "inactive")
         self.arm.say("move 0.018 0 0 0.2")
-        self.guest.run("sleep 1")
+        self.guest.sleep(1)
         self.assertEqual(self.status()[1]["state"], "inactive")
         self.assertLess(max(self.arm.forces(1)), simdev.NOTHING_NEWTON)
 
@@ -127,5 +127,5 @@ class FallBack(guest.GuestTest):
         self.guest.run("thimble activate right")
         simdev.wait_for_state(self.guest, "active")
         self.arm.say("move 0.018 0 0 0.2")
-        self.guest.run("sleep 0.8")
+        self.guest.sleep(0.8)
         self.assertLess(self.arm.felt(0.1)[0], -one_arm.WALL_NEWTON)

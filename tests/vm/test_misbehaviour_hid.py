@@ -51,6 +51,6 @@ class Misbehaving(misbehaviour.Misbehaviour, guest.GuestTest):
         places = []
         for verb in ("push 10 0 0", "push -10 0 0"):
             self.puck.say(verb)
-            self.guest.run("sleep 0.5")
+            self.guest.sleep(0.5)
             places.append(json.loads(self.guest.run("thimble status --json"))["arms"][2]["position_m"][0])
         self.assertLess(places[1], places[0])

@@ -30,8 +30,8 @@ class OutOfReach(lines.GuestWithLines):
 
     def test_2_its_cable_pulled_it_pushes_on_and_the_heartbeat_stops(self):
         pressed_newton = simdev.norm(self.arm.felt(0.1))
-        pulled = f"{self.arm.command('pull-cable')}; sleep 0.3; thimble status --json > /run/pulled.json"
-        self.assertLess(self.beats(script=pulled), LAST_BEATS)
+        pulled = self.arm.step("pull-cable"), ("sleep", 0.3), ("run", "thimble status --json > /run/pulled.json")
+        self.assertLess(self.beats(during=pulled), LAST_BEATS)
         self.assertEqual(self.beats(), 0)
         status = json.loads(self.guest.run("cat /run/pulled.json"))
         self.assertEqual((status["safety"]["state"], status["safety"]["trouble"]), ("stopped", "arm-out-of-reach"))
@@ -42,7 +42,7 @@ class OutOfReach(lines.GuestWithLines):
 
     def test_3_the_relay_has_fallen_it_is_without_force_and_nothing_comes_back_by_itself(self):
         self.arm.say("unplug")
-        self.guest.run("sleep 1")
+        self.guest.sleep(1)
         self.assertLess(max(self.arm.forces(0.5)), simdev.NOTHING_NEWTON)
         self.assertEqual(self.beats(), 0)
 

@@ -31,7 +31,7 @@ class Puck(guest.GuestTest):
     def test_2_pushed_it_moves_the_point_until_a_wall_holds_it_back(self):
         self.assertFalse(self.arm()["is_in_contact"])
         self.puck.say("push 20 0 0")
-        self.guest.run("sleep 1.5")
+        self.guest.sleep(1.5)
         arm = self.arm()
         self.assertTrue(arm["is_in_contact"])
         self.assertGreater(arm["position_m"][0], 0.01)
@@ -40,9 +40,9 @@ class Puck(guest.GuestTest):
 
     def test_3_let_go_the_point_rests_and_silence_is_no_fault(self):
         self.puck.say("push 0 0 0")
-        self.guest.run("sleep 0.5")
+        self.guest.sleep(0.5)
         before = self.arm()
-        self.guest.run("sleep 2")
+        self.guest.sleep(2)
         self.assertEqual(self.arm()["position_m"], before["position_m"])
         self.assertEqual((before["state"], before["faults"]), ("active", []))
 

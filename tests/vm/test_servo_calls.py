@@ -53,7 +53,7 @@ class Hid(guest.GuestTest):
     def lean(self):
         """A hand leans on a wall, and feels it."""
         self.arm.say("move 0.018 0 0 0.15")
-        self.guest.run("sleep 0.3")
+        self.guest.sleep(0.3)
         self.assertLess(self.arm.felt(0.1)[0], -0.3)
 
     def run_for_daemon(self, script):

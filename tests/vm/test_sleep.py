@@ -24,19 +24,19 @@ class Sleep(guest.GuestTest):
     def test_1_an_arm_is_let_go_before_the_machine_sleeps(self):
         self.arm.activate()
         self.arm.say("move 0 0 0 0.1", "move 0.018 0 0 0.2")
-        self.guest.run("sleep 0.6")
+        self.guest.sleep(0.6)
         self.assertLess(self.arm.felt(0.1)[0], -0.3)
         self.guest.run(NIGHT)
         self.guest.wait_for("test $(systemctl is-active sleep.target) = active")
         self.assertEqual(self.guest.ask("systemctl is-active thimbled")[1].strip(), "inactive")
-        self.guest.run("sleep 0.3")
+        self.guest.sleep(0.3)
         self.assertLess(max(self.arm.forces(0.2)), simdev.NOTHING_NEWTON)
 
     def test_2_afterwards_the_daemon_is_there_and_the_arm_wants_a_person(self):
         self.guest.run("systemctl stop night")
         self.guest.wait_for("systemctl is-active --quiet thimbled")
         simdev.wait_for_state(self.guest, "inactive", "calibrating")
-        self.guest.run("sleep 0.5")
+        self.guest.sleep(0.5)
         self.assertLess(max(self.arm.forces(0.5)), simdev.NOTHING_NEWTON)
         self.arm.activate()
 
@@ -45,5 +45,5 @@ class Sleep(guest.GuestTest):
         self.guest.wait_for("test $(systemctl is-active sleep.target) = active")
         self.guest.run("systemctl stop night")
         self.guest.wait_for("test $(systemctl is-active sleep.target) = inactive")
-        self.guest.run("sleep 1")
+        self.guest.sleep(1)
         self.assertEqual(self.guest.ask("systemctl is-active thimbled")[1].strip(), "inactive")

@@ -17,8 +17,8 @@ class Unplugged(two_arms.TwoArms):
     """Numbered: each test goes on where the one before it ended."""
 
     def plug(self):
-        """A script of the guest."""
-        return self.right.command("plug")
+        """Steps of the guest."""
+        return (self.right.step("plug"),)
 
     def assert_not_cleared(self, why):
         code, printed = self.guest.ask("thimble clear-fault right")
@@ -29,7 +29,7 @@ class Unplugged(two_arms.TwoArms):
         self.press_both()
 
     def test_2_pulled_out_it_is_lost_and_the_arm_beside_presses_on(self):
-        at_s, left, right = self.log_around(self.right.command("pull-cable"), seconds=2)
+        at_s, left, right = self.log_around(self.right.step("pull-cable"), seconds=2)
         self.assertGreater(min(force for when_s, force in two_arms.forces(right) if when_s < at_s), two_arms.WALL_NEWTON)
         one_arm.assert_ended_by_its_watchdog(self, right, one_arm.OneArm.watchdog_s, two_arms.WALL_NEWTON)
         self.assert_pressed_without_a_gap(left)
@@ -41,15 +41,15 @@ class Unplugged(two_arms.TwoArms):
         self.assertIn("the arm was unplugged", arm["faults"][0]["message"])
         self.assertGreater(arm["faults"][0]["number"], 0)
         self.assert_not_cleared("can be cleared when it is back")
-        shown = self.guest.wait_for("file=$(thimble status --json | python3 -c 'import json, sys; "
-                                    "print(json.load(sys.stdin)[\"arms\"][0][\"faults\"][0][\"recording\"])'); "
-                                    "test -f \"$file\" && thimble flight show $file")
+        self.guest.wait_for("thimble status --json | grep -q '\"recording\":\"/'")
+        arm = json.loads(simdev.wait_for_state(self.guest, "lost"))
+        shown = self.guest.run(f"thimble flight show '{arm['faults'][0]['recording']}'")
         self.assertIn("disconnected", shown)
         self.assertIn("touch", shown)
 
     def test_4_plugged_in_again_it_is_not_driven_before_it_is_calibrated(self):
         before = self.of_the_arm_beside()
-        _, left, _ = self.log_around(self.plug())
+        _, left, _ = self.log_around(*self.plug())
         self.assert_pressed_without_a_gap(left)
         arm = json.loads(simdev.wait_for_state(self.guest, "calibrating"))
         self.assertEqual([fault["code"] for fault in arm["faults"]], ["disconnected"])
@@ -61,7 +61,7 @@ class Unplugged(two_arms.TwoArms):
         before = self.of_the_arm_beside()
         self.assertIn("thimble clear-fault right", self.right.bring_back()["instruction"])
         # For longer than its own watchdog waits for a word.
-        self.guest.run("sleep 1")
+        self.guest.sleep(1)
         arm = json.loads(simdev.wait_for_state(self.guest, "fault"))
         self.assertEqual((arm["calibration"], [fault["code"] for fault in arm["faults"]]), ("ok", ["disconnected"]))
         self.assertLess(max(self.right.forces(1)), simdev.NOTHING_NEWTON)
@@ -79,4 +79,4 @@ class UnpluggedFromUsb(Unplugged):
     way = "usb"
 
     def plug(self):
-        return f"{super().plug()} && {simdev.RAISE_CARRIERS}"
+        return *super().plug(), ("run", simdev.RAISE_CARRIERS)

@@ -87,11 +87,10 @@ class TwoArms(guest.GuestTest):
         self.assertTrue(before["is_in_contact"])
         self.assertEqual(self.of_the_arm_beside(), before)
 
-    def log_around(self, blow, seconds=0.5):
-        """A script of the guest: when it began, on the guest's clock, and what the left and the right arm felt from 0.3 s before
-        until SECONDS after it."""
-        # In one go: between two commands an idle guest's clock runs ahead.
-        at_s = float(self.guest.run(f"sleep 0.3; python3 -c 'import time; print(time.monotonic())'; {blow}; sleep {seconds}").split()[0])
+    def log_around(self, *blow, seconds=0.5):
+        """Steps of the guest: when they began, on the guest's clock, and what the left and the right arm felt from 0.3 s before
+        until SECONDS after them."""
+        at_s = float(self.guest.steps(("sleep", 0.3), ("now",), *blow, ("sleep", seconds))[0])
         return at_s, *([entry for entry in arm.log(seconds + 2) if at_s - 0.3 < entry["machine_s"] < at_s + seconds]
                        for arm in (self.left, self.right))
 

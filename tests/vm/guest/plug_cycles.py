@@ -35,8 +35,7 @@ def await_event(device, wanted, patience_s=PATIENCE_S):
     return False
 
 
-def cycle_uhid(count, hold, serial):
-    device = os.open("/dev/uhid", os.O_RDWR)
+def cycle_uhid(device, count, hold, serial):
     opened = 0
     for turn in range(1, count + 1):
         uhid_device.create(device, 0x1234, 0x0006, serial)
@@ -59,8 +58,7 @@ def spoilt(descriptor, chance):
     return bytes(data)
 
 
-def cycle_lies(count, serial):
-    device = os.open("/dev/uhid", os.O_RDWR)
+def cycle_lies(device, count, serial):
     chance = random.Random(1)
     taken = 0
     for _ in range(count):
@@ -90,12 +88,12 @@ def cycle_usb(count, path, attach):
 
 
 def main(way, count, *words):
-    if way == "uhid":
-        print(cycle_uhid(int(count), int(words[0]), words[1]))
-    elif way == "lies":
-        print(cycle_lies(int(count), words[0]))
-    else:
+    if way in ATTACH:
         print(cycle_usb(int(count), words[0], ATTACH[way]))
+        return
+    with open("/dev/uhid", "r+b", buffering=0) as uhid:
+        device = uhid.fileno()
+        print(cycle_uhid(device, int(count), int(words[0]), words[1]) if way == "uhid" else cycle_lies(device, int(count), words[0]))
 
 
 if __name__ == "__main__":
