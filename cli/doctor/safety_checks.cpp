@@ -14,8 +14,6 @@ constexpr const char* kWhyNeeded =
 // "thimbled" says who it is when it takes a line; anybody may say so.
 constexpr const char* kConsumer = "thimbled";
 
-bool is_simulated(const config::SafetyConfig& safety) { return safety.chip.starts_with("sim:"); }
-
 std::string labels_of(const std::vector<GpioChip>& chips) {
   std::string labels;
   for (const GpioChip& chip : chips) labels += (labels.empty() ? "'" : ", '") + chip.label + "'";
@@ -141,7 +139,7 @@ Verdict taken_line(const Facts& facts, const GpioChip& chip, const std::string& 
 }
 
 Verdict check_safety_chip(const Facts& facts, const config::SafetyConfig& safety) {
-  if (is_simulated(safety))
+  if (safety.is_simulated())
     return all_well("safety-chip", "the safety lines are simulated, as all arms are");
   const std::vector<const GpioChip*> chips = safety_chips(facts);
   if (chips.empty()) return missing_chip(facts, safety.chip);

@@ -2,7 +2,6 @@
 
 #include <poll.h>
 
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -33,7 +32,7 @@ SafetyThread::SafetyThread(const config::Config& config, const Clock& clock,
                            const linux::RealtimeProcess& process,
                            std::unique_ptr<linux::EventFd> wake)
     : clock_(clock), wake_(std::move(wake)) {
-  if (!std::string_view(config.safety->chip).starts_with("sim:")) {
+  if (!config.safety->is_simulated()) {
     chips_ = std::make_unique<linux::GpioChips>(
         linux::BusSettings{clock, bus_thread_settings(config.servo), process.report()});
     return;

@@ -51,6 +51,7 @@ struct SafetyConfig {
   std::optional<std::string> lamp;
   ClosedLevel closed_level{ClosedLevel::Low};
   PullResistor pull{PullResistor::Internal};
+  [[nodiscard]] bool is_simulated() const noexcept { return chip.starts_with("sim:"); }
   bool operator==(const SafetyConfig&) const = default;
 };
 

@@ -29,8 +29,6 @@ void check_name(TableReader& reader, std::string_view key, const std::string& na
                 "expected up to 31 characters as gpioinfo shows them, found " + in_quotes(name));
 }
 
-bool is_simulated(const SafetyConfig& safety) { return safety.chip.starts_with("sim:"); }
-
 // The label may have a '/', where the kernel makes it of a path of the device tree; but none is of
 // a node.
 void check_chip(TableReader& reader, const SafetyConfig& safety) {
@@ -56,7 +54,7 @@ void check_lines(TableReader& reader, const SafetyConfig& safety) {
   std::vector<std::string> taken;
   const auto take = [&](std::string_view key, const std::string& line) {
     check_name(reader, key, line);
-    if (is_simulated(safety)) check_place(reader, key, line);
+    if (safety.is_simulated()) check_place(reader, key, line);
     if (std::find(taken.begin(), taken.end(), line) != taken.end()) {
       reader.object(key, "expected a line of its own, found " + in_quotes(line) + " again");
     }
@@ -93,7 +91,7 @@ Entry<SafetyConfig> read_safety(TableReader reader) {
 }
 
 void check_real_arms(Entry<SafetyConfig>& safety, const std::vector<Entry<ArmConfig>>& arms) {
-  if (!is_simulated(safety.value)) return;
+  if (!safety.value.is_simulated()) return;
   // One that a simulated arm stands in for is real when it comes.
   const auto real = std::find_if(arms.begin(), arms.end(), [](const auto& entry) {
     return !entry.value.device.empty() && !entry.value.device.starts_with("sim:");

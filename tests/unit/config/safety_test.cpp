@@ -41,6 +41,13 @@ TEST(ConfigSafety, ReadsEveryKey) {
   EXPECT_EQ(sut->safety, expected);
 }
 
+TEST(ConfigSafety, SaysWhetherItsChipIsSimulated) {
+  EXPECT_TRUE(
+      parse_text(with_safety("chip = \"sim:0\"\nestop = [\"0\"]\n"))->safety->is_simulated());
+  EXPECT_FALSE(
+      parse_text(with_safety("chip = \"simatic\"\nestop = [\"0\"]\n"))->safety->is_simulated());
+}
+
 TEST(ConfigSafety, WithoutAnArmItHasNothingToKeepSafe) {
   EXPECT_THAT(
       mistakes("[safety]\nchip = \"c\"\nestop = [\"0\"]\n[[world]]\nname = \"w\"\nsource = "
