@@ -1,9 +1,10 @@
 #include "cli/doctor/load_plugins.hpp"
 
-#include <filesystem>
 #include <iostream>
+#include <utility>
 
 #include "cli/text.hpp"
+#include "hal/plugin/plugin_file.hpp"
 
 namespace thimble::doctor {
 
@@ -11,11 +12,12 @@ bool load_plugins(session::Plugins& plugins, const std::vector<std::string>& pat
   std::vector<std::string> absolute;
   absolute.reserve(paths.size());
   for (const std::string& path : paths) {
-    if (path.empty()) {
-      std::cerr << "thimble: --plugin: the name of a file is expected, and it is empty\n";
+    Result<std::string> whole = plugin::absolute_plugin_path(path);
+    if (!whole) {
+      std::cerr << "thimble: " << cli::plain(whole.error().message) << '\n';
       return false;
     }
-    absolute.push_back(std::filesystem::absolute(path).string());
+    absolute.push_back(*std::move(whole));
   }
   const std::vector<Error> refused = plugins.load(absolute);
   for (const Error& error : refused) std::cerr << "thimble: " << cli::plain(error.message) << '\n';

@@ -7,7 +7,9 @@
 #include <climits>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <memory>
+#include <system_error>
 
 namespace thimble::plugin {
 namespace {
@@ -63,6 +65,19 @@ Result<std::string> trusted_plugin_path(const std::string& path) {
   const auto root = check_place("/", path);
   if (!root) return tl::unexpected(root.error());
   return file;
+}
+
+Result<std::string> absolute_plugin_path(const std::string& said) {
+  if (said.empty()) {
+    return fail(Errc::InvalidArgument, "--plugin: the name of a file is expected, and it is empty");
+  }
+  std::error_code error;
+  const std::filesystem::path path = std::filesystem::absolute(said, error);
+  if (error) {
+    return fail(Errc::System, "--plugin: the working folder, where " + said +
+                                  " would be, cannot be had: " + error.message());
+  }
+  return path.string();
 }
 
 }  // namespace thimble::plugin

@@ -25,4 +25,9 @@ struct FileFacts {
 // Permission, System; the message is the second half of a sentence about the file.
 [[nodiscard]] Result<std::string> trusted_plugin_path(const std::string& path);
 
+// What a person wrote behind `--plugin`, absolute: a relative path means the working folder.
+// Thread: any. Errors: InvalidArgument where it is empty, System where that folder is not to be
+// had; the message is a whole sentence.
+[[nodiscard]] Result<std::string> absolute_plugin_path(const std::string& said);
+
 }  // namespace thimble::plugin

@@ -83,7 +83,7 @@ class Simdev(ProcessTest):
         self.assertEqual(status["model"], "sim:gantry")
 
     def test_a_plugin_that_is_none_is_refused_in_a_sentence_that_names_it(self):
-        for file, words in ((self.write("none.so", "x"), "none.so"), ("", "--plugin needs the name of a file"), (self.folder / "away.so", "away.so")):
+        for file, words in ((self.write("none.so", "x"), "none.so"), ("", "--plugin: the name of a file is expected, and it is empty"), (self.folder / "away.so", "away.so")):
             with self.subTest(file):
                 ended = self.run_program("thimble-simdev", "--usbip", "0", "--plugin", file, "gantry")
                 self.assertNotEqual(ended.returncode, 0)

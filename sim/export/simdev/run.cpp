@@ -7,15 +7,14 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <string>
-#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "hal/linux/monotonic_clock.hpp"
 #include "hal/linux/system_error.hpp"
+#include "hal/plugin/plugin_file.hpp"
 #include "hal/plugin/plugin_loader.hpp"
 #include "hal/plugin/sim_model.hpp"
 #include "sim/bus/sim_usb_port.hpp"
@@ -44,13 +43,12 @@ constexpr const char* kUhidNode = "/dev/uhid";
 Result<void> add_plugins(const std::vector<std::string>& files, plugin::SimModelRegistry& models) {
   plugin::DriverRegistry drivers;
   for (const std::string& file : files) {
-    std::error_code error;
-    const std::string path = std::filesystem::absolute(file, error);
-    if (error) return fail(Errc::InvalidArgument, "--plugin needs the name of a file");
-    const Result<const thimble_plugin*> loaded = plugin::load_plugin(path);
+    const Result<std::string> path = plugin::absolute_plugin_path(file);
+    if (!path) return tl::unexpected(path.error());
+    const Result<const thimble_plugin*> loaded = plugin::load_plugin(*path);
     if (!loaded) return tl::unexpected(loaded.error());
     const Result<void> added = plugin::register_plugin(**loaded, drivers, models);
-    if (!added) return tl::unexpected(added.error().in(path));
+    if (!added) return tl::unexpected(added.error().in(*path));
   }
   return {};
 }

@@ -33,6 +33,35 @@ TEST(PluginFile, NobodyElseMayWriteToIt) {
   }
 }
 
+TEST(PluginPathOfACommandLine, MeansTheWorkingFolderWhereItIsRelative) {
+  const std::string here = std::filesystem::current_path().string();
+  EXPECT_EQ(absolute_plugin_path("plugin.so").value(), here + "/plugin.so");
+  EXPECT_EQ(absolute_plugin_path("/opt/plugin.so").value(), "/opt/plugin.so");
+}
+
+TEST(PluginPathOfACommandLine, IsRefusedWhereItIsEmpty) {
+  const auto sut = absolute_plugin_path("");
+  ASSERT_FALSE(sut);
+  EXPECT_EQ(sut.error().code, Errc::InvalidArgument);
+  EXPECT_EQ(sut.error().message, "--plugin: the name of a file is expected, and it is empty");
+}
+
+TEST(PluginPathOfACommandLine, IsRefusedWhereTheWorkingFolderIsGone) {
+  const testing_support::TemporaryFolder folder;
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::create_directory(folder / "gone");
+  std::filesystem::current_path(folder / "gone");
+  std::filesystem::remove(folder / "gone");
+  const auto relative = absolute_plugin_path("plugin.so");
+  const auto absolute = absolute_plugin_path("/opt/plugin.so");
+  std::filesystem::current_path(before);
+  ASSERT_FALSE(relative);
+  EXPECT_EQ(relative.error().code, Errc::System);
+  EXPECT_THAT(relative.error().message,
+              HasSubstr("where plugin.so would be, cannot be had: No such"));
+  EXPECT_EQ(absolute.value(), "/opt/plugin.so");
+}
+
 class PluginPath : public testing::Test {
  protected:
   std::string refusal(const std::filesystem::path& path) {
