@@ -178,6 +178,19 @@ UsbipSession& UsbipBus::connect(Socket socket) {
   return connections_.back().session;
 }
 
+// In order of their coming: who asked is answered in the same round, and then has the device or
+// goes.
+bool UsbipBus::make_room() {
+  if (connections_.size() < kMostConnections) return true;
+  const auto silent =
+      std::find_if(connections_.begin(), connections_.end(), [](Connection& connection) {
+        return !connection.session.is_attached() && connection.session.outbox().empty();
+      });
+  if (silent == connections_.end()) return false;
+  drop(silent);
+  return true;
+}
+
 void UsbipBus::receive(Connection& connection, MonotonicTime now) {
   if (!connection.is_up) return;  // the next round drops it
   connection.session.set_available(is_plugged_ && !is_attached());

@@ -45,7 +45,7 @@ void UsbipPlug::end_frame(std::uint64_t frame) noexcept {
   if (is_attached() && frame % kFramesBetweenAccepts != 0) return;
   error_code error;
   Tcp::socket socket = acceptor_.accept(*io_, error);
-  if (error || !has_room()) return;
+  if (error || !make_room()) return;
   socket.non_blocking(true, error);
   if (!error) socket.set_option(Tcp::no_delay(true), error);
   if (!error) connect(Socket(std::move(socket)));

@@ -7,58 +7,13 @@
 
 #include "sim/export/hid_on_usb.hpp"
 #include "tests/support/scripted_hid_model.hpp"
-#include "tests/support/scripted_usb_model.hpp"
-#include "tests/unit/export/export_bench.hpp"
-#include "tests/unit/export/usbip_host.hpp"
+#include "tests/unit/export/usbip_plug_fixture.hpp"
 
 namespace thimble::sim {
 namespace {
 
-using Bytes = UsbipHost::Bytes;
 using std::chrono::milliseconds;
 using Tcp = boost::asio::ip::tcp;
-
-// Over a real socket of the loopback, between whose two ends virtual time runs by hand.
-class UsbipPlugTest : public ::testing::Test {
- protected:
-  UsbipPlugTest() : sut_(make(model_, {model_.describe(), {}})) { EXPECT_TRUE(sut_->plug()); }
-
-  std::unique_ptr<UsbipPlug> make(plugin::SimUsbModel& model, UsbPersona persona) {
-    auto plug = UsbipPlug::listen(io_, 0, model, std::move(persona), bench_.surroundings());
-    EXPECT_TRUE(plug);
-    return *std::move(plug);
-  }
-  Tcp::socket connect(UsbipPlug& plug) {
-    Tcp::socket socket(io_);
-    socket.connect({boost::asio::ip::address_v4::loopback(), plug.port()});
-    socket.non_blocking(true);
-    socket.set_option(Tcp::no_delay(true));  // as a kernel's host has it
-    return socket;
-  }
-  // Says it, and runs frames until so many bytes came back, or the other side hangs up.
-  Bytes ask(Tcp::socket& socket, const Bytes& bytes, std::size_t wanted) {
-    boost::system::error_code error;
-    if (!bytes.empty()) boost::asio::write(socket, boost::asio::buffer(bytes), error);
-    Bytes answer;
-    for (int frame = 0; frame < 200 && answer.size() < wanted; ++frame) {
-      bench_.run_frames(1);
-      Bytes piece(65536);
-      piece.resize(socket.read_some(boost::asio::buffer(piece), error));
-      answer.insert(answer.end(), piece.begin(), piece.end());
-      is_hung_up_ = error && error != boost::asio::error::would_block;
-      if (is_hung_up_) break;
-    }
-    return answer;
-  }
-
-  ExportBench bench_;
-  boost::asio::io_context io_;
-  std::shared_ptr<test::UsbModelScript> script_ = std::make_shared<test::UsbModelScript>();
-  test::ScriptedUsbModel model_{script_};
-  std::unique_ptr<UsbipPlug> sut_;
-  UsbipHost host_;
-  bool is_hung_up_{false};
-};
 
 // A Falcon that is offered loaded, say, has its firmware until somebody pulls the plug.
 TEST_F(UsbipPlugTest, PlugsADeviceInAsItWasMade) {
@@ -296,38 +251,6 @@ TEST_F(UsbipPlugTest, AnswersNoDataToAWriteWhateverItsSetupAsksFor) {
   ASSERT_EQ(answer.size(), 48U) << "a header alone";
   EXPECT_EQ(static_cast<std::int32_t>(UsbipHost::get(answer, 20)), -EPIPE);
   EXPECT_EQ(ask(host, host_.control({0x80, 6, 0, 1, 0, 0, 18, 0}), 66).size(), 66U);
-}
-
-// Four of them would keep everybody else out for ever.
-TEST_F(UsbipPlugTest, HangsUpOnWhoAsksNothingOrTakesTheDeviceAndLeavesItAlone) {
-  Tcp::socket host = connect(*sut_);
-  ASSERT_EQ(ask(host, UsbipHost::import(), 320).size(), 320U);
-  std::vector<Tcp::socket> idle;
-  for (std::size_t i = 1; i < UsbipPlug::kMostConnections; ++i) idle.push_back(connect(*sut_));
-  ASSERT_TRUE(ask(host, {}, 1).empty());  // 200 frames, in which all are accepted
-  Tcp::socket late = connect(*sut_);
-  EXPECT_TRUE(ask(late, UsbipHost::devlist(), 12).empty());
-  EXPECT_TRUE(is_hung_up_);
-  for (int second = 0; second <= 10; ++second) {  // a byte now and then is no question
-    boost::system::error_code ignored;
-    boost::asio::write(idle[0], boost::asio::buffer("\x01", 1), ignored);
-    bench_.run_frames(1000);
-  }
-  for (Tcp::socket& socket : idle) {
-    ask(socket, {}, 1);
-    EXPECT_TRUE(is_hung_up_);
-  }
-  EXPECT_FALSE(sut_->is_attached()) << "its host never made a request";
-  Tcp::socket next = connect(*sut_);
-  EXPECT_EQ(ask(next, UsbipHost::import(), 320).size(), 320U);
-}
-
-TEST_F(UsbipPlugTest, LetsAHostBeIdleForEver) {
-  Tcp::socket host = connect(*sut_);
-  ask(host, UsbipHost::import(), 320);
-  ask(host, host_.control({0x80, 6, 0, 1, 0, 0, 18, 0}), 48);
-  bench_.run_frames(30'000);
-  EXPECT_TRUE(sut_->is_attached());
 }
 
 TEST_F(UsbipPlugTest, RefusesAPortThatIsTaken) {
