@@ -24,6 +24,13 @@ std::vector<Item> values_of(const std::vector<Entry<Item>>& entries) {
   return out;
 }
 
+// Each arm has threads, a servo's among them.
+void check_count(TableReader& reader, const std::vector<Entry<ArmConfig>>& arms) {
+  if (arms.size() <= kMaxArms) return;
+  reader.reject("arm", "expected at most " + std::to_string(kMaxArms) + " [[arm]], found " +
+                           std::to_string(arms.size()));
+}
+
 Config read_tree(const toml::table& root, const std::filesystem::path& file, Report& report,
                  const Inspector& inspect) {
   const std::filesystem::path folder = file.parent_path();
@@ -41,6 +48,7 @@ Config read_tree(const toml::table& root, const std::filesystem::path& file, Rep
     worlds.push_back(read_world(std::move(world), folder));
   }
   reader.finish();
+  check_count(reader, arms);
   check_relations(arms, worlds);
   check_real_arms(safety, arms);
   if (arms.empty() && worlds.empty()) {

@@ -23,6 +23,16 @@ std::string pair_of(const std::string& first, const std::string& second) {
          one_arm("b", "peer = \"a\"\ncoupling.scheme = \"" + second + "\"");
 }
 
+TEST(ConfigHands, AreAsManyAsThereAreGuardsAndNoMore) {
+  std::string text(kHello);
+  for (std::size_t i = 1; i < kMaxArms; ++i) {
+    text += one_arm("arm-" + std::to_string(i), "world = \"box\"");
+  }
+  EXPECT_THAT(mistakes(text), IsEmpty());
+  text += one_arm("one-more", "world = \"box\"");
+  EXPECT_THAT(mistakes(text), ElementsAre(HasSubstr("arm: expected at most 32 [[arm]], found 33")));
+}
+
 TEST(ConfigPeers, AreCoupledBySchemesThatFit) {
   for (const auto& [first, second] :
        {std::pair{"wave", "wave"}, std::pair{"spring-damper", "spring-damper"},
