@@ -12,6 +12,10 @@
 
 namespace thimble::cli {
 
+std::string refuse_empty_name(const std::string& text) {
+  return text.empty() ? "expected a name, found \"\"" : "";
+}
+
 Result<std::string> read_at_most(const std::string& file, std::size_t bytes) {
   const auto word = [] { return std::string(": ") + std::strerror(errno); };
   const linux::Descriptor source(::open(file.c_str(), O_RDONLY | O_CLOEXEC));

@@ -7,6 +7,9 @@
 
 namespace thimble::cli {
 
+// For CLI11's check(): why an empty `text` names no file. Pure.
+[[nodiscard]] std::string refuse_empty_name(const std::string& text);
+
 // The first `bytes` of a file that a person named, or all of a shorter one.
 // Errors: NotFound when it is not there, System when it cannot be opened or read; each with the
 // system's word.

@@ -15,6 +15,7 @@
 #include "cli/commands.hpp"
 #include "cli/devices/devices.hpp"
 #include "cli/doctor/doctor.hpp"
+#include "cli/file_text.hpp"
 #include "cli/flight/report.hpp"
 #include "cli/flight/show.hpp"
 #include "cli/lab/lab_commands.hpp"
@@ -132,7 +133,8 @@ void add_machine_commands(CLI::App& app, Arguments& arguments, int& code) {
       })
       ->add_option("--config", arguments.config,
                    "The daemon's configuration: look for what this one asks for")
-      ->type_name("FILE");
+      ->type_name("FILE")
+      ->check(thimble::cli::refuse_empty_name);
   add_machine_command(app, "devices",
                       "List what arm.device could name, and why anything cannot be used", arguments,
                       [&] {

@@ -6,6 +6,7 @@
 
 #include "cli/cam/disassemble.hpp"
 #include "cli/cam/run.hpp"
+#include "cli/file_text.hpp"
 #include "cli/numbers.hpp"
 #include "drivers/cambus/cambus_registers.hpp"
 #include "hal/linux/monotonic_clock.hpp"
@@ -33,7 +34,8 @@ void add_world_commands(CLI::App& cam, int& code) {
       ->capture_default_str();
   run->add_option("--pattern", options.pattern,
                   "Begin with this in the middle: .rle, .npy, .nrrd or .nhdr")
-      ->type_name("FILE");
+      ->type_name("FILE")
+      ->check(cli::refuse_empty_name);
   run->add_option("--engine", options.engine, "Which does the work; all do the same")
       ->check(CLI::IsMember({"reference", "general", "compiled", "auto"}))
       ->capture_default_str();
@@ -48,7 +50,8 @@ void add_world_commands(CLI::App& cam, int& code) {
       ->check(CLI::IsMember(cambus::kClocks_mhz))
       ->capture_default_str();
   run->add_option("--write", options.write, "What came of it, to a file: .npy or .rle")
-      ->type_name("FILE");
+      ->type_name("FILE")
+      ->check(cli::refuse_empty_name);
   run->add_flag("--json", options.is_json, "As a JSON document");
   run->callback([&code, said] { code = run_run(*said, linux::MonotonicClock()); });
 }

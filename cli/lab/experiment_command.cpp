@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "cli/commands.hpp"
+#include "cli/file_text.hpp"
 #include "cli/lab/findings_files.hpp"
 #include "cli/numbers.hpp"
 #include "cli/text.hpp"
@@ -28,15 +29,11 @@ lab::Progress shown_progress() {
   };
 }
 
-std::string refuse_empty_name(const std::string& text) {
-  return text.empty() ? "expected a name, found \"\"" : "";
-}
-
 void add_out(CLI::App& command, std::string& folder) {
   command
       .add_option("--out", folder, "Write CSV, JSON and plots (SVG and PNG, by gnuplot) there, too")
       ->type_name("FOLDER")
-      ->check(refuse_empty_name);
+      ->check(cli::refuse_empty_name);
 }
 
 bool prepare_folder(const std::string& folder) {

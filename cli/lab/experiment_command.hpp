@@ -34,8 +34,6 @@ void add_experiment(CLI::App& lab, const ExperimentCommand& of, int& code);
 // --out of `command`, into `folder`, which stays empty where it is not given: an empty one is
 // refused.
 void add_out(CLI::App& command, std::string& folder);
-// For CLI11's check(): why an empty `text` names no file. Pure.
-[[nodiscard]] std::string refuse_empty_name(const std::string& text);
 // Before the work: whether files can go to `folder`, which is made; empty: nothing to do. What is
 // in the way is said.
 [[nodiscard]] bool prepare_folder(const std::string& folder);

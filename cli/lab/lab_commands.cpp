@@ -59,7 +59,7 @@ void add_separate(CLI::App& app, int& code) {
           "Instead: the pieces before they are moved, to a file for world.pieces.layout: .npy or "
           ".nrrd")
       ->type_name("FILE")
-      ->check(refuse_empty_name);
+      ->check(cli::refuse_empty_name);
   separate->callback([&code, said] { code = run_separate(said->seed, said->write); });
 }
 

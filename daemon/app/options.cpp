@@ -48,6 +48,7 @@ tl::expected<Options, int> parse_options(int argc, const char* const* argv) {
       ->check(refuse_not_finite)
       ->check(CLI::Range(0.0, kLongestRun_s));
   cli.add_option("--summary", options.summary, "write the final status there as JSON")
+      ->check(refuse_empty)
       ->type_name("FILE");
   cli.set_version_flag("--version", std::string("thimbled " THIMBLE_VERSION));
   cli.failure_message(

@@ -193,3 +193,7 @@ class Worlds(ProcessTest):
                 self.assertEqual((shown.returncode, shown.stdout), (2, ""), numbers)
                 self.assertIn("expected a whole number", shown.stderr)
         self.assertEqual(self.run_world("life", "--size", "8x8", "--steps", "1", "--engine", "x").returncode, 2)
+        for option in "--write", "--pattern":
+            shown = self.run_world("life", "--size", "8x8", "--steps", "1", option, "")
+            self.assertEqual((shown.returncode, shown.stdout), (2, ""), option)
+            self.assertIn(f'{option}: expected a name, found ""', shown.stderr)

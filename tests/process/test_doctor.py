@@ -45,6 +45,8 @@ class Doctor(ProcessTest):
         result = self.run_program("thimble", "doctor", "--config", file)
         self.assertEqual((result.returncode, result.stderr), (1, ""))
         self.assertRegex(" ".join(result.stdout.split()), "WRONG configuration: .*servo.priority")
+        result = self.run_program("thimble", "doctor", "--config", "")
+        self.assertEqual((result.returncode, result.stdout), (2, ""), "it is no wish for none")
 
     def test_knows_the_daemon_by_its_socket(self):
         daemon = self.start(config=HELLO)

@@ -205,6 +205,11 @@ class Run(ProcessTest):
         self.assertEqual(result.returncode, 2)
         self.assertIn("--config: expected the name of a file", result.stderr)
 
+    def test_a_summary_has_a_name(self):
+        result = self.thimbled("--config", EXAMPLES / "hello-voxel.toml", "--for", 0.1, "--set", f"daemon.socket={self.folder}/s", "--summary", "")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("--summary: expected the name of a file", result.stderr)
+
     def test_a_start_that_fails_leaves_no_summary(self):
         daemon = self.start(config=HELLO)
         result = self.thimbled("--config", EXAMPLES / "hello-voxel.toml", "--set", f"daemon.socket={daemon.socket}",

@@ -11,6 +11,11 @@
 namespace thimble::cli {
 namespace {
 
+TEST(RefuseEmptyName, RefusesNothingElse) {
+  EXPECT_EQ(refuse_empty_name(""), "expected a name, found \"\"");
+  for (const char* name : {"a", " ", "-", "/"}) EXPECT_EQ(refuse_empty_name(name), "") << name;
+}
+
 TEST(ReadAtMost, GivesAFileUpToTheLimitAndNoByteMore) {
   const testing_support::TemporaryFolder folder;
   std::string bytes(100'000, 'x');
