@@ -198,7 +198,7 @@ class Connections(ProcessTest):
 class Answers(ProcessTest):
     """A daemon that is none: its status is good, what it answers to a command is not."""
 
-    STATUS = json.dumps({"arms": [{"name": "right"}], "worlds": [{"name": "box", "cells": [3, 3, 3]}]})
+    STATUS = json.dumps({"version": "0", "arms": [{"name": "right"}], "worlds": [{"name": "box", "cells": [3, 3, 3]}]})
 
     def answer(self, connection):
         with connection, contextlib.suppress(BrokenPipeError, ConnectionResetError):

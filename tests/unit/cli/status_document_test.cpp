@@ -34,9 +34,18 @@ TEST(StatusDocument, RefusesWhatIsNoObject) {
   }
 }
 
+// What `thimble report` is given may be any program's.
+TEST(StatusDocument, RefusesAnObjectThatDoesNotSayWhichVersionWroteIt) {
+  for (const char* bytes : {"{}", R"({"arms": []})", R"({"version": 1})", R"({"version": ""})"}) {
+    const auto sut = parse_status(bytes);
+    ASSERT_FALSE(sut) << bytes;
+    EXPECT_EQ(sut.error().code, Errc::Malformed);
+  }
+}
+
 TEST(StatusDocument, TakesMissingAndMistypedMembersAsUnknown) {
   const auto sut = parse_status(
-      R"({"uptime_s": "x", "arms": [3, {"position_m": [1, null], "contacts": -2, "faults": {}}]})");
+      R"({"version": "1", "uptime_s": "x", "arms": [3, {"position_m": [1, null], "contacts": -2, "faults": {}}]})");
   ASSERT_TRUE(sut);
   EXPECT_TRUE(std::isnan(sut->uptime_s));
   ASSERT_EQ(sut->arms.size(), 2U);
@@ -48,8 +57,8 @@ TEST(StatusDocument, TakesMissingAndMistypedMembersAsUnknown) {
 
 TEST(StatusDocument, TakesACellThatCannotBeForNone) {
   for (const char* cell : {"3", "[]", "[1, 2]", "[1, 2, null]", "[1e30, 0, 0]", "[0, -1e10, 0]"}) {
-    const auto sut =
-        parse_status(R"({"arms": [{"felt": {"ghost_cell": )" + std::string(cell) + "}}]}");
+    const auto sut = parse_status(R"({"version": "1", "arms": [{"felt": {"ghost_cell": )" +
+                                  std::string(cell) + "}}]}");
     ASSERT_TRUE(sut) << cell;
     EXPECT_FALSE(sut->arms[0].felt.ghost_cell) << cell;
   }
@@ -60,14 +69,15 @@ TEST(StatusDocument, TakesABallThatCannotBeForNone) {
                              R"({"center_m": [0, 0], "radius_m": 1, "floor_m": 0})",
                              R"({"center_m": [0, 0, null], "radius_m": 1, "floor_m": 0})",
                              R"({"center_m": [1e308, 1e308, 0], "radius_m": 1, "floor_m": 0})"}) {
-    const auto sut = parse_status(R"({"worlds": [{"sphere": )" + std::string(sphere) + "}]}");
+    const auto sut =
+        parse_status(R"({"version": "1", "worlds": [{"sphere": )" + std::string(sphere) + "}]}");
     ASSERT_TRUE(sut) << sphere;
     EXPECT_FALSE(sut->worlds[0].sphere) << sphere;
   }
 }
 
 TEST(StatusDocument, BoundsItsLists) {
-  std::string text = R"({"degraded": [)";
+  std::string text = R"({"version": "1", "degraded": [)";
   for (int i = 0; i < 500; ++i) text += i == 0 ? "\"a\"" : ",\"a\"";
   const auto sut = parse_status(text + "]}");
   ASSERT_TRUE(sut);
