@@ -101,9 +101,9 @@ void add_motion(Lines& lines, const api::ArmStatus& arm, Glyphs glyphs) {
 
 void add_servo(Lines& lines, const api::ServoStatus& servo, Glyphs glyphs) {
   add(lines, "servo",
-      fixed(servo.rate_hz, 0) + " Hz" + (servo.is_realtime ? " real-time" : " best-effort") +
-          "  ticks " + std::to_string(servo.ticks) + "  overruns " +
-          std::to_string(servo.overruns));
+      (servo.rate_hz ? fixed(*servo.rate_hz, 0) : "-") + " Hz" +
+          (servo.is_realtime ? " real-time" : " best-effort") + "  ticks " +
+          std::to_string(servo.ticks) + "  overruns " + std::to_string(servo.overruns));
   add(lines, "wake-up", percentiles_text(servo.wakeup_error_s, glyphs));
   add(lines, "compute",
       "p99 " + time_text(servo.compute_s.p99, glyphs) + "  exchange p99 " +

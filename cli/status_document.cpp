@@ -41,6 +41,12 @@ std::optional<std::uint64_t> find_count(const json::value& value, std::string_vi
   return {};
 }
 
+// Nothing where it is no number.
+std::optional<double> find_number(const json::value& value, std::string_view key) {
+  const double found = number(value, key);
+  return std::isnan(found) ? std::nullopt : std::optional(found);
+}
+
 std::uint64_t count(const json::value& value, std::string_view key) {
   return find_count(value, key).value_or(0);
 }
@@ -160,7 +166,7 @@ api::ArmStatus arm(const json::value& value) {
 
 api::ServoStatus servo(const json::value& value) {
   return {text(value, "arm"),
-          number(value, "rate_hz"),
+          find_number(value, "rate_hz"),
           count(value, "ticks"),
           count(value, "overruns"),
           percentiles(value, "wakeup_error_s"),

@@ -80,17 +80,18 @@ json::object to_value(const Percentiles& percentiles) {
 }
 
 json::object to_value(const ServoStatus& servo) {
-  return {{"arm", servo.arm},
-          {"rate_hz", servo.rate_hz},
-          {"ticks", servo.ticks},
-          {"overruns", servo.overruns},
-          {"is_realtime", servo.is_realtime},
-          {"wakeup_error_s", to_value(servo.wakeup_error_s)},
-          {"compute_s", to_value(servo.compute_s)},
-          {"exchange_s", to_value(servo.exchange_s)},
-          {"missed_exchanges", servo.missed_exchanges},
-          {"malformed_reports", servo.malformed_reports},
-          {"superseded_commands", servo.superseded_commands}};
+  json::object out{{"arm", servo.arm}};
+  if (servo.rate_hz) out["rate_hz"] = *servo.rate_hz;
+  out["ticks"] = servo.ticks;
+  out["overruns"] = servo.overruns;
+  out["is_realtime"] = servo.is_realtime;
+  out["wakeup_error_s"] = to_value(servo.wakeup_error_s);
+  out["compute_s"] = to_value(servo.compute_s);
+  out["exchange_s"] = to_value(servo.exchange_s);
+  out["missed_exchanges"] = servo.missed_exchanges;
+  out["malformed_reports"] = servo.malformed_reports;
+  out["superseded_commands"] = servo.superseded_commands;
+  return out;
 }
 
 json::object to_value(const LinkStatus& link) {

@@ -122,7 +122,7 @@ api::ServoStatus servo_status(session::ArmRig& rig, std::size_t index,
   const servo::ServoLoop& loop = session.loop();
   api::ServoStatus servo;
   servo.arm = session.config().name;
-  servo.rate_hz = loop.settings().rate_hz;
+  servo.rate_hz = session.rate_hz();
   servo.ticks = snapshot.frame.tick;
   servo.overruns = snapshot.overruns;
   servo.wakeup_error_s = percentiles(loop.wakeup_error());

@@ -85,8 +85,13 @@ Result<std::unique_ptr<ArmSession>> ArmSession::create_lost(const config::ArmCon
   Result<std::unique_ptr<ArmSession>> session =
       make(arm, servo, parts, std::make_unique<devices::GoneDevice>(std::move(nothing)));
   if (!session) return tl::unexpected(session.error().in("arm '" + arm.name + "'"));
+  (*session)->is_rate_known_ = servo.rate_hz.has_value();
   (*session)->make_loop(true);
   return session;
+}
+
+std::optional<double> ArmSession::rate_hz() const noexcept {
+  return is_rate_known_ ? std::optional(settings_.rate_hz) : std::nullopt;
 }
 
 const servo::ServoSnapshot& ArmSession::snapshot() {

@@ -70,6 +70,8 @@ class ArmSession {
   bool set_impedance(Damping b) noexcept { return coupling_->set_impedance(b); }
   [[nodiscard]] const config::ArmConfig& config() const noexcept { return arm_; }
   [[nodiscard]] const devices::ReplaceableDevice& device() const noexcept { return device_; }
+  // At what its arm is driven; nothing while that has not come and the configuration says none.
+  [[nodiscard]] std::optional<double> rate_hz() const noexcept;
   // The newest state; what was known before when the servo wrote all the while.
   [[nodiscard]] const servo::ServoSnapshot& snapshot();
 
@@ -110,6 +112,7 @@ class ArmSession {
   servo::ServoControls controls_;
   GuardedArm guard_;
   servo::ServoSettings settings_;
+  bool is_rate_known_{true};
   std::unique_ptr<servo::ServoLoop> loop_;
   servo::ServoSnapshot snapshot_{};
   std::string trouble_;

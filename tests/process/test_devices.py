@@ -115,6 +115,7 @@ world = "box"
         absent = status["arms"][1]
         self.assertEqual((absent["state"], absent["faults"]), ("lost", []))
         self.assertIn("no device at hid:NOBODY", absent["instruction"])
+        self.assertEqual([servo.get("rate_hz") for servo in status["servos"]], [1000, None], "it is its driver's own")
         self.assertTrue(any("arm 'absent': no device at hid:NOBODY" in line for line in status["degraded"]))
         refused = self.thimble(daemon, "activate", "absent")
         self.assertNotEqual(refused.returncode, 0)

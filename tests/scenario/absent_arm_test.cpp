@@ -60,6 +60,18 @@ TEST_F(AbsentArm, IsOpenedGuardedCalibratedAndFeltWhenItComes) {
   EXPECT_EQ(forces_unasked_, 0);
 }
 
+// Its driver's own, which nobody knows before.
+TEST_F(AbsentArm, HasNoRateBeforeItComesUnlessTheConfigurationSaysOne) {
+  start();
+  EXPECT_FALSE(rig(kRight).session().rate_hz());
+  run(0.1);
+  plug(kRight);
+  run(0.1);
+  EXPECT_EQ(rig(kRight).session().rate_hz(), 1000);
+  start({"servo.rate_hz=2000"});
+  EXPECT_EQ(rig(kRight).session().rate_hz(), 2000);
+}
+
 TEST_F(AbsentArm, ThatNobodyWantsActiveAnyMoreStaysInactiveWhenItComes) {
   start();
   rig(kRight).session().controls().want_active = false;  // `thimble deactivate right`

@@ -114,6 +114,14 @@ TEST(StatusJson, TellsOfTheSafetyLinesWhereThereAreAny) {
   EXPECT_EQ(sut.at("stops").to_number<int>(), 3);
 }
 
+TEST(StatusJson, TellsOfNoRateWhereNobodyKnowsIt) {
+  Status status = sample();
+  status.servos[0].rate_hz.reset();
+  const auto sut = json::parse(to_json(status)).at("servos").at(0);
+  EXPECT_FALSE(sut.as_object().contains("rate_hz"));
+  EXPECT_EQ(sut.at("ticks").to_number<int>(), 5);
+}
+
 TEST(StatusJson, HasTheNamesThatOthersRelyOn) {
   const auto sut = json::parse(to_json(sample()));
   using Names = std::set<std::string>;

@@ -149,6 +149,12 @@ TEST(RenderWatch, ShowsWhatTheHandFeels) {
             HasSubstr("in-process up  round trip 1.00 ms"), HasSubstr("faults     none")));
 }
 
+TEST(RenderWatch, ShowsNoRateOfAnArmThatHasNotComeYet) {
+  api::Status status = sample_status();
+  status.servos[0].rate_hz.reset();
+  EXPECT_THAT(render_watch(status, Glyphs::Ascii, 24), HasSubstr("- Hz best-effort  ticks 83500"));
+}
+
 TEST(RenderWatch, NeverFillsTheLastLineOfTheTerminal) {
   for (std::size_t rows = 2; rows < 50; ++rows) {
     EXPECT_LT(lines_of(render_watch(sample_status(), Glyphs::Ascii, rows)).size(), rows);

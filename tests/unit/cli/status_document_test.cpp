@@ -15,6 +15,7 @@ TEST(StatusDocument, IsReadBackAsTheDaemonWroteIt) {
   api::Status status = sample_status();
   for (const bool has_gimbal : {false, true}) {
     if (has_gimbal) status.arms[0].gimbal_rad = {0.5, -1.25, 3};
+    if (has_gimbal) status.servos[0].rate_hz.reset();
     if (has_gimbal) status.arms[0].wished_energy_joule = -0.25;
     if (has_gimbal) status.arms[0].felt.ghost_cell = {-3, 0, 7};
     if (has_gimbal) status.arms[0].felt.pressure_newton = {-0.5, 0.25, 3};
