@@ -4,6 +4,7 @@
 
 #include "cli/status_document.hpp"
 #include "cli/text.hpp"
+#include "daemon/world/cam/automaton_file.hpp"
 
 namespace thimble::cli {
 namespace {
@@ -58,6 +59,18 @@ Result<PieceReply> parse_piece_reply(std::string_view json, std::string_view wor
     return not_the_daemons("what was done to the pieces of world " + plain(world));
   }
   return PieceReply{plain(*outcome), *is_done};
+}
+
+Result<void> check_loaded_state(std::string_view json, std::string_view world) {
+  if (parse_member(json, "world") != world || !parse_count(json, "steps")) {
+    return not_the_daemons("the steps of world " + plain(world));
+  }
+  return {};
+}
+
+Result<void> check_saved_state(std::string_view body, std::string_view world) {
+  if (!world::cam::parse_state(body)) return not_the_daemons("the state of world " + plain(world));
+  return {};
 }
 
 bool still_stands(const CommandReply& reply, const api::Status& status) {

@@ -177,6 +177,9 @@ int run_world_state(const std::string& socket_path, const std::string& world,
   const auto body =
       ask(**client, is_load ? "PUT" : "GET", "/v1/worlds/" + meant->name + "/state", *state);
   if (!body) return complain(body.error());
+  const Result<void> checked =
+      is_load ? check_loaded_state(*body, meant->name) : check_saved_state(*body, meant->name);
+  if (!checked) return complain(checked.error());
   if (!is_load) {
     if (const auto written = write_whole(edit.file, *body); !written) {
       return complain_of_file(edit.file, written.error());

@@ -209,14 +209,16 @@ class Answers(ProcessTest):
 
     def test_garbage_is_no_success(self):
         path = str(self.folder / "none.sock")
+        state = self.write("state.nrrd", "of an earlier day")
         with socket.socket(socket.AF_UNIX) as listener:
             listener.bind(path)
             listener.listen()
-            for words in (["world", "fill", "box"], ["activate"], ["deactivate"],
-                          ["clear-fault", "right"]):
+            for words in (["world", "fill", "box"], ["activate"], ["deactivate"], ["clear-fault", "right"],
+                          ["world", "save", "box", "--file", state], ["world", "load", "box", "--file", state]):
                 daemon = threading.Thread(target=lambda: self.answer(listener.accept()[0]))
                 daemon.start()
                 told = self.run_program("thimble", *words, "--socket", path)
                 daemon.join()
                 self.assertEqual((told.returncode, told.stdout), (1, ""), words)
                 self.assert_one_sentence(told.stderr, "the answer is not the daemon's")
+        self.assertEqual(state.read_text(), "of an earlier day")

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "daemon/world/cam/automaton_file.hpp"
 #include "tests/unit/cli/sample_status.hpp"
 
 namespace thimble::cli {
@@ -97,6 +98,34 @@ TEST(PieceReply, IsKnownOnlyFromAnAnswerThatTellsOfTheWorld) {
                             R"({"world": "desk", "outcome": 1, "is_done": true})",
                             R"({"world": "desk", "outcome": "selected", "is_done": "true"})"}) {
     EXPECT_FALSE(parse_piece_reply(other, "desk")) << other;
+  }
+}
+
+TEST(LoadedState, IsKnownOnlyFromAnAnswerThatTellsOfTheWorld) {
+  EXPECT_TRUE(check_loaded_state(R"({"world": "dish", "steps": 70})", "dish"));
+  for (const char* other :
+       {"", "{}", "nonsense", R"({"world": "dish"})", R"({"steps": 70})",
+        R"({"world": "x", "steps": 70})", R"({"world": "dish", "steps": -1})"}) {
+    const auto sut = check_loaded_state(other, "dish");
+    ASSERT_FALSE(sut) << other;
+    EXPECT_EQ(sut.error().code, Errc::Malformed);
+    EXPECT_EQ(sut.error().message,
+              "the answer is not the daemon's: it does not tell of the steps of world dish");
+  }
+}
+
+// Or a file that was good is replaced by what no world takes back.
+TEST(SavedState, IsOneThatAWorldTakesBack) {
+  const world::cam::AutomatonState state{"life", {3, 3, 0}, 7, std::vector<std::uint16_t>(64)};
+  const std::string good = world::cam::to_nrrd(state);
+  EXPECT_TRUE(check_saved_state(good, "dish"));
+  for (const std::string& other : {std::string(), std::string("{}"), std::string("<html></html>"),
+                                   good.substr(0, good.size() - 1)}) {
+    const auto sut = check_saved_state(other, "dish");
+    ASSERT_FALSE(sut) << other;
+    EXPECT_EQ(sut.error().code, Errc::Malformed);
+    EXPECT_EQ(sut.error().message,
+              "the answer is not the daemon's: it does not tell of the state of world dish");
   }
 }
 
