@@ -123,6 +123,9 @@ Result<Descriptor> GuardKeeper::start() {
   posix_spawnattr_t attributes;
   ::posix_spawn_file_actions_init(&files);
   ::posix_spawn_file_actions_adddup2(&files, its.get(), STDIN_FILENO);
+  // Whoever reads the daemon's output waits for no guard; what one has done it says on standard
+  // error (decision 0512).
+  ::posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
   ::posix_spawnattr_init(&attributes);
   // Signals of the terminal, and of a group, are the daemon's.
   ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID);

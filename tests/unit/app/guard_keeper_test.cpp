@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
 
@@ -136,6 +137,19 @@ TEST_F(GuardKeeperTest, SaysWhyThereIsNone) {
   settings_.program = "/bin/true";
   EXPECT_EQ(refusal(*make()),
             "it ended; the journal has its word, journalctl -u 'thimble-guard@*'");
+}
+
+// Or `thimbled | tee log` would not end before the last of its guards does.
+TEST_F(GuardKeeperTest, KeepsTheDaemonsStandardErrorAndNotItsOutput) {
+  const testing_support::TemporaryFolder folder;
+  const std::filesystem::path program = folder.write(
+      "guard",
+      "#!/bin/sh\ntest \"$(readlink /proc/$$/fd/1)\" = /dev/null || exit 1\n"
+      "test \"$(readlink /proc/$$/fd/2)\" = \"$(readlink /proc/$PPID/fd/2)\" || exit 1\n"
+      "printf W >&0\nexec cat >/dev/null\n");  // until it is given up
+  ASSERT_EQ(::chmod(program.c_str(), 0755), 0);
+  settings_.program = program;
+  EXPECT_EQ(refusal(*make()), "");
 }
 
 // As systemd's socket: whoever accepts is told everything.
