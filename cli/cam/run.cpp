@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <charconv>
+#include <chrono>
 #include <memory>
 
 #include "cli/cam/board_engine.hpp"
@@ -16,11 +17,36 @@ using sim::cam::PlaneEngine;
 using sim::cam::SiteSpace;
 using sim::cam::TablePath;
 
+// Or to tell of small steps would take longer than they do.
+constexpr Duration kBetweenTellings = std::chrono::milliseconds(100);
+
+void tell(const Progress& progress, const std::string& what) {
+  if (progress) progress(what);
+}
+
+class StepTeller {
+ public:
+  StepTeller(const Clock& clock, const Progress& progress) : clock_(clock), progress_(progress) {}
+  void tell(std::uint64_t step, std::uint64_t steps) {
+    if (!progress_) return;
+    const MonotonicTime now = clock_.now();
+    if (step > 0 && now < next_) return;
+    next_ = now + kBetweenTellings;
+    progress_("step " + std::to_string(step + 1) + " of " + std::to_string(steps));
+  }
+
+ private:
+  const Clock& clock_;
+  const Progress& progress_;
+  MonotonicTime next_{};
+};
+
 // Takes the steps; the counters of the last one.
 Result<PlaneCounts> take_steps(Engine& engine, const Rule& rule, std::uint64_t steps,
-                               bool counts_last) {
+                               bool counts_last, StepTeller* teller) {
   PlaneCounts counters{};
   for (std::uint64_t step = 0; step < steps; ++step) {
+    if (teller != nullptr) teller->tell(step, steps);
     const bool counts = counts_last && step + 1 == steps;
     const auto counted = engine.step(
         rule.cycle[step % rule.cycle.size()],
@@ -44,7 +70,7 @@ Result<BoardTime> time_of(const Rule& rule, const SiteSpace& space, const RunOpt
   // The table is sent before the clocks are looked at.
   if (const auto shown = (*board)->show_table(0); !shown) return tl::unexpected(shown.error());
   const std::uint64_t before = (*board)->clocks();
-  const auto taken = take_steps(**board, rule, options.steps, false);
+  const auto taken = take_steps(**board, rule, options.steps, false, nullptr);
   if (!taken) return tl::unexpected(taken.error());
   return BoardTime{(*board)->clocks() - before, (*board)->unmodelled(),
                    (*board)->unmodelled_touches()};
@@ -98,7 +124,8 @@ Result<SiteSpace> parse_size(const std::string& text) {
 }
 
 Result<RunReport> run_world(const Rule& rule, const SiteSpace& space, const RunOptions& options,
-                            const Clock& clock) {
+                            const Clock& clock, const Progress& progress) {
+  tell(progress, "making the first sites");
   const auto sites = first_sites(rule, space, options);
   if (!sites) return tl::unexpected(sites.error());
   const auto engine = make_engine(space, options);
@@ -107,11 +134,13 @@ Result<RunReport> run_world(const Rule& rule, const SiteSpace& space, const RunO
     return tl::unexpected(loaded.error());
   }
   if (const auto put = (*engine)->put(*sites); !put) return tl::unexpected(put.error());
+  StepTeller teller(clock, progress);
   const MonotonicTime start = clock.now();
-  const auto counters = take_steps(**engine, rule, options.steps, true);
+  const auto counters = take_steps(**engine, rule, options.steps, true, &teller);
   if (!counters) return tl::unexpected(counters.error());
   RunReport report;
   report.host_s = seconds(clock.now() - start);
+  tell(progress, "counting what came of it");
   report.counters = *counters;
   report.population = (*engine)->population();
   report.path = "board";
@@ -119,11 +148,13 @@ Result<RunReport> run_world(const Rule& rule, const SiteSpace& space, const RunO
     report.path = planes->compiled_ops(0) ? "compiled" : "table";
     report.kernels = sim::cam::usable_kernels().front()->name;
   }
+  tell(progress, "counting the clocks of a board");
   if (const auto board = time_of(rule, space, options)) {
     report.board_clocks = board->clocks;
     report.unmodelled = board->unmodelled;
     report.unmodelled_touches = board->touches;
   }
+  tell(progress, "taking the sites out");
   report.sites.resize(space.sites());
   if (const auto got = (*engine)->get(report.sites); !got) return tl::unexpected(got.error());
   return report;

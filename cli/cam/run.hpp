@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -53,9 +54,13 @@ struct RunReport {
 [[nodiscard]] Result<std::vector<std::uint16_t>> first_sites(const Rule& rule,
                                                              const sim::cam::SiteSpace& space,
                                                              const RunOptions& options);
-// Errors: one sentence that names what was wrong.
+// What is under way, told before it begins: "step 3 of 10". Empty: nobody waits.
+using Progress = std::function<void(const std::string& what)>;
+
+// Tells of steps ten times a second at most. Errors: one sentence that names what was wrong.
 [[nodiscard]] Result<RunReport> run_world(const Rule& rule, const sim::cam::SiteSpace& space,
-                                          const RunOptions& options, const Clock& clock);
+                                          const RunOptions& options, const Clock& clock,
+                                          const Progress& progress);
 
 // A line each, for a person: which register, and when by the board's clock.
 [[nodiscard]] std::string log_of(const std::vector<sim::cam::UnmodelledTouch>& touches);

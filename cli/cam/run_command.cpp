@@ -1,3 +1,5 @@
+#include <unistd.h>
+
 #include <algorithm>
 #include <boost/json.hpp>
 #include <iostream>
@@ -68,7 +70,13 @@ void print_text(const RunOptions& options, const RunReport& report) {
             << " MHz on " << options.modules << (options.modules == 1 ? " module\n" : " modules\n");
 }
 
-Result<RunReport> run(const RunOptions& options, const Clock& clock) {
+// A line that is written over and over, as a file has no use for. Empty words: it goes again.
+Progress shown_progress() {
+  if (::isatty(STDERR_FILENO) != 1) return {};
+  return [](const std::string& what) { std::cerr << "\r\x1b[K" << what << std::flush; };
+}
+
+Result<RunReport> run(const RunOptions& options, const Clock& clock, const Progress& progress) {
   const Rule* const rule = sim::cam::find_rule(options.world);
   if (rule == nullptr) {
     return fail(Errc::NotFound, "there is no world of this name: see thimble cam list");
@@ -81,8 +89,9 @@ Result<RunReport> run(const RunOptions& options, const Clock& clock) {
         to_file(*rule, *space, std::vector<std::uint16_t>(space->sites()), options.write);
     if (!file) return tl::unexpected(file.error().in(options.write));
   }
-  auto report = run_world(*rule, *space, options, clock);
+  auto report = run_world(*rule, *space, options, clock, progress);
   if (!report || options.write.empty()) return report;
+  if (progress) progress("writing them to " + cli::plain(options.write));
   const auto written = to_file(*rule, *space, report->sites, options.write)
                            .and_then([&](const std::string& content) {
                              return cli::write_whole(options.write, content);
@@ -94,7 +103,9 @@ Result<RunReport> run(const RunOptions& options, const Clock& clock) {
 }  // namespace
 
 int run_run(const RunOptions& options, const Clock& clock) {
-  const auto report = run(options, clock);
+  const Progress progress = shown_progress();
+  const auto report = run(options, clock, progress);
+  if (progress) progress("");
   if (!report) {
     std::cerr << "thimble: " << cli::plain(options.world) << ": "
               << cli::plain(report.error().message) << '\n';

@@ -10,7 +10,9 @@ import functools
 import json
 import os
 import pathlib
+import pty
 import re
+import select
 import shutil
 import signal
 import socket
@@ -224,6 +226,22 @@ class ProcessTest(unittest.TestCase):
         file = self.folder / name
         file.write_bytes(content.encode() if isinstance(content, str) else content)
         return file
+
+    def run_on_a_terminal(self, *arguments):
+        """Of `thimble`: exit code, standard output, and what a terminal at standard error was shown."""
+        ours, theirs = pty.openpty()
+        self.addCleanup(os.close, ours)
+        output = self.folder / "stdout"
+        with output.open("wb") as file, open(theirs, "wb", closefd=True) as terminal:
+            process = subprocess.Popen([str(BIN / "thimble"), *map(str, arguments)], stdin=subprocess.DEVNULL,
+                                       stdout=file, stderr=terminal, env=clean_environment(),
+                                       preexec_fn=die_with_parent)
+        told = b""
+        # A terminal that nobody writes to any more answers with EIO.
+        with contextlib.suppress(OSError):
+            while select.select([ours], [], [], TIMEOUT_S)[0]:
+                told += os.read(ours, 65536)
+        return process.wait(TIMEOUT_S), output.read_text(), told.decode()
 
     def start(self, *arguments, name="daemon", config=None, **how):
         """A ready daemon; `config` is text, else --config is among the arguments."""

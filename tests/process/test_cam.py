@@ -179,6 +179,16 @@ class Worlds(ProcessTest):
         self.assert_one_sentence(shown.stderr, "the reference engine has one thread")
         self.assertEqual(self.run_world("life", "--size", "8x8", "--steps", "1", "--threads", "0").returncode, 2)
 
+    def test_a_terminal_is_told_what_is_under_way_and_a_file_is_not(self):
+        command = ("cam", "run", "life", "--size", "64x64", "--steps", "3", "--write", self.folder / "after.npy")
+        code, printed, told = self.run_on_a_terminal(*command)
+        self.assertEqual(code, 0)
+        lines = told.split("\r\x1b[K")
+        self.assertEqual((lines[0], lines[1], lines[-2:]), ("", "making the first sites", [f"writing them to {self.folder}/after.npy", ""]))
+        self.assertIn("step 1 of 3", lines)
+        self.assertNotIn("\x1b", printed)
+        self.assertEqual(self.run_program("thimble", *command).stderr, "")
+
     def test_what_cannot_be_is_one_sentence(self):
         for world, options, said in (("no-such", ("--size", "8x8", "--steps", "1"), "cam list"),
                                      ("life", ("--size", "9x8", "--steps", "1"), "powers of two"),
@@ -187,13 +197,13 @@ class Worlds(ProcessTest):
             self.assertEqual((shown.returncode, shown.stdout), (1, ""))
             self.assert_one_sentence(shown.stderr, said)
         self.assertEqual(self.run_world("life", "--size", "8x8").returncode, 2)
+        for option in "--write", "--pattern":
+            shown = self.run_world("life", "--size", "8x8", "--steps", "1", option, "")
+            self.assertEqual((shown.returncode, shown.stdout), (2, ""), option)
+            self.assertIn(f'{option}: expected a name, found ""', shown.stderr)
         for wrong in "-1", "010", "1.5", "18446744073709551616":
             for numbers in (("--steps", wrong), ("--steps", "1", "--seed", wrong)):
                 shown = self.run_world("life", "--size", "8x8", *numbers)
                 self.assertEqual((shown.returncode, shown.stdout), (2, ""), numbers)
                 self.assertIn("expected a whole number", shown.stderr)
         self.assertEqual(self.run_world("life", "--size", "8x8", "--steps", "1", "--engine", "x").returncode, 2)
-        for option in "--write", "--pattern":
-            shown = self.run_world("life", "--size", "8x8", "--steps", "1", option, "")
-            self.assertEqual((shown.returncode, shown.stdout), (2, ""), option)
-            self.assertIn(f'{option}: expected a name, found ""', shown.stderr)

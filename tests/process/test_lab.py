@@ -1,19 +1,14 @@
 """The experiments of `thimble lab` that write findings, as a person runs them."""
 
-import contextlib
 import csv
 import json
-import os
-import pty
 import re
-import select
 import shutil
-import subprocess
 import unittest
 import xml.etree.ElementTree
 
 from lab_rig import SVG, LabTest, pixels_of_png, reckons
-from rig import BIN, HELLO, ROOT, TIMEOUT_S, clean_environment, die_with_parent
+from rig import HELLO, ROOT
 
 
 class Lab(LabTest):
@@ -89,24 +84,8 @@ source = "box:3"
         width, height, _ = pixels_of_png((folder / "table-4.1-offsets.png").read_bytes())
         self.assertEqual((width, height), (1350, 900))
 
-    def run_on_a_terminal(self, *arguments):
-        """Exit code, standard output, and what a terminal at standard error was shown."""
-        ours, theirs = pty.openpty()
-        self.addCleanup(os.close, ours)
-        output = self.folder / "stdout"
-        with output.open("wb") as file, open(theirs, "wb", closefd=True) as terminal:
-            process = subprocess.Popen([str(BIN / "thimble"), "lab", *map(str, arguments)], stdin=subprocess.DEVNULL,
-                                       stdout=file, stderr=terminal, env=clean_environment(),
-                                       preexec_fn=die_with_parent)
-        told = b""
-        # A terminal that nobody writes to any more answers with EIO.
-        with contextlib.suppress(OSError):
-            while select.select([ours], [], [], TIMEOUT_S)[0]:
-                told += os.read(ours, 65536)
-        return process.wait(TIMEOUT_S), output.read_text(), told.decode()
-
     def test_a_terminal_is_shown_how_far_it_is_and_a_file_is_not(self):
-        _, printed, told = self.run_on_a_terminal("table-4.1", "--contacts", "1")
+        _, printed, told = self.run_on_a_terminal("lab", "table-4.1", "--contacts", "1")
         bars = re.findall(r"\r(#*)(\.*) (\d+) of (\d+)", told)
         done = [int(bar[2]) for bar in bars]
         count = int(bars[0][3])

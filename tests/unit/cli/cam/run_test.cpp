@@ -23,7 +23,15 @@ const Rule& life() { return *find_rule("life"); }
 class RunWorldTest : public testing::Test {
  protected:
   Result<RunReport> run(const RunOptions& options) {
-    return run_world(*find_rule(options.world), parse_size(options.size).value(), options, clock);
+    return run_world(*find_rule(options.world), parse_size(options.size).value(), options, clock,
+                     {});
+  }
+  // What was told of a run by a clock that somebody else may hold.
+  static std::vector<std::string> told(const RunOptions& options, const Clock& clock) {
+    std::vector<std::string> out;
+    EXPECT_TRUE(run_world(*find_rule(options.world), parse_size(options.size).value(), options,
+                          clock, [&](const std::string& what) { out.push_back(what); }));
+    return out;
   }
   sim::VirtualClock clock;
 };
@@ -61,6 +69,33 @@ TEST_F(RunWorldTest, EveryEngineComesToTheSame) {
     ASSERT_TRUE(report.board_clocks);
     EXPECT_EQ(report.board_clocks, reports[0].board_clocks);
   }
+}
+
+// 60 ms pass between any two looks at it.
+class HurriedClock final : public Clock {
+ public:
+  [[nodiscard]] MonotonicTime now() const noexcept override {
+    return now_ = now_ + std::chrono::milliseconds(60);
+  }
+  Duration sleep_until(MonotonicTime) noexcept override { return {}; }
+
+ private:
+  mutable MonotonicTime now_{};
+};
+
+TEST_F(RunWorldTest, TellsWhatItDoesBeforeItDoesIt) {
+  EXPECT_THAT(
+      told({.world = "life", .size = "8x8", .steps = 1}, clock),
+      testing::ElementsAre("making the first sites", "step 1 of 1", "counting what came of it",
+                           "counting the clocks of a board", "taking the sites out"));
+}
+
+TEST_F(RunWorldTest, TellsOfNoMoreStepsThanAnEyeCanFollow) {
+  const RunOptions options{.world = "life", .size = "8x8", .steps = 5};
+  EXPECT_THAT(told(options, HurriedClock()),
+              testing::IsSupersetOf({"step 1 of 5", "step 3 of 5", "step 5 of 5"}));
+  EXPECT_EQ(told(options, HurriedClock()).size(), 7U);
+  EXPECT_EQ(told(options, clock).size(), 5U) << "all of it took no time";
 }
 
 TEST_F(RunWorldTest, OnlyFastEnginesHaveSeveralThreads) {
