@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
 #include <random>
+#include <sstream>
 #include <string>
 
 namespace thimble::sim {
@@ -70,6 +73,22 @@ TEST(Verb, RefusesWhatItCannotBe) {
     EXPECT_FALSE(verb.error().message.empty());
   }
   EXPECT_FALSE(parse_verb(std::string(kMaxVerbBytes + 1, ' ')));
+}
+
+// tests/fuzz has no other word to begin with.
+TEST(Verb, HasASeedForItsFuzzer) {
+  const std::string words = parse_verb("jump").error().message;
+  std::istringstream all(words.substr(words.find("are:") + 4));
+  std::size_t count = 0;
+  for (std::string word; all >> word; ++count) {
+    std::ifstream seed(std::filesystem::path(THIMBLE_SOURCE_DIR) / "tests/data/corpus/simdev_verb" /
+                       word);
+    std::string line;
+    ASSERT_TRUE(std::getline(seed, line)) << word;
+    EXPECT_TRUE(parse_verb(line)) << line;
+    EXPECT_EQ(line.substr(0, line.find(' ')), word);
+  }
+  EXPECT_EQ(count, 20U);
 }
 
 TEST(Verb, NamesThoseThereAreForOneThatIsUnknown) {
