@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "arm_bench.hpp"
+#include "tests/support/turns.hpp"
 
 namespace thimble::coupling {
 namespace {
@@ -140,8 +141,8 @@ TEST(GhostPointProperty, NoTouchGivesTheHandMoreThanItsShiftsStored) {
   const GhostPointSettings settings;
   const double start_joule = 0.5 * settings.stiffness.newton_per_m * 0.0005 * 0.0005;
   int touches = 0;
-  for (std::uint32_t seed = 1; seed <= 200; ++seed) {
-    MadWorld dice(seed);
+  for (int seed = 1; seed <= test::turns(200); ++seed) {
+    MadWorld dice(static_cast<std::uint32_t>(seed));
     LateCorner corner(dice);
     ArmBench bench(settings);
     Position3 tip{};
@@ -178,7 +179,7 @@ TEST(GhostPointProperty, NoTouchGivesTheHandMoreThanItsShiftsStored) {
       if (dice.chance(20)) corner.move(dice);
     }
   }
-  EXPECT_GT(touches, 500);
+  EXPECT_GT(touches, test::turns(500));
 }
 
 TEST(GhostPointProperty, SameInputGivesTheSameBits) {

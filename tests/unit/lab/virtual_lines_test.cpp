@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sim/time/virtual_clock.hpp"
+#include "tests/support/turns.hpp"
 
 namespace thimble::lab {
 namespace {
@@ -143,7 +144,7 @@ TEST_F(VirtualLinesTest, EndsOfTwoRatesHearDamagedFramesAndNoDatagram) {
     End arm(sut, 0, kNode, sent);
     End world(sut, 1, kNode, heard);
     std::mt19937 random(3);
-    for (int i = 0; i < 2000; ++i) {
+    for (int i = 0; i < test::turns(2000); ++i) {
       std::string words(60, ' ');
       for (char& one : words) one = static_cast<char>(random() & 0xFFU);
       arm.send(words);
