@@ -19,6 +19,11 @@ bool has_form_of_port(std::string_view text) noexcept {
   return text.substr(dash + 1).find_first_not_of("0123456789.") == std::string_view::npos;
 }
 
+// "platform-soc-3f980000.usb-usb-0": with an interface behind it, it would be the way to a port.
+bool has_form_of_path(std::string_view text) noexcept {
+  return text.ends_with("-usb-0") || text.ends_with("-usbv3-0");
+}
+
 bool has_arm(std::span<const DevicePlace> places, const std::string& port) {
   return std::any_of(places.begin(), places.end(),
                      [&](const DevicePlace& place) { return place.port == port && place.is_arm; });
@@ -72,7 +77,7 @@ std::vector<bus::DeviceAddress> addresses_of(std::string_view scheme,
 bool is_usable_serial(const std::string& serial_number) noexcept {
   return !serial_number.empty() && serial_number.size() <= kMaxSerialNumberLetters &&
          serial_number.find_first_not_of(bus::kSerialLetters) == std::string::npos &&
-         !has_form_of_port(serial_number);
+         !has_form_of_port(serial_number) && !has_form_of_path(serial_number);
 }
 
 std::string port_name(const DevicePlace& place) { return with_interface(place.port, place); }

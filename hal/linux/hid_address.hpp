@@ -25,7 +25,7 @@ struct DevicePlace {
 };
 
 // Whether a serial number can stand in an address: 1 to 64 of A-Z a-z 0-9 . _ + - and not in the
-// form of a port, for which another device could be taken.
+// form of a port, or of a way to one, for which another device could be taken.
 [[nodiscard]] bool is_usable_serial(const std::string& serial_number) noexcept;
 
 // "1-4.2" of such a place, "1-4.2:1.1" of an interface above 0: no address, but what it was for

@@ -22,11 +22,11 @@ std::string port_of(std::uint8_t byte) {
   return "1-" + number + (byte < 128 ? "" : ".2");
 }
 
-// Of one controller, or none: two ports may have one path.
+// Of two controllers, or none: two ports may have one path.
 std::string path_of(std::uint8_t byte) {
   if (byte % 4 == 0) return {};
-  return std::string("pci-0000:00:14.0-usb") + (byte % 4 == 1 ? "v3" : "") +
-         "-0:" + std::to_string(1 + byte % 16);
+  return std::string(byte < 16 ? "pci-0000:00:14.0-usb" : "platform-soc-usb") +
+         (byte % 4 == 1 ? "v3" : "") + "-0:1." + std::to_string(byte % 16);
 }
 
 void require_addresses(const std::vector<bus::DeviceAddress>& all, const std::string& scheme,

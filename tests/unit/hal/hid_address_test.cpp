@@ -118,9 +118,23 @@ TEST(HidAddress, TakesNoSerialNumberThatReadsLikeSomethingElse) {
 // Whatever devices say, no two addresses are the same, and none is another's port.
 TEST(HidAddress, LeadsToOneDeviceOnly) {
   std::mt19937 random(4);
-  const Texts serials{"", "A1", "1-1", "1-2.1", "A1:1.1", "1-1:1.1", "x", "0003:1234:0006.0001"};
-  const Texts paths{"", "pci-0000:00:14.0-usb-0:1", "pci-0000:00:14.0-usb-0:1.1",
-                    "pci-0000:00:14.0-usbv3-0:1"};
+  const Texts serials{"",
+                      "A1",
+                      "1-1",
+                      "1-2.1",
+                      "A1:1.1",
+                      "1-1:1.1",
+                      "x",
+                      "0003:1234:0006.0001",
+                      "platform-soc-usb-0",
+                      "platform-soc-usbv3-0"};
+  const Texts paths{"",
+                    "pci-0000:00:14.0-usb-0:1",
+                    "pci-0000:00:14.0-usb-0:1.1",
+                    "pci-0000:00:14.0-usbv3-0:1",
+                    "platform-soc-usb-0:1.1",
+                    "platform-soc-usb-0:1",
+                    "platform-soc-usbv3-0:1.1"};
   for (int round = 0; round < 5000; ++round) {
     std::vector<DevicePlace> places;
     for (const char* port : {"1-1", "1-2", "1-2.1", "0003:1234:0006.0001"}) {
