@@ -146,8 +146,9 @@ Verdict check_configured_arm(const Facts& facts, const ConfiguredArm& arm) {
                   "plug it in, or correct its device in the configuration",
                   "thimble devices"};
   for (const Controller& controller : facts.controllers) {
-    if (controller.port_address != arm.device) continue;
-    verdict.advice += ": in that port is now " + controller.address;
+    if (controller.former_address != arm.device) continue;
+    verdict.advice += ": what the kernel calls so today is " + controller.address +
+                      ", which may be another one than was meant";
   }
   return verdict;
 }

@@ -91,8 +91,10 @@ struct NamedProcess {
 // A device that a driver knows as an arm: of HID by its ids and the lengths of its reports, of USB
 // by its ids and endpoints.
 struct Controller {
-  std::string address;          // "hid:SERIAL", "serial:…" or "usb:…", as in a configuration
-  std::string port_address;     // of its port as the kernel calls that today: "hid:1-4", no address
+  std::string address;  // "hid:SERIAL", "serial:…" or "usb:…", as in a configuration
+  // What configurations of before decision 0507 called it, by the kernel's name of its port:
+  // "hid:1-4". No address today.
+  std::string former_address;
   Node node;                    // by which the daemon drives it
   std::vector<Node> raw_nodes;  // other ways to it: /dev/bus/usb/001/004, /dev/usb/hiddev0
   std::uint16_t vendor_id{0};

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "cli/doctor/proc_text.hpp"
@@ -92,7 +93,9 @@ void read_usb_above(const FileTree& tree, fs::path folder, const HidIds& ids,
 // `folder`: of a USB device, behind all links.
 std::string usb_path(const FileTree& tree, const fs::path& folder) {
   const std::string path = folder.string();
-  return linux::usb_path_of(path, tree.text(fs::path(linux::root_hub_above(path)) / "version"));
+  const std::string_view hub = linux::root_hub_above(path);
+  if (hub.empty()) return {};
+  return linux::usb_path_of(path, tree.text(fs::path(hub) / "version"));
 }
 
 // Where a node is plugged in, as the real buses see it (UdevScan): below the nearest USB device,
@@ -137,7 +140,7 @@ void address(std::vector<Candidate>& candidates, bus::BusKind kind,
   for (Candidate& candidate : candidates) {
     if (candidate.info.kind != kind) continue;
     candidate.controller.address = addresses[next++].text;
-    candidate.controller.port_address =
+    candidate.controller.former_address =
         std::string(bus::to_string(kind)) + ":" + linux::port_name(candidate.place);
     candidate.info.address = {candidate.controller.address};
   }

@@ -1,5 +1,6 @@
 #include "daemon/devices/open_arm.hpp"
 
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -19,13 +20,19 @@ Result<bus::BusDeviceInfo> find_device(bus::BusEnumerator& buses,
                                        const bus::DeviceAddress& address) {
   std::string there;
   std::string in_that_port;
+  std::optional<bus::BusDeviceInfo> found;
   for (bus::BusDeviceInfo& device : buses.list()) {
-    if (device.address == address) return std::move(device);
     there += " " + device.address.text;
     if (was_called(device, address)) {
-      in_that_port = "; in that port is now: " + device.address.text;
+      in_that_port = "; what the kernel calls so today is: " + device.address.text +
+                     ", which may be another device than the one that was meant";
     }
+    if (device.address != address) continue;
+    // No bus gives such a list; should one, then neither is driven with what is known of the other.
+    if (found) return fail(Errc::Busy, "two devices are called " + address.text);
+    found = std::move(device);
   }
+  if (found) return *std::move(found);
   return fail(Errc::NotFound,
               "no device at " + address.text + in_that_port +
                   (there.empty() ? "; none is plugged in" : "; there are:" + there));

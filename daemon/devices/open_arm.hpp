@@ -10,7 +10,8 @@
 namespace thimble::devices {
 
 // What `buses` lists at `address`. Thread: as BusEnumerator. Errors: NotFound, naming what is
-// there, and what is in the port of that name where one has it.
+// there; and, where `address` is the kernel's name of a port, as it was before decision 0507, how
+// what is in that port is called now.
 [[nodiscard]] Result<bus::BusDeviceInfo> find_device(bus::BusEnumerator& buses,
                                                      const bus::DeviceAddress& address);
 

@@ -60,10 +60,12 @@ TEST(OpenArm, NamesWhatIsThereWhenTheAddressIsNot) {
 
 // A configuration may be older than the names of places that it has in it.
 TEST(OpenArm, NamesWhatIsInThePortThatItIsAskedFor) {
-  EXPECT_EQ(message_for("hid:1-4:1.2", {}),
-            "no device at hid:1-4:1.2; in that port is now: hid:B; there are: hid:A hid:B");
+  EXPECT_EQ(
+      message_for("hid:1-4:1.2", {}),
+      "no device at hid:1-4:1.2; what the kernel calls so today is: hid:B, which may be another "
+      "device than the one that was meant; there are: hid:A hid:B");
   for (const char* other : {"usb:1-4:1.2", "hid:1-4", "hid:"}) {
-    EXPECT_EQ(message_for(other, {}).find("in that port"), std::string::npos) << other;
+    EXPECT_EQ(message_for(other, {}).find("calls so today"), std::string::npos) << other;
   }
 }
 
