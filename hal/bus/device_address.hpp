@@ -8,9 +8,10 @@ namespace thimble::bus {
 
 // Where a device is: "hid:SERIAL" or "hid:PATH", "usb:SERIAL" or "usb:PATH" with a path such as
 // "pci-0000:00:14.0-usb-0:4", "serial:SERIAL" or "serial:PATH", "pci:0000:03:00.0",
-// "sim:phantom-vintage". The scheme says which bus implementation serves it. Nothing above the
-// enumerator looks into it, but for whether it is a simulated one: what else has to be known of a
-// device, its bus says.
+// "sim:phantom-vintage"; of an interface above 0 ":1.N" is behind it, of one of several devices of
+// an interface what the kernel calls it, ":ttyUSB1" (decision 0507). The scheme says which bus
+// implementation serves it. Nothing above the enumerator looks into it, but for whether it is a
+// simulated one: what else has to be known of a device, its bus says.
 struct DeviceAddress {
   std::string text;
   // Which time it was plugged in, in the words of the bus that listed it; empty: whichever. No part

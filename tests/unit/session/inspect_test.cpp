@@ -49,11 +49,27 @@ TEST_F(InspectSphere, LooksForNoRealDeviceAndObjectsToABusThatIsNotThere) {
 TEST_F(InspectSphere, ObjectsToAnAddressThatNoBusCouldGive) {
   config::ArmConfig arm;
   arm.world = "hello";
-  for (const char* device :
-       {"serial:/dev/ttyACM0", "hid:/dev/hidraw0", "usb:1/4", "hid:A B", "hid:\xc3\xa4",
-        "serial:A\n", "usb:0403:cb48", "usb:1-4:1.0", "usb:1-4:1.1", "usb:A7:1.2", "hid:256f:c635",
-        "usb:pci-0000:00:14.0", "usb:pci-0000:00:14.0-usb-0:4:1.1", "usb:pci-0000:00:14.0-usb-0:",
-        "hid:pci-0000:00:14.0-usb-0:4:1.0", "serial:16C0:0483", "hid:1-4:1.0"}) {
+  for (const char* device : {"serial:/dev/ttyACM0",
+                             "hid:/dev/hidraw0",
+                             "usb:1/4",
+                             "hid:A B",
+                             "hid:\xc3\xa4",
+                             "serial:A\n",
+                             "usb:0403:cb48",
+                             "usb:1-4:1.0",
+                             "usb:1-4:1.1",
+                             "usb:A7:1.2",
+                             "hid:256f:c635",
+                             "usb:pci-0000:00:14.0",
+                             "usb:pci-0000:00:14.0-usb-0:4:1.1",
+                             "usb:pci-0000:00:14.0-usb-0:",
+                             "hid:pci-0000:00:14.0-usb-0:4:1.0",
+                             "serial:16C0:0483",
+                             "hid:1-4:1.0",
+                             "usb:-usb-0:4",
+                             "usb:x-usb-0:.",
+                             "usb:x-usb-0:1..2",
+                             "usb:x-usb-0:1."}) {
     arm.device = device;
     config.arms = {arm};
     const auto sut = inspected();
