@@ -18,7 +18,7 @@ namespace thimble::config {
 inline constexpr std::size_t kMaxFileBytes = std::size_t{1} << 16;
 // Each dot of a key is a table within a table, which are destroyed recursively.
 inline constexpr std::size_t kMaxDotsInLine = 256;
-// Of one daemon: as many as the guards' socket serves (systemd/thimble-guard.socket).
+// Of one daemon: ours. The units have room for so many (decision 0511).
 inline constexpr std::size_t kMaxArms = 32;
 // Of one call; a last one says how many were left out.
 inline constexpr std::size_t kMaxErrors = 100;

@@ -105,6 +105,12 @@ class Unit(typing.NamedTuple):
     max_exposure: float
 
 
+LIMITS = "daemon/config/load.hpp"
+_MOST_ARMS = re.compile(r"kMaxArms = ([0-9]+);")
+# Of each arm: its servo and up to three of its bus; the rest is the daemon's own (decision 0511).
+_THREADS_OF_AN_ARM, _OTHER_THREADS = 4, 24
+GUARD_SOCKET = FOLDER + "thimble-guard.socket"
+
 UNITS = {
     "thimbled.service": Unit(_DAEMON_NEEDS, _DAEMON_BOUNDS, _DAEMON_REFUSED, 1.5),
     "thimble-guard@.service": Unit(_GUARD_NEEDS, _GUARD_BOUNDS, _GUARD_REFUSED, 0.5),
@@ -161,9 +167,22 @@ def check_unit(root, path, unit, breaches):
                         "on the file to see which setting costs what")
 
 
+def check_room(root, files, breaches):
+    """As many arms as a configuration may have find threads and guards."""
+    service = FOLDER + "thimbled.service"
+    if not {LIMITS, GUARD_SOCKET, service} <= set(files):
+        return
+    most = int(_MOST_ARMS.search(cpp_source.read(root, LIMITS))[1])
+    for path, key, least in ((service, "TasksMax", most * _THREADS_OF_AN_ARM + _OTHER_THREADS), (GUARD_SOCKET, "MaxConnections", 2 * most)):
+        found = re.search(rf"^{key}=([0-9]+)$", cpp_source.read(root, path), re.MULTILINE)
+        if not found or int(found[1]) < least:
+            breaches.append(f"{path}: needs {key}= of at least {least}: {LIMITS} lets a configuration have {most} arms")
+
+
 def check(root):
     breaches = []
     files = cpp_source.tree_files(root)
+    check_room(root, files, breaches)
     for name, unit in UNITS.items():
         path = FOLDER + name
         if path in files:

@@ -22,6 +22,17 @@ class CheckService(PlantedTreeTest):
     def test_accepts_the_units_as_shipped(self):
         self.assertEqual(check_service.check(self.root), [])
 
+    def test_refuses_units_without_room_for_as_many_arms_as_a_configuration_may_have(self):
+        for path in (check_service.LIMITS, check_service.GUARD_SOCKET):
+            self.plant_copy(path)
+        self.assertEqual(check_service.check(self.root), [])
+        self.assert_one_breach(self.breaches_with("TasksMax=160", "TasksMax=100"), "needs TasksMax= of at least 152")
+        self.plant_copy(PATH)
+        self.assert_one_breach(self.breaches_with("MaxConnections=64\n", "", check_service.GUARD_SOCKET), "needs MaxConnections= of at least 64")
+        self.plant_copy(check_service.GUARD_SOCKET)
+        breaches = self.breaches_with("kMaxArms = 32", "kMaxArms = 48", check_service.LIMITS)
+        self.assertEqual(len(breaches), 2, breaches)
+
     def test_refuses_a_tree_without_a_unit(self):
         (self.root / GUARD).unlink()
         self.assert_one_breach(check_service.check(self.root), GUARD, "missing")
