@@ -65,6 +65,26 @@ bool is_unloaded_falcon(const config::ArmConfig& arm) {
   return bus::simulated_model(arm.device) == falcon::kFalconModels.front().name && !arm.firmware;
 }
 
+// Of a Falcon under the driver of the house.
+void doubt_our_falcon(const config::Config& config, const config::ArmConfig& arm,
+                      std::vector<std::string>& out) {
+  if (is_unloaded_falcon(arm)) {
+    out.push_back("arm '" + arm.name + "' lacks " + std::string(kFalconWantsFirmware) +
+                  "; without a firmware file use sim:falcon-loaded");
+  }
+  if (!is_falcon(arm)) return;
+  if (!arm.firmware) {
+    out.push_back("arm '" + arm.name + "' lacks " + std::string(kFalconWantsFirmware));
+  }
+  if (config.servo.rate_hz && *config.servo.rate_hz < falcon::kFullRate_hz) {
+    out.push_back("arm '" + arm.name +
+                  "' does not give all of its 1000 samples a second at servo.rate_hz = " +
+                  std::to_string(std::lround(*config.servo.rate_hz)) +
+                  ": a Falcon takes 1.3 ms to answer, and the tick that sees it asks for the "
+                  "next; leave servo.rate_hz out to have them all, or set 4000");
+  }
+}
+
 class ArmInspection {
  public:
   // `is_whole`: there are no models and drivers but these.
@@ -330,26 +350,13 @@ std::vector<Objection> inspect_files(const config::Config& config,
 
 std::vector<std::string> doubts_of(const config::Config& config,
                                    const plugin::DriverRegistry& drivers) {
-  if (!known_models(drivers) || drivers.is_from_outside("falcon")) return {};
   std::vector<std::string> out;
+  const bool is_sure = known_models(drivers).has_value();
   for (const config::ArmConfig& arm : config.arms) {
-    if (is_unloaded_falcon(arm)) {
-      out.push_back("arm '" + arm.name + "' lacks " + std::string(kFalconWantsFirmware) +
-                    "; without a firmware file use sim:falcon-loaded");
-    }
-    if (!is_falcon(arm)) continue;
-    if (!arm.firmware) {
-      out.push_back("arm '" + arm.name + "' lacks " + std::string(kFalconWantsFirmware));
-    }
-    if (!has_cut(config)) {
+    if (is_sure && !drivers.is_from_outside("falcon")) doubt_our_falcon(config, arm, out);
+    // Whoever drives it.
+    if (is_falcon(arm) && (is_sure || arm.model) && !has_cut(config)) {
       out.push_back("arm '" + arm.name + "' " + std::string(kFalconKeepsForce));
-    }
-    if (config.servo.rate_hz && *config.servo.rate_hz < falcon::kFullRate_hz) {
-      out.push_back("arm '" + arm.name +
-                    "' does not give all of its 1000 samples a second at servo.rate_hz = " +
-                    std::to_string(std::lround(*config.servo.rate_hz)) +
-                    ": a Falcon takes 1.3 ms to answer, and the tick that sees it asks for the "
-                    "next; leave servo.rate_hz out to have them all, or set 4000");
     }
   }
   return out;

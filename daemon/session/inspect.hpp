@@ -33,8 +33,9 @@ inline constexpr std::string_view kFalconKeepsForce =
     "pushes; keep a hand on that switch, or build the circuit of docs/safety-wiring.md and set "
     "safety.enable";
 // What is no mistake, but will most likely be missed, with the arm's name in front: the firmware of
-// a Falcon that nobody else loads, the force of one that nothing could end, and the samples of one
-// that a slow servo leaves out. Not where a plugin drives Falcons, or does not tell what it drives.
+// a Falcon that nobody else loads, the samples of one that a slow servo leaves out, neither where a
+// plugin drives Falcons; and the force of one that nothing could end, whoever drives it. Where a
+// plugin does not tell what it drives, only the last, of an arm that the configuration calls one.
 [[nodiscard]] std::vector<std::string> doubts_of(const config::Config& config,
                                                  const plugin::DriverRegistry& drivers);
 

@@ -105,9 +105,9 @@ TEST_F(InspectRealArm, LetsASimulatedArmHaveTheKeysOfAnother) {
 // Tells nothing but the one bus that it has, as those of plugins do.
 class SilentDriver final : public plugin::Driver {
  public:
-  explicit SilentDriver(std::optional<std::vector<bus::BusKind>> buses)
-      : buses_(std::move(buses)) {}
-  [[nodiscard]] std::string_view name() const noexcept override { return "silent"; }
+  explicit SilentDriver(std::optional<std::vector<bus::BusKind>> buses, std::string name = "silent")
+      : buses_(std::move(buses)), name_(std::move(name)) {}
+  [[nodiscard]] std::string_view name() const noexcept override { return name_; }
   [[nodiscard]] std::vector<std::string> models() const override { return {}; }
   [[nodiscard]] std::optional<std::vector<bus::BusKind>> buses_of(
       std::string_view /*model*/) const override {
@@ -128,7 +128,19 @@ class SilentDriver final : public plugin::Driver {
 
  private:
   std::optional<std::vector<bus::BusKind>> buses_;
+  std::string name_;
 };
+
+// No driver gives it a watchdog.
+TEST_F(InspectRealArm, DoubtsTheForceOfAFalconWhoeverDrivesIt) {
+  const auto doubts = [&] { return doubts_of(config, plugins.drivers); };
+  plugins.drivers.add_from_outside(std::make_unique<SilentDriver>(std::nullopt, "falcon"));
+  arm().device = "usb:A7";
+  arm().model = "falcon";
+  EXPECT_THAT(doubts(), ElementsAre(StartsWith("arm 'right' may go on pushing")));
+  arm().model.reset();
+  EXPECT_THAT(doubts(), IsEmpty()) << "it may be any device";
+}
 
 TEST_F(InspectRealArm, LeavesWhatAPluginMayDriveAlone) {
   plugins.drivers.add(std::make_unique<SilentDriver>(std::vector<bus::BusKind>{bus::BusKind::Hid}));
