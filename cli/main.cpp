@@ -148,7 +148,8 @@ void add_flight_commands(CLI::App& app, Arguments& arguments, int& code) {
   flight->require_subcommand(1);
   CLI::App* show = flight->add_subcommand("show", "Tell the cause, and what went before it");
   show->add_option("FILE", arguments.file, "What thimbled wrote to daemon.flight_directory")
-      ->required();
+      ->required()
+      ->check(thimble::cli::refuse_empty_name);
   show->add_option("--before", arguments.before_s, "Seconds before the stop that the table shows")
       ->check(refuse_not_finite)
       ->check(CLI::Range(0.0, 60.0))
@@ -234,7 +235,8 @@ void add_world_command(CLI::App& app, Arguments& arguments, int& code) {
       ->add_option("--cell", edit.cell,
                    "What the cells become: 0 free, 1 filled, 1 + n of the n-th material")
       ->check(refuse_no_value);
-  command->add_option("--file", edit.file, "To save to, or load");
+  command->add_option("--file", edit.file, "To save to, or load")
+      ->check(thimble::cli::refuse_empty_name);
   command->callback([&] {
     const std::string misfit = thimble::cli::find_misfit(edit);
     if (!misfit.empty()) throw CLI::ValidationError("world", misfit);

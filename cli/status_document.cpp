@@ -285,7 +285,10 @@ Result<api::Status> parse_status(std::string_view bytes) {
   const json::value value = parse_bytes(bytes);
   api::Status out;
   out.version = text(value, "version");  // any program's object may be without it
-  if (out.version.empty()) return fail(Errc::Malformed, "the answer is no status document");
+  const json::value* arms = member(value, "arms");
+  if (out.version.empty() || arms == nullptr || !arms->is_array()) {
+    return fail(Errc::Malformed, "the answer is no status document");
+  }
   out.uptime_s = number(value, "uptime_s");
   out.degraded = list(value, "degraded", [](const json::value& item) {
     return item.is_string() ? std::string(item.get_string()) : std::string();

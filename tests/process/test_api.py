@@ -81,7 +81,8 @@ class Words(ProcessTest):
                            (self.folder, "cannot read it: Is a directory"),
                            (large, "has more than 4096 KiB, which no summary of thimbled has"),
                            (self.write("other", "no document"), "is no summary of thimbled"),
-                           (self.write("any.json", "{}"), "is no summary of thimbled")):
+                           (self.write("any.json", "{}"), "is no summary of thimbled"),
+                           (self.write("package.json", '{"name": "left-pad", "version": "1.0.0"}'), "is no summary of thimbled")):
             with self.subTest(said):
                 result = self.run_program("thimble", "report", file)
                 self.assertEqual((result.returncode, result.stdout), (1, ""))

@@ -190,7 +190,8 @@ class Simdev(ProcessTest):
                                       (("falcon", "--usbip", "0", "--slices-per-frame", "2", "--frames-at-once", "2"), 2, "excludes"),
                                       *((("falcon", "--usbip", "0", "--serial", serial), 2, "1 to 63 printable letters")
                                         for serial in ("", "A B", "\x1b[31mred", "\u00e9", 64 * "A")),
-                                      (("falcon", "--usbip", "0", "--socket", "/nowhere/s"), 1, "No such file")):
+                                      (("falcon", "--usbip", "0", "--socket", "/nowhere/s"), 1, "No such file"),
+                                      (("falcon", "--usbip", "0", "--socket", ""), 2, '--socket: expected a name, found ""')):
             with self.subTest(words):
                 result = self.run_program("thimble-simdev", *words)
                 self.assertEqual(result.returncode, code)

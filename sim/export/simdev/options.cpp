@@ -24,6 +24,10 @@ std::string judge_serial_number(const std::string& text) {
   return "expected 1 to 63 printable letters of ASCII without blanks";
 }
 
+std::string refuse_empty(const std::string& text) {
+  return text.empty() ? "expected a name, found \"\"" : "";
+}
+
 }  // namespace
 
 tl::expected<SimdevOptions, int> parse_simdev_options(int argc, const char* const* argv) {
@@ -45,6 +49,7 @@ tl::expected<SimdevOptions, int> parse_simdev_options(int argc, const char* cons
       ->type_name("PORT")
       ->check(CLI::Range(0U, kMostPort));
   cli.add_option("--socket", options.socket, "where verbs are taken: move, press, unplug, log …")
+      ->check(refuse_empty)
       ->type_name("FILE");
   cli.add_option("--plugin", options.plugins,
                  "a shared object that brings the device, as daemon.plugins names one")

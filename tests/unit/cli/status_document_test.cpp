@@ -36,8 +36,10 @@ TEST(StatusDocument, RefusesWhatIsNoObject) {
 }
 
 // What `thimble report` is given may be any program's.
-TEST(StatusDocument, RefusesAnObjectThatDoesNotSayWhichVersionWroteIt) {
-  for (const char* bytes : {"{}", R"({"arms": []})", R"({"version": 1})", R"({"version": ""})"}) {
+TEST(StatusDocument, RefusesAnObjectWithoutVersionAndArms) {
+  for (const char* bytes :
+       {"{}", R"({"arms": []})", R"({"version": 1, "arms": []})", R"({"version": "", "arms": []})",
+        R"({"version": "1", "arms": {}})", R"({"name": "left-pad", "version": "1.0.0"})"}) {
     const auto sut = parse_status(bytes);
     ASSERT_FALSE(sut) << bytes;
     EXPECT_EQ(sut.error().code, Errc::Malformed);
@@ -70,15 +72,15 @@ TEST(StatusDocument, TakesABallThatCannotBeForNone) {
                              R"({"center_m": [0, 0], "radius_m": 1, "floor_m": 0})",
                              R"({"center_m": [0, 0, null], "radius_m": 1, "floor_m": 0})",
                              R"({"center_m": [1e308, 1e308, 0], "radius_m": 1, "floor_m": 0})"}) {
-    const auto sut =
-        parse_status(R"({"version": "1", "worlds": [{"sphere": )" + std::string(sphere) + "}]}");
+    const auto sut = parse_status(R"({"version": "1", "arms": [], "worlds": [{"sphere": )" +
+                                  std::string(sphere) + "}]}");
     ASSERT_TRUE(sut) << sphere;
     EXPECT_FALSE(sut->worlds[0].sphere) << sphere;
   }
 }
 
 TEST(StatusDocument, BoundsItsLists) {
-  std::string text = R"({"version": "1", "degraded": [)";
+  std::string text = R"({"version": "1", "arms": [], "degraded": [)";
   for (int i = 0; i < 500; ++i) text += i == 0 ? "\"a\"" : ",\"a\"";
   const auto sut = parse_status(text + "]}");
   ASSERT_TRUE(sut);
