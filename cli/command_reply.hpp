@@ -30,9 +30,10 @@ struct PieceReply {
   bool is_done{false};
 };
 [[nodiscard]] Result<PieceReply> parse_piece_reply(std::string_view json, std::string_view world);
-// Likewise of a saved state that `world` was given.
+// Likewise of a saved state that `world` was given: Malformed unless it tells of that world.
 [[nodiscard]] Result<void> check_loaded_state(std::string_view json, std::string_view world);
-// Likewise of the state that was asked for: a file that a world takes back (`body` is no JSON).
+// Whether `body`, which is no JSON, is a state such as a world takes back; Malformed, in the name
+// of `world`. Of which world it is it does not say, and nobody checks. Total.
 [[nodiscard]] Result<void> check_saved_state(std::string_view body, std::string_view world);
 // Whether the lease that `reply` tells of still stands, as a client's.
 [[nodiscard]] bool still_stands(const CommandReply& reply, const api::Status& status);

@@ -54,10 +54,12 @@ struct RunReport {
 [[nodiscard]] Result<std::vector<std::uint16_t>> first_sites(const Rule& rule,
                                                              const sim::cam::SiteSpace& space,
                                                              const RunOptions& options);
-// What is under way, told before it begins: "step 3 of 10". Empty: nobody waits.
+// What is under way, told before it begins: "step 3 of 10"; "" when all is done. Called on the
+// caller's thread; may not throw. An empty function: nobody waits.
 using Progress = std::function<void(const std::string& what)>;
 
-// Tells of steps ten times a second at most. Errors: one sentence that names what was wrong.
+// Tells of steps ten times a second at most, which is ours: what an eye follows. Errors: one
+// sentence that names what was wrong.
 [[nodiscard]] Result<RunReport> run_world(const Rule& rule, const sim::cam::SiteSpace& space,
                                           const RunOptions& options, const Clock& clock,
                                           const Progress& progress);

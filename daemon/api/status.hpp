@@ -81,7 +81,7 @@ struct Percentiles {
 
 struct ServoStatus {
   std::string arm;
-  std::optional<double> rate_hz;  // nothing: its arm has not come, and nobody else says one
+  std::optional<double> rate_hz;  // as ArmSession::rate_hz(); nothing is no member of the document
   std::uint64_t ticks{0};
   std::uint64_t overruns{0};
   Percentiles wakeup_error_s;

@@ -70,7 +70,7 @@ class ArmSession {
   bool set_impedance(Damping b) noexcept { return coupling_->set_impedance(b); }
   [[nodiscard]] const config::ArmConfig& config() const noexcept { return arm_; }
   [[nodiscard]] const devices::ReplaceableDevice& device() const noexcept { return device_; }
-  // At what its arm is driven; nothing while that has not come and the configuration says none.
+  // At what its arm is driven; nothing until that has come, where the configuration says no rate.
   [[nodiscard]] std::optional<double> rate_hz() const noexcept;
   // The newest state; what was known before when the servo wrote all the while.
   [[nodiscard]] const servo::ServoSnapshot& snapshot();

@@ -56,8 +56,9 @@ class UsbipBus : public Plug, private Event {
   virtual Result<void> tell_host() = 0;
   // `socket`: does not block.
   UsbipSession& connect(Socket socket);
-  // For one more, at the end of a round. Where every place is taken the one that has asked nothing
-  // for the longest gives way; false: all of them have the device or are being answered.
+  // For one more, at the end of a round, of the 4 that may be connected (kMostConnections). Where
+  // every place is taken it hangs up on the one that has asked nothing for the longest, whose
+  // session ends; false: all of them have the device or are being answered.
   [[nodiscard]] bool make_room();
   // The rounds of a frame are over, the number of it.
   virtual void end_frame(std::uint64_t frame) noexcept = 0;
