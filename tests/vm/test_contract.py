@@ -5,8 +5,13 @@ What the same suites say of the simulated buses, and of ours over stand-ins for 
 """
 
 import re
+import sys
 
 import guest
+
+
+# kernel_gpio_rig.cpp says why.
+NOT_ON_THIS_RIG = {"ALostEdgeLeavesAHoleInTheNumbers", "TheLevelTellsWhatALostEdgeDidNot", "ALineThatIsTakenAwayTakesTheOthersWithIt"}
 
 
 class Contract(guest.GuestTest):
@@ -14,10 +19,13 @@ class Contract(guest.GuestTest):
     runs_daemon = False
 
     def test_every_sentence_of_the_suites_is_true(self):
-        for suite, least in (("HidDeviceContract", 24), ("BusEnumeratorContract", 16), ("UsbDeviceContract", 31),
+        for suite, least in (("HidDeviceContract", 24), ("BusEnumeratorContract", 18), ("UsbDeviceContract", 31),
                              ("SerialPortContract", 13), ("GpioLinesContract", 12), ("KernelGpio", 2)):
             with self.subTest(suite):
-                status, printed = self.guest.ask(f"/run/bin/kernel_contract --gtest_filter='*{suite}*' 2>&1 | tail -n 60; "
+                status, printed = self.guest.ask(f"/run/bin/kernel_contract --gtest_filter='*{suite}*' 2>&1 | tail -n 100; "
                                                  "exit ${PIPESTATUS[0]}", timeout_s=600)
                 self.assertEqual(status, 0, printed)
                 self.assertGreaterEqual(int(re.search(r"\[  PASSED  \] (\d+) test", printed)[1]), least)
+                skipped = set(re.findall(r"^\[  SKIPPED \] \w+/\w+\.(\w+)", printed, re.MULTILINE))
+                print(f"{suite}: skipped {sorted(skipped)}", file=sys.stderr)
+                self.assertLessEqual(skipped, NOT_ON_THIS_RIG)
