@@ -36,4 +36,5 @@ if __name__ == "__main__":
     if sys.argv[1] == "--save":
         guest_states.prepare(sys.argv[2])
         sys.exit()
-    unittest.main(module=sys.argv[1], argv=["vm", "-v"])
+    PROGRAM = unittest.main(module=sys.argv[1], argv=["vm", "-v"], exit=False)
+    sys.exit(0 if PROGRAM.result.testsRun > 0 and PROGRAM.result.wasSuccessful() else f"{PROGRAM.result.testsRun} tests")
