@@ -57,6 +57,7 @@ class Phantom:
                 zip(facts["peak_current_a"], (upper + fore, upper, fore), facts["capstan_diameter_m"], facts["drum_diameter_m"],
                     facts["torque_constant_newton_m_per_a"])]
 
+    @functools.cache  # one that presses on a wall is in a few poses, a thousand times a second
     def force_in_pose(self, counts):
         """A function: of currents the force at the tip, in that pose."""
         facts = self.facts
@@ -161,6 +162,7 @@ class Falcon:
         return [[-value / slope[3] * sign * self.newton_m_per_count for value in slope[:3]]
                 for (_, slope), sign in zip(slopes, self.facts["motor_direction"])]
 
+    @functools.cache
     def force_in_pose(self, counts):
         facts = self.facts
         rad_per_count = 2 * math.pi / facts["counts_per_motor_rev"] * facts["capstan_diameter_m"] / facts["drum_diameter_m"]
