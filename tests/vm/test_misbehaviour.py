@@ -1,7 +1,13 @@
-"""A Falcon and a HID arm on the kernel's USB stack, one beside the other, that misbehave in turn: misbehaviour.py."""
+"""A Falcon and a HID arm on the kernel's USB stack, one beside the other, that misbehave in turn; then devices that lie in their descriptors, plugged in where one of them was: misbehaviour.py."""
 
 import guest
 import misbehaviour
+
+FALCON_IDS, HID_IDS = "0403 cb48", "1234 0006"
+# As guest/lying_usb.py has them. Each list ends with one that is what it says, and answers no transfer.
+LIES = "longer shorter no-endpoints more-endpoints long-length large-packets both-in interrupts no-serial strange-serial vendor"
+HID_LIES = ("hid-no-class hid-short-class hid-endless-class hid-many-classes hid-longer-reports hid-huge-reports hid-no-reports hid-cut-reports "
+            "hid-stalled-reports hid-no-input hid-no-output hid-bulk hid-no-packets hid-small-packets hid")
 
 
 class Misbehaving(misbehaviour.FalconBesideHid, guest.GuestTest):
@@ -12,3 +18,9 @@ class Misbehaving(misbehaviour.FalconBesideHid, guest.GuestTest):
 
     def test_3_the_hid_arm_misbehaves(self):
         self.assert_bounded_by_each(misbehaviour.LEFT)
+
+    def test_4_devices_that_lie_are_in_place_of_the_falcon(self):
+        self.lie_in_place_of(misbehaviour.RIGHT, FALCON_IDS, LIES)
+
+    def test_5_devices_that_lie_are_in_place_of_the_hid_arm(self):
+        self.lie_in_place_of(misbehaviour.LEFT, HID_IDS, HID_LIES)

@@ -117,15 +117,3 @@ class Usbfs(Hid):
     @classmethod
     def plug_in(cls):
         return arms.Falcon(cls.guest, rate_hz=arms.FULL_HZ)
-
-
-class Serial(Hid):
-    """No library is between its bus and the kernel: the thread of the bus takes no memory either."""
-
-    blocking_call = "write(", "</dev/ttyACM"
-    libraries = ()
-    test_its_safety_lines_are_read_by_a_thread_of_their_own = None
-
-    @classmethod
-    def plug_in(cls):
-        return arms.TextArm(cls.guest, arms.FULL_HZ)

@@ -17,7 +17,7 @@ import time
 import uhid_device
 
 REST_S = 0.3
-MOST_S = 3  # who sends an arm its commands as requests never stops
+MOST_S = 1.5  # who sends an arm its commands as requests never stops
 FIRST_S = 10  # the kernel's hubs are looked after by one thread, which may be busy with the one before
 FULL_SPEED = 2
 VHCI = pathlib.Path("/sys/devices/platform/vhci_hcd.0")

@@ -2,8 +2,7 @@
 
 usage: plug_cycles.py uhid COUNT HOLD SERIAL    a HID arm; each HOLD-th stays until somebody has opened its node
        plug_cycles.py lies COUNT SERIAL         the same, with report descriptors that are cut, longer, or have bits turned over
-       plug_cycles.py usbip COUNT SOCKET        what the thimble-simdev at SOCKET offers at the usual port, each until somebody uses it
-       plug_cycles.py usb COUNT SOCKET          the same of one that plugs itself in
+       plug_cycles.py usb COUNT SOCKET          the thimble-simdev at SOCKET, which plugs itself in; each until somebody uses it
 
 Prints how many were opened; of the lies, how many the kernel took for devices. All waits are bounded.
 """
@@ -12,7 +11,6 @@ import contextlib
 import os
 import random
 import select
-import subprocess
 import sys
 import time
 
@@ -23,7 +21,6 @@ PATIENCE_S = 20
 LIE_S = 0.2  # a lie that the kernel refuses is not told of
 UHID_OPEN = 4
 UHID_DESTROY = 1
-ATTACH = {"usbip": ["usbip", "attach", "-r", "127.0.0.1", "-b", "1-1"], "usb": None}
 
 
 def await_event(device, wanted, patience_s=PATIENCE_S):
@@ -71,14 +68,12 @@ def cycle_lies(device, count, serial):
     return taken
 
 
-def cycle_usb(count, path, attach):
+def cycle_usb(count, path):
     used = 0
     with simdev.Verbs(path) as verbs:
         for turn in range(count):
             if turn:
                 verbs.say("plug")
-            if attach:
-                subprocess.run(attach, check=True)
             end = time.monotonic() + PATIENCE_S
             while not (is_used := verbs.say("status")["open"]) and time.monotonic() < end:
                 time.sleep(0.03)
@@ -88,8 +83,8 @@ def cycle_usb(count, path, attach):
 
 
 def main(way, count, *words):
-    if way in ATTACH:
-        print(cycle_usb(int(count), words[0], ATTACH[way]))
+    if way == "usb":
+        print(cycle_usb(int(count), words[0]))
         return
     with open("/dev/uhid", "r+b", buffering=0) as uhid:
         device = uhid.fileno()

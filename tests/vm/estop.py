@@ -1,0 +1,97 @@
+"""An arm on uhid whose safety lines are those of a CP2112, under the kernel's own hid-cp2112 and the real libgpiod: it presses on a wall, and what it feels, its own log says."""
+
+import json
+
+import arms
+import lines
+import simdev
+
+# What docs/safety-wiring.md says that a CP2112 costs until the daemon knows, in which time it acts then, and the period in which zero leaves.
+POLL_S = 0.05
+ACT_S = 0.002
+PRESSED_S = POLL_S + ACT_S + 1 / arms.QUIET_HZ
+# Since the kernel was told of it: the arm's own log has a frame more, and so has the adapter's clock.
+TOLD_S = ACT_S + 1 / arms.QUIET_HZ + 0.002
+# In two seconds, of 4: the first and the last may fall outside.
+BLINKS = 2
+
+
+class Arm(arms.HidArm):
+    daemon_words = lines.SAFETY
+
+
+class Estop(lines.GuestWithLines):
+    """Numbered: each test goes on where the one before it ended."""
+
+    arm_kind = Arm
+
+    def wait_for(self, state):
+        return self.wait_until("safety.state", state)
+
+    def press(self):
+        self.adapter.say("press 0", "press 1")
+
+    def release(self):
+        """Again, as the daemon asks for, where a look of the kernel's fell between the two: the next is more than 50 ms later, and they disagree."""
+        for _ in range(5):
+            self.adapter.say("release 0", "release 1")
+            self.guest.sleep(0.3)
+            if self.status()["safety"]["trouble"] != "disagree":
+                return
+            self.press()
+            self.wait_until("safety.trouble", "open")
+
+    def clear(self):
+        return self.guest.ask("thimble clear-fault right")
+
+    def lamp(self):
+        """How it looks to a person who has two seconds."""
+        before = self.adapter.status()["readings"]
+        self.guest.sleep(2)
+        after = self.adapter.status()["readings"]
+        changes = after["changes_4"] - before["changes_4"]
+        if changes == 0:
+            return "lit" if after["line_4"] else "dark"
+        return "blinks" if changes >= BLINKS else f"{changes} change(s)"
+
+    def start_again(self, was_killed=False):
+        """`was_killed`: the daemon, after which a person has to ask for the arm."""
+        self.wait_for("waiting")
+        self.assertEqual(self.clear()[0], 0)
+        self.wait_until_enable_beats()
+        states = ("calibrating", "inactive") if was_killed else ("calibrating", "active")
+        if json.loads(simdev.wait_for_state(self.guest, *states))["calibration"] == "needs-user":
+            self.arm.calibrate()
+        if was_killed:
+            simdev.wait_for_state(self.guest, "inactive")
+            self.guest.run("thimble activate right")
+        simdev.wait_for_state(self.guest, "active")
+
+    def lean(self):
+        """On a wall: it is felt."""
+        self.arm.say("move 0 0 0 0.1", "move 0.018 0 0 0.3")
+        self.guest.sleep(0.8)
+        self.assertLess(self.arm.felt(0.1)[0], -0.3)
+
+    def assert_no_force(self):
+        self.guest.sleep(0.3)  # until what was before is out of the log that is read
+        self.assertLess(max(self.arm.forces(0.2)), simdev.NOTHING_NEWTON)
+
+    def felt_after(self, adapter, *verbs):
+        """The arm pressed until the adapter was told so: for how long there was a force afterwards."""
+        fell_s, last_s = self.ended_after(adapter, *verbs)
+        return last_s - fell_s
+
+    def ended_after(self, adapter, *verbs):
+        """When that was, and the last force, both on the machine's clock."""
+        before, *_ = self.guest.steps(adapter.step("status", *verbs), ("sleep", 0.5))
+        fell_s = json.loads(before)["machine_s"]
+        samples = [(entry["machine_s"], simdev.norm(entry["force_newton"])) for entry in self.arm.samples(2)]
+        self.assertGreater(min(force for at_s, force in samples if fell_s - 0.05 < at_s < fell_s), 0.3)
+        self.assertGreater(samples[-1][0], fell_s + 0.3)
+        return fell_s, max(at_s for at_s, force in samples if force > simdev.NOTHING_NEWTON)
+
+    def told_s(self):
+        """When the adapter told the kernel of the last change of an input, on the machine's clock."""
+        said = self.adapter.status()
+        return said["readings"]["told_s"] - said["t_s"] + said["machine_s"]
