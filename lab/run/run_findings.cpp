@@ -3,6 +3,7 @@
 #include <utility>
 #include <vector>
 
+#include "lab/run/playable.hpp"
 #include "lab/run/run.hpp"
 
 // What a session that was played has to tell.
