@@ -24,6 +24,11 @@ std::string judge_serial_number(const std::string& text) {
   return "expected 1 to 63 printable letters of ASCII without blanks";
 }
 
+// With what was given in it.
+std::string failure_message(const CLI::App* of, const CLI::Error& error) {
+  return linux::printable_lines(CLI::FailureMessage::simple(of, error));
+}
+
 std::string refuse_empty(const std::string& text) {
   return text.empty() ? "expected a name, found \"\"" : "";
 }
@@ -78,10 +83,7 @@ tl::expected<SimdevOptions, int> parse_simdev_options(int argc, const char* cons
       ->excludes(at_once);
   cli.add_option("--seed", options.seed, "of what is left to chance in it")->type_name("NUMBER");
   cli.set_version_flag("--version", std::string("thimble-simdev " THIMBLE_VERSION));
-  cli.failure_message(
-      [](const CLI::App* of, const CLI::Error& error) {  // with what was given in it
-        return linux::printable_lines(CLI::FailureMessage::simple(of, error));
-      });
+  cli.failure_message(&failure_message);
   try {
     cli.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
