@@ -38,6 +38,7 @@ LIMIT = f"limits.force_newton = {LIMIT_NEWTON}\n"
 MUTE = "it does not report its position; check its power and cable"
 NAMES = ("right", "left")
 RIGHT, LEFT = 0, 1
+FALCON_IDS, HID_IDS = "0403 cb48", "1234 0006"
 
 
 def arm_beside(one, *way, policy=None):

@@ -3,11 +3,9 @@
 import guest
 import misbehaviour
 
-FALCON_IDS, HID_IDS = "0403 cb48", "1234 0006"
-# As guest/lying_usb.py has them. Each list ends with one that is what it says, and answers no transfer.
-LIES = "longer shorter no-endpoints more-endpoints long-length large-packets both-in interrupts no-serial strange-serial vendor"
-HID_LIES = ("hid-no-class hid-short-class hid-endless-class hid-many-classes hid-longer-reports hid-huge-reports hid-no-reports hid-cut-reports "
-            "hid-stalled-reports hid-no-input hid-no-output hid-bulk hid-no-packets hid-small-packets hid")
+# As guest/lying_usb.py has them; the others are in test_lies.py. Each list ends with one that is what it says, and answers no transfer.
+LIES = "longer more-endpoints both-in no-serial vendor"
+HID_LIES = "hid-short-class hid-endless-class hid-huge-reports hid-stalled-reports hid-no-input hid-no-packets hid"
 
 
 class Misbehaving(misbehaviour.FalconBesideHid, guest.GuestTest):
@@ -20,7 +18,7 @@ class Misbehaving(misbehaviour.FalconBesideHid, guest.GuestTest):
         self.assert_bounded_by_each(misbehaviour.LEFT)
 
     def test_4_devices_that_lie_are_in_place_of_the_falcon(self):
-        self.lie_in_place_of(misbehaviour.RIGHT, FALCON_IDS, LIES)
+        self.lie_in_place_of(misbehaviour.RIGHT, misbehaviour.FALCON_IDS, LIES)
 
     def test_5_devices_that_lie_are_in_place_of_the_hid_arm(self):
-        self.lie_in_place_of(misbehaviour.LEFT, HID_IDS, HID_LIES)
+        self.lie_in_place_of(misbehaviour.LEFT, misbehaviour.HID_IDS, HID_LIES)
