@@ -29,17 +29,23 @@ inline constexpr std::string_view kSerialLetters =
          name.substr(kDigits + 1).find_first_not_of(kHexadecimal) == std::string_view::npos;
 }
 
-// "1" or "1.4": numbers with a dot between two. Total; pure.
-[[nodiscard]] constexpr bool are_port_numbers(std::string_view text) noexcept {
-  return !text.empty() && text.find_first_not_of("0123456789.") == std::string_view::npos &&
-         text.front() != '.' && text.back() != '.' && text.find("..") == std::string_view::npos;
+// "1" or "1.4" of hubs: each port a number from 1 on. Total; pure.
+[[nodiscard]] constexpr bool are_usb_ports(std::string_view text) noexcept {
+  bool is_first = true;  // digit of a port
+  for (const char letter : text) {
+    const bool is_dot = letter == '.';
+    if (!is_dot && (letter < '0' || letter > '9')) return false;
+    if (is_first && (is_dot || letter == '0')) return false;
+    is_first = is_dot;
+  }
+  return !is_first;
 }
 
 // Whether it is a way to a controller, whatever that is called, and from there to a port, with no
 // interface behind it: "pci-0000:00:14.0-usb-0:1.4" (decision 0507). Total; pure.
 [[nodiscard]] constexpr bool is_usb_path(std::string_view name) noexcept {
   const std::size_t colon = name.rfind(':');
-  if (colon == std::string_view::npos || !are_port_numbers(name.substr(colon + 1))) return false;
+  if (colon == std::string_view::npos || !are_usb_ports(name.substr(colon + 1))) return false;
   const std::string_view way = name.substr(0, colon);
   for (const std::string_view hub : {std::string_view("-usb-0"), std::string_view("-usbv3-0")}) {
     if (way.ends_with(hub) && way.size() > hub.size()) return true;

@@ -24,16 +24,6 @@ std::string_view take_until(char letter, std::string_view& left) {
   return first;
 }
 
-// "1.4" of hubs: each port a number from 1 on.
-bool are_ports(std::string_view text) {
-  if (text.empty() || text.ends_with('.')) return false;
-  while (!text.empty()) {
-    const std::string_view port = take_until('.', text);
-    if (!is_all_of(port, kDecimal) || port.front() == '0') return false;
-  }
-  return true;
-}
-
 // "0000:00:14.0", with a domain of any length.
 bool is_pci_function(std::string_view name) {
   constexpr std::size_t kTail = 8;  // ":00:14.0"
@@ -95,7 +85,7 @@ std::string usb_path_of(std::string_view sysfs_path, std::string_view root_hub_v
   if (hub.empty() || !hub.starts_with(kDevices)) return {};
   const std::string_view name = sysfs_path.substr(sysfs_path.rfind('/') + 1);
   const std::string_view ports = name.substr(name.find('-') + 1);
-  if (!are_ports(ports)) return {};
+  if (!bus::are_usb_ports(ports)) return {};
   const std::string_view below = hub.substr(kDevices.size());
   const std::size_t end = below.rfind('/');
   const std::string way =

@@ -69,7 +69,9 @@ TEST_F(InspectSphere, ObjectsToAnAddressThatNoBusCouldGive) {
                              "usb:-usb-0:4",
                              "usb:x-usb-0:.",
                              "usb:x-usb-0:1..2",
-                             "usb:x-usb-0:1."}) {
+                             "usb:x-usb-0:1.",
+                             "usb:x-usb-0:0",
+                             "usb:x-usb-0:1.04"}) {
     arm.device = device;
     config.arms = {arm};
     const auto sut = inspected();
