@@ -1,6 +1,7 @@
 """An arm on uhid whose safety lines are those of a CP2112, under the kernel's own hid-cp2112 and the real libgpiod: it presses on a wall, and what it feels, its own log says."""
 
 import json
+import sys
 
 import arms
 import lines
@@ -91,7 +92,11 @@ class Estop(lines.GuestWithLines):
         self.assertGreater(samples[-1][0], fell_s + 0.3)
         return fell_s, max(at_s for at_s, force in samples if force > simdev.NOTHING_NEWTON)
 
-    def told_s(self):
-        """When the adapter told the kernel of the last change of an input, on the machine's clock."""
+    def assert_ends_in_time(self, what, fade_s, *verbs):
+        """The force, which fades for so long, since the adapter was told so, and since it told the kernel of that."""
+        fell_s, last_s = self.ended_after(self.adapter, *verbs)
         said = self.adapter.status()
-        return said["readings"]["told_s"] - said["t_s"] + said["machine_s"]
+        told_s = said["readings"]["told_s"] - said["t_s"] + said["machine_s"]
+        print(f"{what}: the kernel was told after {told_s - fell_s:.4f} s, the last force was felt {last_s - told_s:.4f} s later", file=sys.stderr)
+        self.assertLess(last_s - fell_s, PRESSED_S + fade_s)
+        self.assertLess(last_s - told_s, TOLD_S + fade_s)
