@@ -39,6 +39,7 @@ using thimble::cli::run_report;
 using thimble::cli::run_status;
 using thimble::cli::run_watch;
 using thimble::cli::WatchOptions;
+using thimble::devices_list::Form;
 using thimble::devices_list::run_devices;
 using thimble::doctor::run_doctor;
 
@@ -53,6 +54,7 @@ struct Arguments {
   std::vector<std::string> plugins;
   std::string config;
   bool is_json{false};
+  bool is_toml{false};
   WatchOptions watch;
   std::string world;
   thimble::cli::WorldEdit edit;
@@ -135,12 +137,19 @@ void add_machine_commands(CLI::App& app, Arguments& arguments, int& code) {
                    "The daemon's configuration: look for what this one asks for")
       ->type_name("FILE")
       ->check(thimble::cli::refuse_empty_name);
-  add_machine_command(app, "devices",
-                      "List what arm.device could name, and why anything cannot be used", arguments,
-                      [&] {
-                        code = run_devices({arguments.socket_path, arguments.root,
-                                            arguments.plugins, arguments.is_json});
-                      });
+  CLI::App* devices = add_machine_command(
+      app, "devices", "List what arm.device could name, and why anything cannot be used", arguments,
+      [&] {
+        const Form form = arguments.is_toml   ? Form::Toml
+                          : arguments.is_json ? Form::Json
+                                              : Form::Text;
+        code = run_devices({arguments.socket_path, arguments.root, arguments.plugins, form});
+      });
+  devices
+      ->add_flag("--toml", arguments.is_toml,
+                 "As the tables that a configuration lacks of arms that are plugged in")
+      ->excludes("--json")
+      ->excludes("--root");
 }
 
 void add_flight_commands(CLI::App& app, Arguments& arguments, int& code) {

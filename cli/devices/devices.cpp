@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include "cli/commands.hpp"
+#include "cli/devices/arm_tables.hpp"
 #include "cli/devices/inventory.hpp"
 #include "cli/devices/report.hpp"
 #include "cli/doctor/load_plugins.hpp"
@@ -29,7 +30,17 @@ int run_devices(const DevicesOptions& options) {
   const std::string daemon =
       status ? "the daemon at " + options.socket_path + " was asked what it uses"
              : status.error().message;
-  std::cout << (options.is_json ? to_json(entries, daemon) : render(entries, daemon));
+  switch (options.form) {
+    case Form::Text:
+      std::cout << render(entries, daemon);
+      break;
+    case Form::Json:
+      std::cout << to_json(entries, daemon);
+      break;
+    case Form::Toml:
+      std::cout << arm_tables(entries, status ? *status : api::Status{}, daemon);
+      break;
+  }
   return cli::kExitOk;
 }
 

@@ -93,6 +93,28 @@ std::vector<std::string> models_of(const bus::BusDeviceInfo& info,
   return taken;
 }
 
+// Found out as a daemon would: by what its driver takes.
+NeededKeys keys_of(const bus::BusDeviceInfo& info, const std::vector<std::string>& models,
+                   const plugin::DriverRegistry& drivers) {
+  NeededKeys keys;
+  plugin::DriverSettings settings;
+  settings.is_named_by_person = true;
+  settings.amplifier_max_a = kSomeCurrent_a;
+  keys.model = !drivers.match(info, settings) && !models.empty();
+  if (keys.model) settings.model = models.front();
+  const auto driver = drivers.match(info, settings);
+  if (!driver) return keys;
+  settings.amplifier_max_a.reset();
+  keys.amplifier_max_a = !drivers.match(info, settings);
+  // Also where a driver has a choice for the ids: an amplifier is no arm.
+  keys.model = keys.model || (keys.amplifier_max_a && models.size() > 1);
+  // One that cannot tell is bounded, too.
+  const auto used = (*driver)->used_settings();
+  keys.firmware = used && used->firmware;
+  keys.limits = !used || used->amplifier_max_a || used->newton_per_count;
+  return keys;
+}
+
 Entry real_entry(const linux::FoundDevice& device, const doctor::Facts& facts,
                  const plugin::DriverRegistry& drivers) {
   Entry entry{device.info.address.text, description_of(device), "", "", {}};
@@ -104,6 +126,7 @@ Entry real_entry(const linux::FoundDevice& device, const doctor::Facts& facts,
   entry.is_plugged_in_arm = true;
   entry.needs = needs_of(device.info, drivers);
   entry.models = models_of(device.info, drivers);
+  entry.keys = keys_of(device.info, entry.models, drivers);
   for (const doctor::Controller& controller : facts.controllers) {
     if (controller.node.path == device.node) entry.obstacle = obstacles(facts, controller);
   }

@@ -12,6 +12,15 @@
 
 namespace thimble::devices_list {
 
+// Which keys a configuration has to have of an arm besides `device`.
+struct NeededKeys {
+  bool model{false};  // the device does not tell which arm it is
+  bool amplifier_max_a{false};
+  bool firmware{false};
+  bool limits{false};  // it makes force
+  bool operator==(const NeededKeys&) const = default;
+};
+
 // One thing that `arm.device` of a configuration could name.
 struct Entry {
   std::string address;
@@ -21,6 +30,7 @@ struct Entry {
   std::vector<std::string> users;     // arms of the running daemon, "right (active)"
   std::vector<std::string> models{};  // that arm.model may name for it, of what is plugged in
   bool is_plugged_in_arm{false};      // one that a driver knows
+  NeededKeys keys{};                  // of such a one
   bool operator==(const Entry&) const = default;
 };
 

@@ -28,7 +28,7 @@ _thimble() {
     status) options+=" --json" ;;
     watch) options+=" --interval --for" ;;
     doctor) options+=" --json --root --plugin --config" ;;
-    devices) options+=" --json --root --plugin" ;;
+    devices) options+=" --json --toml --root --plugin" ;;
     flight)
       if [[ $word == -* ]]; then
         options+=" --before"

@@ -95,6 +95,24 @@ class RealDevices(ProcessTest):
             self.assertEqual(entries[stranger]["obstacle"], "no driver knows it")
 
 
+    def test_become_tables_that_lack_only_what_a_person_knows(self):
+        result = self.devices("--toml")
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        self.assertIn('device = "hid:ABC1"', result.stdout)
+        self.assertNotIn("sim:", result.stdout)
+        world = '[[world]]\nname = "box"\nsource = "box:3"\nworkspace_m = 0.09\n'
+        bare = self.thimbled("--config", self.write("bare.toml", world + result.stdout), "--check")
+        self.assertEqual(bare.returncode, 2)
+        self.assertIn("the controller does not tell which arm it drives", bare.stderr)
+        chosen = result.stdout.replace('# model = "woody-2015"', 'model = "woody-2015"')
+        checked = self.thimbled("--config", self.write("chosen.toml", world + chosen), "--check")
+        self.assertEqual((checked.returncode, checked.stderr), (0, ""))
+
+    def test_become_tables_or_a_document_but_not_both(self):
+        self.assertEqual(self.devices("--toml", "--json").returncode, 2)
+        self.assertEqual(self.devices("--toml", "--root", "/").returncode, 2)
+
+
 class AbsentArm(ProcessTest):
     """Of two arms one is not there: no start fails for it, and the other is driven."""
 

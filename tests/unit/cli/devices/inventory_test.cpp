@@ -145,6 +145,20 @@ TEST(Inventory, SaysThatAFalconWantsItsFirmware) {
               testing::StartsWith("arm.firmware: "));
 }
 
+NeededKeys keys_of_model(const char* name) {
+  const session::Plugins plugins;
+  std::vector<linux::FoundDevice> devices{found_arm()};
+  devices[0].info = plugin::describe(*plugins.models.find(name)->create({}));
+  return plugged_in(devices, {}, plugins.drivers).at(0).keys;
+}
+
+TEST(Inventory, KnowsWhichKeysAConfigurationHasToHave) {
+  EXPECT_EQ(keys_of_model("phantom-vintage"),
+            (NeededKeys{.model = true, .amplifier_max_a = true, .limits = true}));
+  EXPECT_EQ(keys_of_model("falcon"), (NeededKeys{.firmware = true, .limits = true}));
+  EXPECT_EQ(keys_of_model("spacenavigator"), NeededKeys{});
+}
+
 TEST(Inventory, ListsWhatNoDriverKnows) {
   const session::Plugins plugins;
   std::vector<linux::FoundDevice> devices{found_arm(), found_arm()};
