@@ -67,7 +67,8 @@ DeviceVerbs::Reply DeviceVerbs::execute(std::string_view line) {
 Result<void> DeviceVerbs::apply(const Verb& verb) {
   const MonotonicTime now = around_.clock->now();
   const MonotonicTime later = now + from_seconds(verb.numbers[0]);
-  const auto reports = static_cast<std::uint32_t>(verb.numbers[0]);
+  // Of verbs that count; of others it may be any number.
+  const auto reports = [&] { return static_cast<std::uint32_t>(verb.numbers[0]); };
   switch (verb.kind) {
     case VerbKind::Unplug:
       return plug_->unplug(Supply::Goes);
@@ -82,21 +83,21 @@ Result<void> DeviceVerbs::apply(const Verb& verb) {
       around_.misbehaviour->be_silent_until(later);
       return {};
     case VerbKind::Corrupt:
-      around_.misbehaviour->corrupt(reports);
+      around_.misbehaviour->corrupt(reports());
       return {};
     case VerbKind::Short:
-      around_.misbehaviour->shorten(reports);
+      around_.misbehaviour->shorten(reports());
       return {};
     case VerbKind::Babble:
-      around_.misbehaviour->babble(reports);
+      around_.misbehaviour->babble(reports());
       return {};
     case VerbKind::ShortOut:
-      around_.misbehaviour->cut_what_comes(reports);
+      around_.misbehaviour->cut_what_comes(reports());
       return {};
     case VerbKind::Halt:
-      return halt(reports);
+      return halt(reports());
     case VerbKind::Fault:
-      return set_fault(verb.name, reports);
+      return set_fault(verb.name, reports());
     case VerbKind::Press:
     case VerbKind::Release:
       return press(verb);
