@@ -35,7 +35,8 @@ struct GpioEdge {
   bool operator==(const GpioEdge&) const = default;
 };
 
-// What the chip answered when it was last asked, which is every kGpioReadPeriod.
+// What the chip answered when it was last asked, which is every kGpioReadPeriod: of one input after
+// the other, the first of the claim last, so that its level is the newest.
 struct GpioLevels {
   std::uint32_t high{0};    // bit i: input i is high
   MonotonicTime read_at{};  // by the clock of the bus

@@ -190,7 +190,9 @@ void GpioTransfers::read_levels() noexcept {
   const MonotonicTime now = clock_->now();
   next_read_ = now + bus::kGpioReadPeriod;
   bus::GpioLevels levels{0, now};
-  for (std::size_t i = 0; i < inputs_.size(); ++i) {
+  // Behind USB each takes a transfer. A stop's channels are first in a claim: what opens while
+  // others are asked is seen now, not a period later.
+  for (std::size_t i = inputs_.size(); i-- > 0;) {
     const int value = gpiod_line_get_value(inputs_[i]);
     if (value < 0) return note(errno);
     if (value > 0) levels.high |= 1U << i;

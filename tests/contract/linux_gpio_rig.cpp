@@ -155,6 +155,28 @@ TEST_F(GpioTransfersTest, OnlyBurstsOfSixteenAndMoreLeaveAHole) {
   }
 }
 
+// Whenever within a reading a wire changes: who is first in the claim was asked last.
+TEST_F(GpioTransfersTest, AReadingHasOfTheFirstInputWhatIsNewest) {
+  FakeGpioChip chip(folder.path() / "gpiochip0", "bench", kNames);
+  claim.inputs = {"2", "3", "4"};
+  bus::GpioMailboxes three{3, 1, nullptr};
+  const auto sut = linux::GpioTransfers::open(folder.path(), claim, three, clock).value();
+  for (int questions = 1; questions <= 3; ++questions) {
+    chip.set_wire(2, true);
+    int left = questions;
+    chip.before_answers([&](std::size_t) {
+      if (--left == 0) chip.set_wire(2, false);
+    });
+    clock.run_for(bus::kGpioReadPeriod);
+    sut->serve();
+    chip.before_answers({});
+    ASSERT_LE(left, 0) << "it was asked so often";
+    bus::GpioLevels levels;
+    ASSERT_EQ(three.levels(levels), IoStatus::Ok);
+    EXPECT_FALSE(levels.is_high(0)) << questions;
+  }
+}
+
 TEST_F(GpioTransfersTest, WaitingEndsWithTheNextLevelsAndWithAWake) {
   FakeGpioChip chip(folder.path() / "gpiochip0", "bench", kNames);
   const auto sut = open().value();

@@ -142,6 +142,7 @@ struct FakeLibgpiod {
   int get(gpiod_line& line) {
     const std::lock_guard guard(lock);
     if (is_dead(line)) return refuse(ENODEV);
+    if (line.chip->fake->before_answers_) line.chip->fake->before_answers_(line.offset);
     if (fails(line) || line.chip->fake->is_failing_questions_) return refuse(EIO);
     return state_of(line).is_high ? 1 : 0;
   }
@@ -185,6 +186,11 @@ void FakeGpioChip::set_wire(std::size_t line, bool is_high) {
 bool FakeGpioChip::wire(std::size_t line) const {
   const std::lock_guard guard(FakeLibgpiod::instance().lock);
   return lines_.at(line).is_high;
+}
+
+void FakeGpioChip::before_answers(std::function<void(std::size_t)> what) {
+  const std::lock_guard guard(FakeLibgpiod::instance().lock);
+  before_answers_ = std::move(what);
 }
 
 void FakeGpioChip::lose_next_edges(int edges) {

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -40,6 +41,8 @@ class FakeGpioChip {
   void fail_line(std::size_t line, bool is_failing);
   // A level that is set is taken; who asks for one has no answer.
   void fail_questions(bool is_failing);
+  // Called before each answer to who asks for a level, with the line.
+  void before_answers(std::function<void(std::size_t line)> what);
   // Nobody may open it, or anybody again.
   void forbid(bool is_forbidden);
   // Somebody else has that line; an empty name: the kernel.
@@ -65,6 +68,7 @@ class FakeGpioChip {
   bool is_failing_{false};
   bool is_failing_questions_{false};
   bool is_forbidden_{false};
+  std::function<void(std::size_t)> before_answers_;
 };
 
 }  // namespace thimble::test

@@ -30,7 +30,7 @@ class Estop(estop.Estop):
         self.lean()
 
     def test_3_pressed_is_zero_in_time_and_latched_and_the_heartbeat_stops(self):
-        self.assert_ends_in_time("e-stop", 0, "press 0", "press 1")
+        self.assert_ends_in_time("e-stop", ("press 0", "press 1"))
         self.assertEqual(self.wait_for("stopped")["trouble"], "open")
         simdev.wait_for_state(self.guest, "fault")
         self.assert_no_force()
@@ -65,7 +65,7 @@ class Estop(estop.Estop):
 
     def test_6_without_the_deadman_there_is_no_force_and_no_fault(self):
         self.lean()
-        self.assert_ends_in_time("deadman", FADE_S, "press 2")
+        self.assert_ends_in_time("deadman", ("press 2",), FADE_S, estop.READ_S)
         self.wait_until("safety.is_deadman_held", "false")
         self.assert_no_force()
         self.assertEqual(self.status()["safety"]["state"], "free")
