@@ -58,9 +58,10 @@ IoStatus UsbDevice::start_control(const bus::UsbControlRequest& request) noexcep
 void UsbDevice::run() noexcept {
   while (!is_over_.load()) {
     transfers_->serve();
-    transfers_->wait(wake_->fd());
-    wake_->drain();
-    transfers_->handle_events();
+    // Each of the two is a look into the kernel, several in an exchange that would find nothing.
+    const UsbTransfers::Woken woken = transfers_->wait(wake_->fd());
+    if (woken.is_signalled) wake_->drain();
+    if (woken.has_events) transfers_->handle_events();
   }
   // The last is the newest that the servo wanted, zero after a fault: the arm must not be left with
   // an older one.

@@ -313,7 +313,7 @@ bool UsbTransfers::has_to_try_again() const noexcept {
   });
 }
 
-void UsbTransfers::wait(int wake) noexcept {
+UsbTransfers::Woken UsbTransfers::wait(int wake) noexcept {
   std::array<pollfd, kMostDescriptors + 1> polled{};
   std::size_t count = 0;
   polled[count++] = {wake, POLLIN, 0};
@@ -324,11 +324,15 @@ void UsbTransfers::wait(int wake) noexcept {
     }
   }
   const bool is_retry = !mail_->is_disconnected() && has_to_try_again();
-  if (::poll(polled.data(), count, is_retry ? kRetryPoll_ms : -1) <= 0) return;
+  if (::poll(polled.data(), count, is_retry ? kRetryPoll_ms : -1) <= 0) return {};
+  Woken woken{.is_signalled = polled[0].revents != 0};
   for (std::size_t i = 1; i < count; ++i) {
-    // What usbfs says of a device that is gone, also when no transfer is there to tell.
-    if ((polled[i].revents & POLLERR) != 0) mail_->disconnect();
+    woken.has_events = woken.has_events || polled[i].revents != 0;
+    // What usbfs says of a device that is gone, also when no transfer is there to tell: it hangs up
+    // at once, and is an error when all drivers have let go of it, which may last.
+    if ((polled[i].revents & (POLLERR | POLLHUP)) != 0) mail_->disconnect();
   }
+  return woken;
 }
 
 void UsbTransfers::send_last() noexcept {

@@ -56,8 +56,13 @@ class UsbTransfers {
 
   // Hands to the kernel what waits in the mailboxes, and what has to be asked for again.
   void serve() noexcept;
+  // What ended a wait(): both, one, or neither, when it is time to try again.
+  struct Woken {
+    bool is_signalled{false};  // the descriptor is readable
+    bool has_events{false};    // there is something for handle_events()
+  };
   // Until a transfer ends, the descriptor `wake` is readable, or it is time to try again.
-  void wait(int wake) noexcept;
+  [[nodiscard]] Woken wait(int wake) noexcept;
   // Brings home what has ended. Never waits.
   void handle_events() noexcept;
   // Before closing: the newest packet that waits for each OUT pipe, once what is under way has
