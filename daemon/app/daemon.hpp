@@ -20,6 +20,7 @@
 #include "daemon/app/repeated_warnings.hpp"
 #include "daemon/app/return_watch.hpp"
 #include "daemon/app/safety_thread.hpp"
+#include "daemon/app/serial_lines.hpp"
 #include "daemon/app/service_notifier.hpp"
 #include "daemon/app/servo_threads.hpp"
 #include "daemon/app/status_source.hpp"
@@ -90,9 +91,12 @@ class Daemon final : private api::StatusView {
   RepeatedWarnings warnings_;
   ReturnWatch returns_;
 
+  SerialLines line_threads_{linux::share_serial_line};
   boost::asio::io_context io_{1};
   link::UdpNetwork network_{io_};
-  link::TtyPorts lines_{io_, linux::share_serial_line};
+  link::TtyPorts lines_{io_, [this](const std::string& node, std::uint32_t bit_per_s) {
+                          return line_threads_.open(node, bit_per_s);
+                        }};
   boost::asio::signal_set signals_{io_};
   boost::asio::steady_timer pump_timer_{io_};
   boost::asio::steady_timer supervise_timer_{io_};

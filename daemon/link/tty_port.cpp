@@ -9,6 +9,9 @@ namespace thimble::link {
 namespace asio = boost::asio;
 using boost::system::error_code;
 
+// For the answer to an opening that lasts: ours, no more than a frame's way at the slowest rate.
+constexpr Duration kLookAgain = std::chrono::milliseconds(20);
+
 TtyPort::TtyPort(asio::io_context& io, Open open)
     : line_(io),
       timer_(io),
@@ -27,10 +30,21 @@ void TtyPort::start(Handlers handlers) {
 }
 
 void TtyPort::open() {
-  Result<LineNode> node = open_();
+  opening_ = open_();
+  look_for_answer();
+}
+
+void TtyPort::look_for_answer() {
+  if (opening_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
+    return use(opening_.get());
+  }
+  after(kLookAgain, &TtyPort::look_for_answer);
+}
+
+void TtyPort::use(Result<LineNode> node) {
   if (!node) {
     last_error_ = node.error().message;
-    return open_later();
+    return after(kOpenAgain, &TtyPort::open);
   }
   node_ = *std::move(node);
   error_code error;
@@ -46,16 +60,17 @@ void TtyPort::close(const std::string& why) {
   if (line_.is_open()) line_.release();
   node_.reset();
   is_writing_ = false;
-  open_later();
+  after(kOpenAgain, &TtyPort::open);
 }
 
-void TtyPort::open_later() {
-  open_timer_.expires_after(kOpenAgain);
-  open_timer_.async_wait([this, alive = std::weak_ptr<Alive>(alive_)](const error_code& error) {
-    const std::shared_ptr<Alive> held = alive.lock();
-    if (!held || error == asio::error::operation_aborted) return;
-    open();
-  });
+void TtyPort::after(Duration wait, void (TtyPort::*then)()) {
+  open_timer_.expires_after(wait);
+  open_timer_.async_wait(
+      [this, then, alive = std::weak_ptr<Alive>(alive_)](const error_code& error) {
+        const std::shared_ptr<Alive> held = alive.lock();
+        if (!held || error == asio::error::operation_aborted) return;
+        (this->*then)();
+      });
 }
 
 void TtyPort::receive_next() {

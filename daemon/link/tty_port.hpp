@@ -6,6 +6,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <cstddef>
 #include <functional>
+#include <future>
 #include <memory>
 #include <span>
 #include <string>
@@ -21,7 +22,7 @@ namespace thimble::link {
 // Thread: the one that runs the io_context, which must outlive it. The rest: see LinePort.
 class TtyPort final : public LinePort {
  public:
-  using Open = std::function<Result<LineNode>()>;
+  using Open = std::function<std::future<Result<LineNode>>()>;
 
   TtyPort(boost::asio::io_context& io, Open open);
   ~TtyPort() override;
@@ -40,14 +41,17 @@ class TtyPort final : public LinePort {
   };
 
   void open();
+  void look_for_answer();
+  void use(Result<LineNode> node);
   void close(const std::string& why);
-  void open_later();
+  void after(Duration wait, void (TtyPort::*then)());
   void receive_next();
 
   boost::asio::posix::stream_descriptor line_;
   WakeTimer timer_;
   boost::asio::steady_timer open_timer_;
   Open open_;
+  std::future<Result<LineNode>> opening_;
   LineNode node_;  // none: closed
   std::shared_ptr<Alive> alive_;
   std::array<std::byte, 4096> buffer_{};

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <future>
 #include <memory>
 #include <string>
 
@@ -14,15 +15,17 @@ class io_context;
 
 namespace thimble::link {
 
-// An opened serial port: the number of its file, closed with its last owner.
+// An opened serial port: the number of its file, closed with its last owner. As an adapter may keep
+// the kernel for seconds in both, neither may wait for it: whoever opens says how it is closed.
 using LineNode = std::shared_ptr<const int>;
-// Opens the device `node`, now or again; must not wait for what a line may never have. Errors: one
-// sentence.
-using OpenLine = std::function<Result<LineNode>(const std::string& node, std::uint32_t bit_per_s)>;
+// Asks for the device `node` to be opened, now or again, and returns at once; the answer may come
+// from another thread. Errors: one sentence.
+using OpenLine =
+    std::function<std::future<Result<LineNode>>(const std::string& node, std::uint32_t bit_per_s)>;
 
 // The serial ports of this machine (TtyPort). Thread: the one that runs the io_context, which also
-// calls `open`. RT: not. Ownership: the io_context must outlive it and its ports. Errors: none
-// here.
+// calls `open`, and looks for its answers. RT: not. Ownership: the io_context must outlive it and
+// its ports. Errors: none here.
 class TtyPorts final : public LinePorts {
  public:
   TtyPorts(boost::asio::io_context& io, OpenLine open);

@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <array>
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
 #include <chrono>
 #include <deque>
 #include <functional>
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
@@ -100,6 +102,12 @@ class SerialPorts : public ::testing::Test {
   [[nodiscard]] SerialLine line(const char* end) const {
     return {.name = "serial:test", .node = end, .bit_per_s = bit_per_s};
   }
+  [[nodiscard]] std::future<Result<LineNode>> ask(const std::string& end, std::uint32_t rate) {
+    if (is_slow) return slow.emplace_back().get_future();
+    std::promise<Result<LineNode>> answer;
+    answer.set_value(open(end, rate));
+    return answer.get_future();
+  }
   // Whatever terminal is there when it is asked for.
   [[nodiscard]] Result<LineNode> open(const std::string& end, std::uint32_t rate) const {
     Plug* const plug = end == "arm's" ? of_arm : of_world;
@@ -147,8 +155,9 @@ class SerialPorts : public ::testing::Test {
 
   linux::MonotonicClock clock;
   boost::asio::io_context io{1};
-  TtyPorts ports{io,
-                 [this](const std::string& end, std::uint32_t rate) { return open(end, rate); }};
+  TtyPorts ports{io, [this](const std::string& end, std::uint32_t rate) { return ask(end, rate); }};
+  bool is_slow{false};  // both ends: nobody answers who opens
+  std::deque<std::promise<Result<LineNode>>> slow;
   std::deque<Plug> plugs;
   Plug* of_arm{nullptr};
   Plug* of_world{nullptr};
@@ -213,6 +222,36 @@ TEST_F(SerialPorts, APortThatIsNotThereIsWaitedFor) {
   of_arm = later;
   ASSERT_TRUE(run_until([&] { return is_up(); }));
   EXPECT_EQ(arm->status().last_error, "");
+}
+
+TEST_F(SerialPorts, AnOpeningThatLastsHoldsUpNobodyAndIsAskedForOnce) {
+  is_slow = true;
+  open_both();
+  // What runs on the same thread goes on.
+  int runs = 0;
+  const std::function<void()> again = [&] {
+    if (++runs < 100) boost::asio::post(io, again);
+  };
+  boost::asio::post(io, again);
+  ASSERT_TRUE(run_until([&] { return runs == 100; }));
+  EXPECT_EQ(slow.size(), 2U);
+  EXPECT_FALSE(is_up());
+  slow[0].set_value(open("arm's", bit_per_s));
+  slow[1].set_value(open("world's", bit_per_s));
+  ASSERT_TRUE(run_until([&] { return is_up(); }));
+  EXPECT_EQ(slow.size(), 2U);
+}
+
+TEST_F(SerialPorts, APortMayEndWhileItIsBeingOpened) {
+  is_slow = true;
+  open_both();
+  arm.reset();
+  world.reset();
+  const auto node = open("arm's", bit_per_s).value();
+  slow[0].set_value(node);
+  slow.clear();
+  io.run_for(std::chrono::milliseconds(50));
+  EXPECT_EQ(node.use_count(), 1) << "nobody has it";
 }
 
 TEST_F(SerialPorts, APortThatGoesIsToldOfAndTakenUpAgain) {
