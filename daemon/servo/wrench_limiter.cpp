@@ -128,6 +128,12 @@ LimiterOutput WrenchLimiter::limit(const LimiterInput& input) noexcept {
   force = risen;
 
   std::array<double, 3> current_a = currents_for(input.motor_current_per_force, force);
+  // Too large to be reckoned with: the heat would be no number from then on, and bound nothing.
+  if (!thimble::is_finite(current_a[0], current_a[1], current_a[2])) {
+    out.fault = FaultCode::NonFiniteState;
+    out.wrench = cut(input.dt);
+    return out;
+  }
   double scale = 1.0;
   for (std::size_t joint = 0; joint < 3; ++joint) {
     const double allowed_a = allowed_current_a(joint);

@@ -91,6 +91,25 @@ TEST(WrenchLimiter, ClampsEachJointsCurrentAlongTheSameDirection) {
   EXPECT_NEAR(out.wrench.force().x / out.wrench.force().y, 0.5, 1e-9);
 }
 
+TEST(WrenchLimiter, RejectsCurrentsBeyondAllNumbersAndBoundsTheNextAsBefore) {
+  const double huge = std::numeric_limits<double>::max();
+  for (const Matrix3& matrix :
+       {diagonal(huge), Matrix3{{{{huge, -huge, 0}, {huge, huge, 0}, {0, 0, 1}}}}}) {
+    WrenchLimiter sut(limits());
+    LimiterInput input = asks({4, 4, 0});
+    settle(sut, input);
+    input.motor_current_per_force = matrix;
+    const LimiterOutput out = sut.limit(input);
+    EXPECT_EQ(out.fault, FaultCode::NonFiniteState);
+    EXPECT_EQ(out.wrench.force(), Force3{});
+    // 10 A/N, of which the peak lets 3 A through, and the heat 1 A in the end.
+    const LimiterOutput bound = settle(sut, asks({4, 0, 0}, 1.0, 10), 100'000);
+    EXPECT_EQ(bound.fault, FaultCode::None);
+    EXPECT_LE(norm(bound.wrench.force()), 0.3 + 1e-12);
+    EXPECT_TRUE(bound.is_heat_limited);
+  }
+}
+
 TEST(WrenchLimiter, RejectsEveryNonFiniteInputAndGivesZero) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinity = std::numeric_limits<double>::infinity();
