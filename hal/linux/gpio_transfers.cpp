@@ -21,6 +21,9 @@ constexpr const char* kConsumer = "thimbled";  // shown by gpioinfo
 // then, and tells nobody.
 constexpr int kEventsAtOnce = 16;
 
+// Of its driver, which calls every such chip so.
+constexpr const char* kWithoutEdges = "cp2112_gpio";
+
 int pull_flags(bus::GpioPull pull) noexcept {
   switch (pull) {
     case bus::GpioPull::AsIs:
@@ -84,7 +87,8 @@ Result<std::unique_ptr<GpioTransfers>> GpioTransfers::open(const std::string& fo
   Result<GpiodChip> chip = find_chip(folder, claim.chip);
   if (!chip) return tl::unexpected(chip.error());
   // The constructor is private, so make_unique cannot reach it.
-  std::unique_ptr<GpioTransfers> transfers(new GpioTransfers(chip->release(), mail, clock));
+  std::unique_ptr<GpioTransfers> transfers(
+      new GpioTransfers(chip->release(), claim.chip != kWithoutEdges, mail, clock));
   if (const Result<void> requested = transfers->request(claim); !requested) {
     return tl::unexpected(requested.error().in(claim.chip));
   }
@@ -120,7 +124,10 @@ Result<void> GpioTransfers::request(const bus::GpioClaim& claim) {
     const Result<gpiod_line*> line = find(name);
     if (!line) return tl::unexpected(line.error());
     const int flags = pull_flags(claim.pull);
-    if (gpiod_line_request_both_edges_events_flags(*line, kConsumer, flags) != 0) {
+    const int refused = has_edges_
+                            ? gpiod_line_request_both_edges_events_flags(*line, kConsumer, flags)
+                            : gpiod_line_request_input_flags(*line, kConsumer, flags);
+    if (refused != 0) {
       return tl::unexpected(system_error("line " + name, errno));
     }
     inputs_.push_back(*line);
@@ -138,7 +145,9 @@ void GpioTransfers::wait(int wake) noexcept {
     ::ppoll(watched.data(), count, &most, nullptr);
     return;
   }
-  for (gpiod_line* line : inputs_) watched[count++] = {gpiod_line_event_get_fd(line), POLLIN, 0};
+  for (gpiod_line* line : inputs_) {
+    if (has_edges_) watched[count++] = {gpiod_line_event_get_fd(line), POLLIN, 0};
+  }
   const Duration rest = std::max(next_read_ - clock_->now(), Duration(0));
   const auto rest_ms = std::chrono::ceil<std::chrono::milliseconds>(rest).count();
   ::poll(watched.data(), count, static_cast<int>(rest_ms));
@@ -146,7 +155,7 @@ void GpioTransfers::wait(int wake) noexcept {
 
 void GpioTransfers::serve() noexcept {
   if (mail_->is_disconnected()) return;
-  take_edges();
+  if (has_edges_) take_edges();
   if (clock_->now() >= next_read_) read_levels();
   write_outputs();
 }
@@ -197,7 +206,17 @@ void GpioTransfers::read_levels() noexcept {
     if (value < 0) return note(errno);
     if (value > 0) levels.high |= 1U << i;
   }
+  if (!has_edges_) make_edges(levels.high, clock_->now());
   mail_->deliver_levels(levels);
+}
+
+void GpioTransfers::make_edges(std::uint32_t high, MonotonicTime at) noexcept {
+  const std::uint32_t changed = high ^ read_.value_or(high);
+  read_ = high;
+  for (std::size_t i = 0; i < inputs_.size(); ++i) {
+    const std::uint32_t bit = 1U << i;
+    if ((changed & bit) != 0) mail_->deliver_edge(i, (high & bit) != 0, at);
+  }
 }
 
 void GpioTransfers::write_outputs() noexcept {

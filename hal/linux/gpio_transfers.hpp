@@ -2,6 +2,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,12 @@ namespace thimble::linux {
 // did not take is told to nobody either: each is followed by a question, and until that has an
 // answer the output is written again, whatever level it shall have by then.
 //
+// A CP2112 has no edges to tell: its driver reads the levels every 40 ms and makes them. Who lets
+// go of such a line while it reads makes Linux sleep where it may not (hid-cp2112.c, 6.1: a
+// cancel_delayed_work_sync() below a spin lock), after which the process that did it dies at its
+// next page fault (docs/decisions/0516). So its lines are asked for their levels and nothing else,
+// and the edges are made here, of what differs from reading to reading.
+//
 // Thread: one at a time. Not RT: behind USB or I2C each call is a transfer that may last seconds.
 // Ownership: the mailboxes and the clock must outlive it. Outputs go low before it closes.
 // Errors: Result when opening; a chip that is gone shows in the mailboxes.
@@ -48,13 +55,15 @@ class GpioTransfers {
   void serve() noexcept;
 
  private:
-  GpioTransfers(gpiod_chip* chip, bus::GpioMailboxes& mail, const Clock& clock) noexcept
-      : chip_(chip), mail_(&mail), clock_(&clock) {}
+  GpioTransfers(gpiod_chip* chip, bool has_edges, bus::GpioMailboxes& mail,
+                const Clock& clock) noexcept
+      : chip_(chip), mail_(&mail), clock_(&clock), has_edges_(has_edges) {}
   [[nodiscard]] Result<gpiod_line*> find(const std::string& name);
   [[nodiscard]] Result<void> request(const bus::GpioClaim& claim);
   void take_edges() noexcept;
   bool take_edges_of(std::size_t input) noexcept;
   void read_levels() noexcept;
+  void make_edges(std::uint32_t high, MonotonicTime at) noexcept;
   void write_outputs() noexcept;
   [[nodiscard]] static bool write(gpiod_line* line, bool is_high) noexcept;
   void note(int code) noexcept;
@@ -62,10 +71,12 @@ class GpioTransfers {
   gpiod_chip* chip_;
   bus::GpioMailboxes* mail_;
   const Clock* clock_;
+  bool has_edges_;  // the kernel's, to be told
   std::vector<gpiod_line*> inputs_;
   std::vector<gpiod_line*> outputs_;
   std::uint32_t written_{0};
   std::uint32_t unsure_{0};  // outputs of which nobody knows whether the chip took the last level
+  std::optional<std::uint32_t> read_;  // the levels before, where edges are made of them
   MonotonicTime next_read_{};
   BurstPause pause_;
 };

@@ -114,17 +114,18 @@ struct FakeLibgpiod {
     errno = ENOENT;
     return nullptr;
   }
-  int request(gpiod_line& line, const char* consumer, bool is_output, int flags) {
+  enum class As { Output, Input, Edges };
+  int request(gpiod_line& line, const char* consumer, As what, int flags) {
     const std::lock_guard guard(lock);
     Line& state = state_of(line);
     if (is_dead(line)) return refuse(ENODEV);
     if (state.is_taken) return refuse(EBUSY);
     state.is_taken = line.is_mine = true;
     state.consumer = consumer;
-    state.is_output = is_output;
+    state.is_output = what == As::Output;
     state.flags = flags;
-    if (is_output) state.is_high = false;
-    if (!is_output && ::pipe2(state.pipe.data(), O_NONBLOCK | O_CLOEXEC) != 0) return -1;
+    if (state.is_output) state.is_high = false;
+    if (what == As::Edges && ::pipe2(state.pipe.data(), O_NONBLOCK | O_CLOEXEC) != 0) return -1;
     return 0;
   }
   int events(gpiod_line& line, gpiod_line_event* out, unsigned room) {
@@ -213,6 +214,11 @@ void FakeGpioChip::replug() {
   is_plugged_ = true;
 }
 
+bool FakeGpioChip::is_told_of_edges(std::size_t line) const {
+  const std::lock_guard guard(FakeLibgpiod::instance().lock);
+  return lines_.at(line).pipe[0] >= 0;
+}
+
 void FakeGpioChip::end_request(std::size_t line) {
   const std::lock_guard guard(FakeLibgpiod::instance().lock);
   int& end = lines_.at(line).pipe[1];
@@ -285,10 +291,13 @@ gpiod_line* gpiod_chip_find_line(gpiod_chip* chip, const char* name) {
   return FakeLibgpiod::find(chip, name);
 }
 int gpiod_line_request_output(gpiod_line* line, const char* consumer, int) {
-  return FakeLibgpiod::instance().request(*line, consumer, true, 0);
+  return FakeLibgpiod::instance().request(*line, consumer, FakeLibgpiod::As::Output, 0);
+}
+int gpiod_line_request_input_flags(gpiod_line* line, const char* consumer, int flags) {
+  return FakeLibgpiod::instance().request(*line, consumer, FakeLibgpiod::As::Input, flags);
 }
 int gpiod_line_request_both_edges_events_flags(gpiod_line* line, const char* consumer, int flags) {
-  return FakeLibgpiod::instance().request(*line, consumer, false, flags);
+  return FakeLibgpiod::instance().request(*line, consumer, FakeLibgpiod::As::Edges, flags);
 }
 int gpiod_line_event_get_fd(gpiod_line* line) { return FakeLibgpiod::state_of(*line).pipe[0]; }
 int gpiod_line_event_read_multiple(gpiod_line* line, gpiod_line_event* events,

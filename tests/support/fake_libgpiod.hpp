@@ -47,6 +47,8 @@ class FakeGpioChip {
   void forbid(bool is_forbidden);
   // Somebody else has that line; an empty name: the kernel.
   void take(std::size_t line, std::string consumer);
+  // Whether somebody asked for the edges of a line.
+  [[nodiscard]] bool is_told_of_edges(std::size_t line) const;
   // Flags of the newest request of a line.
   [[nodiscard]] int flags(std::size_t line) const;
 

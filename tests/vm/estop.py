@@ -7,15 +7,15 @@ import arms
 import lines
 import simdev
 
-# What docs/safety-wiring.md says that a CP2112 costs until the daemon knows, in which time it acts then, and the period in which zero leaves.
-POLL_S = 0.05
+# Between two readings of the lines (kGpioReadPeriod of hal/bus), and what the transfers take: what docs/safety-wiring.md says that a CP2112 costs until the daemon knows; in which time it acts then, and
+# the period in which zero leaves.
+READ_S = 0.02
+TRANSFERS_S = 0.005
 ACT_S = 0.002
-PRESSED_S = POLL_S + ACT_S + 1 / arms.QUIET_HZ
+PRESSED_S = READ_S + TRANSFERS_S + ACT_S + 1 / arms.QUIET_HZ
 # Since the kernel was told of it, which an answer to the question after another line does, too (gpio_transfers.cpp asks for the stop's last): the arm's own log has a frame more, and so has the
 # adapter's clock.
 TOLD_S = ACT_S + 1 / arms.QUIET_HZ + 0.002
-# Between two readings of the lines (kGpioReadPeriod of hal/bus).
-READ_S = 0.02
 # In two seconds, of 4: the first and the last may fall outside.
 BLINKS = 2
 
