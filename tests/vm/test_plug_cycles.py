@@ -1,5 +1,5 @@
 """An arm that is plugged in and pulled out 1,000 times through uhid and 51 times on the USB stack, as a HID arm, a Falcon and an arm on a serial port: the
-daemon keeps nothing of them, and drives the arm afterwards.
+daemon keeps nothing of them, and drives the arm before, between and afterwards.
 
 What is kept is what the daemon has more of after the last turns than after the first ones: descriptors, threads, guards, memory. It locks its
 memory, so that each page of it is seen, and has one arena of the allocator for all its threads (decision 0011), as it is shipped.
@@ -27,10 +27,16 @@ for file in /lib/udev/rules.d/*; do
 done
 udevadm control --reload
 """
-# No page more, which is what was measured of all four. The heap grows in steps of 132 KiB, all of them resident: what is kept is seen once it has used up what the heap had free.
+# No page more, which is what was measured of all four. As it is shipped, the heap grows in steps of 132 KiB, in which what is kept could hide; here by what is asked for, in whole pages.
 PAGE_KIB = 4
+HEAP_BY_PAGES = """
+mkdir -p /run/systemd/system/thimbled.service.d
+printf '[Service]\\nEnvironment=MALLOC_TOP_PAD_=0\\n' > /run/systemd/system/thimbled.service.d/heap.conf
+systemctl daemon-reload
+"""
 LOOK = """
 pid=$(systemctl show thimbled -p MainPID --value)
+grep -qz ^MALLOC_TOP_PAD_=0 /proc/$pid/environ || exit 1
 echo "{\\"pid\\": $pid, \\"restarts\\": $(systemctl show thimbled -p NRestarts --value),
 """ + kept.COUNTS + """,
 \\"recordings\\": $(ls /var/lib/thimble | wc -l),
@@ -46,10 +52,10 @@ class PlugCycles(guest.GuestTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.guest.run(ONLY_RULES_THAT_MATTER)
+        cls.guest.run(ONLY_RULES_THAT_MATTER + HEAP_BY_PAGES)
 
     def look(self):
-        """At the daemon, when the last device is gone and everybody has done with it."""
+        """At the daemon, when the last device is gone and everybody has done with it: what it had of one that pressed on a wall, too."""
         self.guest.run("udevadm settle; sleep 3")
         simdev.wait_for_state(self.guest, "lost")
         return json.loads(self.guest.run(LOOK))
@@ -63,42 +69,49 @@ class PlugCycles(guest.GuestTest):
         self.assertLess(after["memory_kib"] - before["memory_kib"], PAGE_KIB)
         self.assertLessEqual(after["recordings"], MOST_RECORDINGS)
 
-    def assert_works(self, arm, become_active):
+    def live(self, arm, become_active):
+        """Until a hand presses on a wall with it: whoever pulls it out then leaves a fault that is latched, and its recording."""
         become_active()
         arm.say("move 0.018 0 0 0.3")
         self.guest.wait_for_module("status_until", "arms.0.is_in_contact", "true")
         self.guest.sleep(0.4)  # until the hand, which comes to the wall first, is where it goes
         self.assertGreater(simdev.norm(arm.felt(0.2)), PRESSED_NEWTON)
 
+    def live_again(self, arm):
+        arm.say("plug")
+        arm.plug()
+        self.live(arm, arm.resume)
+        arm.say("unplug")
+
     def test_1_through_uhid(self):
         arm = arms.HidArm(self.guest)
         self.addCleanup(arm.stop)
-        self.assert_works(arm, arm.activate)
-        arm.stop()
+        self.live(arm, arm.activate)
+        arm.say("unplug")
         self.cycle(f"uhid {WARM_UP} {HOLD} {arms.SERIAL}")
+        self.live_again(arm)
         before = self.look()
         opened = self.cycle(f"uhid {CYCLES} {HOLD} {arms.SERIAL}")
         self.assertEqual(opened, CYCLES // HOLD)
+        self.live_again(arm)
         self.assert_nothing_kept(before, self.look())
         taken = self.cycle(f"lies {LIES} {arms.SERIAL}")
         self.assertGreater(taken, LIES // 10)
         self.assert_nothing_kept(before, self.look())
-        arm.start()
-        self.assert_works(arm, arm.resume)
+        self.live_again(arm)
 
     def plug_often(self, arm, cycles):
         self.addCleanup(arm.stop)
-        self.assert_works(arm, arm.activate)
+        self.live(arm, arm.activate)
         arm.say("unplug", "plug")
         self.cycle(f"usb {USB_WARM_UP} {arm.socket}")
+        self.live_again(arm)
         before = self.look()
         arm.say("plug")
         used = self.cycle(f"usb {cycles} {arm.socket}")
         self.assertEqual(used, cycles)
+        self.live_again(arm)
         self.assert_nothing_kept(before, self.look())
-        arm.say("plug")
-        arm.plug()
-        self.assert_works(arm, arm.resume)
 
     def test_2_a_hid_arm_on_the_usb_stack(self):
         self.plug_often(arms.HidArm(self.guest, "usb"), USB_CYCLES["hid"])
