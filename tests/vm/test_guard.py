@@ -33,6 +33,10 @@ class LetsGo:
     def start_anew(self):
         self.guest.run("systemctl reset-failed thimbled; systemctl restart thimbled")
 
+    def bring_home(self):
+        """For a daemon that has begun anew."""
+        self.arm.calibrate()
+
     def setUp(self):
         if not self.is_first:  # the daemon of that one has just begun
             self.start_anew()
@@ -64,10 +68,18 @@ class LetsGo:
         self.assertEqual(arm["lease"], "none")
         self.guest.sleep(0.5)
         self.assert_without_force()
+        return arm
 
     def test_killed(self):
         self.assertLess(self.let_go_after(("signal", "SIGKILL")), LET_GO_S)
-        self.assert_started_anew_without_force(self.RESTART_S)
+        if self.assert_started_anew_without_force(self.RESTART_S)["state"] == "calibrating":
+            self.bring_home()
+        # Nor does anything with a person who brings the arm home, and into the wall.
+        arm = json.loads(simdev.wait_for_state(self.guest, "inactive"))
+        self.assertEqual(arm["lease"], "none")
+        self.arm.say(self.IN_A_WALL)
+        self.guest.sleep(0.3)
+        self.assert_without_force(0.2)
 
     def test_stopped(self):
         self.assertLess(self.let_go_after(("signal", "SIGSTOP")), LET_GO_S)
@@ -117,6 +129,14 @@ class TextArm(LetsGo, guest.GuestTest):
         self.arm.say("unplug", "plug")
         self.arm.plug()
         super().start_anew()
+
+    def bring_home(self):
+        self.arm.say("unplug")
+        simdev.wait_for_state(self.guest, "lost")
+        self.arm.say("plug")
+        self.arm.plug()
+        simdev.wait_for_state(self.guest, "calibrating")
+        super().bring_home()
 
 
 class Falcon(LetsGo, guest.GuestTest):
