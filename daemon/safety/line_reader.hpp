@@ -13,7 +13,8 @@ namespace thimble::safety {
 // A chip that has not answered, or taken an output, for so long is as good as gone. Ours: ten
 // reads, and more than a busy machine holds a thread up.
 inline constexpr Duration kSilence = std::chrono::milliseconds(200);
-// A chip whose kernel driver polls it tells a level up to 50 ms before the edge: CP2112, Linux 6.1.
+// A chip whose kernel driver polls it tells a level before the edge; that of a CP2112, which is not
+// asked for edges (decision 0516), up to 50 ms (Linux 6.1).
 inline constexpr Duration kEdgePatience = std::chrono::milliseconds(150);
 
 // What the inputs of a claim say, and whether they can be believed. Between two steps an input

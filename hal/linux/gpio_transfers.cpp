@@ -199,20 +199,28 @@ void GpioTransfers::read_levels() noexcept {
   const MonotonicTime now = clock_->now();
   next_read_ = now + bus::kGpioReadPeriod;
   bus::GpioLevels levels{0, now};
+  std::uint32_t answered = 0;
   // Behind USB each takes a transfer. A stop's channels are first in a claim: what opens while
   // others are asked is seen now, not a period later.
   for (std::size_t i = inputs_.size(); i-- > 0;) {
     const int value = gpiod_line_get_value(inputs_[i]);
-    if (value < 0) return note(errno);
+    if (value < 0) note(errno);
+    // Who says nothing for so long says nothing of the others either.
+    if (mail_->is_disconnected() || clock_->now() - now > bus::kGpioReadPeriod) return;
+    if (value < 0) continue;
+    answered |= 1U << i;
     if (value > 0) levels.high |= 1U << i;
   }
-  if (!has_edges_) make_edges(levels.high, clock_->now());
-  mail_->deliver_levels(levels);
+  if (!has_edges_) make_edges(levels.high, answered, clock_->now());
+  const bool is_whole = answered == (1U << inputs_.size()) - 1;
+  if (is_whole) mail_->deliver_levels(levels);
 }
 
-void GpioTransfers::make_edges(std::uint32_t high, MonotonicTime at) noexcept {
-  const std::uint32_t changed = high ^ read_.value_or(high);
-  read_ = high;
+void GpioTransfers::make_edges(std::uint32_t high, std::uint32_t answered,
+                               MonotonicTime at) noexcept {
+  const std::uint32_t changed = (high ^ read_) & answered & known_;
+  read_ = (read_ & ~answered) | high;
+  known_ |= answered;
   for (std::size_t i = 0; i < inputs_.size(); ++i) {
     const std::uint32_t bit = 1U << i;
     if ((changed & bit) != 0) mail_->deliver_edge(i, (high & bit) != 0, at);

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -63,7 +62,7 @@ class GpioTransfers {
   void take_edges() noexcept;
   bool take_edges_of(std::size_t input) noexcept;
   void read_levels() noexcept;
-  void make_edges(std::uint32_t high, MonotonicTime at) noexcept;
+  void make_edges(std::uint32_t high, std::uint32_t answered, MonotonicTime at) noexcept;
   void write_outputs() noexcept;
   [[nodiscard]] static bool write(gpiod_line* line, bool is_high) noexcept;
   void note(int code) noexcept;
@@ -76,7 +75,8 @@ class GpioTransfers {
   std::vector<gpiod_line*> outputs_;
   std::uint32_t written_{0};
   std::uint32_t unsure_{0};  // outputs of which nobody knows whether the chip took the last level
-  std::optional<std::uint32_t> read_;  // the levels before, where edges are made of them
+  std::uint32_t read_{0};    // the levels before, where edges are made of them
+  std::uint32_t known_{0};   // inputs that have one
   MonotonicTime next_read_{};
   BurstPause pause_;
 };

@@ -36,14 +36,9 @@ class Estop(lines.GuestWithLines):
         self.adapter.say("press 0", "press 1")
 
     def release(self):
-        """Again, as the daemon asks for, where a look of the kernel's fell between the two: the next is more than 50 ms later, and they disagree."""
-        for _ in range(5):
-            self.adapter.say("release 0", "release 1")
-            self.guest.sleep(0.3)
-            if self.status()["safety"]["trouble"] != "disagree":
-                return
-            self.press()
-            self.wait_until("safety.trouble", "open")
+        """A reading that falls between the two is followed by the next one soon enough."""
+        self.adapter.say("release 0", "release 1")
+        self.guest.sleep(0.3)
 
     def clear(self):
         return self.guest.ask("thimble clear-fault right")

@@ -1,4 +1,5 @@
-// The chain behind a chip whose kernel driver polls it for edges, as that of the CP2112 does.
+// The chain behind a chip whose kernel driver polls it for edges, as that of a CP2112 would
+// (hal/linux asks it for none).
 #include <gtest/gtest.h>
 
 #include <array>
