@@ -1,6 +1,8 @@
 // How a daemon ends: all that the kernel may hold up, within a patience.
 #include <algorithm>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "daemon/app/daemon.hpp"
 #include "hal/base/contain.hpp"
@@ -35,12 +37,16 @@ Result<void> Daemon::close_all(Duration patience) {
 }
 
 Result<void> Daemon::close_arms(Duration patience) {
+  const MonotonicTime deadline = clock_.now() + patience;
   runtime_.reset();
-  if (device_threads_ == nullptr) return {};
-  std::string late;
-  for (const std::string& device : device_threads_->late_after(patience, clock_)) {
-    late += (late.empty() ? "" : ", ") + device;
+  std::vector<std::string> devices;
+  if (device_threads_ != nullptr) devices = device_threads_->late_after(patience, clock_);
+  const Duration rest = std::max(Duration(0), deadline - clock_.now());
+  for (std::string& node : line_threads_.late_after(rest, clock_)) {
+    devices.push_back(std::move(node));
   }
+  std::string late;
+  for (const std::string& device : devices) late += (late.empty() ? "" : ", ") + device;
   if (late.empty()) return {};
   return fail(Errc::Timeout, late + ": the kernel holds it up; ended without closing it");
 }

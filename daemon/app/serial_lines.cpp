@@ -1,5 +1,6 @@
 #include "daemon/app/serial_lines.hpp"
 
+#include <algorithm>
 #include <exception>
 #include <utility>
 
@@ -49,6 +50,16 @@ std::future<Result<link::LineNode>> SerialLines::open(const std::string& node,
     answer->set_value(fail(Errc::System, "no thread to open " + node + " in: " + error.what()));
   }
   return answer->get_future();
+}
+
+std::vector<std::string> SerialLines::late_after(Duration patience, const Clock& clock) {
+  const MonotonicTime deadline = clock.now() + patience;
+  std::vector<std::string> late;
+  for (const auto& [node, worker] : workers_) {
+    const Duration rest = std::max(Duration(0), deadline - clock.now());
+    if (worker != nullptr && !worker->wait(rest)) late.push_back(node);
+  }
+  return late;
 }
 
 }  // namespace thimble::app

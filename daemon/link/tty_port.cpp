@@ -35,10 +35,14 @@ void TtyPort::open() {
 }
 
 void TtyPort::look_for_answer() {
-  if (opening_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
-    return use(opening_.get());
+  if (opening_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
+    return after(kLookAgain, &TtyPort::look_for_answer);
   }
-  after(kLookAgain, &TtyPort::look_for_answer);
+  try {
+    use(opening_.get());
+  } catch (const std::future_error&) {
+    use(fail(Errc::System, "who opens the line gave it up"));
+  }
 }
 
 void TtyPort::use(Result<LineNode> node) {
@@ -59,6 +63,7 @@ void TtyPort::close(const std::string& why) {
   last_error_ = why;
   if (line_.is_open()) line_.release();
   node_.reset();
+  ++generation_;
   is_writing_ = false;
   after(kOpenAgain, &TtyPort::open);
 }
@@ -75,14 +80,14 @@ void TtyPort::after(Duration wait, void (TtyPort::*then)()) {
 
 void TtyPort::receive_next() {
   line_.async_read_some(asio::buffer(buffer_),
-                        [this, of = node_, alive = std::weak_ptr<Alive>(alive_)](
+                        [this, of = generation_, alive = std::weak_ptr<Alive>(alive_)](
                             const error_code& error, std::size_t size) {
                           const std::shared_ptr<Alive> held = alive.lock();
-                          if (!held || of != node_ || error == asio::error::operation_aborted)
+                          if (!held || of != generation_ || error == asio::error::operation_aborted)
                             return;
                           if (error) return close("the line is gone: " + error.message());
                           held->handlers.on_bytes(std::span<const std::byte>(buffer_).first(size));
-                          if (held.use_count() > 1 && of == node_) receive_next();
+                          if (held.use_count() > 1 && of == generation_) receive_next();
                         });
 }
 
@@ -90,10 +95,11 @@ void TtyPort::send(const SerialFrame& frame) {
   leaving_ = std::make_shared<const SerialFrame>(frame);
   is_writing_ = true;
   asio::async_write(line_, asio::buffer(leaving_->bytes.data(), leaving_->size),
-                    [this, of = node_, bytes = leaving_, alive = std::weak_ptr<Alive>(alive_)](
-                        const error_code& error, std::size_t) {
+                    [this, of = generation_, bytes = leaving_,
+                     alive = std::weak_ptr<Alive>(alive_)](const error_code& error, std::size_t) {
                       const std::shared_ptr<Alive> held = alive.lock();
-                      if (!held || of != node_ || error == asio::error::operation_aborted) return;
+                      if (!held || of != generation_ || error == asio::error::operation_aborted)
+                        return;
                       if (error) return close("the line is gone: " + error.message());
                       is_writing_ = false;
                       held->handlers.on_timer();

@@ -5,6 +5,7 @@
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <future>
 #include <memory>
@@ -52,7 +53,8 @@ class TtyPort final : public LinePort {
   boost::asio::steady_timer open_timer_;
   Open open_;
   std::future<Result<LineNode>> opening_;
-  LineNode node_;  // none: closed
+  LineNode node_;                // none: closed
+  std::uint64_t generation_{0};  // of it: what was asked of one before is of no use
   std::shared_ptr<Alive> alive_;
   std::array<std::byte, 4096> buffer_{};
   // What Asio still writes when the port is closed and opened again.

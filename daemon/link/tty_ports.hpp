@@ -19,7 +19,7 @@ namespace thimble::link {
 // the kernel for seconds in both, neither may wait for it: whoever opens says how it is closed.
 using LineNode = std::shared_ptr<const int>;
 // Asks for the device `node` to be opened, now or again, and returns at once; the answer may come
-// from another thread. Errors: one sentence.
+// from another thread. Errors: one sentence; an answer that was given up is one, too.
 using OpenLine =
     std::function<std::future<Result<LineNode>>(const std::string& node, std::uint32_t bit_per_s)>;
 

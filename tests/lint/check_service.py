@@ -107,8 +107,8 @@ class Unit(typing.NamedTuple):
 
 LIMITS = "daemon/config/load.hpp"
 _MOST_ARMS = re.compile(r"kMaxArms = ([0-9]+);")
-# Of each arm: its servo and up to three of its bus; the rest is the daemon's own (decision 0511).
-_THREADS_OF_AN_ARM, _OTHER_THREADS = 4, 24
+# Of each arm: its servo, up to three of its bus, and one of a link's serial line; the rest is the daemon's own, lines of worlds among it (decision 0511).
+_THREADS_OF_AN_ARM, _OTHER_THREADS = 5, 32
 GUARD_SOCKET = FOLDER + "thimble-guard.socket"
 
 UNITS = {

@@ -7,6 +7,9 @@
 #include <semaphore>
 #include <stdexcept>
 #include <thread>
+#include <vector>
+
+#include "sim/time/virtual_clock.hpp"
 
 namespace thimble::app {
 namespace {
@@ -61,6 +64,41 @@ TEST_F(SerialLinesTest, OneThatHangsKeepsNoOtherWaiting) {
   auto late = sut.open("/dev/hangs", 9600);
   EXPECT_EQ(answer_of(sut.open("/dev/none", 9600)).error().message, "there is none");
   EXPECT_EQ(late.wait_for(std::chrono::seconds(0)), std::future_status::timeout);
+  may_open.release();
+  auto node = answer_of(std::move(late)).value();
+  may_close.release();
+  node.reset();
+  has_closed.acquire();
+}
+
+TEST_F(SerialLinesTest, SaysWhichDevicesAreNotDone) {
+  sim::VirtualClock clock;
+  auto late = sut.open("/dev/hangs", 9600);
+  EXPECT_EQ(sut.late_after(Duration(0), clock), std::vector<std::string>{"/dev/hangs"});
+  may_open.release();
+  auto node = answer_of(std::move(late)).value();
+  node.reset();
+  EXPECT_EQ(sut.late_after(Duration(0), clock), std::vector<std::string>{"/dev/hangs"});
+  may_close.release();
+  EXPECT_TRUE(sut.late_after(std::chrono::seconds(60), clock).empty());
+}
+
+TEST_F(SerialLinesTest, ALineMayOutliveItsOpener) {
+  auto lines = std::make_unique<SerialLines>(
+      [this](const std::string& node, std::uint32_t bits) { return open(node, bits); });
+  auto node = answer_of(lines->open("/dev/ttyS0", 9600)).value();
+  lines.reset();
+  node.reset();
+  may_close.release();
+  has_closed.acquire();
+}
+
+TEST_F(SerialLinesTest, AnOpenerThatEndsWhileOneHangsDoesNotWait) {
+  auto lines = std::make_unique<SerialLines>(
+      [this](const std::string& node, std::uint32_t bits) { return open(node, bits); });
+  auto late = lines->open("/dev/hangs", 9600);
+  while (asked == 0) std::this_thread::yield();
+  lines.reset();
   may_open.release();
   auto node = answer_of(std::move(late)).value();
   may_close.release();

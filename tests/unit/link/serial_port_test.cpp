@@ -242,6 +242,16 @@ TEST_F(SerialPorts, AnOpeningThatLastsHoldsUpNobodyAndIsAskedForOnce) {
   EXPECT_EQ(slow.size(), 2U);
 }
 
+TEST_F(SerialPorts, AnOpeningThatIsGivenUpIsAskedForAgain) {
+  is_slow = true;
+  open_both();
+  is_slow = false;
+  slow.clear();  // whose promises are broken
+  ASSERT_TRUE(run_until([&] { return !arm->status().last_error.empty(); }));
+  EXPECT_EQ(arm->status().last_error, "who opens the line gave it up");
+  ASSERT_TRUE(run_until([&] { return is_up(); }));
+}
+
 TEST_F(SerialPorts, APortMayEndWhileItIsBeingOpened) {
   is_slow = true;
   open_both();
