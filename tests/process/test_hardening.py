@@ -10,7 +10,7 @@ PROGRAMS = ("thimbled", "thimble", "thimble-guard", "thimble-board", "thimble-si
 
 class Hardening(ProcessTest):
     def read(self, program, what):
-        return subprocess.run(["readelf", "--wide", what, BIN / program], capture_output=True, text=True, check=True).stdout
+        return subprocess.run(["readelf", "--wide", what, BIN / program], capture_output=True, text=True, check=True, env={"LC_ALL": "C", "PATH": "/usr/bin:/bin"}).stdout
 
     def test_each_lies_anywhere_and_has_bound_what_it_calls_before_it_begins(self):
         for program in PROGRAMS:
