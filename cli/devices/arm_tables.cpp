@@ -52,17 +52,22 @@ std::string lines_of_model(const Entry& entry) {
   return out;
 }
 
+std::string lines_of_amplifier(const NeededKeys& keys) {
+  if (!keys.is_too_low_harmless) {
+    return comment("Full scale of its amplifiers, which you have to know.") +
+           "# amplifier_max_a =\n";
+  }
+  return comment(
+             "Full scale of its amplifiers, as its firmware was built; too low only weakens it.") +
+         "amplifier_max_a = " + kSafeCurrent + "\n";
+}
+
 std::string table(const Entry& entry, const std::string& name, const std::string& world) {
   std::string out = "\n" + comment(entry.description);
   if (!entry.obstacle.empty()) out += comment("It cannot be used yet: " + entry.obstacle);
   out += "[[arm]]\nname = " + quoted(name) + "\ndevice = " + quoted(entry.address) + "\n";
   if (entry.keys.model) out += lines_of_model(entry);
-  if (entry.keys.amplifier_max_a) {
-    out += comment(
-        "Full scale of its amplifiers, as its firmware was built; too low only weakens "
-        "it.");
-    out += std::string("amplifier_max_a = ") + kSafeCurrent + "\n";
-  }
+  if (entry.keys.amplifier_max_a) out += lines_of_amplifier(entry.keys);
   if (entry.keys.firmware) {
     out += comment("Beside this file; docs/first-arm.md says where to get it.");
     out += "firmware = \"nvent_firmware.bin\"\n";

@@ -96,7 +96,7 @@ std::vector<std::string> models_of(const bus::BusDeviceInfo& info,
 // Found out as a daemon would: by what its driver takes.
 NeededKeys keys_of(const bus::BusDeviceInfo& info, const std::vector<std::string>& models,
                    const plugin::DriverRegistry& drivers) {
-  NeededKeys keys;
+  NeededKeys keys{.limits = true};
   plugin::DriverSettings settings;
   settings.is_named_by_person = true;
   settings.amplifier_max_a = kSomeCurrent_a;
@@ -108,6 +108,9 @@ NeededKeys keys_of(const bus::BusDeviceInfo& info, const std::vector<std::string
   keys.amplifier_max_a = !drivers.match(info, settings);
   // Also where a driver has a choice for the ids: an amplifier is no arm.
   keys.model = keys.model || (keys.amplifier_max_a && models.size() > 1);
+  // Of those of the house the only one whose current follows from it.
+  keys.is_too_low_harmless =
+      keys.amplifier_max_a && (*driver)->name() == "phantom" && !drivers.is_from_outside("phantom");
   // One that cannot tell is bounded, too.
   const auto used = (*driver)->used_settings();
   keys.firmware = used && used->firmware;

@@ -16,6 +16,7 @@ namespace thimble::devices_list {
 struct NeededKeys {
   bool model{false};  // the device does not tell which arm it is
   bool amplifier_max_a{false};
+  bool is_too_low_harmless{false};  // that of an amplifier: it weakens the arm
   bool firmware{false};
   bool limits{false};  // it makes force
   bool operator==(const NeededKeys&) const = default;

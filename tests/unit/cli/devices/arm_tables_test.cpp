@@ -17,7 +17,8 @@ Entry arm_at(const std::string& address, const NeededKeys& keys) {
   return entry;
 }
 
-const NeededKeys kOpenController{.model = true, .amplifier_max_a = true, .limits = true};
+const NeededKeys kOpenController{
+    .model = true, .amplifier_max_a = true, .is_too_low_harmless = true, .limits = true};
 const NeededKeys kFalcon{.firmware = true, .limits = true};
 
 TEST(ArmTables, SayOfAnOpenControllerAllButWhichArmItIs) {
@@ -40,6 +41,14 @@ activate = false
 [arm.limits]
 force_newton = 1
 )");
+}
+
+TEST(ArmTables, LeaveAnAmplifierToWhoKnowsWhatItsDriverMakesOfIt) {
+  NeededKeys keys = kOpenController;
+  keys.is_too_low_harmless = false;
+  const std::string text = arm_tables({arm_at("hid:A7", keys)}, {}, "");
+  EXPECT_THAT(text, HasSubstr("\n# amplifier_max_a =\n"));
+  EXPECT_THAT(text, Not(HasSubstr("\namplifier_max_a")));
 }
 
 TEST(ArmTables, SayOfAPuckNothingOfForce) {

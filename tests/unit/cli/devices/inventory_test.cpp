@@ -153,8 +153,10 @@ NeededKeys keys_of_model(const char* name) {
 }
 
 TEST(Inventory, KnowsWhichKeysAConfigurationHasToHave) {
-  EXPECT_EQ(keys_of_model("phantom-vintage"),
-            (NeededKeys{.model = true, .amplifier_max_a = true, .limits = true}));
+  EXPECT_EQ(
+      keys_of_model("phantom-vintage"),
+      (NeededKeys{
+          .model = true, .amplifier_max_a = true, .is_too_low_harmless = true, .limits = true}));
   EXPECT_EQ(keys_of_model("falcon"), (NeededKeys{.firmware = true, .limits = true}));
   EXPECT_EQ(keys_of_model("spacenavigator"), NeededKeys{});
 }
