@@ -26,7 +26,7 @@ class CheckService(PlantedTreeTest):
         for path in (check_service.LIMITS, check_service.GUARD_SOCKET):
             self.plant_copy(path)
         self.assertEqual(check_service.check(self.root), [])
-        self.assert_one_breach(self.breaches_with("TasksMax=160", "TasksMax=100"), "needs TasksMax= of at least 152")
+        self.assert_one_breach(self.breaches_with("TasksMax=192", "TasksMax=160"), "needs TasksMax= of at least 192")
         self.plant_copy(PATH)
         self.assert_one_breach(self.breaches_with("MaxConnections=64\n", "", check_service.GUARD_SOCKET), "needs MaxConnections= of at least 64")
         self.plant_copy(check_service.GUARD_SOCKET)
