@@ -1,6 +1,5 @@
 #include "cli/devices/arm_tables.hpp"
 
-#include <algorithm>
 #include <set>
 
 #include "cli/text.hpp"

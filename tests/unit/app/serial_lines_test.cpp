@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <future>
 #include <semaphore>
 #include <stdexcept>
@@ -90,7 +91,8 @@ TEST_F(SerialLinesTest, ALineMayOutliveItsOpener) {
   lines.reset();
   node.reset();
   may_close.release();
-  has_closed.acquire();
+  EXPECT_TRUE(has_closed.try_acquire_for(std::chrono::seconds(60)));
+  EXPECT_NE(closed_in.load(), std::this_thread::get_id());
 }
 
 TEST_F(SerialLinesTest, AnOpenerThatEndsWhileOneHangsDoesNotWait) {
@@ -103,7 +105,8 @@ TEST_F(SerialLinesTest, AnOpenerThatEndsWhileOneHangsDoesNotWait) {
   auto node = answer_of(std::move(late)).value();
   may_close.release();
   node.reset();
-  has_closed.acquire();
+  EXPECT_TRUE(has_closed.try_acquire_for(std::chrono::seconds(60)));
+  EXPECT_NE(closed_in.load(), std::this_thread::get_id());
 }
 
 TEST_F(SerialLinesTest, WhatIsThrownIsAnError) {
