@@ -21,9 +21,8 @@ enum class GpioPull : std::uint8_t { AsIs, Up, Down };
 // Lines of one chip, taken together. A line is named as the chip names it, or by its place from 0
 // ("3"); levels are those of the wire.
 struct GpioClaim {
-  std::string chip;  // its label: "cp2112_gpio"
-  std::vector<std::string>
-      inputs;  // edges both ways are told, of a polled chip those that its levels show
+  std::string chip;                  // its label: "cp2112_gpio"
+  std::vector<std::string> inputs;   // edges both ways are told; of a polled chip, of its levels
   std::vector<std::string> outputs;  // low from the opening to the first set()
   GpioPull pull{GpioPull::AsIs};     // of the inputs; a chip without such resistors ignores it
 };

@@ -1,6 +1,5 @@
 // The enumerator of this machine under its suite, on a device of bare USB and on a serial port: the
 // real libudev, libusb and termios over the kernel's own USB stack and cdc_acm.
-#include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <cstdlib>
 #include <string>
