@@ -6,6 +6,7 @@
 #include <random>
 #include <utility>
 
+#include "hal/linux/event_fd.hpp"
 #include "hal/linux/usb_transfers.hpp"
 #include "sim/time/virtual_clock.hpp"
 #include "tests/contract/usb_device_contract.hpp"
@@ -34,6 +35,9 @@ class ThreadlessDevice final : public bus::UsbMailboxes {
   void turn() noexcept {
     transfers_->serve();
     transfers_->handle_events();
+  }
+  [[nodiscard]] linux::UsbTransfers::Woken wait(int wake) noexcept {
+    return transfers_->wait(wake);
   }
 
  private:
@@ -82,6 +86,7 @@ class LinuxUsbBench final : public bus::BusEnumerator {
   void turn() {
     if (open_ != nullptr) open_->turn();
   }
+  [[nodiscard]] linux::UsbTransfers::Woken wait(int wake) noexcept { return open_->wait(wake); }
   // The thread is kept from what has happened until the next frame.
   void run_frame_without_turns_after() {
     turn();
@@ -174,6 +179,22 @@ TEST_F(UsbTransfersTest, TwoReadsArePendingAfterEveryTurn) {
     ASSERT_EQ(bench.wire.pending(), 2U) << frame;
   }
   EXPECT_EQ(read_all(), 20);
+}
+
+TEST_F(UsbTransfersTest, ANodeThatHangsUpIsADeviceThatIsGoneThoughNoTransferSaysSo) {
+  const auto wake = linux::EventFd::create().value();
+  run_frames(1);
+  bench.wire.hang_up();
+  EXPECT_TRUE(bench.wait(wake->fd()).has_events);
+  bus::UsbPacket packet;
+  EXPECT_EQ(sut->read(kIn, packet), IoStatus::Disconnected);
+  EXPECT_EQ(sut->submit(kOut, pattern(16, 1)), IoStatus::Disconnected);
+  // Which would be so for ever.
+  wake->signal();
+  const linux::UsbTransfers::Woken woken = bench.wait(wake->fd());
+  EXPECT_TRUE(woken.is_signalled);
+  EXPECT_FALSE(woken.has_events);
+  EXPECT_EQ(bench.wire.pending(), 2U) << "they come home when it is closed";
 }
 
 TEST_F(UsbTransfersTest, AHaltIsClearedOnceWithNothingPending) {

@@ -2,6 +2,7 @@
 // never calls the real library.
 #include "tests/support/fake_libusb.hpp"
 
+#include <fcntl.h>
 #include <libusb.h>
 #include <poll.h>
 #include <sys/eventfd.h>
@@ -130,6 +131,7 @@ struct FakeLibusb {
   }
 
   static int event_of(const libusb_context& context) { return context.wire->event_; }
+  static int device_of(const libusb_context& context) { return context.wire->device_[0]; }
 };
 
 namespace {
@@ -142,7 +144,9 @@ FakeLibusb& fake() { return FakeLibusb::instance(); }
 FakeUsbWire::FakeUsbWire(std::unique_ptr<plugin::SimUsbModel> model)
     : model_(std::move(model)),
       info_(model_->describe()),
-      event_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {}
+      event_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+  static_cast<void>(::pipe2(device_.data(), O_CLOEXEC));
+}
 
 FakeUsbWire::~FakeUsbWire() {
   const Guard guard(fake().lock);
@@ -150,6 +154,14 @@ FakeUsbWire::~FakeUsbWire() {
   std::erase_if(fake().nodes, leads_here);
   std::erase_if(fake().files, leads_here);
   ::close(event_);
+  for (const int end : device_) {
+    if (end >= 0) ::close(end);
+  }
+}
+
+void FakeUsbWire::hang_up() {
+  const Guard guard(fake().lock);
+  ::close(std::exchange(device_[1], -1));
 }
 
 int FakeUsbWire::open_node() {
@@ -382,14 +394,16 @@ int libusb_handle_events_timeout_completed(libusb_context* context, struct timev
 
 const struct libusb_pollfd** libusb_get_pollfds(libusb_context* context) {
   const Guard guard(fake().lock);
-  auto* pollfds = new const libusb_pollfd* [2] {};
+  auto* pollfds = new const libusb_pollfd* [3] {};
   pollfds[0] = new libusb_pollfd{FakeLibusb::event_of(*context), POLLIN};
+  pollfds[1] = new libusb_pollfd{FakeLibusb::device_of(*context), POLLOUT};
   return pollfds;
 }
 
 void libusb_free_pollfds(const struct libusb_pollfd** pollfds) {
   if (pollfds == nullptr) return;
   delete pollfds[0];
+  delete pollfds[1];
   delete[] pollfds;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -42,6 +43,9 @@ class FakeUsbWire {
   void run_frames_by_events();
   // Those that are pending come back with NO_DEVICE, and so does everything later.
   void unplug();
+  // The node alone says that the device is gone, as usbfs does when it hangs up: a transfer that
+  // could tell, too, comes back when the kernel's drivers have let go.
+  void hang_up();
   // The next reads end so: spoilt on the wire.
   void spoil_next_reads(int reads);
   // A driver of the kernel has the interface: who has not asked libusb to take it off is refused.
@@ -71,6 +75,7 @@ class FakeUsbWire {
   bus::BusDeviceInfo info_;
   MonotonicTime now_{};
   int event_{-1};                          // readable while something has ended
+  std::array<int, 2> device_{-1, -1};      // a pipe: its other end is there as the device is
   std::vector<libusb_transfer*> pending_;  // in the order of submission
   std::vector<libusb_transfer*> cancelled_;
   std::deque<libusb_transfer*> ended_;
