@@ -10,31 +10,11 @@
 #include <system_error>
 #include <utility>
 
-#include "hal/linux/gpiod_chip.hpp"
-#include "hal/linux/system_error.hpp"
-
 namespace thimble::linux {
 namespace {
 
-constexpr const char* kConsumer = "thimbled";  // shown by gpioinfo
-// Of one line, as many as Linux 6.1 keeps (gpiolib-cdev.c, lineevent_state): it drops what comes
-// then, and tells nobody.
-constexpr int kEventsAtOnce = 16;
-
 // Of its driver, which calls every such chip so.
 constexpr const char* kWithoutEdges = "cp2112_gpio";
-
-int pull_flags(bus::GpioPull pull) noexcept {
-  switch (pull) {
-    case bus::GpioPull::AsIs:
-      return 0;
-    case bus::GpioPull::Up:
-      return GPIOD_LINE_REQUEST_FLAG_BIAS_PULL_UP;
-    case bus::GpioPull::Down:
-      return GPIOD_LINE_REQUEST_FLAG_BIAS_PULL_DOWN;
-  }
-  return 0;
-}
 
 std::vector<std::string> nodes_of(const std::string& folder) {
   std::vector<std::string> nodes;
@@ -48,33 +28,39 @@ std::vector<std::string> nodes_of(const std::string& folder) {
   return nodes;
 }
 
-// gpiod_chip_open_by_label() gives up at the first node that it may not open, and takes the first
-// of two with that label.
+// Past nodes that it may not open, which say nothing of others.
 Result<GpiodChip> find_chip(const std::string& folder, const std::string& label) {
-  GpiodChip found;
+  std::optional<GpiodChip> found;
   std::optional<Error> refusal;
   for (const std::string& node : nodes_of(folder)) {
-    GpiodChip chip(gpiod_chip_open(node.c_str()));
-    if (chip == nullptr) {
-      if (errno == EACCES || errno == EPERM) refusal = system_error(node, errno);
+    Result<GpiodChip> chip = GpiodChip::open(node);
+    if (!chip) {
+      if (chip.error().code == Errc::Permission) refusal = chip.error();
       continue;
     }
-    if (gpiod_chip_label(chip.get()) != label) continue;
-    if (found != nullptr) {
+    if (chip->label() != label) continue;
+    if (found) {
       return fail(Errc::InvalidArgument, label + ": there are two GPIO chips of this label");
     }
-    found = std::move(chip);
+    found = *std::move(chip);
   }
-  if (found != nullptr) return found;
+  if (found) return *std::move(found);
   if (refusal) return tl::unexpected(refusal->in(label));
   return fail(Errc::NotFound, label + ": there is no GPIO chip of this label");
 }
 
-std::optional<unsigned> offset_in(const std::string& name) {
-  unsigned offset = 0;
-  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), offset);
+std::optional<std::size_t> place_in(const std::string& name) {
+  std::size_t place = 0;
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), place);
   if (error != std::errc{} || end != name.data() + name.size()) return std::nullopt;
-  return offset;
+  return place;
+}
+
+Result<std::size_t> find_line(const GpiodChip& chip, const std::string& name) {
+  std::optional<std::size_t> place = place_in(name);
+  if (!place) place = chip.find(name);
+  if (!place || *place >= chip.lines()) return fail(Errc::NotFound, "it has no line " + name);
+  return *place;
 }
 
 }  // namespace
@@ -88,8 +74,8 @@ Result<std::unique_ptr<GpioTransfers>> GpioTransfers::open(const std::string& fo
   if (!chip) return tl::unexpected(chip.error());
   // The constructor is private, so make_unique cannot reach it.
   std::unique_ptr<GpioTransfers> transfers(
-      new GpioTransfers(chip->release(), claim.chip != kWithoutEdges, mail, clock));
-  if (const Result<void> requested = transfers->request(claim); !requested) {
+      new GpioTransfers(claim.chip != kWithoutEdges, mail, clock));
+  if (const Result<void> requested = transfers->request(*chip, claim); !requested) {
     return tl::unexpected(requested.error().in(claim.chip));
   }
   transfers->serve();
@@ -97,40 +83,25 @@ Result<std::unique_ptr<GpioTransfers>> GpioTransfers::open(const std::string& fo
 }
 
 GpioTransfers::~GpioTransfers() {
-  for (gpiod_line* line : outputs_) {
-    if (!mail_->is_disconnected()) gpiod_line_set_value(line, 0);
+  for (GpiodLine& line : outputs_) {
+    if (!mail_->is_disconnected()) static_cast<void>(line.set(false));
   }
-  gpiod_chip_close(chip_);  // which releases the lines
 }
 
-Result<gpiod_line*> GpioTransfers::find(const std::string& name) {
-  const std::optional<unsigned> offset = offset_in(name);
-  gpiod_line* const line =
-      offset ? gpiod_chip_get_line(chip_, *offset) : gpiod_chip_find_line(chip_, name.c_str());
-  if (line == nullptr) return fail(Errc::NotFound, "it has no line " + name);
-  return line;
-}
-
-Result<void> GpioTransfers::request(const bus::GpioClaim& claim) {
+Result<void> GpioTransfers::request(const GpiodChip& chip, const bus::GpioClaim& claim) {
   for (const std::string& name : claim.outputs) {
-    const Result<gpiod_line*> line = find(name);
+    const Result<std::size_t> place = find_line(chip, name);
+    if (!place) return tl::unexpected(place.error());
+    Result<GpiodLine> line = chip.request_output(*place, "line " + name);
     if (!line) return tl::unexpected(line.error());
-    if (gpiod_line_request_output(*line, kConsumer, 0) != 0) {
-      return tl::unexpected(system_error("line " + name, errno));
-    }
-    outputs_.push_back(*line);
+    outputs_.push_back(*std::move(line));
   }
   for (const std::string& name : claim.inputs) {
-    const Result<gpiod_line*> line = find(name);
+    const Result<std::size_t> place = find_line(chip, name);
+    if (!place) return tl::unexpected(place.error());
+    Result<GpiodLine> line = chip.request_input(*place, "line " + name, {claim.pull, has_edges_});
     if (!line) return tl::unexpected(line.error());
-    const int flags = pull_flags(claim.pull);
-    const int refused = has_edges_
-                            ? gpiod_line_request_both_edges_events_flags(*line, kConsumer, flags)
-                            : gpiod_line_request_input_flags(*line, kConsumer, flags);
-    if (refused != 0) {
-      return tl::unexpected(system_error("line " + name, errno));
-    }
-    inputs_.push_back(*line);
+    inputs_.push_back(*std::move(line));
   }
   return {};
 }
@@ -145,8 +116,8 @@ void GpioTransfers::wait(int wake) noexcept {
     ::ppoll(watched.data(), count, &most, nullptr);
     return;
   }
-  for (gpiod_line* line : inputs_) {
-    if (has_edges_) watched[count++] = {gpiod_line_event_get_fd(line), POLLIN, 0};
+  for (const GpiodLine& line : inputs_) {
+    if (has_edges_) watched[count++] = {line.fd(), POLLIN, 0};
   }
   const Duration rest = std::max(next_read_ - clock_->now(), Duration(0));
   const auto rest_ms = std::chrono::ceil<std::chrono::milliseconds>(rest).count();
@@ -170,28 +141,24 @@ void GpioTransfers::take_edges() noexcept {
 
 // False when no more wait.
 bool GpioTransfers::take_edges_of(std::size_t input) noexcept {
-  pollfd watched{gpiod_line_event_get_fd(inputs_[input]), POLLIN, 0};
+  pollfd watched{inputs_[input].fd(), POLLIN, 0};
   if (::poll(&watched, 1, 0) <= 0) return false;
   if ((watched.revents & POLLIN) == 0) {  // an error, or hung up: the line is gone
     mail_->disconnect();
     return false;
   }
-  std::array<gpiod_line_event, kEventsAtOnce> events{};
-  const int count = gpiod_line_event_read_multiple(inputs_[input], events.data(), kEventsAtOnce);
-  if (count < 0) {
+  GpiodEdges edges;
+  if (!inputs_[input].read_edges(edges)) {
     note(errno);
     return false;
   }
   const MonotonicTime now = clock_->now();
-  // The queue was full, and more may have come. Told before them, not with the next edge: that one
-  // may never come.
-  const bool was_full = count >= kEventsAtOnce;
-  if (was_full) mail_->count_lost_edge(input);
-  for (int i = 0; i < std::min(count, kEventsAtOnce); ++i) {
-    const int type = events.at(static_cast<std::size_t>(i)).event_type;
-    mail_->deliver_edge(input, type == GPIOD_LINE_EVENT_RISING_EDGE, now);
+  for (std::size_t i = 0; i < edges.count; ++i) {
+    const GpiodEdge& edge = edges.edges[i];
+    if (edge.is_after_loss) mail_->count_lost_edge(input);
+    mail_->deliver_edge(input, edge.is_high, now);
   }
-  return was_full;
+  return edges.count == GpiodEdges::kMost;
 }
 
 // A chip that does not answer leaves the old levels to grow old.
@@ -203,13 +170,13 @@ void GpioTransfers::read_levels() noexcept {
   // Behind USB each takes a transfer. A stop's channels are first in a claim: what opens while
   // others are asked is seen now, not a period later.
   for (std::size_t i = inputs_.size(); i-- > 0;) {
-    const int value = gpiod_line_get_value(inputs_[i]);
-    if (value < 0) note(errno);
+    const std::optional<bool> level = inputs_[i].level();
+    if (!level) note(errno);
     // Who says nothing for so long says nothing of the others either.
     if (mail_->is_disconnected() || clock_->now() - now > bus::kGpioReadPeriod) return;
-    if (value < 0) continue;
+    if (!level) continue;
     answered |= 1U << i;
-    if (value > 0) levels.high |= 1U << i;
+    if (*level) levels.high |= 1U << i;
   }
   if (!has_edges_) make_edges(levels.high, answered, clock_->now());
   const bool is_whole = answered == (1U << inputs_.size()) - 1;
@@ -247,10 +214,9 @@ void GpioTransfers::write_outputs() noexcept {
   mail_->written(*wish);
 }
 
-// That the chip refused a level nobody is told (Linux 6.1: a driver's set() returns nothing), so it
-// is asked something, too, which who refuses refuses as well.
-bool GpioTransfers::write(gpiod_line* line, bool is_high) noexcept {
-  return gpiod_line_set_value(line, is_high ? 1 : 0) == 0 && gpiod_line_get_value(line) >= 0;
+// Who does not take a level does not answer either.
+bool GpioTransfers::write(GpiodLine& line, bool is_high) noexcept {
+  return line.set(is_high) && line.level().has_value();
 }
 
 void GpioTransfers::note(int code) noexcept {

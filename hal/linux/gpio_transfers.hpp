@@ -9,22 +9,18 @@
 #include "hal/base/result.hpp"
 #include "hal/base/time.hpp"
 #include "hal/bus/gpio_mailboxes.hpp"
-
-struct gpiod_chip;
-struct gpiod_line;
+#include "hal/linux/gpiod_chip.hpp"
 
 namespace thimble::linux {
 
-// What the bus does with the lines of one GPIO chip: all calls of libgpiod, of its interface 1
-// (1.6, Debian 12).
+// What the bus does with the lines of one GPIO chip, through libgpiod (gpiod_chip.hpp).
 //
-// Its events carry no numbers. The kernel loses those of a line behind 16 that wait: 16 that are
-// read at once are counted with a hole before them, whether one was lost or not. A lost edge shows
+// Edges that were lost leave a hole in the numbers, as GpiodLine knows of them. A lost edge shows
 // as one that repeats the level before it, too (GpioMailboxes counts so), or as a level that the
-// chip tells otherwise. A chip that is pulled out
-// wakes nobody (Linux 6.1, gpiolib-cdev.c): asking for the levels finds out. A level that the chip
-// did not take is told to nobody either: each is followed by a question, and until that has an
-// answer the output is written again, whatever level it shall have by then.
+// chip tells otherwise. A chip that is pulled out wakes nobody (Linux 6.1, gpiolib-cdev.c): asking
+// for the levels finds out. A level that the chip did not take is told to nobody either: each is
+// followed by a question, and until that has an answer the output is written again, whatever level
+// it shall have by then.
 //
 // A CP2112 has no edges to tell: its driver reads the levels every 40 ms and makes them. Who lets
 // go of such a line while it reads makes Linux sleep where it may not (hid-cp2112.c, 6.1: a
@@ -54,25 +50,22 @@ class GpioTransfers {
   void serve() noexcept;
 
  private:
-  GpioTransfers(gpiod_chip* chip, bool has_edges, bus::GpioMailboxes& mail,
-                const Clock& clock) noexcept
-      : chip_(chip), mail_(&mail), clock_(&clock), has_edges_(has_edges) {}
-  [[nodiscard]] Result<gpiod_line*> find(const std::string& name);
-  [[nodiscard]] Result<void> request(const bus::GpioClaim& claim);
+  GpioTransfers(bool has_edges, bus::GpioMailboxes& mail, const Clock& clock) noexcept
+      : mail_(&mail), clock_(&clock), has_edges_(has_edges) {}
+  [[nodiscard]] Result<void> request(const GpiodChip& chip, const bus::GpioClaim& claim);
   void take_edges() noexcept;
   bool take_edges_of(std::size_t input) noexcept;
   void read_levels() noexcept;
   void make_edges(std::uint32_t high, std::uint32_t answered, MonotonicTime at) noexcept;
   void write_outputs() noexcept;
-  [[nodiscard]] static bool write(gpiod_line* line, bool is_high) noexcept;
+  [[nodiscard]] static bool write(GpiodLine& line, bool is_high) noexcept;
   void note(int code) noexcept;
 
-  gpiod_chip* chip_;
   bus::GpioMailboxes* mail_;
   const Clock* clock_;
   bool has_edges_;  // the kernel's, to be told
-  std::vector<gpiod_line*> inputs_;
-  std::vector<gpiod_line*> outputs_;
+  std::vector<GpiodLine> inputs_;
+  std::vector<GpiodLine> outputs_;
   std::uint32_t written_{0};
   std::uint32_t unsure_{0};  // outputs of which nobody knows whether the chip took the last level
   std::uint32_t read_{0};    // the levels before, where edges are made of them

@@ -290,6 +290,7 @@ gpiod_line* gpiod_chip_get_line(gpiod_chip* chip, unsigned int offset) {
 gpiod_line* gpiod_chip_find_line(gpiod_chip* chip, const char* name) {
   return FakeLibgpiod::find(chip, name);
 }
+unsigned int gpiod_line_offset(gpiod_line* line) { return static_cast<unsigned>(line->offset); }
 int gpiod_line_request_output(gpiod_line* line, const char* consumer, int) {
   return FakeLibgpiod::instance().request(*line, consumer, FakeLibgpiod::As::Output, 0);
 }
