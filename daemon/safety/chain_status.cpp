@@ -52,4 +52,28 @@ std::string_view explain(ChainTrouble trouble) noexcept {
   return "";
 }
 
+std::string_view recall(ChainTrouble trouble) noexcept {
+  switch (trouble) {
+    case ChainTrouble::None:
+      return "";
+    case ChainTrouble::NoLines:
+      return "the safety lines were not there";
+    case ChainTrouble::Silent:
+      return "their chip did not answer";
+    case ChainTrouble::OutputStuck:
+      return "their chip took no output";
+    case ChainTrouble::EdgesLost:
+      return "a safety line changed unseen";
+    case ChainTrouble::Open:
+      return "the emergency stop was pressed, or its wire broken";
+    case ChainTrouble::Disagree:
+      return "the two channels of the emergency stop disagreed";
+    case ChainTrouble::Unwatched:
+      return "they were not looked after in time";
+    case ChainTrouble::ArmOutOfReach:
+      return "an arm was out of reach";
+  }
+  return "";
+}
+
 }  // namespace thimble::safety

@@ -23,6 +23,8 @@ inline constexpr int kChainTroubleCount = 9;
 [[nodiscard]] std::string_view to_string(ChainTrouble trouble) noexcept;
 // What it is and what a person does about it; empty for None.
 [[nodiscard]] std::string_view explain(ChainTrouble trouble) noexcept;
+// What it was, once it is over; empty for None.
+[[nodiscard]] std::string_view recall(ChainTrouble trouble) noexcept;
 
 // How the chain stands. Plain, so that it crosses threads.
 struct ChainStatus {

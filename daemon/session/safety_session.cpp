@@ -178,7 +178,8 @@ std::string SafetySession::explanation() const {
     return std::string(explain(safety::ChainTrouble::ArmOutOfReach)) + " (" + out_of_reach_ + ")";
   }
   if (now.trouble == safety::ChainTrouble::None) {
-    return "all safety lines are healthy; clear the fault of each arm that shall go on";
+    return "all safety lines are healthy again (the newest stop: " +
+           std::string(recall(now.cause)) + "); clear the fault of each arm that shall go on";
   }
   const std::string detail = trouble();
   return std::string(explain(now.trouble)) + (detail.empty() ? "" : " (" + detail + ")");

@@ -107,6 +107,24 @@ TEST_F(SafetyLinesTest, ALostChipStopsTheArmAndItsReturnDoesNotResume) {
   EXPECT_TRUE(run_until(8, [&] { return is_pushed(); }));
 }
 
+TEST_F(SafetyLinesTest, OnceAllIsHealthyAgainAPersonIsToldWhatTheStopWas) {
+  start();
+  press(true);
+  run(0.1);
+  EXPECT_THAT(safety.explanation(), HasSubstr("the emergency stop is pressed"));
+  press(false);
+  run(0.1);
+  EXPECT_THAT(safety.explanation(), HasSubstr("(the newest stop: the emergency stop was pressed"));
+  EXPECT_TRUE(clear());
+  EXPECT_EQ(safety.explanation(), "");
+  chip.lose();
+  run(0.1);
+  chip.restore();
+  run(1);
+  EXPECT_THAT(safety.explanation(), HasSubstr("(the newest stop: the safety lines were not there)"));
+  EXPECT_THAT(safety.explanation(), HasSubstr("clear the fault of each arm"));
+}
+
 TEST_F(SafetyLinesTest, AChipThatComesLaterThanTheDaemonIsFound) {
   chip.lose();
   run(2);

@@ -363,6 +363,7 @@ TEST(ChainTrouble, EachHasAWordAndASentence) {
     const auto sut = static_cast<ChainTrouble>(i);
     words.insert(std::string(to_string(sut)));
     EXPECT_EQ(explain(sut).empty(), sut == ChainTrouble::None);
+    EXPECT_EQ(recall(sut).empty(), sut == ChainTrouble::None);
   }
   EXPECT_EQ(words.size(), static_cast<std::size_t>(kChainTroubleCount));
   EXPECT_FALSE(words.contains("unknown"));
