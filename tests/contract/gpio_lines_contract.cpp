@@ -182,6 +182,7 @@ TEST_P(GpioLinesContract, ALineThatIsTakenAwayTakesTheOthersWithIt) {
 }
 
 void GpioLinesContract::expect_age_and_backlog(void (GpioRig::*mute)(bool)) {
+  if (const char* why = rig->limits().why_it_always_answers) GTEST_SKIP() << why;
   const auto sut = open();
   (*rig.*mute)(true);
   EXPECT_EQ(sut->set(0, true), IoStatus::Ok);

@@ -15,6 +15,8 @@ namespace thimble::test {
 struct GpioRigLimits {
   const char* why_no_edge_is_lost{nullptr};     // nullptr: lose_edges() loses some
   const char* why_no_line_goes_alone{nullptr};  // nullptr: lose_line() takes it away
+  const char* why_it_always_answers{
+      nullptr};  // nullptr: hang() and refuse() have it answer nothing
   Duration slowest_edge{2 * bus::kGpioReadPeriod};
   unsigned random_lives{20};  // fewer where time is real
 };

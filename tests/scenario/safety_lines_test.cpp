@@ -121,7 +121,8 @@ TEST_F(SafetyLinesTest, OnceAllIsHealthyAgainAPersonIsToldWhatTheStopWas) {
   run(0.1);
   chip.restore();
   run(1);
-  EXPECT_THAT(safety.explanation(), HasSubstr("(the newest stop: the safety lines were not there)"));
+  EXPECT_THAT(safety.explanation(),
+              HasSubstr("(the newest stop: the safety lines were not there)"));
   EXPECT_THAT(safety.explanation(), HasSubstr("clear the fault of each arm"));
 }
 

@@ -1,3 +1,4 @@
+// lint: long-file one library, whole
 // libusb-1.0 at link level: see fake_libusb.hpp. A program that lists this file among its sources
 // never calls the real library.
 #include "tests/support/fake_libusb.hpp"

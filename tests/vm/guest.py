@@ -4,9 +4,9 @@ import sys
 import unittest
 
 import guest_states
-from machine import AS_IT_COMES, COUNTED, COUNTED_SLOWLY, DEBS, ON_TWO, Guest, GuestError
+from machine import AS_IT_COMES, BIN, COUNTED, COUNTED_SLOWLY, DEBS, ON_TWO, Guest, GuestError
 
-__all__ = ["AS_IT_COMES", "COUNTED", "COUNTED_SLOWLY", "DEBS", "ON_TWO", "Guest", "GuestError", "GuestTest", "GIVES_WAY"]
+__all__ = ["AS_IT_COMES", "BIN", "COUNTED", "COUNTED_SLOWLY", "DEBS", "ON_TWO", "Guest", "GuestError", "GuestTest", "GIVES_WAY"]
 
 # For its kernel. Else a fork or an enumeration keeps the guest's only processor from arm and servo for up to 4 ms (decision 0487).
 GIVES_WAY = "echo full > /sys/kernel/debug/sched/preempt"
@@ -46,6 +46,11 @@ class GuestTest(unittest.TestCase):
             return self.guest.ask("thimble status; journalctl -u thimbled -u 'thimble-guard@*' -n 30 --no-pager")[1]
         except (GuestError, OSError) as error:
             return f"The guest says no more: {error}"
+
+    def assert_kernel_found_nothing_wrong(self, but=()):
+        """Of itself. `but`: functions of its that may warn."""
+        known = "".join(rf"(?!.* {function}\+)" for function in but)
+        self.assertNotRegex(self.guest.run("dmesg"), f"BUG:|WARNING:{known}|Oops|protection fault")
 
     @classmethod
     def properties(cls, *names, unit="thimbled.service"):

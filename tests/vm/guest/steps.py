@@ -7,6 +7,8 @@ usage: steps.py STEP…    (each the JSON of a list: what, and its words)
   ["sleep", SECONDS]
   ["now"]                      prints the monotonic clock, s
   ["signal", NAME]             to the daemon; prints when
+  ["write", FILE, WORD]        a file of the kernel's; prints when
+  ["beats", FILE, SECONDS]     how often a file of the kernel's changed: prints it
   ["hang", THREAD, SECONDS]    the daemon's thread of that name, as hang_thread.py
 
 For what belongs together: between two commands of the host an idle guest's clock runs ahead, and to start an interpreter takes an emulated machine half a second.
@@ -23,6 +25,7 @@ import time
 import hang_thread
 import simdev
 
+LOOK_S = 0.002
 CGROUP = pathlib.Path("/sys/fs/cgroup/system.slice/thimbled.service/cgroup.procs")
 
 
@@ -54,7 +57,26 @@ def hang(thread, seconds):
     hang_thread.main(found, seconds)
 
 
-STEPS = {"say": simdev.main, "run": run, "sleep": time.sleep, "now": now, "signal": send_signal, "hang": hang}
+def write(path, word):
+    file = open(path, "w", encoding="utf-8")
+    now()
+    with file:
+        file.write(word)
+
+
+def beats(path, seconds):
+    changes = 0
+    end = time.monotonic() + seconds
+    with open(path, encoding="utf-8") as file:
+        last = file.read()
+        while time.monotonic() < end:
+            time.sleep(LOOK_S)
+            file.seek(0)
+            changes += last != (last := file.read())
+    print(changes)
+
+
+STEPS = {"say": simdev.main, "run": run, "sleep": time.sleep, "now": now, "signal": send_signal, "write": write, "beats": beats, "hang": hang}
 
 
 def main(*steps):
