@@ -13,15 +13,15 @@ namespace {
 
 constexpr const char* kConsumer = "thimbled";  // shown by gpioinfo
 
-template <auto free>
+template <auto Release>
 struct Free {
   template <class What>
   void operator()(What* what) const noexcept {
-    free(what);
+    Release(what);
   }
 };
-template <class What, auto free>
-using Owned = std::unique_ptr<What, Free<free>>;
+template <class What, auto Release>
+using Owned = std::unique_ptr<What, Free<Release>>;
 
 using Chip = Owned<gpiod_chip, &gpiod_chip_close>;
 using ChipInfo = Owned<gpiod_chip_info, &gpiod_chip_info_free>;
