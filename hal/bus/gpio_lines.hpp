@@ -63,7 +63,9 @@ class GpioLines {
   // The next edge in the order of arrival, or NoData, Disconnected; ProtocolError, once, where
   // edges were lost because nobody took them.
   virtual IoStatus next_edge(GpioEdge& out) noexcept = 0;
-  // Ok, NoData before the chip has answered for the first time, Disconnected.
+  // Ok, NoData before the chip has answered for the first time, Disconnected. There is no time-out:
+  // a chip that hangs or refuses leaves the last answer, and Ok; who needs it fresh looks at
+  // read_at.
   virtual IoStatus levels(GpioLevels& out) noexcept = 0;
   // The newest level wins. Ok; Backlogged when the ones before have not reached the chip, and none
   // has since the last call; Disconnected; ProtocolError for an output that was not claimed.

@@ -22,10 +22,11 @@ struct alignas(std::uint64_t) GpioWish {
 // the thread that talks to the chip.
 //
 // Thread: GpioLines' functions from one, those of the bus from one other.
-// No allocation, no system call but the wake's.
+// Real-time class: no allocation, no system call but the wake's.
+// Ownership: the wake must outlive it. Errors: as GpioLines.
 class GpioMailboxes : public GpioLines {
  public:
-  // `wake` may be nullptr.
+  // At most kMaxGpioLines of each, as check() of a claim has it. `wake` may be nullptr.
   GpioMailboxes(std::size_t inputs, std::size_t outputs, rt::WakeSignal* wake) noexcept
       : inputs_(inputs), outputs_(outputs), wake_(wake) {}
 
@@ -33,7 +34,8 @@ class GpioMailboxes : public GpioLines {
   IoStatus levels(GpioLevels& out) noexcept override;
   IoStatus set(std::size_t output, bool is_high) noexcept override;
 
-  // Of the bus. One that repeats the level before it comes after one that was lost.
+  // Of the bus; `input`: below inputs(). One that repeats the level before it comes after one that
+  // was lost.
   void deliver_edge(std::size_t input, bool is_high, MonotonicTime at) noexcept;
   // One was lost, or may have been: a hole before the next that is delivered.
   void count_lost_edge(std::size_t input) noexcept;

@@ -49,10 +49,12 @@ class HidDevice {
   virtual ~HidDevice() = default;
   // The newest report that arrived since the last call. Ok, NoData or Disconnected.
   THIMBLE_RT_IO virtual IoStatus read_newest(HidReport& out) noexcept = 0;
-  // Hands an output report (at most kMaxHidReportBytes) to the bus; the latest value wins.
-  // Ok when nothing is on its way, or a report reached the device since the last submit; else
-  // Backlogged, be the last one still on its way or failed (this one waits, and replaces one that
-  // waits); Disconnected; ProtocolError when the size cannot be sent.
+  // Hands an output report to the bus, of the device's output_report_bytes (BusDeviceInfo: its
+  // longest one, with the number of it where it numbers them), no more and no less; the latest
+  // value wins. A shorter report of a device that has several cannot be sent. Ok when nothing is on
+  // its way, or a report reached the device since the last submit; else Backlogged, be the last one
+  // still on its way or failed (this one waits, and replaces one that waits); Disconnected;
+  // ProtocolError for any other size.
   THIMBLE_RT_IO virtual IoStatus submit(std::span<const std::uint8_t> report) noexcept = 0;
   [[nodiscard]] virtual HidCounters counters() const noexcept = 0;
 };
