@@ -81,5 +81,16 @@ class SummariseTests(PlantedTreeTest):
         self.assertIn("skipped unit: unit_a: a_test.cpp:7: no strace here\n"
                       "skipped unit: unit_a: b_test.cpp:9: not under a sanitizer\n1 passed, 0 failed", said)
 
+    def test_names_what_a_file_of_unittest_left_out(self):
+        file = ('<testcase name="process.a" status="run"><system-out>test_b (test_a.A.test_b) ... ok\n'
+                "test_c (test_a.A.test_c) ... skipped 'no strace here'\n"
+                'test_d (test_a.A.test_d)\nIn a sentence. ... skipped "nobody\'s"\nOK (skipped=2)\n</system-out></testcase>')
+
+        status, said = self.summarise(file)
+
+        self.assertEqual(status, 0)
+        self.assertIn("skipped unit: process.a: test_c: no strace here\n"
+                      "skipped unit: process.a: test_d: nobody's\n1 passed, 0 failed", said)
+
     def test_fails_when_nothing_ran(self):
         self.assertEqual(self.summarise()[0], 1)

@@ -22,8 +22,11 @@ def skip_reason(case):
 
 
 def skips_within(case):
-    """Cases that a whole program left out, by the line that said so, each with its reason."""
-    return re.findall(r"^(\S+:\d+): Skipped\n(.+)", case.findtext("system-out") or "", re.MULTILINE)
+    """Cases that a whole program left out, each with its reason: of GoogleTest's by the line that said so, of unittest's by their names."""
+    output = case.findtext("system-out") or ""
+    return (re.findall(r"^(\S+:\d+): Skipped\n(.+)", output, re.MULTILINE) +
+            [(name, reason) for name, _, reason in
+             re.findall(r"^(test_\w+) \(.*\)(?:\n.*)? \.\.\. skipped (['\"])(.*)\2$", output, re.MULTILINE)])
 
 
 TELLING = re.compile(r": Failure$|^SUMMARY: |^(FAIL|ERROR): |^[\w.]*(Error|Exception)\b|Timeout|runtime error: ")

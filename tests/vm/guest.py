@@ -11,6 +11,9 @@ __all__ = ["AS_IT_COMES", "BIN", "COUNTED", "COUNTED_SLOWLY", "DEBS", "ON_TWO", 
 # For its kernel. Else a fork or an enumeration keeps the guest's only processor from arm and servo for up to 4 ms (decision 0487).
 GIVES_WAY = "echo full > /sys/kernel/debug/sched/preempt"
 
+# In its log.
+TROUBLE = "BUG:|Oops|general protection fault|soft lockup|blocked for more than"
+
 
 class GuestTest(unittest.TestCase):
     """A class of tests in one guest, in the order of their names. `runs_daemon`: it does so, or the devices of the test are not for it."""
@@ -24,6 +27,7 @@ class GuestTest(unittest.TestCase):
     def setUpClass(cls):
         cls.guest = cls.start_guest()
         cls.addClassCleanup(cls.guest.close)
+        cls.addClassCleanup(cls.assert_kernel_is_well)
         if not cls.runs_daemon:
             cls.guest.run("systemctl stop thimbled")
 
@@ -47,10 +51,17 @@ class GuestTest(unittest.TestCase):
         except (GuestError, OSError) as error:
             return f"The guest says no more: {error}"
 
-    def assert_kernel_found_nothing_wrong(self, but=()):
-        """Of itself. `but`: functions of its that may warn."""
-        known = "".join(rf"(?!.* {function}\+)" for function in but)
-        self.assertNotRegex(self.guest.run("dmesg"), f"BUG:|WARNING:{known}|Oops|protection fault")
+    @classmethod
+    def assert_kernel_is_well(cls):
+        """Nothing that the test did to it, or its devices, or the daemon, has left it in trouble, of which a process may notice nothing for long."""
+        found = cls.guest.run(f"dmesg | grep -E '{TROUBLE}' || true")
+        if found:
+            raise AssertionError(f"the kernel says:\n{found}")
+
+    def assert_kernel_warns_of(self, functions):
+        """Of nothing else."""
+        known = "".join(rf"(?!.* {function}\+)" for function in functions)
+        self.assertNotRegex(self.guest.run("dmesg"), f"WARNING:{known}")
 
     @classmethod
     def properties(cls, *names, unit="thimbled.service"):

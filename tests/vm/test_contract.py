@@ -50,5 +50,5 @@ class Contract(guest.GuestTest):
             self.skipTest("there is no libgpiod 2: the backports were not reached when the guest's root was made (tests/vm/guest/libgpiod2.sh)")
         self.play("kernel_contract_gpiod2", "*", 12, NOT_ON_A_KERNEL | NOT_ON_GPIO_SIM)
 
-    def test_the_kernel_found_nothing_wrong_meanwhile(self):
-        self.assert_kernel_found_nothing_wrong(but=gpio_sim.WARNINGS)
+    def test_the_kernel_warned_of_nothing_that_is_ours(self):
+        self.assert_kernel_warns_of(gpio_sim.WARNINGS)

@@ -131,4 +131,4 @@ class Edges(guest.GuestTest):
         self.assertLess(max(self.arm.forces(0.2)), simdev.NOTHING_NEWTON)
         self.clear()
         self.lean()
-        self.assert_kernel_found_nothing_wrong(but=gpio_sim.WARNINGS)
+        self.assert_kernel_warns_of(gpio_sim.WARNINGS)
