@@ -48,6 +48,59 @@ A: bDeviceClass=00
 A: devnum=5
 """
 
+# A Falcon, and a puck without a serial number.
+TELLING = """P: /devices/pci0000:00/0000:00:14.0/usb1/1-6
+N: bus/usb/001/006
+E: SUBSYSTEM=usb
+E: DEVTYPE=usb_device
+E: DEVNAME=/dev/bus/usb/001/006
+A: idVendor=0403
+A: idProduct=cb48
+A: bDeviceClass=00
+A: bConfigurationValue=1
+A: devnum=6
+A: busnum=1
+A: speed=12
+A: manufacturer=Novint
+A: product=FALCON HAPTIC
+A: serial=FALCON1
+H: descriptors=1201000200000008030448CB00040102030109022000010100802D0904000002FFFFFF020705810240000007050202400000
+
+P: /devices/pci0000:00/0000:00:14.0/usb1/1-6/1-6:1.0
+E: SUBSYSTEM=usb
+E: DEVTYPE=usb_interface
+A: bInterfaceNumber=00
+A: bInterfaceClass=ff
+
+P: /devices/pci0000:00/0000:00:14.0/usb1/1-7
+N: bus/usb/001/007
+E: SUBSYSTEM=usb
+E: DEVTYPE=usb_device
+E: DEVNAME=/dev/bus/usb/001/007
+A: idVendor=046d
+A: idProduct=c626
+A: bDeviceClass=00
+A: devnum=7
+A: manufacturer=3Dconnexion
+A: product=SpaceNavigator
+
+P: /devices/pci0000:00/0000:00:14.0/usb1/1-7/1-7:1.0
+E: SUBSYSTEM=usb
+E: DEVTYPE=usb_interface
+A: bInterfaceNumber=00
+
+P: /devices/pci0000:00/0000:00:14.0/usb1/1-7/1-7:1.0/0003:046D:C626.0002
+E: SUBSYSTEM=hid
+E: HID_ID=0003:0000046D:0000C626
+H: report_descriptor=05010908A101A1008501160CFE26F40136000046000009300931093275109503810AC0A1008502160CFE26F401360000460000093309340935751095038102C0A1028503050919012902150025013500450175019502950E8103C0C0
+
+P: /devices/pci0000:00/0000:00:14.0/usb1/1-7/1-7:1.0/0003:046D:C626.0002/hidraw1
+N: hidraw1
+E: SUBSYSTEM=hidraw
+E: DEVNAME=/dev/hidraw1
+"""
+WORLD = '[[world]]\nname = "box"\nsource = "box:3"\nworkspace_m = 0.09\n'
+
 
 class Devices(ProcessTest):
     def test_needs_no_daemon(self):
@@ -68,8 +121,8 @@ class Devices(ProcessTest):
 class RealDevices(ProcessTest):
     """On a machine that umockdev invents: the real libudev looks at it."""
 
-    def devices(self, *more):
-        file = self.write("machine.umockdev", MACHINE)
+    def devices(self, *more, machine=MACHINE):
+        file = self.write("machine.umockdev", machine)
         command = ["umockdev-run", "--device", file, "--", BIN / "thimble", "devices",
                    "--socket", self.folder / "none", *more]
         return subprocess.run(command, capture_output=True, text=True, timeout=TIMEOUT_S)
@@ -100,12 +153,26 @@ class RealDevices(ProcessTest):
         self.assertEqual((result.returncode, result.stderr), (0, ""))
         self.assertIn('device = "hid:ABC1"', result.stdout)
         self.assertNotIn("sim:", result.stdout)
-        world = '[[world]]\nname = "box"\nsource = "box:3"\nworkspace_m = 0.09\n'
-        bare = self.thimbled("--config", self.write("bare.toml", world + result.stdout), "--check")
+        bare = self.thimbled("--config", self.write("bare.toml", WORLD + result.stdout), "--check")
         self.assertEqual(bare.returncode, 2)
         self.assertIn("the controller does not tell which arm it drives", bare.stderr)
         chosen = result.stdout.replace('# model = "woody-2015"', 'model = "woody-2015"')
-        checked = self.thimbled("--config", self.write("chosen.toml", world + chosen), "--check")
+        checked = self.thimbled("--config", self.write("chosen.toml", WORLD + chosen), "--check")
+        self.assertEqual((checked.returncode, checked.stderr), (0, ""))
+
+    def test_whose_ids_say_what_they_are_lack_nothing_but_their_firmware(self):
+        result = self.devices("--toml", machine=TELLING)
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        file = self.write("both.toml", WORLD + result.stdout)
+        bare = self.thimbled("--config", file, "--check")
+        self.assertEqual(bare.returncode, 2)
+        self.assertEqual(len(bare.stderr.splitlines()), 1, bare.stderr)
+        self.assertIn("there is no firmware at", bare.stderr)
+        self.write("nvent_firmware.bin", "\0" * 1000)
+        given = self.thimbled("--config", file, "--check")
+        self.assertNotIn("there is no firmware at", given.stderr)
+        puck = self.write("puck.toml", WORLD + result.stdout[:result.stdout.index("# Novint")])
+        checked = self.thimbled("--config", puck, "--check")
         self.assertEqual((checked.returncode, checked.stderr), (0, ""))
 
     def test_become_tables_or_a_document_but_not_both(self):
