@@ -11,12 +11,13 @@
 #include <utility>
 
 #include "hal/linux/serial_line.hpp"
+#include "hal/linux/timespec.hpp"
 
 namespace thimble::linux {
 namespace {
 
-constexpr int kForEver = -1;
-constexpr int kLook_ms = 1;     // how often we look whether the kernel is done with a message
+// How often we look whether the kernel is done with a message.
+constexpr Duration kLook = std::chrono::milliseconds(1);
 constexpr int kLastLooks = 20;  // ours: a device that takes a message has it by then
 
 }  // namespace
@@ -40,7 +41,12 @@ void SerialTransfers::fail_unless_later() noexcept {
 
 void SerialTransfers::receive() noexcept {
   std::array<std::uint8_t, bus::kMaxSerialBytes> buffer;
-  for (std::size_t i = 0; i < bus::kUsbQueuedPackets && !mail_->is_disconnected(); ++i) {
+  if (reads_ == 0 || clock_->now() - first_read_ >= kReadWindow) {
+    first_read_ = clock_->now();
+    reads_ = 0;
+  }
+  while (reads_ < kMostReads && !mail_->is_disconnected()) {
+    ++reads_;
     const ssize_t bytes = ::read(node_.get(), buffer.data(), buffer.size());
     if (bytes < 0) return fail_unless_later();
     if (bytes == 0) return mail_->disconnect();  // hung up
@@ -75,12 +81,24 @@ bool SerialTransfers::send() noexcept {
   return true;
 }
 
+Duration SerialTransfers::rest() const noexcept {
+  if (reads_ < kMostReads) return Duration::zero();
+  return std::max(Duration::zero(), first_read_ + kReadWindow - clock_->now());
+}
+
 SerialTransfers::Ready SerialTransfers::wait(int event) const noexcept {
-  const bool is_gone = mail_->is_disconnected();  // and would be readable for ever
-  const short wanted = left_ == Left::Room ? POLLIN | POLLOUT : POLLIN;
-  std::array<pollfd, 2> watched{{{event, POLLIN, 0}, {is_gone ? -1 : node_.get(), wanted, 0}}};
-  const int ready =
-      ::poll(watched.data(), watched.size(), left_ == Left::Earlier ? kLook_ms : kForEver);
+  const Duration resting = rest();
+  const bool is_read = resting == Duration::zero();
+  const short wanted =
+      static_cast<short>((is_read ? POLLIN : 0) | (left_ == Left::Room ? POLLOUT : 0));
+  // One that is gone would be readable for ever.
+  const bool is_watched = !mail_->is_disconnected() && wanted != 0;
+  std::array<pollfd, 2> watched{{{event, POLLIN, 0}, {is_watched ? node_.get() : -1, wanted, 0}}};
+  const Duration look = left_ == Left::Earlier ? kLook : Duration::max();
+  const Duration patience = is_read ? look : std::min(look, resting);
+  const timespec most = to_timespec(patience);
+  const int ready = ::ppoll(watched.data(), watched.size(),
+                            patience == Duration::max() ? nullptr : &most, nullptr);
   if (ready <= 0) return {};
   return {.is_woken = watched[0].revents != 0, .has_bytes = (watched[1].revents & ~POLLOUT) != 0};
 }
@@ -91,7 +109,8 @@ void SerialTransfers::send_last() noexcept {
     if (mail_->is_disconnected() || (is_sent && is_kernel_done())) return;
     pollfd room{node_.get(), 0, 0};
     if (left_ == Left::Room) room.events = POLLOUT;
-    ::poll(&room, 1, kLook_ms);
+    const timespec most = to_timespec(kLook);
+    ::ppoll(&room, 1, &most, nullptr);
   }
 }
 

@@ -35,8 +35,8 @@ class SerialTransfers {
   SerialTransfers(const SerialTransfers&) = delete;
   SerialTransfers& operator=(const SerialTransfers&) = delete;
 
-  // Brings what has arrived to the mailboxes, at most kUsbQueuedPackets chunks: as many as they
-  // have room for, so that a device that floods does not keep a write waiting.
+  // Brings what has arrived to the mailboxes, in at most kMostReads chunks within kReadWindow; what
+  // comes after them waits in the kernel meanwhile.
   void receive() noexcept;
   // Writes what waits in the mailbox as far as the kernel takes it. True: nothing is left.
   bool send() noexcept;
@@ -46,11 +46,17 @@ class SerialTransfers {
     bool is_woken{false};   // `event` is readable
     bool has_bytes{false};  // something to receive, or the device is gone
   };
-  // Until there is something to receive, room for what is left to send, or `event` is readable.
+  // Until there is something that receive() would take, room for what is left to send, or `event`
+  // is readable.
   [[nodiscard]] Ready wait(int event) const noexcept;
   // send() again and again until the device has all of it, at most 20 ms: ours, as of a USB device
   // (UsbTransfers::send_last()).
   void send_last() noexcept;
+  // A device that floods may not keep this thread busy, which has the priority of arms, nor its
+  // servo, which looks at each byte. Ours: a message has some 60 bytes and comes once a
+  // millisecond, be it in pieces; so many reads are 4 KiB.
+  static constexpr int kMostReads = 8;
+  static constexpr Duration kReadWindow = std::chrono::milliseconds(1);
   // Open as long as this lives.
   [[nodiscard]] int node() const noexcept { return node_.get(); }
 
@@ -65,6 +71,7 @@ class SerialTransfers {
                   DeviceCalls& calls)
       : node_(std::move(node)), mail_(&mail), clock_(&clock), calls_(&calls) {}
   [[nodiscard]] bool is_kernel_done() const noexcept;
+  [[nodiscard]] Duration rest() const noexcept;  // until it may read again
   void fail_unless_later() noexcept;
 
   Descriptor node_;
@@ -72,6 +79,8 @@ class SerialTransfers {
   const Clock* clock_;
   DeviceCalls* calls_;
   Left left_{Left::Nothing};
+  MonotonicTime first_read_{};  // of this window
+  int reads_{0};
 };
 
 }  // namespace thimble::linux

@@ -169,6 +169,47 @@ TEST_F(SerialTransfersTest, WhatTheKernelHadBeforeIsDiscarded) {
   EXPECT_EQ(mail.counters().bytes_in, 1U);
 }
 
+TEST_F(SerialTransfersTest, ADeviceThatFloodsIsReadSoOftenAMillisecondAndNothingOfItIsLost) {
+  const auto sut = open();
+  const auto never = linux::EventFd::create();
+  const auto send_and_receive = [&] {
+    line.send({1});
+    ASSERT_TRUE(line.has_arrived());
+    (*sut)->receive();
+  };
+  for (int window = 1; window <= 3; ++window) {
+    const std::uint64_t before = mail.counters().bytes_in;
+    const auto most = static_cast<std::uint64_t>(SerialTransfers::kMostReads);
+    for (std::uint64_t i = 0; i < most; ++i) send_and_receive();
+    EXPECT_EQ(mail.counters().bytes_in, before + most);
+    send_and_receive();
+    EXPECT_EQ(mail.counters().bytes_in, before + most) << "it rests";
+    const auto ready = (*sut)->wait((*never)->fd());  // not for ever, and not for these bytes
+    EXPECT_FALSE(ready.has_bytes || ready.is_woken);
+    clock.run_for(SerialTransfers::kReadWindow);
+    EXPECT_TRUE((*sut)->wait((*never)->fd()).has_bytes);
+    (*sut)->receive();
+    EXPECT_EQ(mail.counters().bytes_in, before + most + 1);
+    clock.run_for(SerialTransfers::kReadWindow);
+  }
+}
+
+TEST_F(SerialTransfersTest, WhileItRestsItIsWokenAndWritesAsEver) {
+  const auto sut = open();
+  const auto event = linux::EventFd::create();
+  for (int i = 0; i <= SerialTransfers::kMostReads; ++i) {
+    line.send({1});
+    ASSERT_TRUE(line.has_arrived());
+    (*sut)->receive();
+  }
+  (*event)->signal();
+  const auto ready = (*sut)->wait((*event)->fd());
+  EXPECT_TRUE(ready.is_woken);
+  EXPECT_FALSE(ready.has_bytes);
+  EXPECT_EQ(mail.submit(std::array<std::uint8_t, 1>{7}), IoStatus::Ok);
+  EXPECT_TRUE((*sut)->send());
+}
+
 TEST_F(SerialTransfersTest, WhatIsNoTerminalIsRefused) {
   const auto nowhere = SerialTransfers::open(line.node() + "0", {}, mail, clock, kernel);
   ASSERT_FALSE(nowhere.has_value());
