@@ -9,6 +9,7 @@ void read_gpio_chips(const FileTree& tree, Facts& facts) {
   for (const std::string& name : tree.names_in("/dev")) {
     if (!name.starts_with("gpiochip")) continue;
     const std::string path = "/dev/" + name;
+    if (!tree.link(path).empty()) continue;  // another name of a chip
     Result<linux::GpioChipInfo> read = linux::read_gpio_chip(tree.place_of(path));
     if (!read) {
       if (read.error().code == Errc::Permission) facts.unread_gpio_chips.push_back(path);

@@ -17,11 +17,16 @@ namespace {
 constexpr const char* kWithoutEdges = "cp2112_gpio";
 
 std::vector<std::string> nodes_of(const std::string& folder) {
+  namespace fs = std::filesystem;
   std::vector<std::string> nodes;
-  std::error_code ignored;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
-    if (entry.path().filename().string().starts_with("gpiochip")) {
-      nodes.push_back(entry.path().string());
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error); !error && entry != fs::directory_iterator();
+       entry.increment(error)) {
+    std::error_code ignored;
+    // Raspberry Pi OS has a second name for a chip, which is no second chip.
+    if (entry->is_symlink(ignored)) continue;
+    if (entry->path().filename().string().starts_with("gpiochip")) {
+      nodes.push_back(entry->path().string());
     }
   }
   std::sort(nodes.begin(), nodes.end());

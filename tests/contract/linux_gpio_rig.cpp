@@ -132,6 +132,12 @@ TEST_F(GpioTransfersTest, TwoChipsOfOneLabelAreRefusedInsteadOfGuessed) {
   EXPECT_EQ(open().error().code, Errc::InvalidArgument);
 }
 
+TEST_F(GpioTransfersTest, AnotherNameOfTheNodeIsNoSecondChip) {
+  FakeGpioChip chip(folder.path() / "gpiochip0", "bench", kNames);
+  std::filesystem::create_symlink("gpiochip0", folder.path() / "gpiochip4");
+  EXPECT_TRUE(open().has_value());
+}
+
 TEST_F(GpioTransfersTest, AFolderThatIsNotThereHasNoChips) {
   const auto opened = linux::GpioTransfers::open(folder.path() / "none", claim, mail, clock);
   EXPECT_EQ(opened.error().code, Errc::NotFound);

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <memory>
@@ -63,7 +64,7 @@ struct FakeLibgpiod {
   }
   gpiod_chip* open(const char* path) {
     const std::lock_guard guard(lock);
-    const auto found = nodes.find(path);
+    const auto found = nodes.find(std::filesystem::weakly_canonical(path).string());
     if (found == nodes.end() || !found->second->is_plugged_ || found->second->is_forbidden_) {
       errno = found != nodes.end() && found->second->is_forbidden_ ? EACCES : ENOENT;
       return nullptr;
@@ -160,6 +161,7 @@ FakeGpioChip::FakeGpioChip(std::string node, std::string label, std::vector<std:
   std::ofstream(node_) << "";
   for (std::size_t i = 0; i < names.size(); ++i) lines_[i].name = std::move(names[i]);
   const std::lock_guard guard(FakeLibgpiod::instance().lock);
+  node_ = std::filesystem::weakly_canonical(node_).string();
   FakeLibgpiod::instance().nodes[node_] = this;
 }
 

@@ -54,6 +54,12 @@ TEST_F(DoctorSafety, FindsChipAndLinesThatAreFree) {
   EXPECT_EQ(all[21].finding, "it is there for safety.lamp, nobody has it");
 }
 
+TEST_F(DoctorSafety, AnotherNameOfAChipIsNoSecondOne) {
+  std::filesystem::create_symlink("gpiochip1", machine_.root() / "dev/gpiochip4");
+  EXPECT_THAT(complaints(), SizeIs(0));
+  EXPECT_THAT(facts().gpio_chips, SizeIs(2));
+}
+
 TEST_F(DoctorSafety, OpensNoChipThatNoConfigurationAsksFor) {
   EXPECT_THAT(Doctor::facts().gpio_chips, SizeIs(0));
   safety_.chip = "sim:bench";
