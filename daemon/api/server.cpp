@@ -1,5 +1,6 @@
 #include "daemon/api/server.hpp"
 
+#include <fcntl.h>
 #include <sys/socket.h>
 
 #include <array>
@@ -81,6 +82,9 @@ class Server::Core : public std::enable_shared_from_this<Core> {
   void on_accept(boost::system::error_code error, Protocol::socket socket) {
     if (is_stopped_) return;
     if (error) return accept_later();
+    // No program that the daemon starts holds a client's connection open (Asio 1.81 accepts without
+    // SOCK_CLOEXEC).
+    ::fcntl(socket.native_handle(), F_SETFD, FD_CLOEXEC);
     const UserId user = user_of(socket);
     if (has_room_for(user)) {
       add(std::move(socket), user);

@@ -126,6 +126,9 @@ Result<Descriptor> GuardKeeper::start() {
   // Whoever reads the daemon's output waits for no guard; what one has done it says on standard
   // error (decision 0512).
   ::posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  // Whatever was not opened close-on-exec: a port or a client that a guard held would be held by
+  // who outlives the daemon.
+  ::posix_spawn_file_actions_addclosefrom_np(&files, STDERR_FILENO + 1);
   ::posix_spawnattr_init(&attributes);
   // Signals of the terminal, and of a group, are the daemon's.
   ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID);

@@ -70,6 +70,8 @@ Result<void> UdpPort::open(const Endpoint& bind) {
   }
   if (error) return fail(Errc::System, "cannot bind " + to_string(bind) + ": " + error.message());
   const int native = socket_.native_handle();
+  // No program that the daemon starts keeps the port (Asio 1.81 opens without SOCK_CLOEXEC).
+  ::fcntl(native, F_SETFD, FD_CLOEXEC);
   set_int(native, SOL_SOCKET, SO_PRIORITY, kInteractivePriority);
   // Without it an unconnected socket never learns that nobody listens at the peer.
   set_int(native, bind.is_v6 ? IPPROTO_IPV6 : IPPROTO_IP, bind.is_v6 ? IPV6_RECVERR : IP_RECVERR,

@@ -139,6 +139,20 @@ TEST_F(GuardKeeperTest, SaysWhyThereIsNone) {
             "it ended; the journal has its word, journalctl -u 'thimble-guard@*'");
 }
 
+// As a port or a client's connection would be: the guard of a daemon that was killed must not keep
+// it from the next one.
+TEST_F(GuardKeeperTest, AGuardHasNothingOfWhatWasLeftOpenForIt) {
+  const Descriptor left_open(::fcntl(STDERR_FILENO, F_DUPFD, 100));
+  ASSERT_GE(left_open.get(), 100);
+  const testing_support::TemporaryFolder folder;
+  const std::filesystem::path program =
+      folder.write("guard", "#!/bin/sh\ntest ! -e /proc/$$/fd/" + std::to_string(left_open.get()) +
+                                " || exit 1\nprintf W >&0\nexec cat >/dev/null\n");
+  ASSERT_EQ(::chmod(program.c_str(), 0755), 0);
+  settings_.program = program;
+  EXPECT_EQ(refusal(*make()), "");
+}
+
 // Or `thimbled | tee log` would not end before the last of its guards does.
 TEST_F(GuardKeeperTest, KeepsTheDaemonsStandardErrorAndNotItsOutput) {
   const testing_support::TemporaryFolder folder;
