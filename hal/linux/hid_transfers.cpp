@@ -31,7 +31,7 @@ Result<std::unique_ptr<HidTransfers>> HidTransfers::open(const std::string& node
       new HidTransfers(lock, has_report_ids, mail, clock, hiddev));
   if (::flock(lock, LOCK_EX | LOCK_NB) != 0) {
     if (errno != EWOULDBLOCK) return tl::unexpected(system_error(node + kRefused, errno));
-    return fail(Errc::Busy, node + " is held by another daemon");
+    return fail(Errc::Busy, node + " is held by another daemon, or locked by another program");
   }
   const std::lock_guard guard(hidapi);
   transfers->reading_ = ::hid_open_path(node.c_str());
