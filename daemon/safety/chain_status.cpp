@@ -71,7 +71,7 @@ std::string_view recall(ChainTrouble trouble) noexcept {
     case ChainTrouble::Unwatched:
       return "they were not looked after in time";
     case ChainTrouble::ArmOutOfReach:
-      return "an arm was out of reach";
+      return "an arm was out of reach and may hold a force, so ENABLE stopped; look at that arm";
   }
   return "";
 }

@@ -170,16 +170,18 @@ std::string SafetySession::explanation() const {
   if (now.trouble == safety::ChainTrouble::None && now.cause == safety::ChainTrouble::None) {
     return std::string(kNotYetCleared);
   }
-  const bool is_for_arm = now.trouble == safety::ChainTrouble::ArmOutOfReach ||
-                          (now.trouble == safety::ChainTrouble::None &&
-                           now.cause == safety::ChainTrouble::ArmOutOfReach);
-  if (is_for_arm) {
+  const auto with_arm = [&](safety::ChainTrouble trouble, std::string_view text) {
+    if (trouble != safety::ChainTrouble::ArmOutOfReach) return std::string(text);
     const std::lock_guard guard(trouble_lock_);
-    return std::string(explain(safety::ChainTrouble::ArmOutOfReach)) + " (" + out_of_reach_ + ")";
+    return std::string(text) + " (" + out_of_reach_ + ")";
+  };
+  if (now.trouble == safety::ChainTrouble::ArmOutOfReach) {
+    return with_arm(now.trouble, explain(now.trouble));
   }
   if (now.trouble == safety::ChainTrouble::None) {
     return "all safety lines are healthy again (the newest stop: " +
-           std::string(recall(now.cause)) + "); clear the fault of each arm that shall go on";
+           with_arm(now.cause, recall(now.cause)) +
+           "); clear the fault of each arm that shall go on";
   }
   const std::string detail = trouble();
   return std::string(explain(now.trouble)) + (detail.empty() ? "" : " (" + detail + ")");

@@ -13,7 +13,7 @@ Result<GpioChipInfo> read_gpio_chip(const std::string& node) {
   GpioChipInfo info{node, printable_text(chip->label()), {}};
   for (std::size_t i = 0; i < chip->lines(); ++i) {
     Result<GpioLineInfo> line = chip->line_info(i);
-    if (!line) return tl::unexpected(line.error().in(node));
+    if (!line) return tl::unexpected(line.error());
     info.lines.push_back(
         {printable_text(line->name), line->is_taken, printable_text(line->consumer)});
   }

@@ -36,11 +36,12 @@ struct GpiodLine::State {
 };
 struct GpiodChip::State {
   std::shared_ptr<gpiod_chip> chip;
+  std::string node;
   std::string label;
 
-  [[nodiscard]] Result<gpiod_line*> line(std::size_t place) const {
+  [[nodiscard]] Result<gpiod_line*> line(std::size_t place, const std::string& name) const {
     gpiod_line* const line = gpiod_chip_get_line(chip.get(), static_cast<unsigned>(place));
-    if (line == nullptr) return tl::unexpected(system_error(label, errno));
+    if (line == nullptr) return tl::unexpected(system_error(name, errno));
     return line;
   }
 };
@@ -85,7 +86,7 @@ Result<GpiodChip> GpiodChip::open(const std::string& node) {
   if (chip == nullptr) return tl::unexpected(system_error(node, errno));
   std::shared_ptr<gpiod_chip> owned(chip, [](gpiod_chip* open) { gpiod_chip_close(open); });
   std::string label = text_of(gpiod_chip_label(chip));
-  return GpiodChip(std::make_unique<State>(State{std::move(owned), std::move(label)}));
+  return GpiodChip(std::make_unique<State>(State{std::move(owned), node, std::move(label)}));
 }
 
 const std::string& GpiodChip::label() const noexcept { return state_->label; }
@@ -93,7 +94,7 @@ const std::string& GpiodChip::label() const noexcept { return state_->label; }
 std::size_t GpiodChip::lines() const noexcept { return gpiod_chip_num_lines(state_->chip.get()); }
 
 Result<GpioLineInfo> GpiodChip::line_info(std::size_t line) const {
-  const Result<gpiod_line*> found = state_->line(line);
+  const Result<gpiod_line*> found = state_->line(line, state_->node);
   if (!found) return tl::unexpected(found.error());
   return GpioLineInfo{text_of(gpiod_line_name(*found)), gpiod_line_is_used(*found),
                       text_of(gpiod_line_consumer(*found))};
@@ -106,7 +107,7 @@ std::optional<std::size_t> GpiodChip::find(const std::string& name) const {
 }
 
 Result<GpiodLine> GpiodChip::request_output(std::size_t line, const std::string& name) const {
-  const Result<gpiod_line*> found = state_->line(line);
+  const Result<gpiod_line*> found = state_->line(line, name);
   if (!found) return tl::unexpected(found.error());
   if (gpiod_line_request_output(*found, kConsumer, 0) != 0) {
     return tl::unexpected(system_error(name, errno));
@@ -116,7 +117,7 @@ Result<GpiodLine> GpiodChip::request_output(std::size_t line, const std::string&
 
 Result<GpiodLine> GpiodChip::request_input(std::size_t line, const std::string& name,
                                            const GpiodInput& input) const {
-  const Result<gpiod_line*> found = state_->line(line);
+  const Result<gpiod_line*> found = state_->line(line, name);
   if (!found) return tl::unexpected(found.error());
   const int flags = pull_flags(input.pull);
   const int refused = input.has_edges

@@ -66,6 +66,7 @@ struct GpiodLine::State {
 };
 struct GpiodChip::State {
   Chip chip;
+  std::string node;
   std::string label;
   std::size_t lines;
 };
@@ -118,7 +119,7 @@ Result<GpiodChip> GpiodChip::open(const std::string& node) {
   if (info == nullptr) return tl::unexpected(system_error(node, errno));
   std::string label = text_of(gpiod_chip_info_get_label(info.get()));
   const std::size_t lines = gpiod_chip_info_get_num_lines(info.get());
-  return GpiodChip(std::make_unique<State>(State{std::move(chip), std::move(label), lines}));
+  return GpiodChip(std::make_unique<State>(State{std::move(chip), node, std::move(label), lines}));
 }
 
 const std::string& GpiodChip::label() const noexcept { return state_->label; }
@@ -127,7 +128,7 @@ std::size_t GpiodChip::lines() const noexcept { return state_->lines; }
 
 Result<GpioLineInfo> GpiodChip::line_info(std::size_t line) const {
   const LineInfo info(gpiod_chip_get_line_info(state_->chip.get(), static_cast<unsigned>(line)));
-  if (info == nullptr) return tl::unexpected(system_error(state_->label, errno));
+  if (info == nullptr) return tl::unexpected(system_error(state_->node, errno));
   return GpioLineInfo{text_of(gpiod_line_info_get_name(info.get())),
                       gpiod_line_info_is_used(info.get()),
                       text_of(gpiod_line_info_get_consumer(info.get()))};

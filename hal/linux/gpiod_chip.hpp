@@ -76,7 +76,8 @@ class GpiodChip {
 
   [[nodiscard]] const std::string& label() const noexcept;  // of any bytes: the chip's own
   [[nodiscard]] std::size_t lines() const noexcept;
-  // Its texts are of any bytes, too. Errors: System; NotFound for a place beyond lines().
+  // Its texts are of any bytes, too. Errors: NotFound for a chip that is gone, System for a place
+  // beyond lines().
   [[nodiscard]] Result<GpioLineInfo> line_info(std::size_t line) const;
   // The place of the first line of that name.
   [[nodiscard]] std::optional<std::size_t> find(const std::string& name) const;

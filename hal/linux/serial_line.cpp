@@ -98,7 +98,7 @@ Result<Descriptor> open_serial_line(const std::string& node, const bus::SerialLi
   if (opened.get() < 0) return tl::unexpected(system_error(node + kRefused, errno));
   if (::flock(opened.get(), LOCK_EX | LOCK_NB) != 0) {
     if (errno != EWOULDBLOCK) return tl::unexpected(system_error(node + kRefused, errno));
-    return fail(Errc::Busy, node + " is held by another daemon");
+    return fail(Errc::Busy, node + " is held by another daemon, or locked by another program");
   }
   const Result<void> ready = set_up(opened.get(), node, line);
   if (!ready) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <system_error>
 
 namespace thimble::test {
 namespace {
@@ -45,7 +46,11 @@ GpioSimChip::GpioSimChip(const std::string& label, const std::vector<std::string
 
 GpioSimChip::~GpioSimChip() {
   if (!chip_.empty()) unplug();
-  for (auto folder = folders_.rbegin(); folder != folders_.rend(); ++folder) fs::remove(*folder);
+  for (auto folder = folders_.rbegin(); folder != folders_.rend(); ++folder) {
+    std::error_code error;
+    fs::remove(*folder, error);
+    EXPECT_FALSE(error) << *folder << ": " << error.message();
+  }
 }
 
 void GpioSimChip::plug() {

@@ -18,7 +18,7 @@ import sys
 import tempfile
 
 HERE = pathlib.Path(__file__).resolve().parent
-RECIPE = 1  # to be counted up when make_tree() or make_disk() does something else
+RECIPE = 1  # to be counted up when make_beside(), make_tree() or make_disk() does something else
 SUITE = "bookworm"
 KERNELS = {"amd64": "linux-image-amd64", "rt-amd64": "linux-image-rt-amd64"}
 PACKAGES = sorted({

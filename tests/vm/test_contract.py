@@ -47,7 +47,7 @@ class Contract(guest.GuestTest):
 
     def test_so_it_is_with_libgpiod_2(self):
         if not (guest.BIN / "kernel_contract_gpiod2").exists():
-            self.skipTest("there is no libgpiod 2: the backports were not reached when the guest's root was made (tests/vm/guest/libgpiod2.sh)")
+            self.skipTest("there is no libgpiod 2: the backports were not reached when the guest's root was made; rm -r ~/.cache/thimble/vm, and the next ./run vm tries again")
         self.play("kernel_contract_gpiod2", "*", 12, NOT_ON_A_KERNEL | NOT_ON_GPIO_SIM)
 
     def test_the_kernel_warned_of_nothing_that_is_ours(self):

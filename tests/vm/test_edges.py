@@ -68,9 +68,9 @@ class Edges(guest.GuestTest):
         self.assertLess(self.arm.felt(0.1)[0], -0.3)
 
     def ended_after(self, *lines_that_open):
-        """For how long there was a force since the last of them opened."""
+        """For how long there was a force since the first of them opened."""
         printed = self.guest.steps(*map(self.chip.opens, lines_that_open), ("sleep", 0.5))
-        opened_s = float(printed[-1])
+        opened_s = float(printed[0])
         samples = [(entry["machine_s"], simdev.norm(entry["force_newton"])) for entry in self.arm.samples(2)]
         self.assertGreater(min(force for at_s, force in samples if opened_s - 0.05 < at_s < opened_s), 0.3)
         self.assertGreater(samples[-1][0], opened_s + 0.3)

@@ -1,7 +1,7 @@
 """In the guest: a device that is plugged in and pulled out again and again.
 
 usage: plug_cycles.py uhid COUNT HOLD SERIAL    a HID arm; each HOLD-th stays until somebody has opened its node
-       plug_cycles.py lies COUNT SERIAL         the same, with report descriptors that are cut, longer, or have bits turned over
+       plug_cycles.py lies COUNT SERIAL SEED    the same, with report descriptors that are cut, longer, or have bits turned over
        plug_cycles.py usb COUNT SOCKET          the thimble-simdev at SOCKET, which plugs itself in; each until somebody uses it
 
 Prints how many were opened; of the lies, how many the kernel took for devices. All waits are bounded.
@@ -55,8 +55,8 @@ def spoilt(descriptor, chance):
     return bytes(data)
 
 
-def cycle_lies(device, count, serial):
-    chance = random.Random(1)
+def cycle_lies(device, count, serial, seed):
+    chance = random.Random(seed)
     taken = 0
     for _ in range(count):
         uhid_device.create(device, 0x1234, 0x0006, serial, spoilt(uhid_device.DESCRIPTOR, chance))
@@ -88,7 +88,7 @@ def main(way, count, *words):
         return
     with open("/dev/uhid", "r+b", buffering=0) as uhid:
         device = uhid.fileno()
-        print(cycle_uhid(device, int(count), int(words[0]), words[1]) if way == "uhid" else cycle_lies(device, int(count), words[0]))
+        print(cycle_uhid(device, int(count), int(words[0]), words[1]) if way == "uhid" else cycle_lies(device, int(count), words[0], int(words[1])))
 
 
 if __name__ == "__main__":
