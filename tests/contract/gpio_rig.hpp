@@ -15,8 +15,9 @@ namespace thimble::test {
 struct GpioRigLimits {
   const char* why_no_edge_is_lost{nullptr};     // nullptr: lose_edges() loses some
   const char* why_no_line_goes_alone{nullptr};  // nullptr: lose_line() takes it away
-  const char* why_it_always_answers{
-      nullptr};  // nullptr: hang() and refuse() have it answer nothing
+  // nullptr: hang() and refuse() have it answer nothing
+  const char* why_it_always_answers{nullptr};
+  const char* why_it_stays{nullptr};  // nullptr: lose_chip() pulls it out, whoever has its lines
   Duration slowest_edge{2 * bus::kGpioReadPeriod};
   unsigned random_lives{20};  // fewer where time is real
 };

@@ -85,10 +85,14 @@ class Estop(lines.GuestWithLines):
         """When that was, and the last force, both on the machine's clock."""
         before, *_ = self.guest.steps(adapter.step("status", *verbs), ("sleep", 0.5))
         fell_s = json.loads(before)["machine_s"]
+        return fell_s, self.last_force_since(fell_s)
+
+    def last_force_since(self, fell_s):
+        """When it was felt. Until then the arm was pressed."""
         samples = [(entry["machine_s"], simdev.norm(entry["force_newton"])) for entry in self.arm.samples(2)]
         self.assertGreater(min(force for at_s, force in samples if fell_s - 0.05 < at_s < fell_s), 0.3)
         self.assertGreater(samples[-1][0], fell_s + 0.3)
-        return fell_s, max(at_s for at_s, force in samples if force > simdev.NOTHING_NEWTON)
+        return max(at_s for at_s, force in samples if force > simdev.NOTHING_NEWTON)
 
     def assert_ends_in_time(self, what, verbs, fade_s=0, unheard_s=0):
         """The force, which fades for so long, since the adapter was told so, and since it told the kernel of that, of which the daemon may not hear for so long."""

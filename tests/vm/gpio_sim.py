@@ -2,8 +2,6 @@
 
 LOAD = "modprobe configfs; mountpoint -q /sys/kernel/config || mount -t configfs none /sys/kernel/config; insmod /usr/lib/thimble-vm/gpio_sim.ko"
 LINES = 8
-# What Linux 6.1 says of a chip that goes while lines of it are asked for edges, and of those lines when they are closed: it has freed their interrupts with the chip. It does no more than say so.
-WARNINGS = ("remove_proc_entry", "free_irq")
 
 
 def load(guest):
@@ -16,13 +14,7 @@ class Chip:
         self.guest = guest
         self.device = f"/sys/kernel/config/gpio-sim/{label}"
         guest.run(f"mkdir -p {self.device}/bank0; cd {self.device}; echo {LINES} > bank0/num_lines; echo {label} > bank0/label")
-        self.plug()
-
-    def plug(self):
         self.folder = self.guest.run(f"cd {self.device}; echo 1 > live; echo /sys/devices/platform/$(cat dev_name)/$(cat bank0/chip_name); udevadm settle").strip()
-
-    def unplug(self):
-        self.guest.run(f"echo 0 > {self.device}/live")
 
     def opens(self, line, is_open=True):
         """For Guest.steps(): prints when."""

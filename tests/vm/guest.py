@@ -59,11 +59,6 @@ class GuestTest(unittest.TestCase):
         if found:
             raise AssertionError(f"the kernel says: {found}")
 
-    def assert_kernel_warns_of(self, functions):
-        """Of nothing else."""
-        known = "".join(rf"(?!.* {function}\+)" for function in functions)
-        self.assertNotRegex(self.guest.run("dmesg"), f"WARNING:{known}")
-
     @classmethod
     def properties(cls, *names, unit="thimbled.service"):
         text = cls.guest.run(f"systemctl show {unit} " + " ".join(f"-p {name}" for name in names))

@@ -27,8 +27,12 @@ class GuestWithLines(guest.GuestTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.adapter = plug_in(cls.guest)
+        cls.adapter = cls.plug_in_lines()
         cls.arm = cls.arm_kind(cls.guest)
+
+    @classmethod
+    def plug_in_lines(cls):
+        return plug_in(cls.guest)
 
     def status(self):
         return json.loads(self.guest.run("thimble status --json"))

@@ -1,13 +1,12 @@
 """Emergency stop, deadman and enable line on a chip whose kernel driver tells edges, gpio-sim's, under the real libgpiod: told at once, where a CP2112 is read every 20 ms (test_estop.py, which has
 all that does not depend on the chip)."""
 
-import json
 import re
 import sys
 
 import arms
+import estop
 import gpio_sim
-import guest
 import lines
 import simdev
 
@@ -25,18 +24,20 @@ class Arm(arms.HidArm):
     daemon_words = lines.SAFETY.replace("cp2112_gpio", LABEL)
 
 
-class Edges(guest.GuestTest):
+class Edges(estop.Estop):
     """Numbered: each test goes on where the one before it ended."""
 
-    pace = guest.COUNTED
+    arm_kind = Arm
 
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        gpio_sim.load(cls.guest)
-        cls.chip = gpio_sim.Chip(cls.guest, LABEL)
-        cls.arm = Arm(cls.guest)
         cls.open_as_doctor_says()
+
+    @classmethod
+    def plug_in_lines(cls):
+        gpio_sim.load(cls.guest)
+        return gpio_sim.Chip(cls.guest, LABEL)
 
     @classmethod
     def open_as_doctor_says(cls):
@@ -46,57 +47,35 @@ class Edges(guest.GuestTest):
         assert mend, printed
         cls.guest.run(mend[1].replace("sudo ", ""))
 
-    def wait_until(self, path, value):
-        return json.loads(self.guest.wait_for_module("status_until", path, value))
-
     def beats(self):
-        return int(self.guest.steps(self.chip.beats(3))[0])
+        return int(self.guest.steps(self.adapter.beats(3))[0])
 
-    def clear(self):
-        self.wait_until("safety.state", "waiting")
-        self.guest.run("thimble clear-fault right")
-        self.wait_until("safety.is_enable_beating", "true")
-        arm = json.loads(simdev.wait_for_state(self.guest, "calibrating", "active", "inactive"))
-        if arm["calibration"] == "needs-user":
-            self.arm.calibrate()
-        simdev.wait_for_state(self.guest, "active")
-
-    def lean(self):
-        """On a wall: it is felt."""
-        self.arm.say("move 0 0 0 0.1", "move 0.018 0 0 0.3")
-        self.guest.sleep(0.8)
-        self.assertLess(self.arm.felt(0.1)[0], -0.3)
-
-    def ended_after(self, *lines_that_open):
+    def felt_since(self, *lines_that_open):
         """For how long there was a force since the first of them opened."""
-        printed = self.guest.steps(*map(self.chip.opens, lines_that_open), ("sleep", 0.5))
-        opened_s = float(printed[0])
-        samples = [(entry["machine_s"], simdev.norm(entry["force_newton"])) for entry in self.arm.samples(2)]
-        self.assertGreater(min(force for at_s, force in samples if opened_s - 0.05 < at_s < opened_s), 0.3)
-        self.assertGreater(samples[-1][0], opened_s + 0.3)
-        lasted_s = max(at_s for at_s, force in samples if force > simdev.NOTHING_NEWTON) - opened_s
+        opened_s = float(self.guest.steps(*map(self.adapter.opens, lines_that_open), ("sleep", 0.5))[0])
+        lasted_s = self.last_force_since(opened_s) - opened_s
         print(f"lines {lines_that_open}: the last force was felt {lasted_s:.4f} s later", file=sys.stderr)
         return lasted_s
 
     def test_1_cleared_the_enable_line_beats_and_the_wall_is_felt(self):
         self.wait_until("safety.state", "waiting")
         self.assertEqual(self.beats(), 0)
-        self.clear()
+        self.start_again()
         self.assertGreaterEqual(self.beats(), lines.BEATS)
         self.lean()
 
     def test_2_pressed_there_is_no_force_within_the_time_of_its_edge(self):
-        self.assertLess(self.ended_after(0, 1), PRESSED_S)
+        self.assertLess(self.felt_since(0, 1), PRESSED_S)
         self.assertEqual(self.wait_until("safety.state", "stopped")["trouble"], "open")
         self.assertEqual(self.beats(), 0)
-        self.chip.release(0, 1)
-        self.clear()
+        self.adapter.release(0, 1)
+        self.start_again()
 
     def test_3_a_deadman_that_is_let_go_ends_the_force_within_its_ramp(self):
         self.lean()
-        self.assertLess(self.ended_after(2), PRESSED_S + FADE_S)
+        self.assertLess(self.felt_since(2), PRESSED_S + FADE_S)
         self.wait_until("safety.is_deadman_held", "false")
-        self.chip.release(2)
+        self.adapter.release(2)
         self.wait_until("safety.is_deadman_held", "true")
         self.lean()
 
@@ -108,27 +87,14 @@ class Edges(guest.GuestTest):
         self.assertEqual(said["stops"], stops + 1)
         self.assertIn(cause, said["message"])
         simdev.wait_for_state(self.guest, "fault")
-        self.assertLess(max(self.arm.forces(0.2)), simdev.NOTHING_NEWTON)
-        self.clear()
+        self.assert_no_force()
+        self.start_again()
 
     def test_4_a_pulse_too_short_for_any_reading_is_a_stop(self):
         """Where a CP2112 may not see it."""
-        self.assert_stopped_by("was pressed", self.chip.opens(0), self.chip.opens(0, False))
+        self.assert_stopped_by("was pressed", self.adapter.opens(0), self.adapter.opens(0, False))
 
     def test_5_more_edges_than_the_kernel_keeps_are_a_stop_though_every_level_is_as_it_was(self):
         """Of the deadman, which stops nobody otherwise. Meanwhile the thread that reads them hangs."""
         hangs = f"python3 -B /run/tests/hang_thread.py {READER} 0.1 > /run/hung 2>&1 & until [ -s /run/hung ]; do sleep 0.01; done"
-        self.assert_stopped_by("changed unseen", ("run", hangs), *(self.chip.opens(2, i % 2 == 0) for i in range(TOO_MANY)))
-
-    def test_6_a_chip_that_is_gone_is_a_stop_and_its_return_does_not_resume(self):
-        self.lean()
-        self.chip.unplug()
-        self.wait_until("safety.trouble", "no-lines")
-        self.guest.sleep(0.3)
-        self.assertLess(max(self.arm.forces(0.2)), simdev.NOTHING_NEWTON)
-        self.chip.plug()
-        self.wait_until("safety.state", "waiting")
-        self.assertLess(max(self.arm.forces(0.2)), simdev.NOTHING_NEWTON)
-        self.clear()
-        self.lean()
-        self.assert_kernel_warns_of(gpio_sim.WARNINGS)
+        self.assert_stopped_by("changed unseen", ("run", hangs), *(self.adapter.opens(2, i % 2 == 0) for i in range(TOO_MANY)))
