@@ -24,9 +24,6 @@ class Chip:
         """For Guest.steps(): prints how often it changed meanwhile."""
         return "beats", f"{self.folder}/sim_gpio{line}/value", seconds
 
-    def press(self, *lines):
-        self.guest.steps(*(self.opens(line) for line in lines))
-
     def release(self, *lines):
         self.guest.steps(*(self.opens(line, False) for line in lines))
 
