@@ -203,8 +203,11 @@ void add_worlds(Lines& lines, const api::Status& status, Glyphs glyphs) {
 void add_safety(Lines& lines, const api::Status& status) {
   if (!status.safety) return;
   const api::SafetyStatus& safety = *status.safety;
+  const char* deadman = safety.is_deadman_held        ? "held"
+                        : safety.must_release_deadman ? "LET GO FIRST"
+                                                      : "OPEN";
   add_heading(lines, "safety " + plain(safety.chip) + "  " + upper(plain(safety.state)) +
-                         "  deadman " + (safety.is_deadman_held ? "held" : "OPEN") + "  enable " +
+                         "  deadman " + deadman + "  enable " +
                          (safety.is_enable_beating ? "beats" : "rests") + "  stops " +
                          std::to_string(safety.stops));
   if (!safety.message.empty()) add_plain(lines, "", safety.message);

@@ -267,6 +267,7 @@ std::optional<api::SafetyStatus> safety(const json::value& value) {
   out.trouble = text(*found, "trouble");
   out.message = text(*found, "message");
   out.is_deadman_held = flag(*found, "is_deadman_held");
+  out.must_release_deadman = flag(*found, "must_release_deadman");
   out.is_enable_beating = flag(*found, "is_enable_beating");
   out.stops = static_cast<std::uint32_t>(
       std::min<std::uint64_t>(count(*found, "stops"), std::numeric_limits<std::uint32_t>::max()));

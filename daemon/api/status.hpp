@@ -175,8 +175,9 @@ struct SafetyStatus {
   std::string chip;
   std::string state;    // "free", "waiting" for a person to clear, or "stopped" by what is wrong
   std::string trouble;  // what is wrong now, in a word; "none"
-  std::string message;  // what a person does about it; empty when nothing is stopped
+  std::string message;  // what a person does about it, or about the deadman; empty: nothing
   bool is_deadman_held{false};
+  bool must_release_deadman{false};  // closed, and not seen open since the newest stop
   bool is_enable_beating{false};
   std::uint32_t stops{0};  // since the start
   bool operator==(const SafetyStatus&) const = default;

@@ -158,6 +158,7 @@ json::object to_value(const SafetyStatus& safety) {
           {"trouble", safety.trouble},
           {"message", safety.message},
           {"is_deadman_held", safety.is_deadman_held},
+          {"must_release_deadman", safety.must_release_deadman},
           {"is_enable_beating", safety.is_enable_beating},
           {"stops", safety.stops}};
 }

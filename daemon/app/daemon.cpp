@@ -300,7 +300,7 @@ void Daemon::look_after_safety() {
   if (now == told_safety_) return;
   if (now.empty()) {
     spdlog::info("safety lines: nothing is stopped");
-  } else if (now == session::kNotYetCleared) {
+  } else if (now.starts_with(session::kNotYetCleared)) {
     spdlog::info("safety lines: {}", now);
   } else {
     spdlog::warn("safety lines: {}", now);

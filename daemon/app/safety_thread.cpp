@@ -40,6 +40,7 @@ SafetyThread::SafetyThread(const config::Config& config, const Clock& clock,
   sim_chip_.emplace(clock, config.safety->chip, config::kSimulatedLines);
   const bool is_closed_high = config.safety->closed_level == config::ClosedLevel::High;
   for (std::size_t i = 0; i < config::kSimulatedLines; ++i) sim_chip_->set_level(i, is_closed_high);
+  if (const auto& line = config.safety->deadman) sim_hand_ = {std::stoul(*line), is_closed_high};
   chips_ = std::make_unique<sim::SimGpioChips>(std::vector<sim::SimGpioChip*>{&*sim_chip_});
 }
 
@@ -54,10 +55,18 @@ void SafetyThread::run() noexcept {
   constexpr int kStep_ms = static_cast<int>(session::SafetySession::kStep.count() / 1'000'000);
   while (!is_over_.load()) {
     session_->step(clock_.now());
+    obey();
     pollfd watched{wake_->fd(), POLLIN, 0};
     ::poll(&watched, 1, kStep_ms);
     wake_->drain();
   }
+}
+
+// Whoever holds a simulated deadman lets go when the status asks for it.
+void SafetyThread::obey() noexcept {
+  if (!sim_hand_) return;
+  const bool lets_go = session_->status().must_release_deadman;
+  sim_chip_->set_level(sim_hand_->line, sim_hand_->is_closed_high != lets_go);
 }
 
 }  // namespace thimble::app

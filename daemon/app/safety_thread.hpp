@@ -18,7 +18,8 @@
 namespace thimble::app {
 
 // The thread that looks after the safety lines of a configuration: it sleeps until a line changes,
-// SafetySession::kStep at most.
+// SafetySession::kStep at most. On a simulated chip a hand holds the deadman, and lets go of it for
+// a moment when the status asks for that.
 //
 // Thread: the control thread; session() as there. Ownership: runtime, clock and the process's
 // rights must outlive it; the destructor stops and joins, and the outputs go low.
@@ -39,10 +40,16 @@ class SafetyThread {
   SafetyThread(const config::Config& config, const Clock& clock,
                const linux::RealtimeProcess& process, std::unique_ptr<linux::EventFd> wake);
   void run() noexcept;
+  void obey() noexcept;
 
   const Clock& clock_;
   std::unique_ptr<linux::EventFd> wake_;
   std::optional<sim::SimGpioChip> sim_chip_;
+  struct Hand {
+    std::size_t line;
+    bool is_closed_high;
+  };
+  std::optional<Hand> sim_hand_;  // on the deadman of that chip
   std::unique_ptr<bus::GpioChips> chips_;
   std::unique_ptr<session::SafetySession> session_;
   std::atomic<bool> is_over_{false};

@@ -233,6 +233,7 @@ api::SafetyStatus safety_status(const session::SafetySession& safety) {
   out.trouble = to_string(chain.trouble);
   out.message = safety.explanation();
   out.is_deadman_held = chain.is_deadman_held;
+  out.must_release_deadman = chain.must_release_deadman;
   out.is_enable_beating = chain.is_enable_beating;
   out.stops = chain.stops;
   return out;

@@ -31,7 +31,8 @@ struct ChainStatus {
   bool is_stopped{true};                        // the latch: no arm is driven
   ChainTrouble trouble{ChainTrouble::NoLines};  // now
   ChainTrouble cause{ChainTrouble::None};       // of the newest stop; None: stopped since the start
-  bool is_deadman_held{false};
+  bool is_deadman_held{false};                  // closed, and seen open since the newest stop
+  bool must_release_deadman{false};             // closed, and not seen open since then
   bool is_enable_beating{false};
   std::uint32_t stops{0};  // since the start, which is none
   std::uint32_t beats{0};  // of the enable line

@@ -25,6 +25,8 @@ void SafetyChain::stop(ChainTrouble cause) noexcept {
   if (!latch_.is_stopped()) {
     ++status_.stops;
     status_.cause = cause;
+    has_deadman_opened_ = false;
+    status_.is_deadman_held = status_.is_deadman_held && !settings_.has_deadman;
   }
   latch_.judge(false);
   status_.is_stopped = true;
@@ -49,13 +51,12 @@ void SafetyChain::judge(bus::GpioLines* lines, MonotonicTime now) noexcept {
 }
 
 ChainTrouble SafetyChain::find_trouble(bus::GpioLines* lines, MonotonicTime now) noexcept {
-  status_.is_deadman_held = false;
+  status_.is_deadman_held = status_.must_release_deadman = false;
   if (lines == nullptr) return ChainTrouble::NoLines;
   const ChainTrouble of_reading = reader_.step(*lines, now);
   if (of_reading == ChainTrouble::NoLines || of_reading == ChainTrouble::Silent) return of_reading;
   judge_channels();
-  status_.is_deadman_held = !settings_.has_deadman ||
-                            reader_.was_always(settings_.estop_channels, settings_.is_closed_high);
+  judge_deadman();
   if (stuck_since_ && now - *stuck_since_ > kSilence) return ChainTrouble::OutputStuck;
   if (of_reading != ChainTrouble::None) return of_reading;
   if (channels_.is_open()) return ChainTrouble::Open;
@@ -73,6 +74,19 @@ void SafetyChain::judge_channels() noexcept {
   }
   channels_.step(is_closed);
   channels_.compare(is_read_closed, reader_.levels().read_at);
+}
+
+// By a reading, which a bounce or a lost edge is not.
+void SafetyChain::judge_deadman() noexcept {
+  const std::size_t line = settings_.estop_channels;
+  const bool is_closed =
+      !settings_.has_deadman || reader_.was_always(line, settings_.is_closed_high);
+  if (settings_.has_deadman && reader_.levels().is_high(line) != settings_.is_closed_high) {
+    has_deadman_opened_ = true;
+  }
+  const bool counts = !settings_.has_deadman || has_deadman_opened_;
+  status_.is_deadman_held = is_closed && counts;
+  status_.must_release_deadman = is_closed && !counts;
 }
 
 bool SafetyChain::is_beat_due(MonotonicTime now) const noexcept { return now >= next_beat_; }

@@ -38,6 +38,9 @@ struct ChainSettings {
 // It is beaten while the latch is free and only as fast as the servos beat. The lamp is lit then,
 // blinks while all is healthy and a person is awaited, and is dark otherwise.
 //
+// A deadman counts as held once a reading found it open since the newest stop, or since the start:
+// one that is taped closed or welded enables nothing (decision 0520).
+//
 // Thread: one, never a servo's. It makes no system call but those of the lines. Not RT.
 // Ownership: keeps no lines; those of a step need to live no longer than it.
 // Errors: none; what is wrong with the lines is a stop, and in status().
@@ -68,6 +71,7 @@ class SafetyChain {
   void judge(bus::GpioLines* lines, MonotonicTime now) noexcept;
   [[nodiscard]] ChainTrouble find_trouble(bus::GpioLines* lines, MonotonicTime now) noexcept;
   void judge_channels() noexcept;
+  void judge_deadman() noexcept;
   [[nodiscard]] bool is_beat_due(MonotonicTime now) const noexcept;
   void beat(bus::GpioLines* lines, MonotonicTime now, bool have_servos_beaten) noexcept;
   void rest(bus::GpioLines* lines, MonotonicTime now) noexcept;
@@ -78,6 +82,7 @@ class SafetyChain {
   EstopChannels channels_;
   EstopLatch latch_;
   ChainStatus status_;
+  bool has_deadman_opened_{false};  // since the newest stop
   bool is_enable_high_{false};
   MonotonicTime next_beat_{};
   MonotonicTime last_beat_{};

@@ -166,7 +166,14 @@ void SafetySession::note_trouble(std::string text) {
 
 std::string SafetySession::explanation() const {
   const safety::ChainStatus now = status();
-  if (!now.is_stopped) return {};
+  std::string text = now.is_stopped ? explain_stop(now) : std::string();
+  if (!now.must_release_deadman) return text;
+  if (!text.empty()) text += "; ";
+  text += kReleaseDeadman;
+  return text;
+}
+
+std::string SafetySession::explain_stop(const safety::ChainStatus& now) const {
   if (now.trouble == safety::ChainTrouble::None && now.cause == safety::ChainTrouble::None) {
     return std::string(kNotYetCleared);
   }

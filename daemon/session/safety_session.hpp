@@ -23,6 +23,9 @@ namespace thimble::session {
 inline constexpr std::string_view kNotYetCleared =
     "the safety lines are not yet cleared since the start; look at the arms, then clear each that "
     "shall go on";
+// Whoever holds on and feels nothing.
+inline constexpr std::string_view kReleaseDeadman =
+    "the deadman was not let go of since the newest stop, or the start; let go of it, then hold it";
 
 // The safety lines of a configuration, watched for all arms of a runtime: it opens them, and again
 // when they were lost, runs the chain and hands its verdict to the servos, who read it in each
@@ -65,8 +68,8 @@ class SafetySession {
   [[nodiscard]] safety::ChainStatus status() const noexcept;
   // Why the lines are not there, with the system's words; empty when they are.
   [[nodiscard]] std::string trouble() const;
-  // In words for a person: what is wrong now, or that somebody has to clear; empty when all is
-  // well.
+  // In words for a person: what is wrong now, or that somebody has to clear, or to let go of the
+  // deadman; empty when all is well.
   [[nodiscard]] std::string explanation() const;
   // Whether nothing was stopped since the start, but for the start itself.
   [[nodiscard]] bool is_as_started() const noexcept {
@@ -89,6 +92,8 @@ class SafetySession {
   static constexpr Duration kUnwatched = std::chrono::milliseconds(400);  // ours: twice kSilence
 
  private:
+  [[nodiscard]] std::string explain_stop(const safety::ChainStatus& now) const;
+
   struct Arm {
     ArmRig* rig{nullptr};
     std::uint64_t ticks_seen{0};

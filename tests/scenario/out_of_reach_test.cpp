@@ -108,8 +108,7 @@ TEST_P(OutOfReach, SoDoesOneWhoseBusHangs) {
   const sim::ScriptedFault hang = stall_after(std::chrono::seconds(20));
   SafetyLab sut(with(with_falcon({"arm.hand.motion=still"})), setup_of(hang));
   Relay relay(sut);
-  sut.run(0.01);
-  ASSERT_TRUE(sut.clear());
+  ASSERT_TRUE(sut.clear_and_hold());
   ASSERT_TRUE(sut.run_until(8, [&] { return sut.loop.frame().gain == 1; }));
   sut.loop.sim_arm().backend().push_tip({4.5, 0, 0});
   const auto see = [&] { relay.see(); };
@@ -131,8 +130,7 @@ TEST_P(OutOfReach, SoDoesOneWhoseBusHangs) {
 TEST_P(OutOfReach, AFalconThatAnswersAgainAfterAFaultKeepsItsPower) {
   const sim::ScriptedFault silence = stall_after(std::chrono::seconds(20), milliseconds(90));
   SafetyLab sut(with(with_falcon({"arm.hand.motion=still"})), setup_of(silence));
-  sut.run(0.01);
-  ASSERT_TRUE(sut.clear());
+  ASSERT_TRUE(sut.clear_and_hold());
   ASSERT_TRUE(sut.run_until(8, [&] { return sut.loop.frame().gain == 1; }));
   ASSERT_TRUE(sut.run_until(20, [&] { return sut.loop.frame().state == OperatingState::Fault; }));
   sut.run(1);
@@ -146,8 +144,7 @@ TEST_P(OutOfReach, AfterTheButtonAnArmWithoutPowerIsNoReasonToStayStopped) {
   SafetyLab sut(with(with_falcon({"arm.hand.motion=still"})));
   Relay relay(sut);
   const auto see = [&] { relay.see(); };
-  sut.run(0.01);
-  ASSERT_TRUE(sut.clear());
+  ASSERT_TRUE(sut.clear_and_hold());
   ASSERT_TRUE(sut.run_until(8, [&] { return sut.loop.frame().gain == 1; }));
   sut.press(true);
   sut.loop.unplug();
@@ -183,8 +180,7 @@ TEST_P(OutOfReach, OneThatIsNotThereAtTheStartGetsItsPowerFromAClear) {
 // Nobody who has another fault in mind lets anything go.
 TEST_P(OutOfReach, AClearOfAnotherFaultLetsNothingGo) {
   SafetyLab sut(with(with_falcon({"arm.hand.motion=still"})));
-  sut.run(0.01);
-  ASSERT_TRUE(sut.clear());
+  ASSERT_TRUE(sut.clear_and_hold());
   ASSERT_TRUE(sut.run_until(8, [&] { return sut.loop.frame().gain == 1; }));
   sut.loop.unplug();
   sut.press(true);
@@ -205,8 +201,7 @@ TEST_P(OutOfReach, OneThatWasToldNoForceIsPulledAsItLikes) {
   const auto expect_no_stop = [&](const char* what, const std::function<void(SafetyLab&)>& before) {
     SCOPED_TRACE(what);
     SafetyLab sut(with(with_falcon({"arm.hand.motion=still"})));
-    sut.run(0.01);
-    ASSERT_TRUE(sut.clear());
+    ASSERT_TRUE(sut.clear_and_hold());
     before(sut);
     const std::uint32_t stops = sut.safety.status().stops;
     sut.loop.unplug(sim::Supply::Stays);
@@ -245,8 +240,7 @@ TEST_P(OutOfReach, OneThatWasToldNoForceIsPulledAsItLikes) {
 TEST_P(OutOfReach, SilenceOfAnArmThatRestsStopsNobody) {
   const sim::ScriptedFault hang = stall_after(std::chrono::seconds(12));
   SafetyLab sut(with(with_falcon({"arm.hand.motion=still"})), setup_of(hang));
-  sut.run(0.01);
-  ASSERT_TRUE(sut.clear());
+  ASSERT_TRUE(sut.clear_and_hold());
   ASSERT_TRUE(sut.run_until(8, [&] { return sut.loop.frame().gain == 1; }));
   sut.loop.controls().want_active = false;
   ASSERT_TRUE(sut.leases.release("right"));
@@ -259,8 +253,7 @@ TEST_P(OutOfReach, SilenceOfAnArmThatRestsStopsNobody) {
 TEST_P(OutOfReach, OneThatIsDeafAfterAnyFaultIsCutAllTheSame) {
   const sim::ScriptedFault hang = stall_after(std::chrono::seconds(12));
   SafetyLab sut(with(with_falcon({"arm.hand.motion=still"})), setup_of(hang));
-  sut.run(0.01);
-  ASSERT_TRUE(sut.clear());
+  ASSERT_TRUE(sut.clear_and_hold());
   ASSERT_TRUE(sut.run_until(8, [&] { return sut.loop.frame().gain == 1; }));
   sut.loop.sim_arm().backend().push_tip({4.5, 0, 0});
   ASSERT_TRUE(sut.run_until(20, [&] { return sut.loop.now() >= hang.from; }));

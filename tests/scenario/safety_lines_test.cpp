@@ -29,7 +29,7 @@ TEST_P(SafetyLines, NothingIsDrivenFromTheStartUntilAPersonClears) {
   EXPECT_EQ(sut.loop.snapshot().fault.code, FaultCode::Estop);
   EXPECT_EQ(sut.chip.changes(3), 0U);
   EXPECT_THAT(sut.safety.explanation(), HasSubstr("not yet cleared since the start"));
-  ASSERT_TRUE(sut.clear());
+  ASSERT_TRUE(sut.clear_and_hold());
   EXPECT_TRUE(sut.run_until(8, [&] { return sut.is_pushed(); }));
 }
 
@@ -51,7 +51,7 @@ TEST_P(SafetyLines, AnEstopWhilePushingIsZeroWithinTwoMillisecondsAndNeedsAPerso
     watch.see();
     ASSERT_EQ(norm(sut.loop.frame().force), 0) << "released is not cleared";
   });
-  ASSERT_TRUE(sut.clear());
+  ASSERT_TRUE(sut.clear_and_hold());
   EXPECT_TRUE(sut.run_until(8, [&] { return sut.is_pushed(); }));
   EXPECT_EQ(watch.breach(), "");
 }
@@ -68,6 +68,28 @@ TEST_P(SafetyLines, AReleasedDeadmanRampsToZeroWithinTwentyMillisecondsAndIsNoFa
   sut.chip.set_level(2, false);
   EXPECT_TRUE(sut.run_until(8, [&] { return sut.is_pushed(); }));
   EXPECT_EQ(watch.breach(), "");
+}
+
+TEST_P(SafetyLines, ADeadmanThatWasHeldAllAlongGivesNoForceUntilItIsLetGoOf) {
+  SafetyLab sut(with(test::kPoking));
+  const auto feels_nothing = [&] { ASSERT_EQ(norm(sut.loop.frame().force), 0); };
+  sut.run(0.01);
+  ASSERT_TRUE(sut.clear());
+  sut.run(4, feels_nothing);
+  EXPECT_TRUE(sut.is_active());
+  EXPECT_EQ(sut.safety.explanation(), session::kReleaseDeadman);
+  sut.take_hold_anew();
+  EXPECT_EQ(sut.safety.explanation(), "");
+  ASSERT_TRUE(sut.run_until(8, [&] { return sut.is_pushed(); }));
+  sut.press(true);
+  sut.run(0.1);
+  sut.press(false);
+  sut.run(0.1);
+  EXPECT_THAT(sut.safety.explanation(), HasSubstr("; the deadman was not let go of"));
+  ASSERT_TRUE(sut.clear());
+  sut.run(4, feels_nothing);
+  sut.take_hold_anew();
+  EXPECT_TRUE(sut.run_until(8, [&] { return sut.is_pushed(); }));
 }
 
 struct SafetyLinesTest : testing::Test, SafetyLab {
@@ -103,7 +125,7 @@ TEST_F(SafetyLinesTest, ALostChipStopsTheArmAndItsReturnDoesNotResume) {
   EXPECT_THAT(refused.error().message, HasSubstr("no GPIO chip"));
   chip.restore();
   run(1, [&] { ASSERT_EQ(norm(loop.frame().force), 0); });
-  EXPECT_TRUE(clear());
+  EXPECT_TRUE(clear_and_hold());
   EXPECT_TRUE(run_until(8, [&] { return is_pushed(); }));
 }
 
@@ -115,7 +137,7 @@ TEST_F(SafetyLinesTest, OnceAllIsHealthyAgainAPersonIsToldWhatTheStopWas) {
   press(false);
   run(0.1);
   EXPECT_THAT(safety.explanation(), HasSubstr("(the newest stop: the emergency stop was pressed"));
-  EXPECT_TRUE(clear());
+  EXPECT_TRUE(clear_and_hold());
   EXPECT_EQ(safety.explanation(), "");
   chip.lose();
   run(0.1);
@@ -262,7 +284,7 @@ TEST_F(SafetyLinesTest, AFaultOfAnotherKindIsClearedThroughTheChain) {
   press(false);
   run(0.05);
   ASSERT_TRUE(safety.status().is_stopped);
-  EXPECT_TRUE(clear());
+  EXPECT_TRUE(clear_and_hold());
   EXPECT_FALSE(safety.status().is_stopped);
   EXPECT_TRUE(run_until(8, [&] { return is_pushed(); }));
 }
@@ -287,7 +309,7 @@ TEST_F(SafetyLinesTest, NoForceFollowsAnOpenChannelBeforeSomebodyClears) {
         is_stopped = true;
       } else if (roll < 7) {
         press(false);
-      } else if (clear()) {
+      } else if (clear_and_hold()) {
         ASSERT_FALSE(chip.level(0) || chip.level(1));
         is_stopped = false;
       }

@@ -53,9 +53,11 @@ class Estop(lines.GuestWithLines):
             return "lit" if after["line_4"] else "dark"
         return "blinks" if changes >= BLINKS else f"{changes} change(s)"
 
-    def start_again(self, was_killed=False):
-        """`was_killed`: the daemon, after which a person has to ask for the arm."""
+    def start_again(self, was_killed=False, adapter=None):
+        """`was_killed`: the daemon, after which a person has to ask for the arm. `adapter`: in place of the usual one."""
         self.wait_for("waiting")
+        self.take_hold(adapter)
+        self.wait_until("safety.is_deadman_held", "true")
         self.assertEqual(self.clear()[0], 0)
         self.wait_until_enable_beats()
         states = ("calibrating", "inactive") if was_killed else ("calibrating", "active")

@@ -12,6 +12,15 @@ BEATS = 40  # of the enable line in a second, of 50: one in two may be late befo
 SAFETY = re.search(r"```toml\n(\[safety\]\n.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)[1]
 
 
+# Seen by a reading.
+LET_GO_S = 0.1
+
+
+def take_hold(one, adapter):
+    """Of the deadman, anew: it counts once it was let go of since the newest stop."""
+    one.steps(adapter.step("press 2"), ("sleep", LET_GO_S), adapter.step("release 2"))
+
+
 def plug_in(one):
     """The adapter, once the kernel of that guest has a chip of it."""
     adapter = simdev.Simdev(one, "cp2112", "--uhid", "cp2112")
@@ -33,6 +42,9 @@ class GuestWithLines(guest.GuestTest):
     @classmethod
     def plug_in_lines(cls):
         return plug_in(cls.guest)
+
+    def take_hold(self, adapter=None):
+        take_hold(self.guest, adapter or self.adapter)
 
     def status(self):
         return json.loads(self.guest.run("thimble status --json"))

@@ -47,6 +47,9 @@ class Edges(estop.Estop):
         assert mend, printed
         cls.guest.run(mend[1].replace("sudo ", ""))
 
+    def take_hold(self, adapter=None):
+        self.guest.steps(self.adapter.opens(2), ("sleep", lines.LET_GO_S), self.adapter.opens(2, False))
+
     def beats(self):
         return int(self.guest.steps(self.adapter.beats(3))[0])
 

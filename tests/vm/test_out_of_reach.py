@@ -22,6 +22,7 @@ class OutOfReach(lines.GuestWithLines):
 
     def test_1_it_beats_while_the_arm_presses(self):
         self.wait_until("safety.state", "waiting")
+        self.take_hold()
         self.guest.run("thimble clear-fault right")
         self.wait_until_enable_beats()
         self.arm.activate()
@@ -47,6 +48,7 @@ class OutOfReach(lines.GuestWithLines):
         self.assertEqual(self.beats(), 0)
 
     def test_4_cleared_and_plugged_in_it_presses_again(self):
+        self.take_hold()
         refused, said = self.guest.ask("thimble clear-fault right")
         self.assertNotEqual(refused, 0, "it is lost still")
         self.wait_until_enable_beats()

@@ -24,10 +24,13 @@ READS = 20  # of three lines, every 20 ms
 
 
 class ArmWithLines(arms.HidArm):
+    """`adapter`: that of its lines."""
+
     daemon_words = lines.SAFETY
 
     def activate(self):
         self.guest.wait_for_module("status_until", "safety.state", "waiting")
+        lines.take_hold(self.guest, self.adapter)
         self.guest.run("thimble clear-fault right")
         super().activate()
 
@@ -48,7 +51,9 @@ class Hid(guest.GuestTest):
     @classmethod
     def plug_in(cls):
         cls.adapter = lines.plug_in(cls.guest)
-        return ArmWithLines(cls.guest, "usb", arms.FULL_HZ)
+        arm = ArmWithLines(cls.guest, "usb", arms.FULL_HZ)
+        arm.adapter = cls.adapter
+        return arm
 
     def lean(self):
         """A hand leans on a wall, and feels it."""

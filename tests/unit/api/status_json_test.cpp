@@ -105,13 +105,18 @@ TEST(StatusJson, TellsWhereTheHandIsFelt) {
 TEST(StatusJson, TellsOfTheSafetyLinesWhereThereAreAny) {
   Status status = sample();
   EXPECT_FALSE(json::parse(to_json(status)).as_object().contains("safety"));
-  status.safety = SafetyStatus{"bench", "stopped", "open", "released it is not", true, false, 3};
+  status.safety =
+      SafetyStatus{"bench", "stopped", "open", "released it is not", true, false, false, 3};
   const auto sut = json::parse(to_json(status)).at("safety");
   EXPECT_EQ(keys_of(sut), (std::set<std::string>{"chip", "state", "trouble", "message", "stops",
-                                                 "is_deadman_held", "is_enable_beating"}));
+                                                 "is_deadman_held", "must_release_deadman",
+                                                 "is_enable_beating"}));
   EXPECT_EQ(sut.at("state").as_string(), "stopped");
   EXPECT_TRUE(sut.at("is_deadman_held").as_bool());
+  EXPECT_FALSE(sut.at("must_release_deadman").as_bool());
   EXPECT_EQ(sut.at("stops").to_number<int>(), 3);
+  status.safety->must_release_deadman = true;
+  EXPECT_TRUE(json::parse(to_json(status)).at("safety").at("must_release_deadman").as_bool());
 }
 
 TEST(StatusJson, TellsOfNoRateWhereNobodyKnowsIt) {

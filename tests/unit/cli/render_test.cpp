@@ -39,7 +39,7 @@ api::Status hostile_status() {
   out.version = text;
   out.uptime_s = huge;
   out.degraded = {text, ""};
-  out.safety = {text, text, text, text, true, true, 4'000'000'000};
+  out.safety = {text, text, text, text, true, true, true, 4'000'000'000};
   api::ArmStatus arm;
   arm.name = arm.device = arm.state = arm.lease = arm.world = arm.instruction = text;
   arm.calibration = arm.constraint_state = text;
@@ -109,10 +109,15 @@ TEST(Render, UsesPlainCharactersWhereTheTerminalHasNoOthers) {
 TEST(Render, SaysHowTheSafetyLinesStandWhereThereAreAny) {
   api::Status status = sample_status();
   EXPECT_THAT(render_status(status, {}), Not(HasSubstr("safety")));
-  status.safety = {"bench", "stopped", "open", "it is pressed", false, false, 3};
+  status.safety = {"bench", "stopped", "open", "it is pressed", false, false, false, 3};
   EXPECT_THAT(render_status(status, {}),
               AllOf(HasSubstr("safety bench  STOPPED  deadman OPEN  enable rests  stops 3"),
                     HasSubstr("it is pressed")));
+  status.safety->must_release_deadman = true;
+  EXPECT_THAT(render_status(status, {}), HasSubstr("deadman LET GO FIRST  enable"));
+  status.safety->must_release_deadman = false;
+  status.safety->is_deadman_held = true;
+  EXPECT_THAT(render_status(status, {}), HasSubstr("deadman held  enable"));
 }
 
 TEST(Render, ShowsAGimbalInDegreesWhereThereIsOne) {

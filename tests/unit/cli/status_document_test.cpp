@@ -22,7 +22,8 @@ TEST(StatusDocument, IsReadBackAsTheDaemonWroteIt) {
     if (has_gimbal) status.arms[0].felt.planes[0].temperature_kelvin = 310.5;
     if (has_gimbal) status.worlds[0].sphere = {{0, -0.25, 1}, 0.5, -10};
     if (has_gimbal) status.worlds[0].pieces = {7, true, {1, 20, 300}};
-    if (has_gimbal) status.safety = {"bench", "stopped", "open", "it is pressed", true, true, 7};
+    if (has_gimbal)
+      status.safety = {"bench", "stopped", "open", "it is pressed", false, true, true, 7};
     const auto sut = parse_status(api::to_json(status));
     ASSERT_TRUE(sut);
     EXPECT_EQ(*sut, status);

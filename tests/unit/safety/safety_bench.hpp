@@ -9,7 +9,7 @@
 namespace thimble::safety {
 
 // A chain on a simulated chip: two channels on lines 0 and 1, deadman on 2, enable on 3, lamp on 4;
-// a closed contact is low. Everything is closed.
+// a closed contact is low. Everything is closed, and the deadman was not let go of yet.
 struct SafetyBench {
   static constexpr Duration kStep = std::chrono::milliseconds(5);
 
@@ -40,9 +40,16 @@ struct SafetyBench {
     chip.set_level(0, is_pressed);
     chip.set_level(1, is_pressed);
   }
-  // Healthy, and cleared by a person.
-  bool start() {
+  void let_go(bool has_let_go) { chip.set_level(2, has_let_go); }
+  void take_hold_anew() {
+    let_go(true);
     run(kStep * 4);
+    let_go(false);
+    run(kStep * 4);
+  }
+  // Healthy, the deadman taken, and cleared by a person.
+  bool start() {
+    take_hold_anew();
     return chain.reset();
   }
 };

@@ -22,13 +22,15 @@ struct Account {
   bool is_stopped{true};
   bool is_healthy{false};
   bool is_held{false};
+  bool has_let_go{false};  // since the newest stop
 
   void set(std::size_t wire, bool open) {
     is_open.at(wire) = open;
     was_ever_open.at(wire) = was_ever_open.at(wire) || open;
   }
   void step(MonotonicTime now) {
-    is_held = has_chip && !was_ever_open[2];
+    has_let_go = has_let_go || (has_chip && is_open[2]);
+    is_held = has_chip && !was_ever_open[2] && has_let_go;
     is_healthy = has_chip;
     if (has_chip) {
       const bool differ = is_open[0] != is_open[1];  // as they are read
@@ -38,6 +40,7 @@ struct Account {
       if (is_open[0] && is_open[1]) is_defect = false;
       is_healthy = !was_ever_open[0] && !was_ever_open[1] && !is_defect;
     }
+    if (!is_healthy && !is_stopped) has_let_go = is_held = false;
     if (!is_healthy) is_stopped = true;
     was_ever_open = is_open;
   }
@@ -84,6 +87,8 @@ class SafetyChainProgram : public testing::TestWithParam<unsigned>, protected Sa
     } else if (roll < 35) {
       move_wire(0, false);
       move_wire(1, false);
+    } else if (roll < 45) {  // a hand lets go, or takes hold
+      move_wire(2, !account_.is_open[2]);
     }
   }
   Account account_;
@@ -92,19 +97,27 @@ class SafetyChainProgram : public testing::TestWithParam<unsigned>, protected Sa
 TEST_P(SafetyChainProgram, IsStoppedAndHeldExactlyAsTheAccountSays) {
   std::mt19937 dice(GetParam());
   int free_steps = 0;
+  int driven_steps = 0;
+  int refused_steps = 0;
   for (int i = 0; i < 3000; ++i) {
     act(dice);
     step();
     account_.step(clock.now());
     ASSERT_EQ(chain.status().is_stopped, account_.is_stopped) << "step " << i;
     ASSERT_EQ(chain.status().is_deadman_held, account_.is_held) << "step " << i;
+    const bool is_closed = account_.has_chip && !account_.is_open[2];
+    ASSERT_FALSE(chain.status().must_release_deadman && (!is_closed || account_.has_let_go)) << i;
     if (dice() % 4 == 0) {
       account_.reset();
       ASSERT_EQ(chain.reset(), !account_.is_stopped) << "step " << i;
     }
     free_steps += chain.status().is_stopped ? 0 : 1;
+    driven_steps += !chain.status().is_stopped && account_.is_held ? 1 : 0;
+    refused_steps += chain.status().must_release_deadman ? 1 : 0;
   }
   EXPECT_GT(free_steps, 100) << "the program tries something";
+  EXPECT_GT(driven_steps, 20);
+  EXPECT_GT(refused_steps, 20);
   EXPECT_GT(chain.status().stops, 10U);
 }
 

@@ -299,30 +299,6 @@ TEST_F(SafetyChainTest, TheLampIsLitWhileForceIsPossibleAndBlinksWhileAPersonIsA
   }
 }
 
-TEST_F(SafetyChainTest, TheDeadmanIsHeldWhileItsContactIsClosedAndItsReleaseIsNoStop) {
-  ASSERT_TRUE(start());
-  EXPECT_TRUE(step().is_deadman_held);
-  chip.set_level(2, true);
-  EXPECT_FALSE(step().is_deadman_held);
-  EXPECT_FALSE(chain.status().is_stopped);
-  chip.set_level(2, false);
-  step();
-  EXPECT_TRUE(step().is_deadman_held);
-  chip.lose();
-  EXPECT_FALSE(step().is_deadman_held);
-}
-
-TEST_F(SafetyChainTest, WithoutADeadmanItCountsAsHeldWhileThereAreLines) {
-  SafetyChain sut({.estop_channels = 1});
-  const auto own = chip.open({"bench", {"5"}, {}}, nullptr).value();
-  sut.step(own.get(), clock.now(), [] { return true; });
-  EXPECT_TRUE(sut.status().is_deadman_held);
-  EXPECT_TRUE(sut.reset());
-  sut.step(nullptr, clock.now(), [] { return true; });
-  EXPECT_FALSE(sut.status().is_deadman_held);
-  EXPECT_TRUE(sut.status().is_stopped);
-}
-
 TEST_F(SafetyChainTest, AClosedContactMayBeHighAsWell) {
   SafetyChain sut({.estop_channels = 1, .is_closed_high = true});
   const auto own = chip.open({"bench", {"5"}, {}}, nullptr).value();
