@@ -17,7 +17,7 @@ using namespace thimble;
 constexpr int kConnection = 0;
 
 // The end of the connection is its only end: who ends the daemon ends it, too, as a rule at the
-// same moment, and the arm's zeros go on for 100 ms then. systemd waits for 2 s (TimeoutStopSec=).
+// same moment, and the arm's zeros go on for 100 ms then. systemd waits for 30 s (TimeoutStopSec=).
 void outlive_requests_to_end() noexcept {
   sigset_t requests;
   sigemptyset(&requests);
