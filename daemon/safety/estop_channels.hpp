@@ -10,7 +10,7 @@
 namespace thimble::safety {
 
 inline constexpr std::size_t kMaxEstopChannels = 2;
-// Two contacts of one button do not move together to the millisecond; issue and realtime.md 9.
+// Two contacts of one button do not move together to the millisecond. The plan's.
 inline constexpr Duration kDisagreement = std::chrono::milliseconds(50);
 
 // The normally closed channels of an emergency stop. One that is open, by whatever it is told, is a

@@ -30,7 +30,7 @@ class LineReader {
   void restart() noexcept;
   // NoLines, Silent, EdgesLost or None.
   ChainTrouble step(bus::GpioLines& lines, MonotonicTime now) noexcept;
-  // Whether the input was at `level` by edge and by reading, ever since the step before.
+  // Whether the input was at that level by edge and by reading, ever since the step before.
   [[nodiscard]] bool was_always(std::size_t input, bool is_high) const noexcept;
   // The newest reading; what a step that gave NoLines or Silent leaves is the one before.
   [[nodiscard]] const bus::GpioLevels& levels() const noexcept { return levels_; }

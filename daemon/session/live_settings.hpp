@@ -8,7 +8,8 @@
 
 namespace thimble::session {
 
-// The automaton that a configuration describes, as a world that is touched while it runs. Not RT.
+// The automaton that a configuration describes, as a world that is touched while it runs. Any
+// thread; not RT.
 // Errors: as LiveWorld::create().
 [[nodiscard]] Result<std::unique_ptr<world::World>> make_live_world(
     const config::WorldConfig& said);

@@ -7,6 +7,7 @@
 
 namespace thimble::session {
 
+// What make_world() gives. Plain; belongs to whoever has it, and goes with him.
 struct MadeWorld {
   std::unique_ptr<world::World> world;
   // What it lives on, to be pulled out and plugged in; nullptr where it is on no simulated USB.

@@ -20,7 +20,7 @@ inline constexpr int kLeastLog2PieceCells = 10;
 
 // Reads a volume file of three axes (.npy, .nrrd or .nhdr): each number is that of its cell's
 // piece, 1 to kMostPieces, or 0 and less for none. Along each axis there is a power of two of them.
-// Not RT. Errors: one sentence that begins with the path.
+// Any thread; not RT. Errors: one sentence that begins with the path.
 [[nodiscard]] Result<PieceFile> read_piece_file(const std::string& path);
 
 }  // namespace thimble::session

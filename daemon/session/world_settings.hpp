@@ -13,7 +13,7 @@
 
 namespace thimble::session {
 
-// What the configuration's words about a world mean to the readers of volumes. Pure.
+// What the configuration's words about a world mean to the readers of volumes. Any thread; pure.
 [[nodiscard]] world::VolumeOptions volume_options(const config::WorldConfig& said);
 
 // The same of one with a [world.field].
@@ -24,9 +24,9 @@ namespace thimble::session {
 // Whether it lives on a real board.
 [[nodiscard]] bool is_board_plugged_in(const config::WorldConfig& said) noexcept;
 
-// The world that a configuration describes. Not RT; reads the file where there is one. `clock`, for
-// worlds that take their time, must outlive it; nullptr where there is none. `plugs`: of worlds on
-// a board that is plugged in. Errors: one sentence that starts with the source.
+// The world that a configuration describes. Any thread; not RT: reads the file where there is one.
+// `clock`, for worlds that take their time, must outlive it; nullptr where there is none. `plugs`:
+// of worlds on a board that is plugged in. Errors: one sentence that starts with the source.
 [[nodiscard]] Result<MadeWorld> make_world(const config::WorldConfig& said, const Clock* clock,
                                            const BoardPlugs& plugs = {});
 

@@ -27,6 +27,9 @@ namespace thimble::falcon {
 // Time is that of the packets, of which the bridge sends one each latency period; where none comes
 // for kSilentPipe it is the clock's.
 //
+// Buttons: bit 0 the one in the middle, 1 left, 2 forward, 3 right. Lights: red until homed, green
+// after, blue while there is force.
+//
 // Until homed the state carries the middle of the workspace: a made-up place had better be a known
 // one. The reference is forgotten as ArmReference says, when a crank is beyond its stops, when no
 // pose fits the encoders, and when the bus is lost.

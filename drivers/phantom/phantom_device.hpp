@@ -17,8 +17,9 @@ namespace thimble::phantom {
 // A PHANToM or WoodenHaptics arm behind the open controller.
 //
 // Until calibrated the state carries the home pose: the counters have no reference yet, and a
-// made-up place had better be a known one. Every write sends a command, so that the controller's
-// exchange and watchdog live; before calibration it holds no current.
+// made-up place had better be a known one. Every write that the link takes sends a command, so that
+// the controller's exchange and watchdog live; before calibration it holds no current. A text link
+// takes none while an answer is owed.
 //
 // The reference is forgotten, and the person must press the button again, when the counters
 // jump (CounterTracker says what a jump is: counted as malformed, ProtocolError), when no

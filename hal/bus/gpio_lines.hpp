@@ -38,8 +38,10 @@ struct GpioEdge {
 // What the chip answered when it was last asked, which is every kGpioReadPeriod: of one input after
 // the other, the first of the claim last, so that its level is the newest.
 struct GpioLevels {
-  std::uint32_t high{0};    // bit i: input i is high
-  MonotonicTime read_at{};  // by the clock of the bus
+  std::uint32_t high{0};  // bit i: input i is high
+  // When that reading began, by the clock of the bus: what is made of it, as the edges of a polled
+  // chip, is younger.
+  MonotonicTime read_at{};
   [[nodiscard]] bool is_high(std::size_t input) const noexcept {
     return ((high >> input) & 1U) != 0;
   }

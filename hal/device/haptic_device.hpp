@@ -65,7 +65,7 @@ struct HapticState {
   Position3 tip{};
   // Motor currents [A] for a force [N] at the tip in this pose: I = M · F.
   Matrix3 motor_current_per_force{};
-  std::uint32_t buttons{0};  // bit 0: stylus button
+  std::uint32_t buttons{0};  // bit 0: stylus button; further ones: the driver's header
   CalibrationState calibration{CalibrationState::Unknown};
 };
 
