@@ -11,6 +11,7 @@ SafetyChain::SafetyChain(const ChainSettings& settings) noexcept
 
 void SafetyChain::restart_lines() noexcept {
   reader_.restart();
+  deadman_.distrust();
   stuck_since_.reset();
   is_enable_high_ = false;
 }
@@ -25,7 +26,7 @@ void SafetyChain::stop(ChainTrouble cause) noexcept {
   if (!latch_.is_stopped()) {
     ++status_.stops;
     status_.cause = cause;
-    has_deadman_opened_ = false;
+    deadman_.distrust();
     status_.is_deadman_held = status_.is_deadman_held && !settings_.has_deadman;
   }
   latch_.judge(false);
@@ -52,9 +53,12 @@ void SafetyChain::judge(bus::GpioLines* lines, MonotonicTime now) noexcept {
 
 ChainTrouble SafetyChain::find_trouble(bus::GpioLines* lines, MonotonicTime now) noexcept {
   status_.is_deadman_held = status_.must_release_deadman = false;
-  if (lines == nullptr) return ChainTrouble::NoLines;
-  const ChainTrouble of_reading = reader_.step(*lines, now);
-  if (of_reading == ChainTrouble::NoLines || of_reading == ChainTrouble::Silent) return of_reading;
+  const ChainTrouble of_reading =
+      lines == nullptr ? ChainTrouble::NoLines : reader_.step(*lines, now);
+  if (of_reading == ChainTrouble::NoLines || of_reading == ChainTrouble::Silent) {
+    deadman_.distrust();
+    return of_reading;
+  }
   judge_channels();
   judge_deadman();
   if (stuck_since_ && now - *stuck_since_ > kSilence) return ChainTrouble::OutputStuck;
@@ -76,17 +80,17 @@ void SafetyChain::judge_channels() noexcept {
   channels_.compare(is_read_closed, reader_.levels().read_at);
 }
 
-// By a reading, which a bounce or a lost edge is not.
 void SafetyChain::judge_deadman() noexcept {
-  const std::size_t line = settings_.estop_channels;
-  const bool is_closed =
-      !settings_.has_deadman || reader_.was_always(line, settings_.is_closed_high);
-  if (settings_.has_deadman && reader_.levels().is_high(line) != settings_.is_closed_high) {
-    has_deadman_opened_ = true;
+  if (!settings_.has_deadman) {
+    status_.is_deadman_held = true;
+    return;
   }
-  const bool counts = !settings_.has_deadman || has_deadman_opened_;
-  status_.is_deadman_held = is_closed && counts;
-  status_.must_release_deadman = is_closed && !counts;
+  const std::size_t line = settings_.estop_channels;
+  const bool is_read_open = reader_.levels().is_high(line) != settings_.is_closed_high;
+  deadman_.see(is_read_open, reader_.levels().read_at);
+  const bool is_closed = reader_.was_always(line, settings_.is_closed_high);
+  status_.is_deadman_held = is_closed && deadman_.is_trusted();
+  status_.must_release_deadman = is_closed && !deadman_.is_trusted();
 }
 
 bool SafetyChain::is_beat_due(MonotonicTime now) const noexcept { return now >= next_beat_; }

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "daemon/safety/chain_status.hpp"
+#include "daemon/safety/deadman.hpp"
 #include "daemon/safety/estop_channels.hpp"
 #include "daemon/safety/estop_latch.hpp"
 #include "daemon/safety/line_reader.hpp"
@@ -37,9 +38,6 @@ struct ChainSettings {
 // Enable is beaten, never held: one level, be it low or high, tells the hardware to cut the power.
 // It is beaten while the latch is free and only as fast as the servos beat. The lamp is lit then,
 // blinks while all is healthy and a person is awaited, and is dark otherwise.
-//
-// A deadman counts as held once a reading found it open since the newest stop, or since the start:
-// one that is taped closed or welded enables nothing (decision 0520).
 //
 // Thread: one, never a servo's. It makes no system call but those of the lines. Not RT.
 // Ownership: keeps no lines; those of a step need to live no longer than it.
@@ -82,7 +80,7 @@ class SafetyChain {
   EstopChannels channels_;
   EstopLatch latch_;
   ChainStatus status_;
-  bool has_deadman_opened_{false};  // since the newest stop
+  Deadman deadman_;
   bool is_enable_high_{false};
   MonotonicTime next_beat_{};
   MonotonicTime last_beat_{};

@@ -27,19 +27,21 @@ void SafetySession::step(MonotonicTime now) {
   const std::unique_ptr<bus::GpioLines> lost = take_lost_lines(now);
   const bool are_new = open_lines(now);
   const std::lock_guard guard(arms_lock_);
-  if (is_unwatched_.exchange(false)) chain_.stop(safety::ChainTrouble::Unwatched);
+  const bool was_unwatched = is_unwatched_.exchange(false);
+  if (was_unwatched) chain_.stop(safety::ChainTrouble::Unwatched);
   if (are_new) chain_.restart_lines();
   stop_for_arms_out_of_reach(now);
   chain_.step(lines_.get(), now, [this] { return have_servos_beaten(); });
-  answer_reset();
+  // Who asked before what happened here knew nothing of it, and may have been refused long ago.
+  answer_reset(!was_unwatched && !are_new && !is_late(now));
   stepped_at_ns_.store(std::max<std::int64_t>(now.since_epoch.count(), 1));
 }
 
 // Between the verdict and the answer: whoever reads the answer finds the servos told.
-void SafetySession::answer_reset() {
+void SafetySession::answer_reset(bool may_be_free) {
   const std::uint32_t asked = reset_asked_.load();
   const bool is_new = asked != static_cast<std::uint32_t>(reset_answer_.load() / 2);
-  const bool is_free = is_new && chain_.reset();
+  const bool is_free = is_new && may_be_free && chain_.reset();
   publish();
   if (is_new) reset_answer_.store(std::uint64_t{asked} * 2 + (is_free ? 1 : 0));
 }
@@ -124,10 +126,11 @@ void SafetySession::stop_for_arms_out_of_reach(MonotonicTime now) {
 
 void SafetySession::publish() {
   const safety::ChainStatus& status = chain_.status();
+  const bool is_watched = !is_unwatched_.load();
   for (const auto& arm : runtime_.arms()) {
     servo::ServoControls& controls = arm->session().controls();
-    controls.is_estop_healthy = !status.is_stopped;
-    controls.is_deadman_held = status.is_deadman_held;
+    controls.is_estop_healthy = !status.is_stopped && is_watched;
+    controls.is_deadman_held = status.is_deadman_held && is_watched;
   }
   published_.store(status);
 }
@@ -146,6 +149,11 @@ SafetySession::Answer SafetySession::answer() const noexcept {
 safety::ChainStatus SafetySession::status() const noexcept {
   safety::ChainStatus status;
   static_cast<void>(published_.load(status));
+  if (status.is_stopped || !is_unwatched_.load()) return status;
+  // What the thread of the lines will say once it runs again.
+  status.is_stopped = true;
+  status.trouble = safety::ChainTrouble::Unwatched;
+  status.is_deadman_held = status.must_release_deadman = status.is_enable_beating = false;
   return status;
 }
 
@@ -194,11 +202,18 @@ std::string SafetySession::explain_stop(const safety::ChainStatus& now) const {
   return std::string(explain(now.trouble)) + (detail.empty() ? "" : " (" + detail + ")");
 }
 
-void SafetySession::supervise(MonotonicTime now) noexcept {
+bool SafetySession::is_late(MonotonicTime now) const noexcept {
   const std::int64_t stepped = stepped_at_ns_.load();
-  if (stepped == 0 || now.since_epoch.count() - stepped <= kUnwatched.count()) return;
+  return stepped != 0 && now.since_epoch.count() - stepped > kUnwatched.count();
+}
+
+void SafetySession::supervise(MonotonicTime now) noexcept {
+  if (!is_late(now)) return;
   is_unwatched_.store(true);
-  for (const auto& arm : runtime_.arms()) arm->session().controls().is_estop_healthy = false;
+  for (const auto& arm : runtime_.arms()) {
+    arm->session().controls().is_estop_healthy = false;
+    arm->session().controls().is_deadman_held = false;
+  }
 }
 
 }  // namespace thimble::session

@@ -58,6 +58,8 @@ class SafetySession {
   void exchange_arms(const std::function<void()>& change);
 
   // A person asks to go on after a stop: the number that answer() has when a step has judged it.
+  // Not granted by a step that found the lines new, or that comes later than kUnwatched: whoever
+  // asked may have been refused meanwhile, or gone.
   std::uint32_t ask_reset();
   struct Answer {
     std::uint32_t id{0};
@@ -113,7 +115,9 @@ class SafetySession {
   [[nodiscard]] static bool is_out_of_reach(Arm& arm, const servo::ServoSnapshot& seen,
                                             MonotonicTime now) noexcept;
   void publish();
-  void answer_reset();
+  // A request that may not be granted is spent all the same.
+  void answer_reset(bool may_be_free);
+  [[nodiscard]] bool is_late(MonotonicTime now) const noexcept;
 
   // The thread of the lines has a real-time priority, who shares these locks has none.
   rt::InheritingMutex arms_lock_;  // of the runtime's arms, and of the chain that they hear

@@ -53,7 +53,7 @@ struct SafetyLab {
   // What every stop asks of whoever holds the deadman.
   void take_hold_anew() {
     chip.set_level(2, true);
-    run(0.02);
+    run(0.03);
     chip.set_level(2, false);
     run(0.02);
   }

@@ -275,6 +275,67 @@ TEST_F(SafetyLinesTest, AThreadThatDoesNotLookAfterThemIsAStop) {
   EXPECT_TRUE(clear());
 }
 
+TEST_F(SafetyLinesTest, AClearFromBeforeAStopOfTheThreadItselfLetsNothingGo) {
+  start();
+  safety.ask_reset();
+  safety.supervise(loop.now() + milliseconds(500));
+  safety.step(loop.now());
+  EXPECT_TRUE(safety.status().is_stopped);
+  EXPECT_FALSE(safety.answer().is_free);
+  EXPECT_FALSE(loop.controls().is_estop_healthy);
+  run(0.1, [&] { ASSERT_EQ(norm(loop.frame().force), 0); });
+  EXPECT_EQ(loop.snapshot().fault.code, FaultCode::Estop);
+  EXPECT_TRUE(clear());
+}
+
+TEST_F(SafetyLinesTest, ArmsThatComeWhileTheThreadHangsAreStoppedToo) {
+  start();
+  safety.supervise(loop.now() + milliseconds(500));
+  EXPECT_FALSE(loop.controls().is_deadman_held);
+  EXPECT_TRUE(safety.status().is_stopped);
+  EXPECT_EQ(safety.status().trouble, safety::ChainTrouble::Unwatched);
+  safety.exchange_arms([&] {
+    loop.controls().is_estop_healthy = true;  // as a new arm comes
+    loop.controls().is_deadman_held = true;
+  });
+  EXPECT_FALSE(loop.controls().is_estop_healthy);
+  EXPECT_FALSE(loop.controls().is_deadman_held);
+}
+
+// Who was refused, because the adapter hung, finds nothing let go when it comes to itself.
+TEST_F(SafetyLinesTest, AClearFromBeforeTheLinesWereOpenedLetsNothingGo) {
+  safety.close();
+  SlowChips slow(chips);
+  session::SafetySession sut(test::safety_lines(), loop.runtime(), slow, nullptr);
+  slow.wait = [&] { sut.ask_reset(); };
+  sut.step(loop.now());
+  EXPECT_EQ(sut.status().trouble, safety::ChainTrouble::None);
+  EXPECT_TRUE(sut.status().is_stopped);
+  EXPECT_EQ(sut.answer().id, 1U);
+  EXPECT_FALSE(sut.answer().is_free);
+  slow.wait = [] {};
+  for (int i = 0; i < 20; ++i) {
+    loop.tick();
+    sut.step(loop.now());
+  }
+  EXPECT_TRUE(sut.status().is_stopped);
+}
+
+TEST_F(SafetyLinesTest, AClearThatWaitedForTooLongIsSpent) {
+  start();
+  press(true);
+  run(0.1);
+  press(false);
+  run(0.1);
+  safety.ask_reset();
+  (void)loop.arm().clock().sleep_until(loop.now() + milliseconds(500));
+  safety.step(loop.now());
+  EXPECT_TRUE(safety.status().is_stopped);
+  EXPECT_FALSE(safety.answer().is_free);
+  run(0.1);
+  EXPECT_TRUE(safety.status().is_stopped);
+}
+
 TEST_F(SafetyLinesTest, AFaultOfAnotherKindIsClearedThroughTheChain) {
   start();
   loop.tick(milliseconds(30));

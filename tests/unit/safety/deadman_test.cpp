@@ -1,6 +1,9 @@
 // What a closed deadman counts for: decision 0520.
 #include <gtest/gtest.h>
 
+#include <memory>
+#include <utility>
+
 #include "tests/unit/safety/safety_bench.hpp"
 
 namespace thimble::safety {
@@ -31,7 +34,7 @@ TEST_F(DeadmanTest, ADeadmanThatIsClosedFromTheStartCountsOnceItWasLetGoOf) {
   EXPECT_FALSE(chain.status().is_deadman_held);
   EXPECT_TRUE(chain.status().must_release_deadman);
   let_go(true);
-  step();
+  run(kStep * 2);
   EXPECT_FALSE(chain.status().must_release_deadman);
   EXPECT_FALSE(chain.status().is_deadman_held) << "it is open";
   let_go(false);
@@ -85,6 +88,90 @@ TEST_F(DeadmanTest, WhatTheDeadmanDidBeforeTheStopOrWhileNobodyCouldReadItDoesNo
   run(milliseconds(100));
   EXPECT_TRUE(chain.status().must_release_deadman);
   EXPECT_FALSE(chain.status().is_deadman_held);
+}
+
+TEST_F(DeadmanTest, WhatItDidBeforeItsLinesWentOrFellSilentDoesNotCountThoughAllWasStoppedAlready) {
+  const auto lose = {
+      +[](DeadmanTest& sut) {
+        sut.chip.lose();
+        sut.run(kStep * 4);
+        sut.chip.restore();
+        sut.lines = sut.open();
+        sut.chain.restart_lines();
+      },
+      +[](DeadmanTest& sut) {
+        sut.chip.hang(true);
+        sut.run(milliseconds(300));
+        sut.chip.hang(false);
+      },
+      +[](DeadmanTest& sut) {  // between two steps
+        sut.lines = nullptr;
+        sut.lines = sut.open();
+        sut.chain.restart_lines();
+      },
+  };
+  for (const auto& each : lose) {
+    press(true);
+    let_go(true);
+    run(kStep * 4);
+    each(*this);
+    let_go(false);  // by whoever works at its wires
+    press(false);
+    run(milliseconds(100));
+    ASSERT_TRUE(chain.reset());
+    EXPECT_FALSE(step().is_deadman_held);
+    EXPECT_TRUE(chain.status().must_release_deadman);
+  }
+}
+
+// As a CP2112, which is read every 20 ms.
+class SeldomRead final : public bus::GpioLines {
+ public:
+  SeldomRead(std::unique_ptr<bus::GpioLines> lines, const Clock& clock)
+      : lines_(std::move(lines)), clock_(clock) {}
+  IoStatus next_edge(bus::GpioEdge& out) noexcept override { return lines_->next_edge(out); }
+  IoStatus levels(bus::GpioLevels& out) noexcept override {
+    if (clock_.now() - newest_.read_at >= bus::kGpioReadPeriod) {
+      if (const IoStatus status = lines_->levels(newest_); status != IoStatus::Ok) return status;
+    }
+    out = newest_;
+    return IoStatus::Ok;
+  }
+  IoStatus set(std::size_t output, bool is_high) noexcept override {
+    return lines_->set(output, is_high);
+  }
+
+ private:
+  std::unique_ptr<bus::GpioLines> lines_;
+  const Clock& clock_;
+  bus::GpioLevels newest_{};
+};
+
+TEST_F(DeadmanTest, AReadingOfBeforeTheStopSaysNothingOfWhatFollowsIt) {
+  lines = std::make_unique<SeldomRead>(std::move(lines), clock);
+  ASSERT_TRUE(start());
+  for (int steps_after_reading = 0; steps_after_reading < 4; ++steps_after_reading) {
+    let_go(true);
+    run(bus::kGpioReadPeriod * 3);
+    run(kStep * steps_after_reading);
+    let_go(false);  // taken, and welded
+    chain.stop(ChainTrouble::Unwatched);
+    run(milliseconds(200));
+    ASSERT_TRUE(chain.reset());
+    EXPECT_TRUE(step().must_release_deadman) << steps_after_reading;
+    take_hold_anew();
+  }
+}
+
+TEST_F(DeadmanTest, ABounceThatOneReadingMeetsIsNotALettingGo) {
+  run(kStep * 4);
+  for (int i = 0; i < 20; ++i) {
+    let_go(true);
+    step();
+    let_go(false);
+    run(kStep * 2);
+    EXPECT_TRUE(chain.status().must_release_deadman);
+  }
 }
 
 TEST_F(DeadmanTest, LetGoOfWhileStoppedItCountsAndAnOpenOneAsksForNothing) {

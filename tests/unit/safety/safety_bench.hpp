@@ -43,9 +43,9 @@ struct SafetyBench {
   void let_go(bool has_let_go) { chip.set_level(2, has_let_go); }
   void take_hold_anew() {
     let_go(true);
-    run(kStep * 4);
+    run(kStep * 12);
     let_go(false);
-    run(kStep * 4);
+    run(kStep * 8);
   }
   // Healthy, the deadman taken, and cleared by a person.
   bool start() {

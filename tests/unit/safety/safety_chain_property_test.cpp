@@ -22,14 +22,16 @@ struct Account {
   bool is_stopped{true};
   bool is_healthy{false};
   bool is_held{false};
-  bool has_let_go{false};  // since the newest stop
+  int open_readings{0};    // in a row, since the newest stop, of a chip that is there
+  bool has_let_go{false};  // two of them
 
   void set(std::size_t wire, bool open) {
     is_open.at(wire) = open;
     was_ever_open.at(wire) = was_ever_open.at(wire) || open;
   }
   void step(MonotonicTime now) {
-    has_let_go = has_let_go || (has_chip && is_open[2]);
+    open_readings = has_chip && is_open[2] ? open_readings + 1 : 0;
+    has_let_go = has_chip && (has_let_go || open_readings >= 2);
     is_held = has_chip && !was_ever_open[2] && has_let_go;
     is_healthy = has_chip;
     if (has_chip) {
@@ -40,7 +42,10 @@ struct Account {
       if (is_open[0] && is_open[1]) is_defect = false;
       is_healthy = !was_ever_open[0] && !was_ever_open[1] && !is_defect;
     }
-    if (!is_healthy && !is_stopped) has_let_go = is_held = false;
+    if (!is_healthy && !is_stopped) {
+      has_let_go = is_held = false;
+      open_readings = 0;
+    }
     if (!is_healthy) is_stopped = true;
     was_ever_open = is_open;
   }
