@@ -39,8 +39,9 @@ tl::unexpected<Error> has_no_world(std::string_view world) {
   return fail(Errc::NotFound, "this daemon has no world '" + std::string(world) + "'");
 }
 
-// Why an arm in this state cannot come to be driven, whoever asks; success: it may.
-Result<void> check_drivable(session::ArmRig& rig) {
+// Why an arm in this state cannot come to be driven, whoever asks; success: it may. `safety`:
+// nullptr where there are no such lines.
+Result<void> check_drivable(session::ArmRig& rig, const session::SafetySession* safety) {
   session::ArmSession& session = rig.session();
   const servo::ServoSnapshot& seen = session.snapshot();
   if (seen.frame.state == OperatingState::Lost) {
@@ -50,6 +51,13 @@ Result<void> check_drivable(session::ArmRig& rig) {
   }
   // Also while it is calibrated again before that.
   if (is_latched(seen)) {
+    const bool is_start = safety != nullptr && seen.fault.code == FaultCode::Estop &&
+                          safety->status().trouble == safety::ChainTrouble::None &&
+                          safety->status().is_stopped && safety->is_as_started();
+    if (is_start) {
+      return fail(Errc::Busy,
+                  named(session) + " stands still: " + std::string(session::kNotYetCleared));
+    }
     return fail(Errc::Busy, named(session) + " stands still after a fault (" + told(seen.fault) +
                                 "); nothing moves it before that fault is cleared");
   }
@@ -82,7 +90,7 @@ Result<void> check_world_hears(session::ArmRig& rig) {
 void ArmCommands::activate(std::string_view arm, api::ClientId client, api::Answer answer) {
   const Result<std::size_t> index = leases_.find(arm);
   if (!index) return answer(tl::unexpected(index.error()));
-  if (const Result<void> possible = check_drivable(*runtime_.arms()[*index]); !possible) {
+  if (const Result<void> possible = check_drivable(*runtime_.arms()[*index], safety_); !possible) {
     return answer(tl::unexpected(possible.error()));
   }
   const bool is_new_lease = leases_.holder(*index) == Leases::Holder::Nobody;
@@ -280,7 +288,10 @@ ArmCommands::Verdict ArmCommands::judge(Wait& wait) {
   }
   std::string why = named(asked) + " did not become active in time: it is " +
                     std::string(to_string(seen.frame.state));
-  if (seen.frame.calibration == CalibrationState::Unknown || seen.frame.is_stale) {
+  const std::string_view instruction = asked.device().calibration_instruction();
+  if (seen.frame.calibration == CalibrationState::Unknown && !instruction.empty()) {
+    why.append("; ").append(instruction);
+  } else if (seen.frame.is_stale) {
     why += " and does not report its position; check its power and cable";
   }
   return fail(Errc::Timeout, std::move(why));
@@ -310,7 +321,8 @@ ArmCommands::Verdict ArmCommands::judge_activation(const Wait& wait,
   if (!leases_.is_held_for(wait.arm, wait.client.value)) {
     return fail(Errc::Busy, named(session(wait.arm)) + " was deactivated meanwhile");
   }
-  if (const Result<void> possible = check_drivable(*runtime_.arms()[wait.arm]); !possible) {
+  if (const Result<void> possible = check_drivable(*runtime_.arms()[wait.arm], safety_);
+      !possible) {
     return tl::unexpected(possible.error());
   }
   const bool is_up_to_person = seen.frame.state == OperatingState::Calibrating &&

@@ -298,14 +298,12 @@ void Daemon::look_after_safety() {
   safety_->session().supervise(clock_.now());
   std::string now = safety_->session().explanation();
   if (now == told_safety_) return;
-  if (now.empty()) {
-    spdlog::info("safety lines: nothing is stopped");
-  } else if (now.starts_with(session::kNotYetCleared)) {
-    spdlog::info("safety lines: {}", now);
-  } else {
-    spdlog::warn("safety lines: {}", now);
-  }
-  told_safety_ = std::move(now);
+  told_safety_ = now;
+  const bool is_usual = now.empty() || now.starts_with(session::kNotYetCleared);
+  // A wire that chatters says the same few things again and again.
+  const auto line =
+      warnings_.admit("safety lines: " + (now.empty() ? "nothing is stopped" : now), clock_.now());
+  if (line) spdlog::log(is_usual ? spdlog::level::info : spdlog::level::warn, "{}", *line);
 }
 
 // One line for `systemctl status`, told when it changes: "right active; left fault (overspeed)".

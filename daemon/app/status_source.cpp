@@ -92,7 +92,8 @@ api::ArmStatus arm_status(session::ArmRig& rig, std::size_t index, const StatusC
   arm.max_force_newton = session.loop().settings().limiter.max_force_newton;
   arm.model = session.device().capabilities().model;
   arm.state = to_string(frame.state);
-  arm.calibration = to_string(frame.calibration);
+  const bool is_known = !session::will_be_forgotten(session.device().capabilities(), frame);
+  arm.calibration = to_string(is_known ? frame.calibration : CalibrationState::Unknown);
   arm.instruction = session::instruction_for(rig);
   if (arm.instruction.empty()) arm.instruction = session::way_in(rig);
   arm.position_m = as_array(frame.tip);

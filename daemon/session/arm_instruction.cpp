@@ -15,6 +15,11 @@ constexpr std::array<std::string_view, 3> kForth{"right", "up", "nearer"};
 
 }  // namespace
 
+bool will_be_forgotten(const HapticCapabilities& can, const servo::ServoFrame& frame) noexcept {
+  return frame.state == OperatingState::Fault && frame.calibration == CalibrationState::Ok &&
+         can.device_watchdog > Duration::zero() && frame.sample_age > can.device_watchdog;
+}
+
 std::string instruction_for(ArmRig& rig) {
   const std::string trouble = rig.trouble();
   if (!trouble.empty()) return trouble + "; trying again";
@@ -35,7 +40,9 @@ std::string instruction_for(ArmRig& rig) {
     return "it does not report its position; check its power and cable";
   }
   if (is_fault) {
-    return "see to what the fault says, then: thimble clear-fault " + name;
+    const bool is_forgotten = will_be_forgotten(session.device().capabilities(), seen.frame);
+    return "see to what the fault says, then: thimble clear-fault " + name +
+           (is_forgotten ? ", and calibrate it" : "");
   }
   return std::string(session.device().calibration_instruction());
 }

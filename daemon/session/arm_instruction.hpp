@@ -7,9 +7,15 @@
 
 namespace thimble::session {
 
+// Whether what an arm that stands after a fault knows of its place is lost once it is cleared: its
+// controller was silent for longer than its watchdog, in which it may have been reset (decision
+// 0103). Pure.
+[[nodiscard]] bool will_be_forgotten(const HapticCapabilities& can,
+                                     const servo::ServoFrame& frame) noexcept;
+
 // What is in the way of the arm, or what its person is to do, in a sentence; empty: nothing. One
 // that is gone asks for nothing else than to be there, one that stands after a fault for nothing
-// else than to be cleared.
+// else than to be cleared, and calibrated where that will be lost.
 // Thread: control thread. Not RT.
 [[nodiscard]] std::string instruction_for(ArmRig& rig);
 

@@ -276,7 +276,8 @@ class Rights(ProcessTest):
             self.start_without_rights("required")
         words = str(refused.exception)
         self.assertIn("ended with 1", words)
-        self.assertIn("real time is required", words)
+        self.assertIn("real time is required, but: ", words)
+        self.assertNotIn("\\x", words, "nothing that has to be escaped")
         self.assertIn("RLIMIT_RTPRIO", words)
         self.assertIn("LimitRTPRIO", words, "names the cure")
 
