@@ -9,6 +9,13 @@
 #include "hal/linux/gpio_lines.hpp"
 
 namespace thimble::app {
+namespace {
+
+// Ours: many readings.
+constexpr Duration kLetGo = std::chrono::milliseconds(100);
+
+}  // namespace
+
 Result<std::unique_ptr<SafetyThread>> SafetyThread::start(const config::Config& config,
                                                           session::Runtime& runtime,
                                                           const Clock& clock,
@@ -40,7 +47,8 @@ SafetyThread::SafetyThread(const config::Config& config, const Clock& clock,
   sim_chip_.emplace(clock, config.safety->chip, config::kSimulatedLines);
   const bool is_closed_high = config.safety->closed_level == config::ClosedLevel::High;
   for (std::size_t i = 0; i < config::kSimulatedLines; ++i) sim_chip_->set_level(i, is_closed_high);
-  if (const auto& line = config.safety->deadman) sim_hand_ = {std::stoul(*line), is_closed_high};
+  if (const auto& line = config.safety->deadman)
+    sim_hand_ = {std::stoul(*line), is_closed_high, {}};
   chips_ = std::make_unique<sim::SimGpioChips>(std::vector<sim::SimGpioChip*>{&*sim_chip_});
 }
 
@@ -55,7 +63,7 @@ void SafetyThread::run() noexcept {
   constexpr int kStep_ms = static_cast<int>(session::SafetySession::kStep.count() / 1'000'000);
   while (!is_over_.load()) {
     session_->step(clock_.now());
-    obey();
+    obey(clock_.now());
     pollfd watched{wake_->fd(), POLLIN, 0};
     ::poll(&watched, 1, kStep_ms);
     wake_->drain();
@@ -63,9 +71,10 @@ void SafetyThread::run() noexcept {
 }
 
 // Whoever holds a simulated deadman lets go when the status asks for it.
-void SafetyThread::obey() noexcept {
+void SafetyThread::obey(MonotonicTime now) noexcept {
   if (!sim_hand_) return;
-  const bool lets_go = session_->status().must_release_deadman;
+  if (session_->status().must_release_deadman) sim_hand_->lets_go_until = now + kLetGo;
+  const bool lets_go = now < sim_hand_->lets_go_until;
   sim_chip_->set_level(sim_hand_->line, sim_hand_->is_closed_high != lets_go);
 }
 

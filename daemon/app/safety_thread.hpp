@@ -40,7 +40,7 @@ class SafetyThread {
   SafetyThread(const config::Config& config, const Clock& clock,
                const linux::RealtimeProcess& process, std::unique_ptr<linux::EventFd> wake);
   void run() noexcept;
-  void obey() noexcept;
+  void obey(MonotonicTime now) noexcept;
 
   const Clock& clock_;
   std::unique_ptr<linux::EventFd> wake_;
@@ -48,6 +48,7 @@ class SafetyThread {
   struct Hand {
     std::size_t line;
     bool is_closed_high;
+    MonotonicTime lets_go_until{};
   };
   std::optional<Hand> sim_hand_;  // on the deadman of that chip
   std::unique_ptr<bus::GpioChips> chips_;
