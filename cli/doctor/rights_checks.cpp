@@ -103,7 +103,7 @@ Verdict check_daemon(const Facts& facts) {
   if (process.known_by == KnownBy::Socket) {
     verdict.finding = subject(process) + " listens at the socket";
   } else if (process.known_by == KnownBy::Program) {
-    verdict.finding = subject(process) + " runs the program that is installed";
+    verdict.finding = subject(process) + " runs the thimbled that belongs to this thimble";
   }
   if (facts.daemon_trouble.empty() && facts.namesakes.empty()) return verdict;
   verdict.level = Level::Warn;

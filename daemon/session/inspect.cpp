@@ -348,12 +348,25 @@ std::vector<Objection> inspect_files(const config::Config& config,
   return out;
 }
 
+namespace {
+
+bool is_placeholder(std::string_view device) {
+  const std::string_view place = device.substr(std::min(device.find(':'), device.size()));
+  return place == ":SERIAL" || place == ":PORT";
+}
+
+}  // namespace
+
 std::vector<std::string> doubts_of(const config::Config& config,
                                    const plugin::DriverRegistry& drivers) {
   std::vector<std::string> out;
   const bool is_sure = known_models(drivers).has_value();
   for (const config::ArmConfig& arm : config.arms) {
     if (is_sure && !drivers.is_from_outside("falcon")) doubt_our_falcon(config, arm, out);
+    if (is_placeholder(arm.device)) {
+      out.push_back("arm '" + arm.name + "' has the device " + arm.device +
+                    ", which stands in the pages for yours: thimble devices lists it");
+    }
     // Whoever drives it.
     if (is_falcon(arm) && (is_sure || arm.model) && !has_cut(config)) {
       out.push_back("arm '" + arm.name + "' " + std::string(kFalconKeepsForce));

@@ -46,7 +46,11 @@ class Check(ProcessTest):
     def test_every_example_is_good(self):
         for example in sorted(EXAMPLES.glob("*.toml")):
             result = self.thimbled("--config", example, "--check")
-            self.assertEqual((result.returncode, result.stderr), (0, ""), example)
+            self.assertEqual(result.returncode, 0, (example, result.stderr))
+            if re.search(r'^device = "\w+:(SERIAL|PORT)"', example.read_text(), re.MULTILINE):
+                self.assert_one_sentence(result.stderr, "thimble devices lists it")
+            else:
+                self.assertEqual(result.stderr, "", example)
             self.assertIn("good", result.stdout)
 
     def test_names_every_mistake_at_once_with_file_line_and_key(self):

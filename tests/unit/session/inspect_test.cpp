@@ -274,6 +274,21 @@ TEST_F(InspectFiles, DoubtsAFalconWithoutFirmwareAndNoOtherArm) {
   EXPECT_THAT(doubts(), IsEmpty());
 }
 
+TEST_F(InspectFiles, DoubtsADeviceThatWasCopiedFromAPage) {
+  arm().name = "right";
+  for (const char* copied : {"hid:SERIAL", "usb:PORT", "serial:SERIAL"}) {
+    arm().device = copied;
+    EXPECT_THAT(doubts_of(config, plugins.drivers),
+                testing::Contains(AllOf(StartsWith("arm 'right' has the device"), HasSubstr(copied),
+                                        HasSubstr("thimble devices"))));
+  }
+  for (const char* other : {"hid:SERIAL-7", "hid:7", "sim:phantom-vintage", ":", ""}) {
+    arm().device = other;
+    EXPECT_THAT(doubts_of(config, plugins.drivers),
+                testing::Not(testing::Contains(HasSubstr("stands in the pages"))));
+  }
+}
+
 TEST_F(InspectFiles, DoubtsASimulatedFalconWithoutFirmware) {
   arm().name = "right";
   arm().device = "sim:falcon";

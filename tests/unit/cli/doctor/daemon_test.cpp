@@ -44,8 +44,9 @@ TEST_F(DoctorDaemon, IsElseWhoRunsTheInstalledProgram) {
   const Facts facts = facts_with({});
 
   EXPECT_EQ(facts.process.pid, 77);
-  EXPECT_EQ(check_daemon(facts).finding,
-            "thimbled (process 77 of user 'haptics') runs the program that is installed");
+  EXPECT_EQ(
+      check_daemon(facts).finding,
+      "thimbled (process 77 of user 'haptics') runs the thimbled that belongs to this thimble");
 }
 
 TEST_F(DoctorDaemon, IsKnownByTheProgramBesideTheOneThatAsks) {
@@ -126,7 +127,7 @@ TEST_F(DoctorDaemon, MayHideItsRights) {
 
 TEST_F(DoctorDaemon, IsNotReachedForAReasonThatIsSaid) {
   expect_one(complaints(facts_with({std::nullopt, "you may not talk to it"})), Level::Warn,
-             "daemon", "runs the program that is installed; you may not talk to it");
+             "daemon", "runs the thimbled that belongs to this thimble; you may not talk to it");
 }
 
 // A socket at which this very program listens.
