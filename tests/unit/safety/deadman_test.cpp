@@ -49,13 +49,7 @@ TEST_F(DeadmanTest, EveryStopAsksForTheDeadmanToBeLetGoOfAnew) {
         sut.run(kStep * 4);
         sut.press(false);
       },
-      +[](DeadmanTest& sut) {
-        sut.chip.lose();
-        sut.run(kStep * 4);
-        sut.chip.restore();
-        sut.lines = sut.open();
-        sut.chain.restart_lines();
-      },
+      +[](DeadmanTest& sut) { sut.replug(); },
       +[](DeadmanTest& sut) { sut.chain.stop(ChainTrouble::Unwatched); },
       +[](DeadmanTest& sut) {
         sut.chain.hold(ChainTrouble::ArmOutOfReach, sut.clock.now() + milliseconds(50));
@@ -92,13 +86,7 @@ TEST_F(DeadmanTest, WhatTheDeadmanDidBeforeTheStopOrWhileNobodyCouldReadItDoesNo
 
 TEST_F(DeadmanTest, WhatItDidBeforeItsLinesWentOrFellSilentDoesNotCountThoughAllWasStoppedAlready) {
   const auto lose = {
-      +[](DeadmanTest& sut) {
-        sut.chip.lose();
-        sut.run(kStep * 4);
-        sut.chip.restore();
-        sut.lines = sut.open();
-        sut.chain.restart_lines();
-      },
+      +[](DeadmanTest& sut) { sut.replug(); },
       +[](DeadmanTest& sut) {
         sut.chip.hang(true);
         sut.run(milliseconds(300));

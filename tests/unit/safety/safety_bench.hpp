@@ -40,6 +40,14 @@ struct SafetyBench {
     chip.set_level(0, is_pressed);
     chip.set_level(1, is_pressed);
   }
+  // The adapter, pulled out and plugged in.
+  void replug() {
+    chip.lose();
+    run(kStep * 4);
+    chip.restore();
+    lines = open();
+    chain.restart_lines();
+  }
   void let_go(bool has_let_go) { chip.set_level(2, has_let_go); }
   void take_hold_anew() {
     let_go(true);
