@@ -52,8 +52,7 @@ Result<void> check_drivable(session::ArmRig& rig, const session::SafetySession* 
   // Also while it is calibrated again before that.
   if (is_latched(seen)) {
     const bool is_start = safety != nullptr && seen.fault.code == FaultCode::Estop &&
-                          safety->status().trouble == safety::ChainTrouble::None &&
-                          safety->status().is_stopped && safety->is_as_started();
+                          safety->status().awaits_first_clear();
     if (is_start) {
       return fail(Errc::Busy,
                   named(session) + " stands still: " + std::string(session::kNotYetCleared));
@@ -289,9 +288,10 @@ ArmCommands::Verdict ArmCommands::judge(Wait& wait) {
   std::string why = named(asked) + " did not become active in time: it is " +
                     std::string(to_string(seen.frame.state));
   const std::string_view instruction = asked.device().calibration_instruction();
-  if (seen.frame.calibration == CalibrationState::Unknown && !instruction.empty()) {
+  const bool is_unknown = seen.frame.calibration == CalibrationState::Unknown;
+  if (is_unknown && !instruction.empty()) {
     why.append("; ").append(instruction);
-  } else if (seen.frame.is_stale) {
+  } else if (is_unknown || seen.frame.is_stale) {
     why += " and does not report its position; check its power and cable";
   }
   return fail(Errc::Timeout, std::move(why));

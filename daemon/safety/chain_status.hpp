@@ -36,6 +36,11 @@ struct ChainStatus {
   bool is_enable_beating{false};
   std::uint32_t stops{0};  // since the start, which is none
   std::uint32_t beats{0};  // of the enable line
+
+  // Stopped since the start, with nothing wrong: a person is awaited, and nothing was stopped yet.
+  [[nodiscard]] bool awaits_first_clear() const noexcept {
+    return is_stopped && trouble == ChainTrouble::None && cause == ChainTrouble::None;
+  }
 };
 
 }  // namespace thimble::safety

@@ -182,9 +182,7 @@ std::string SafetySession::explanation() const {
 }
 
 std::string SafetySession::explain_stop(const safety::ChainStatus& now) const {
-  if (now.trouble == safety::ChainTrouble::None && now.cause == safety::ChainTrouble::None) {
-    return std::string(kNotYetCleared);
-  }
+  if (now.awaits_first_clear()) return std::string(kNotYetCleared);
   const auto with_arm = [&](safety::ChainTrouble trouble, std::string_view text) {
     if (trouble != safety::ChainTrouble::ArmOutOfReach) return std::string(text);
     const std::lock_guard guard(trouble_lock_);
