@@ -65,6 +65,13 @@ bool is_unloaded_falcon(const config::ArmConfig& arm) {
   return bus::simulated_model(arm.device) == falcon::kFalconModels.front().name && !arm.firmware;
 }
 
+// As the pages write one that a person has to replace.
+void doubt_copied_device(const config::ArmConfig& arm, std::vector<std::string>& out) {
+  if (!arm.device.ends_with(":SERIAL") && !arm.device.ends_with(":PORT")) return;
+  out.push_back("arm '" + arm.name + "' has the device " + arm.device +
+                ", which stands in the pages for yours: thimble devices lists it");
+}
+
 // Of a Falcon under the driver of the house.
 void doubt_our_falcon(const config::Config& config, const config::ArmConfig& arm,
                       std::vector<std::string>& out) {
@@ -348,25 +355,13 @@ std::vector<Objection> inspect_files(const config::Config& config,
   return out;
 }
 
-namespace {
-
-bool is_placeholder(std::string_view device) {
-  const std::string_view place = device.substr(std::min(device.find(':'), device.size()));
-  return place == ":SERIAL" || place == ":PORT";
-}
-
-}  // namespace
-
 std::vector<std::string> doubts_of(const config::Config& config,
                                    const plugin::DriverRegistry& drivers) {
   std::vector<std::string> out;
   const bool is_sure = known_models(drivers).has_value();
   for (const config::ArmConfig& arm : config.arms) {
     if (is_sure && !drivers.is_from_outside("falcon")) doubt_our_falcon(config, arm, out);
-    if (is_placeholder(arm.device)) {
-      out.push_back("arm '" + arm.name + "' has the device " + arm.device +
-                    ", which stands in the pages for yours: thimble devices lists it");
-    }
+    doubt_copied_device(arm, out);
     // Whoever drives it.
     if (is_falcon(arm) && (is_sure || arm.model) && !has_cut(config)) {
       out.push_back("arm '" + arm.name + "' " + std::string(kFalconKeepsForce));
