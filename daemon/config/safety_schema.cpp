@@ -101,7 +101,7 @@ void check_real_arms(Entry<SafetyConfig>& safety, const std::vector<Entry<ArmCon
       "chip",
       "expected the label of a GPIO chip, as gpiodetect shows it in brackets, since arm '" +
           real->value.name +
-          "' is a real one: no contact of a simulated chip opens, and nobody could "
+          "' is a real one: nobody presses a simulated emergency stop, so nobody could "
           "stop the arm; build what docs/safety-wiring.md says, or take [safety] out; found " +
           in_quotes(safety.value.chip));
 }
