@@ -37,13 +37,14 @@ def die_with_parent():
 
 
 @functools.cache
-def is_thread_sanitized():
-    return b"__tsan_init" in (BIN / "thimbled").read_bytes()
+def sanitizer():
+    """What the programs were built with: asan, tsan or None."""
+    program = (BIN / "thimbled").read_bytes()
+    return next((name for name in ("asan", "tsan") if f"__{name}_init".encode() in program), None)
 
 
-@functools.cache
 def is_sanitized():
-    return is_thread_sanitized() or b"__asan_init" in (BIN / "thimbled").read_bytes()
+    return sanitizer() is not None
 
 
 def free_udp_port():
@@ -110,7 +111,7 @@ class Daemon:
         # GCC 12's ThreadSanitizer keeps a signal that comes while its thread waits for the very first
         # time in a place that it then replaces: the handler is never called (seen in the kernel's
         # trace: no byte in the pipe). A daemon that has answered has waited.
-        if is_thread_sanitized():
+        if sanitizer() == "tsan":
             self.status()
 
     @property

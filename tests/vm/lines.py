@@ -8,12 +8,9 @@ import guest
 import simdev
 
 PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "safety-wiring.md"
+LET_GO_S = 0.1  # of the deadman: two readings and more
 BEATS = 40  # of the enable line in a second, of 50: one in two may be late before the relay of that page falls off
 SAFETY = re.search(r"```toml\n(\[safety\]\n.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)[1]
-
-
-# Seen by a reading.
-LET_GO_S = 0.1
 
 
 def take_hold(one, adapter):
