@@ -67,6 +67,9 @@ using PieceAnswer = std::function<void(const Result<PieceDone>&)>;
 
 // A world's cells as an NRRD file.
 using CellsAnswer = std::function<void(const Result<std::string>&)>;
+// A world's state as a file; of one that was put back the steps that it had taken.
+using StateAnswer = std::function<void(const Result<std::string>&)>;
+using LoadAnswer = std::function<void(const Result<std::uint64_t>&)>;
 
 // What a client may ask of the daemon. An arm that a client activated is that client's lease:
 // client_gone() must release it.
@@ -106,13 +109,16 @@ class Commands {
   // error.
   virtual void act_on_pieces(std::string_view world, PieceVerb verb, ClientId client,
                              PieceAnswer answer) = 0;
-  // What its cells are now, in bytes: 1 where there is matter, of pieces their numbers. No lease.
+  // What its cells are, in bytes: 1 where there is matter, of pieces their numbers. No lease. As
+  // the two below answered in its turn: many who ask for much wait for each other.
   virtual void read_cells(std::string_view world, ClientId client, CellsAnswer answer) = 0;
   // The state of a world that runs by itself, as a file (docs/worlds/live.md); and one put back:
-  // how many steps it had taken. Neither needs a lease; both are done at once. Errors: also
-  // Malformed for bytes that are no state.
-  virtual Result<std::string> save_world(std::string_view world) = 0;
-  virtual Result<std::uint64_t> load_world(std::string_view world, std::string_view state) = 0;
+  // how many steps it had taken. Neither needs a lease; both are done in one go, and what was asked
+  // by a client that goes before its turn is not done. Errors: also Malformed for bytes that are no
+  // state.
+  virtual void save_world(std::string_view world, ClientId client, StateAnswer answer) = 0;
+  virtual void load_world(std::string_view world, std::string state, ClientId client,
+                          LoadAnswer answer) = 0;
   // Called once for every client that sent a command, after its last one.
   virtual void client_gone(ClientId client) = 0;
 };

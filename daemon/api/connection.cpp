@@ -30,6 +30,12 @@ bool is_about_bytes(boost::beast::error_code error) {
          error != http::error::end_of_stream && error != http::error::partial_message;
 }
 
+// Read, or put back.
+bool is_of_whole_world(ActionKind kind) {
+  return kind == ActionKind::ReadCells || kind == ActionKind::SaveWorld ||
+         kind == ActionKind::LoadWorld;
+}
+
 }  // namespace
 
 Connection::Connection(Socket socket, ClientId id, Context context)
@@ -132,21 +138,32 @@ void Connection::perform(const Request& request) {
                               {request.target().data(), request.target().size()}, request.body());
   if (!action) return respond(tl::unexpected(std::move(action.error())), is_kept);
   if (action->kind == ActionKind::Status) return respond(to_json(context_.view.status()), is_kept);
-  if (action->kind == ActionKind::SaveWorld || action->kind == ActionKind::LoadWorld) {
-    return move_state(*action, is_kept);
-  }
-  command(*action, is_kept);
+  command(*std::move(action), is_kept);
 }
 
-void Connection::move_state(const Action& action, bool is_kept) {
-  if (action.kind == ActionKind::SaveWorld) {
-    auto state = context_.commands.save_world(action.name);
-    if (!state) return respond(tl::unexpected(to_request_error(state.error())), is_kept);
-    return respond(*std::move(state), is_kept, kBytes);
+void Connection::move_state(Action action, bool is_kept) {
+  const auto on_bytes = [self = shared_from_this(), is_kept](const Result<std::string>& bytes) {
+    self->on_bytes(bytes, is_kept);
+  };
+  if (action.kind == ActionKind::ReadCells) {
+    return context_.commands.read_cells(action.name, id_, on_bytes);
   }
-  const auto steps = context_.commands.load_world(action.name, action.state);
-  if (!steps) return respond(tl::unexpected(to_request_error(steps.error())), is_kept);
-  respond(to_text(boost::json::object{{"world", action.name}, {"steps", *steps}}), is_kept);
+  if (action.kind == ActionKind::SaveWorld) {
+    return context_.commands.save_world(action.name, id_, on_bytes);
+  }
+  const auto on_loaded = [self = shared_from_this(), world = action.name,
+                          is_kept](const Result<std::uint64_t>& steps) {
+    if (self->is_closed_) return;
+    if (!steps) return self->respond(tl::unexpected(to_request_error(steps.error())), is_kept);
+    self->respond(to_text(boost::json::object{{"world", world}, {"steps", *steps}}), is_kept);
+  };
+  context_.commands.load_world(action.name, std::move(action.state), id_, on_loaded);
+}
+
+void Connection::on_bytes(const Result<std::string>& bytes, bool is_kept) {
+  if (is_closed_) return;
+  if (!bytes) return respond(tl::unexpected(to_request_error(bytes.error())), is_kept);
+  respond(*bytes, is_kept, kBytes);
 }
 
 // Nothing is read while a command waits for its answer; a client that goes meanwhile takes it back,
@@ -158,7 +175,7 @@ void Connection::watch_for_hang_up() {
                               });
 }
 
-void Connection::command(const Action& action, bool is_kept) {
+void Connection::command(Action action, bool is_kept) {
   if (!std::exchange(has_commanded_, true)) watch_for_hang_up();
   // Nothing is read before the answer, so there is never more than one under way.
   if (action.kind == ActionKind::EditWorld) {
@@ -168,15 +185,7 @@ void Connection::command(const Action& action, bool is_kept) {
           self->on_edited(world, edited, is_kept);
         });
   }
-  if (action.kind == ActionKind::ReadCells) {
-    return context_.commands.read_cells(
-        action.name, id_, [self = shared_from_this(), is_kept](const Result<std::string>& cells) {
-          if (self->is_closed_) return;
-          if (!cells)
-            return self->respond(tl::unexpected(to_request_error(cells.error())), is_kept);
-          self->respond(*cells, is_kept, kBytes);
-        });
-  }
+  if (is_of_whole_world(action.kind)) return move_state(std::move(action), is_kept);
   if (action.kind == ActionKind::ActOnPieces) {
     return context_.commands.act_on_pieces(
         action.name, action.piece_verb, id_,

@@ -35,10 +35,6 @@ Result<void> check_clearable(session::ArmSession& session, const servo::ServoSna
   return fail(Errc::Busy, arm + " is not calibrated yet (" + told(seen.fault) + ")");
 }
 
-tl::unexpected<Error> has_no_world(std::string_view world) {
-  return fail(Errc::NotFound, "this daemon has no world '" + std::string(world) + "'");
-}
-
 // Why an arm in this state cannot come to be driven, whoever asks; success: it may. `safety`:
 // nullptr where there are no such lines.
 Result<void> check_drivable(session::ArmRig& rig, const session::SafetySession* safety) {
@@ -216,26 +212,6 @@ void ArmCommands::end_steady_forces() {
   });
 }
 
-void ArmCommands::read_cells(std::string_view world, api::ClientId client,
-                             api::CellsAnswer answer) {
-  session::WorldHost* host = runtime_.find_world(world);
-  if (host == nullptr) return answer(has_no_world(world));
-  if (host->pieces() != nullptr) return pieces_.look(*host, client, std::move(answer));
-  answer(host->cells());
-}
-
-Result<std::string> ArmCommands::save_world(std::string_view world) {
-  session::WorldHost* host = runtime_.find_world(world);
-  if (host == nullptr) return has_no_world(world);
-  return host->save_state();
-}
-
-Result<std::uint64_t> ArmCommands::load_world(std::string_view world, std::string_view state) {
-  session::WorldHost* host = runtime_.find_world(world);
-  if (host == nullptr) return has_no_world(world);
-  return host->load_state(state);
-}
-
 void ArmCommands::client_gone(api::ClientId client) {
   for (const Wait& wait : waits_) {
     if (wait.client == client) withdraw(wait);  // nobody is left to be told what comes of it
@@ -247,6 +223,7 @@ void ArmCommands::client_gone(api::ClientId client) {
   end_steady_forces();
   edits_.client_gone(client);
   pieces_.client_gone(client);
+  whole_.client_gone(client);
   if (!leases_.drop_client(client.value).empty()) apply_leases();
 }
 
@@ -267,6 +244,7 @@ void ArmCommands::poll() {
   for (const auto& [answer, verdict] : answers) answer(verdict);
   edits_.poll();
   pieces_.poll();
+  whole_.poll();
 }
 
 ArmCommands::Verdict ArmCommands::judge(Wait& wait) {

@@ -9,6 +9,7 @@
 #include "daemon/api/commands.hpp"
 #include "daemon/app/leases.hpp"
 #include "daemon/app/piece_actions.hpp"
+#include "daemon/app/whole_worlds.hpp"
 #include "daemon/app/world_edits.hpp"
 #include "daemon/session/runtime.hpp"
 #include "daemon/session/safety_session.hpp"
@@ -20,7 +21,8 @@ namespace thimble::app {
 // activation when the arm is active or waits for a person to calibrate it or to bring it into its
 // world, a cleared fault when the arm has left it, for which the safety chain is let go first. What
 // cannot come true is refused at once, with the cause. Edits of worlds are handed on to WorldEdits,
-// and what is done to pieces to PieceActions.
+// what is done to pieces to PieceActions, and whole worlds that are read or put back to
+// WholeWorlds.
 //
 // Thread: the net plane's one thread. Not RT.
 // Ownership: runtime, leases and clock must outlive it; the clock never decides about an arm,
@@ -35,7 +37,8 @@ class ArmCommands final : public api::Commands {
         clock_(clock),
         safety_(safety),
         edits_(runtime),
-        pieces_(runtime, clock) {}
+        pieces_(runtime, clock),
+        whole_(runtime, pieces_, clock) {}
 
   void activate(std::string_view arm, api::ClientId client, api::Answer answer) override;
   void deactivate(std::string_view arm, api::ClientId client, api::Answer answer) override;
@@ -53,9 +56,16 @@ class ArmCommands final : public api::Commands {
                      api::PieceAnswer answer) override {
     pieces_.submit(world, verb, client, std::move(answer));
   }
-  void read_cells(std::string_view world, api::ClientId client, api::CellsAnswer answer) override;
-  Result<std::string> save_world(std::string_view world) override;
-  Result<std::uint64_t> load_world(std::string_view world, std::string_view state) override;
+  void read_cells(std::string_view world, api::ClientId client, api::CellsAnswer answer) override {
+    whole_.read_cells(world, client, std::move(answer));
+  }
+  void save_world(std::string_view world, api::ClientId client, api::StateAnswer answer) override {
+    whole_.save(world, client, std::move(answer));
+  }
+  void load_world(std::string_view world, std::string state, api::ClientId client,
+                  api::LoadAnswer answer) override {
+    whole_.load(world, std::move(state), client, std::move(answer));
+  }
   void client_gone(api::ClientId client) override;
 
   // Answers those whose command has come true or never will. Call it every few ms.
@@ -108,6 +118,7 @@ class ArmCommands final : public api::Commands {
   session::SafetySession* safety_;
   WorldEdits edits_;
   PieceActions pieces_;
+  WholeWorlds whole_;  // after the pieces that it has looked at
   std::vector<Wait> waits_;
   std::vector<Steady> steady_;
 };

@@ -68,15 +68,15 @@ void PieceActions::submit(std::string_view world, api::PieceVerb verb, api::Clie
   waits_.push_back({host, *number, client, clock_.now() + kPatience, std::move(answer)});
 }
 
-void PieceActions::look(session::WorldHost& host, api::ClientId client, api::CellsAnswer answer) {
+void PieceActions::look(session::WorldHost& host, api::ClientId client, Looked answer) {
   const auto number = host.pieces()->submit(PieceAction::Look);
   if (!number) {
     return answer(tl::unexpected(number.error().in("world '" + host.name() + "'")));
   }
-  const auto on_done = [&host, answer = std::move(answer)](const Result<api::PieceDone>& done) {
+  const auto on_done = [answer = std::move(answer)](const Result<api::PieceDone>& done) {
     if (!done) return answer(tl::unexpected(done.error()));
     if (!done->is_done) return answer(fail(Errc::Busy, done->outcome));
-    answer(host.cells());
+    answer({});
   };
   waits_.push_back({&host, *number, client, clock_.now() + kPatience, on_done});
 }

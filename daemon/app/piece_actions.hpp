@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string_view>
 #include <vector>
 
@@ -23,8 +24,10 @@ class PieceActions {
 
   void submit(std::string_view world, api::PieceVerb verb, api::ClientId client,
               api::PieceAnswer answer);
-  // Where pieces are now, as WorldHost::cells(). A world without pieces is a mistake of the caller.
-  void look(session::WorldHost& host, api::ClientId client, api::CellsAnswer answer);
+  // Has the board looked at, so that WorldHost::cells() are those of now. A world without pieces is
+  // a mistake of the caller.
+  using Looked = std::function<void(const Result<void>&)>;
+  void look(session::WorldHost& host, api::ClientId client, Looked answer);
   // Its answers do not come; what it asked for is done all the same.
   void client_gone(api::ClientId client);
   // Answers what has been done. Call it every few ms.

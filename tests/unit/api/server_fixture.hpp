@@ -84,14 +84,22 @@ class FakeDaemon : public StatusView, public Commands {
     if (world != "dish") return answer(fail(Errc::Unsupported, "it is made of no cells"));
     answer(std::string("NRRD{}\n"));
   }
-  Result<std::string> save_world(std::string_view world) override {
-    if (world != "dish") return fail(Errc::Unsupported, "it does not run");
-    return state;
+  void save_world(std::string_view world, ClientId, StateAnswer answer) override {
+    if (world != "dish") return answer(fail(Errc::Unsupported, "it does not run"));
+    if (is_slow) {
+      later_state = std::move(answer);
+    } else {
+      answer(state);
+    }
   }
-  Result<std::uint64_t> load_world(std::string_view world, std::string_view bytes) override {
-    if (world != "dish") return fail(Errc::Unsupported, "it does not run");
-    state = bytes;
-    return 12;
+  void load_world(std::string_view world, std::string bytes, ClientId, LoadAnswer answer) override {
+    if (world != "dish") return answer(fail(Errc::Unsupported, "it does not run"));
+    state = std::move(bytes);
+    if (is_slow) {
+      later_load = std::move(answer);
+    } else {
+      answer(12);
+    }
   }
   void client_gone(ClientId client) override {
     log.push_back("gone");
@@ -104,8 +112,10 @@ class FakeDaemon : public StatusView, public Commands {
   ClientId holder{};
   std::size_t padding{1};
   mutable int statuses{0};  // asked for
-  bool is_slow{false};      // keeps the answer to clear-fault
+  bool is_slow{false};      // keeps the answers to clear-fault and of states
   Answer later;
+  StateAnswer later_state;
+  LoadAnswer later_load;
 };
 
 // A client on a plain non-blocking descriptor, so that nothing of the server's library tests

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <utility>
 
 #include "tests/unit/api/server_fixture.hpp"
 
@@ -63,6 +64,41 @@ TEST_F(ServerTest, RefusesAStateBeyondItsLimitByItsHeader) {
   EXPECT_THAT(ask(client, request.substr(0, request.find("\r\n\r\n") + 4)),
               StartsWith("HTTP/1.1 413"));
   EXPECT_TRUE(ends(client));
+}
+
+TEST_F(ServerTest, ServesOthersWhileAStateWaitsForItsTurn) {
+  start();
+  daemon_.is_slow = true;
+  Client slow(settings_.socket_path);
+  slow.send(get("dish"));
+  ASSERT_TRUE(until([&] { return daemon_.later_state != nullptr; }));
+  Client other(settings_.socket_path);
+  EXPECT_THAT(ask(other, kGetStatus), StartsWith("HTTP/1.1 200"));
+  EXPECT_TRUE(slow.receive());
+  EXPECT_EQ(slow.received, "");
+  std::exchange(daemon_.later_state, nullptr)(std::string("{}\n"));
+  ASSERT_TRUE(until([&] { return slow.receive() && slow.received.ends_with("}\n"); }));
+  EXPECT_THAT(slow.received, AllOf(StartsWith("HTTP/1.1 200"), HasSubstr("\r\n\r\n{}\n")));
+}
+
+// Whoever does the work is told that nobody waits for it any more; an answer that comes all the
+// same does no harm.
+TEST_F(ServerTest, NoticesAClientThatGoesWhileItsStateWaits) {
+  start();
+  daemon_.is_slow = true;
+  {
+    Client client(settings_.socket_path);
+    client.send(get("dish"));
+    ASSERT_TRUE(until([&] { return daemon_.later_state != nullptr; }));
+    Client other(settings_.socket_path);
+    other.send(put("x"));
+    ASSERT_TRUE(until([&] { return daemon_.later_load != nullptr; }));
+  }
+  EXPECT_TRUE(until([&] { return sut_->connections() == 0; }));
+  EXPECT_THAT(daemon_.log, testing::ElementsAre("gone", "gone"));
+  sut_.reset();
+  daemon_.later_state(std::string("{}\n"));
+  daemon_.later_load(12);
 }
 
 }  // namespace

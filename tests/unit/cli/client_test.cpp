@@ -47,11 +47,11 @@ class FakeDaemon : public api::StatusView, public api::Commands {
   void read_cells(std::string_view, api::ClientId, api::CellsAnswer answer) override {
     answer(std::string("NRRD{}\n"));
   }
-  Result<std::string> save_world(std::string_view) override {
-    return fail(Errc::Unsupported, "nothing runs here");
+  void save_world(std::string_view, api::ClientId, api::StateAnswer answer) override {
+    answer(fail(Errc::Unsupported, "nothing runs here"));
   }
-  Result<std::uint64_t> load_world(std::string_view, std::string_view) override {
-    return fail(Errc::Unsupported, "nothing runs here");
+  void load_world(std::string_view, std::string, api::ClientId, api::LoadAnswer answer) override {
+    answer(fail(Errc::Unsupported, "nothing runs here"));
   }
   void client_gone(api::ClientId) override {}
 };
