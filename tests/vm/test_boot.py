@@ -39,8 +39,7 @@ class Boot(guest.GuestTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.guest.run("for name in member other; do adduser --quiet --disabled-password --gecos '' $name; done; "
-                      "adduser --quiet member thimble-users")
+        cls.guest.run("useradd --create-home member; useradd --create-home other; adduser --quiet member thimble-users")
         cls.guest.wait_for("systemctl is-active thimbled")
         # Before any test touches it.
         cls.first_words = cls.guest.run("journalctl --no-pager -b -u thimbled")

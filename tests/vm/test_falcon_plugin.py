@@ -1,4 +1,4 @@
-"""The Falcon's own driver as a shared object, which the packaged daemon loads in place of the one that it was built with: the same as in test_falcon.py and test_guard.py."""
+"""The Falcon's own driver as a shared object, which the packaged daemon loads in place of the one that it was built with: the same as in test_falcon.py and lets_go.py."""
 
 import arms
 import test_falcon

@@ -1,99 +1,11 @@
-"""A daemon that is killed, stopped or hangs while a hand presses on a wall: the arm's guard lets it go, and nothing comes back unasked.
-
-A HID arm, whose own watchdog takes 500 ms, one on a serial port, whose takes 100 ms, and a Falcon, which has none: what lets go earlier is the guard. The guest's clock counts
-instructions, so that the time between the blow and the last force may be asserted. The blow is told by CLOCK_MONOTONIC, the force by the machine's time, CLOCK_BOOTTIME (decision 0410): both agree
-in a guest that has never slept.
-"""
-
-import json
+"""A HID arm on USB, whose own watchdog takes 500 ms, and a Falcon, which has none, while the daemon is killed, stopped or hangs: lets_go.py. Arms of the other buses: test_guard_kinds.py."""
 
 import arms
 import guest
-import simdev
-
-LET_GO_S = 0.05
+import lets_go
 
 
-class LetsGo:
-    """Whatever happens to the daemon. `plug_in()`: makes the arm; `STARTED_ANEW`: the state that the next daemon finds it in."""
-
-    pace = guest.COUNTED
-    STARTED_ANEW = "calibrating"
-    FREE, IN_A_WALL = "move 0 0 0 0.1", "move 0.018 0 0 0.15"
-    # Of systemd's seconds, those that surely pass: RestartSec, and WatchdogSec before it.
-    RESTART_S = 1.2
-    WATCHDOG_S = 3.9
-    is_first = True
-
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        cls.arm = cls.plug_in()
-
-    def start_anew(self):
-        self.guest.run("systemctl reset-failed thimbled; systemctl restart thimbled")
-
-    def bring_home(self):
-        """For a daemon that has begun anew."""
-        self.arm.calibrate()
-
-    def setUp(self):
-        if not self.is_first:  # the daemon of that one has just begun
-            self.start_anew()
-        type(self).is_first = False
-        self.arm.activate()
-        self.arm.say(self.FREE)
-        self.guest.sleep(0.15)
-        self.arm.say(self.IN_A_WALL)
-        self.guest.sleep(0.3)
-        self.guest.run("systemctl list-units --no-legend 'thimble-guard@*' | grep -q running")
-
-    def let_go_after(self, blow):
-        """The blow, a step which prints when it fell, and when the motors' last force was: the time between."""
-        fell_s = float(self.guest.steps(blow, ("sleep", 0.3))[0])
-        # More than what has passed: between two commands an idle guest's clock runs ahead.
-        samples = [(entry["machine_s"], simdev.norm(entry["force_newton"])) for entry in self.arm.samples(2.5)]
-        before = [force for at_s, force in samples if fell_s - 0.05 < at_s < fell_s]
-        self.assertTrue(before and min(before) > 0.3, before)
-        self.assertGreater(samples[-1][0], fell_s + 0.2)
-        return max(at_s for at_s, force in samples if force > simdev.NOTHING_NEWTON) - fell_s
-
-    def assert_without_force(self, seconds=1):
-        self.assertLess(max(self.arm.forces(seconds)), simdev.NOTHING_NEWTON)
-
-    def assert_started_anew_without_force(self, after_s):
-        # In the guest, and seldom: each look is half as dear as the time that passes between.
-        self.guest.run(f"sleep {after_s}; until systemctl show thimbled -p NRestarts | grep -qx NRestarts=1 && systemctl is-active thimbled; do sleep 0.3; done", 240)
-        arm = json.loads(simdev.wait_for_state(self.guest, self.STARTED_ANEW))
-        self.assertEqual(arm["lease"], "none")
-        self.guest.sleep(0.5)
-        self.assert_without_force()
-        return arm
-
-    def test_killed(self):
-        self.assertLess(self.let_go_after(("signal", "SIGKILL")), LET_GO_S)
-        if self.assert_started_anew_without_force(self.RESTART_S)["state"] == "calibrating":
-            self.bring_home()
-        # Nor does anything with a person who brings the arm home, and into the wall.
-        arm = json.loads(simdev.wait_for_state(self.guest, "inactive"))
-        self.assertEqual(arm["lease"], "none")
-        self.arm.say(self.IN_A_WALL)
-        self.guest.sleep(0.3)
-        self.assert_without_force(0.2)
-
-    def test_stopped(self):
-        self.assertLess(self.let_go_after(("signal", "SIGSTOP")), LET_GO_S)
-        self.assert_started_anew_without_force(self.WATCHDOG_S)
-
-    def test_a_servo_that_hangs(self):
-        self.assertLess(self.let_go_after(("hang", "servo-right", 0.5)), LET_GO_S)
-        arm = json.loads(simdev.wait_for_state(self.guest, "fault"))
-        self.assertIn("servo-late", [fault["code"] for fault in arm["faults"]])
-        self.guest.sleep(0.5)
-        self.assert_without_force(0.5)
-
-
-class HidArm(LetsGo, guest.GuestTest):
+class HidArm(lets_go.LetsGo, guest.GuestTest):
     """On USB: its guard has hiddev."""
 
     @classmethod
@@ -107,39 +19,7 @@ class HidArm(LetsGo, guest.GuestTest):
         self.assertIn("Watchdog timeout", self.guest.run("journalctl -u thimbled -n 30"))
 
 
-class HidArmWithoutUsb(LetsGo, guest.GuestTest):
-    """Its guard has hidraw. The form of the family whose reports, and so whose zero, have 64 bytes."""
-
-    FREE, IN_A_WALL = "move 0 -0.034 0.0495 0.1", "move 0 -0.034 0.064 0.15"
-
-    @classmethod
-    def plug_in(cls):
-        return arms.TeensyArm(cls.guest)
-
-
-class TextArm(LetsGo, guest.GuestTest):
-    """Where it was calibrated before, a new daemon does not see the button pressed: it is switched off and on, as the instruction says."""
-
-    @classmethod
-    def plug_in(cls):
-        return arms.TextArm(cls.guest)
-
-    def start_anew(self):
-        self.guest.run("systemctl stop thimbled")
-        self.arm.say("unplug", "plug")
-        self.arm.plug()
-        super().start_anew()
-
-    def bring_home(self):
-        self.arm.say("unplug")
-        simdev.wait_for_state(self.guest, "lost")
-        self.arm.say("plug")
-        self.arm.plug()
-        simdev.wait_for_state(self.guest, "calibrating")
-        super().bring_home()
-
-
-class Falcon(LetsGo, guest.GuestTest):
+class Falcon(lets_go.LetsGo, guest.GuestTest):
     """Its firmware goes on while the daemon is away, and knows where the arm is."""
 
     STARTED_ANEW = "inactive"

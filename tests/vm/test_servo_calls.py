@@ -1,4 +1,4 @@
-"""What the servo thread of the packaged daemon asks of a stock kernel and of the C library while it drives a real bus: HID on USB, usbfs, a serial port.
+"""What the servo thread of the packaged daemon asks of a stock kernel and of the C library while it drives a real bus: HID on USB, usbfs. Other buses: test_servo_calls_kinds.py.
 
 strace tells the system calls, probes of the kernel in the C library the allocations. Both see the threads of the bus, too, whose calls
 may block and allocate: that is how the tests know that they see. Beside the HID arm the daemon has safety lines on a CP2112, whose every read blocks.
@@ -101,17 +101,6 @@ class Hid(guest.GuestTest):
                 self.assertEqual([call for call in counts if not call.split(" by ")[1].startswith(self.libraries)], [])
         # It does see them: who answers for the status takes memory, by our program and by the C++ library.
         self.assertTrue(any(f"malloc by {taker}" in counts for counts in calls.values() for taker in ("thimbled", "libstdc++.so.6.0.30")))
-
-
-class Uhid(Hid):
-    """It has no hiddev, as a HID device on Bluetooth has none: what leaves for it takes hidraw."""
-
-    blocking_call = "write(", "</dev/hidraw"
-    test_its_safety_lines_are_read_by_a_thread_of_their_own = None
-
-    @classmethod
-    def plug_in(cls):
-        return arms.HidArm(cls.guest, rate_hz=arms.FULL_HZ)
 
 
 class Usbfs(Hid):

@@ -26,8 +26,7 @@ class Udev(guest.GuestTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.guest.run("adduser --quiet --disabled-password --gecos '' member; "
-                      "adduser --quiet member thimble-users")
+        cls.guest.run("useradd --create-home --groups thimble-users member")
 
     def plug(self, vendor, product):
         """A HID device until unplug(): its node."""
