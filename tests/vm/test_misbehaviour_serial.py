@@ -42,3 +42,14 @@ class SerialArm(misbehaviour.Misbehaviour, guest.GuestTest):
 
     def test_3_serial_ports_that_lie_in_place_of_it(self):
         self.lie_in_place_of(misbehaviour.RIGHT, TEXT_IDS, LIES)
+
+
+class SerialArmThatFallsMute(SerialArm):
+    """Where the kernel gives way, its cdc_acm forgets a halt and reads nothing any more (decision 0487): the status says so, and plugged in anew the arm works."""
+
+    gives_way = True
+    test_3_serial_ports_that_lie_in_place_of_it = None
+
+    def test_2_it_misbehaves(self):
+        self.assert_bounded(misbehaviour.RIGHT, misbehaviour.HALTS)
+        self.assertEqual(self.replugs, 1)

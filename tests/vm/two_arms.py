@@ -36,12 +36,11 @@ def longest_gaps(log):
 
 
 class TwoArms(guest.GuestTest):
-    """Both by `way`, uhid or usb of arms.WAYS. Each test goes on where the one before it ended. `gap_s`: as GAP_S. `gives_way`: the kernel,
-    to a real-time thread, also where it computes for another one; else it is as Debian boots it."""
+    """Both by `way`, uhid or usb of arms.WAYS. Each test goes on where the one before it ended. `gap_s`: as GAP_S.
+    The kernel gives way as Debian has it (decision 0524)."""
 
     way = "uhid"
     gap_s = GAP_S
-    gives_way = True
 
     # Two devices take a third of the processor here; at twice the time an instruction the world's thread would wait for them.
     pace = guest.COUNTED
@@ -54,9 +53,7 @@ class TwoArms(guest.GuestTest):
         if cls.way == "usb":
             cls.left.attach()
         cls.guest.wait_for(f"thimble devices | grep -q {BESIDE}")
-        if cls.gives_way:
-            # A fork or an enumeration keeps the only processor for longer than a sample lives otherwise (decision 0487).
-            cls.guest.run(guest.GIVES_WAY)
+        cls.guest.run(guest.GIVES_WAY_AS_DEBIAN_HAS_IT)
         # Before the arms are looked at: its coming takes the only processor for longer than a servo waits.
         cls.plug_in_others()
         cls.right.words = f"{cls.right.words}\nworld = \"box\"\n{LEFT}"
