@@ -65,10 +65,9 @@ struct PieceDone {
 };
 using PieceAnswer = std::function<void(const Result<PieceDone>&)>;
 
-// A world's cells as an NRRD file.
-using CellsAnswer = std::function<void(const Result<std::string>&)>;
-// A world's state as a file; of one that was put back the steps that it had taken.
-using StateAnswer = std::function<void(const Result<std::string>&)>;
+// A world's cells or its state, as an NRRD file.
+using FileAnswer = std::function<void(const Result<std::string>&)>;
+// Of a state that was put back the steps that it had taken.
 using LoadAnswer = std::function<void(const Result<std::uint64_t>&)>;
 
 // What a client may ask of the daemon. An arm that a client activated is that client's lease:
@@ -111,12 +110,12 @@ class Commands {
                              PieceAnswer answer) = 0;
   // What its cells are, in bytes: 1 where there is matter, of pieces their numbers. No lease. As
   // the two below answered in its turn: many who ask for much wait for each other.
-  virtual void read_cells(std::string_view world, ClientId client, CellsAnswer answer) = 0;
+  virtual void read_cells(std::string_view world, ClientId client, FileAnswer answer) = 0;
   // The state of a world that runs by itself, as a file (docs/worlds/live.md); and one put back:
   // how many steps it had taken. Neither needs a lease; both are done in one go, and what was asked
   // by a client that goes before its turn is not done. Errors: also Malformed for bytes that are no
   // state.
-  virtual void save_world(std::string_view world, ClientId client, StateAnswer answer) = 0;
+  virtual void save_world(std::string_view world, ClientId client, FileAnswer answer) = 0;
   virtual void load_world(std::string_view world, std::string state, ClientId client,
                           LoadAnswer answer) = 0;
   // Called once for every client that sent a command, after its last one.

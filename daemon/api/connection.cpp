@@ -30,12 +30,6 @@ bool is_about_bytes(boost::beast::error_code error) {
          error != http::error::end_of_stream && error != http::error::partial_message;
 }
 
-// Read, or put back.
-bool is_of_whole_world(ActionKind kind) {
-  return kind == ActionKind::ReadCells || kind == ActionKind::SaveWorld ||
-         kind == ActionKind::LoadWorld;
-}
-
 }  // namespace
 
 Connection::Connection(Socket socket, ClientId id, Context context)
@@ -141,31 +135,6 @@ void Connection::perform(const Request& request) {
   command(*std::move(action), is_kept);
 }
 
-void Connection::move_state(Action action, bool is_kept) {
-  const auto on_bytes = [self = shared_from_this(), is_kept](const Result<std::string>& bytes) {
-    self->on_bytes(bytes, is_kept);
-  };
-  if (action.kind == ActionKind::ReadCells) {
-    return context_.commands.read_cells(action.name, id_, on_bytes);
-  }
-  if (action.kind == ActionKind::SaveWorld) {
-    return context_.commands.save_world(action.name, id_, on_bytes);
-  }
-  const auto on_loaded = [self = shared_from_this(), world = action.name,
-                          is_kept](const Result<std::uint64_t>& steps) {
-    if (self->is_closed_) return;
-    if (!steps) return self->respond(tl::unexpected(to_request_error(steps.error())), is_kept);
-    self->respond(to_text(boost::json::object{{"world", world}, {"steps", *steps}}), is_kept);
-  };
-  context_.commands.load_world(action.name, std::move(action.state), id_, on_loaded);
-}
-
-void Connection::on_bytes(const Result<std::string>& bytes, bool is_kept) {
-  if (is_closed_) return;
-  if (!bytes) return respond(tl::unexpected(to_request_error(bytes.error())), is_kept);
-  respond(*bytes, is_kept, kBytes);
-}
-
 // Nothing is read while a command waits for its answer; a client that goes meanwhile takes it back,
 // and its place is free at once. One that only ends its own direction still gets the answer.
 void Connection::watch_for_hang_up() {
@@ -185,7 +154,18 @@ void Connection::command(Action action, bool is_kept) {
           self->on_edited(world, edited, is_kept);
         });
   }
-  if (is_of_whole_world(action.kind)) return move_state(std::move(action), is_kept);
+  if (action.kind == ActionKind::ReadCells) {
+    return context_.commands.read_cells(action.name, id_, file_answer(is_kept));
+  }
+  if (action.kind == ActionKind::SaveWorld) {
+    return context_.commands.save_world(action.name, id_, file_answer(is_kept));
+  }
+  if (action.kind == ActionKind::LoadWorld) {
+    return context_.commands.load_world(
+        action.name, std::move(action.state), id_,
+        [self = shared_from_this(), world = action.name,
+         is_kept](const Result<std::uint64_t>& steps) { self->on_loaded(world, steps, is_kept); });
+  }
   if (action.kind == ActionKind::ActOnPieces) {
     return context_.commands.act_on_pieces(
         action.name, action.piece_verb, id_,
@@ -234,6 +214,21 @@ void Connection::on_edited(const std::string& world, const Result<Edited>& edite
       to_text(boost::json::object{
           {"world", world}, {"edits", edited->edits}, {"changed_cells", edited->changed_cells}}),
       is_kept);
+}
+
+void Connection::on_loaded(const std::string& world, const Result<std::uint64_t>& steps,
+                           bool is_kept) {
+  if (is_closed_) return;
+  if (!steps) return respond(tl::unexpected(to_request_error(steps.error())), is_kept);
+  respond(to_text(boost::json::object{{"world", world}, {"steps", *steps}}), is_kept);
+}
+
+FileAnswer Connection::file_answer(bool is_kept) {
+  return [self = shared_from_this(), is_kept](const Result<std::string>& file) {
+    if (self->is_closed_) return;
+    if (!file) return self->respond(tl::unexpected(to_request_error(file.error())), is_kept);
+    self->respond(*file, is_kept, kBytes);
+  };
 }
 
 void Connection::on_pieces(const std::string& world, const Result<PieceDone>& done, bool is_kept) {

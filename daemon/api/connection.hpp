@@ -62,8 +62,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void on_done(const Action& action, const Result<Done>& done, bool is_kept);
   void on_edited(const std::string& world, const Result<Edited>& edited, bool is_kept);
   void on_pieces(const std::string& world, const Result<PieceDone>& done, bool is_kept);
-  void move_state(Action action, bool is_kept);
-  void on_bytes(const Result<std::string>& bytes, bool is_kept);
+  void on_loaded(const std::string& world, const Result<std::uint64_t>& steps, bool is_kept);
+  [[nodiscard]] FileAnswer file_answer(bool is_kept);
   void respond(tl::expected<std::string, RequestError> body, bool is_kept,
                std::string_view content_type = "application/json");
   [[nodiscard]] Lease lease_of(const std::string& arm) const;

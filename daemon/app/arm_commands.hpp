@@ -56,10 +56,10 @@ class ArmCommands final : public api::Commands {
                      api::PieceAnswer answer) override {
     pieces_.submit(world, verb, client, std::move(answer));
   }
-  void read_cells(std::string_view world, api::ClientId client, api::CellsAnswer answer) override {
+  void read_cells(std::string_view world, api::ClientId client, api::FileAnswer answer) override {
     whole_.read_cells(world, client, std::move(answer));
   }
-  void save_world(std::string_view world, api::ClientId client, api::StateAnswer answer) override {
+  void save_world(std::string_view world, api::ClientId client, api::FileAnswer answer) override {
     whole_.save(world, client, std::move(answer));
   }
   void load_world(std::string_view world, std::string state, api::ClientId client,

@@ -11,8 +11,7 @@ tl::unexpected<Error> has_no_world(std::string_view world) {
 
 }  // namespace
 
-void WholeWorlds::read_cells(std::string_view world, api::ClientId client,
-                             api::CellsAnswer answer) {
+void WholeWorlds::read_cells(std::string_view world, api::ClientId client, api::FileAnswer answer) {
   session::WorldHost* host = runtime_.find_world(world);
   if (host == nullptr) return answer(has_no_world(world));
   if (host->pieces() == nullptr) {
@@ -25,7 +24,7 @@ void WholeWorlds::read_cells(std::string_view world, api::ClientId client,
   paced_.submit(client, [this, host, client, read] { pieces_.look(*host, client, read); });
 }
 
-void WholeWorlds::save(std::string_view world, api::ClientId client, api::StateAnswer answer) {
+void WholeWorlds::save(std::string_view world, api::ClientId client, api::FileAnswer answer) {
   session::WorldHost* host = runtime_.find_world(world);
   if (host == nullptr) return answer(has_no_world(world));
   paced_.submit(client, [host, answer = std::move(answer)] { answer(host->save_state()); });

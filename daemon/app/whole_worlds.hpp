@@ -24,8 +24,8 @@ class WholeWorlds {
 
   // As api::Commands has them. Of pieces the board is looked at when it is their turn, which takes
   // PieceActions::kPatience at most.
-  void read_cells(std::string_view world, api::ClientId client, api::CellsAnswer answer);
-  void save(std::string_view world, api::ClientId client, api::StateAnswer answer);
+  void read_cells(std::string_view world, api::ClientId client, api::FileAnswer answer);
+  void save(std::string_view world, api::ClientId client, api::FileAnswer answer);
   void load(std::string_view world, std::string state, api::ClientId client,
             api::LoadAnswer answer);
   void client_gone(api::ClientId client) { paced_.client_gone(client); }

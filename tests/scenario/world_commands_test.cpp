@@ -14,7 +14,7 @@ constexpr api::ClientId kHer{7};
 constexpr api::ClientId kHim{8};
 
 // Notes who was told, and the beginning of what.
-api::CellsAnswer hear(std::vector<std::string>& told, const std::string& who) {
+api::FileAnswer hear(std::vector<std::string>& told, const std::string& who) {
   return [&told, who](const Result<std::string>& file) {
     told.push_back(who + (file ? file->substr(0, 4) : file.error().message));
   };

@@ -80,11 +80,11 @@ class FakeDaemon : public StatusView, public Commands {
     answer(Edited{edits.size(), 5});
   }
   void act_on_pieces(std::string_view, PieceVerb, ClientId, PieceAnswer) override {}
-  void read_cells(std::string_view world, ClientId, CellsAnswer answer) override {
+  void read_cells(std::string_view world, ClientId, FileAnswer answer) override {
     if (world != "dish") return answer(fail(Errc::Unsupported, "it is made of no cells"));
     answer(std::string("NRRD{}\n"));
   }
-  void save_world(std::string_view world, ClientId, StateAnswer answer) override {
+  void save_world(std::string_view world, ClientId, FileAnswer answer) override {
     if (world != "dish") return answer(fail(Errc::Unsupported, "it does not run"));
     if (is_slow) {
       later_state = std::move(answer);
@@ -114,7 +114,7 @@ class FakeDaemon : public StatusView, public Commands {
   mutable int statuses{0};  // asked for
   bool is_slow{false};      // keeps the answers to clear-fault and of states
   Answer later;
-  StateAnswer later_state;
+  FileAnswer later_state;
   LoadAnswer later_load;
 };
 

@@ -44,10 +44,10 @@ class FakeDaemon : public api::StatusView, public api::Commands {
     answer(api::Done{"active", ""});
   }
   void act_on_pieces(std::string_view, api::PieceVerb, api::ClientId, api::PieceAnswer) override {}
-  void read_cells(std::string_view, api::ClientId, api::CellsAnswer answer) override {
+  void read_cells(std::string_view, api::ClientId, api::FileAnswer answer) override {
     answer(std::string("NRRD{}\n"));
   }
-  void save_world(std::string_view, api::ClientId, api::StateAnswer answer) override {
+  void save_world(std::string_view, api::ClientId, api::FileAnswer answer) override {
     answer(fail(Errc::Unsupported, "nothing runs here"));
   }
   void load_world(std::string_view, std::string, api::ClientId, api::LoadAnswer answer) override {
