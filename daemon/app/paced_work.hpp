@@ -19,8 +19,8 @@ class PacedWork {
  public:
   using Piece = std::function<void()>;
   // Of what a piece took, nothing of the kind is done for so many times as long: ours, a fifth of
-  // the thread at most. Where the most cells there are take 16 ms, 32 connections that each ask for
-  // them have waited for 3 s then, and the command line waits for 5.
+  // the thread at most. On a machine where the most cells there are take 28 ms (here 2), 32
+  // connections that each ask for them have waited for some 5 s then, as the command line does.
   static constexpr int kRests = 4;
 
   explicit PacedWork(const Clock& clock) noexcept : clock_(&clock) {}
