@@ -33,7 +33,9 @@ class Estop(lines.GuestWithLines):
         return self.wait_until("safety.state", state)
 
     def press(self):
+        """For as long as a person does: until both channels were read open together (decision 0355), not only the first of them."""
         self.adapter.say("press 0", "press 1")
+        self.guest.sleep(0.3)
 
     def release(self):
         """A reading that falls between the two is followed by the next one soon enough."""
