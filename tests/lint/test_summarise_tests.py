@@ -35,6 +35,13 @@ class SummariseTests(PlantedTreeTest):
         self.assertIn("FAILED  unit: A.Fails\n", said)
         self.assertTrue(said.endswith("\n1 passed, 1 failed\n"), said)
 
+    def test_names_failures_at_the_end_behind_what_was_skipped(self):
+        other = FAILED.replace("A.Fails", "B.Fails")
+        _, said = self.summarise(FAILED, SKIPPED, other)
+
+        self.assertLess(said.index("skipped unit: A.Skips"), said.index("FAILED  unit: A.Fails"))
+        self.assertTrue(said.endswith("FAILED in all: unit: A.Fails, unit: B.Fails\n0 passed, 2 failed\n"), said)
+
     def test_says_in_a_few_lines_why_something_failed(self):
         output = "".join(f"line {i}\n" for i in range(100))
         race = output + "a.cpp:3: Failure\nExpected: 1\n  actual: 2\n" + output + "SUMMARY: ThreadSanitizer: race in f\n"

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Prints what ctest's JUnit files say: failures, skips with their reason, and the totals.
+"""Prints what ctest's JUnit files say: skips with their reason, failures, and the totals.
 
 usage: summarise_tests.py FOLDER    (a folder of *.xml, one for each step of ./run test)
 Exit status 1 when a test failed or when there is no result at all.
@@ -67,14 +67,17 @@ def main(folder):
     totals = Totals()
     for path in sorted(pathlib.Path(folder).glob("*.xml")):
         read_step(path, totals)
-    for name, why in totals.failed:
-        print(f"FAILED  {name}")
-        for line in why:
-            print(f"    {line[:400]}")
     for name, reason in totals.skipped:
         print(f"skipped {name}: {reason}")
     if not totals.skipped:
         print("nothing was skipped")
+    # Last: the end is what is kept of a long log.
+    for name, why in totals.failed:
+        print(f"FAILED  {name}")
+        for line in why:
+            print(f"    {line[:400]}")
+    if len(totals.failed) > 1:
+        print(f"FAILED in all: {', '.join(name for name, _ in totals.failed)}")
     print(f"{totals.passed} passed, {len(totals.failed)} failed")
     return 1 if totals.failed or not totals.passed else 0
 
