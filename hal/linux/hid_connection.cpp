@@ -17,19 +17,12 @@ constexpr int kReadWait_ms = 10;
 // udevd gives each node its rights when it comes to it, and hiddev's may come after hidraw's. Ours:
 // within HidHost::kPatience.
 constexpr Duration kNodePatience = std::chrono::milliseconds(150);
-constexpr int kNodeLook_ms = 5;
+constexpr Duration kNodeLook = std::chrono::milliseconds(5);
 // No device of full speed takes a report in less: the kernel put it into its queue, as it does
 // while the device is reset, and would fill that with what is old by then. Ours: beside 10 µs that
 // the two calls take by themselves.
 constexpr Duration kNobodyTakesIn = std::chrono::microseconds(30);
 constexpr int kFrame_ms = 1;
-
-// Until somebody signals, at most until `patience_ms` have passed; below 0: for ever.
-void wait_for(EventFd& event, int patience_ms) noexcept {
-  pollfd watched{event.fd(), POLLIN, 0};
-  ::poll(&watched, 1, patience_ms);
-  event.drain();
-}
 
 }  // namespace
 
@@ -63,8 +56,8 @@ HidConnection::~HidConnection() {
 }
 
 Result<void> HidConnection::start() {
-  for (std::unique_ptr<EventFd>* event : {&wake_, &changed_}) {
-    Result<std::unique_ptr<EventFd>> created = EventFd::create();
+  for (std::unique_ptr<WakeEvent>* event : {&wake_, &changed_}) {
+    Result<std::unique_ptr<WakeEvent>> created = WakeEvent::create();
     if (!created.has_value()) return tl::unexpected(created.error());
     *event = std::move(created.value());
   }
@@ -95,8 +88,7 @@ bool HidConnection::has_reached(State state, Duration patience) {
     if (state_.load() >= state) return true;
     const Duration rest = deadline - settings_->clock.now();
     if (rest <= Duration(0)) return false;
-    wait_for(*changed_,
-             static_cast<int>(std::chrono::ceil<std::chrono::milliseconds>(rest).count()));
+    changed_->wait_at_most(rest);
   }
 }
 
@@ -115,7 +107,7 @@ void HidConnection::run() noexcept {
   reach(State::Open);
   while (!is_over_.load()) {
     send();
-    wait_for(*wake_, -1);
+    wake_->wait();
   }
   // The last is the newest that the servo wanted, zero after a fault: an older one that the kernel
   // was slow to deliver must not be what the arm is left with.
@@ -168,7 +160,7 @@ Result<void> HidConnection::open_hiddev_node() {
     if (!may_come || is_over_.load() || settings_->clock.now() >= deadline) {
       return tl::unexpected(system_error(nodes_.hiddev + " cannot be opened", code));
     }
-    wait_for(*wake_, kNodeLook_ms);
+    wake_->wait_at_most(kNodeLook);
   }
 }
 

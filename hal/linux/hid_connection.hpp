@@ -14,11 +14,11 @@
 #include "hal/linux/bus_settings.hpp"
 #include "hal/linux/descriptor.hpp"
 #include "hal/linux/device_calls.hpp"
-#include "hal/linux/event_fd.hpp"
 #include "hal/linux/hid_transfers.hpp"
 #include "hal/linux/hiddev.hpp"
 #include "hal/linux/realtime_thread.hpp"
 #include "hal/linux/shared_device.hpp"
+#include "hal/linux/wake_event.hpp"
 
 namespace thimble::linux {
 
@@ -39,7 +39,7 @@ struct HidNodes {
 class HidConnection {
  public:
   // Begins to open `nodes`, of the device that `info` describes. `opening` is held while hidapi
-  // opens, which does not take two at a time. Errors: of EventFd and RealtimeThread::start().
+  // opens, which does not take two at a time. Errors: of WakeEvent and RealtimeThread::start().
   [[nodiscard]] static Result<std::unique_ptr<HidConnection>> start(HidNodes nodes,
                                                                     const bus::BusDeviceInfo& info,
                                                                     const BusSettings& settings,
@@ -94,8 +94,8 @@ class HidConnection {
   std::mutex* opening_;
   DeviceCalls* calls_;
   bus::HidMailboxes mail_;
-  std::unique_ptr<EventFd> wake_;
-  std::unique_ptr<EventFd> changed_;
+  std::unique_ptr<WakeEvent> wake_;
+  std::unique_ptr<WakeEvent> changed_;
   std::atomic<State> state_{State::Opening};
   std::atomic<bool> is_over_{false};
   Error refusal_;  // once Refused

@@ -17,7 +17,7 @@
 namespace thimble::linux {
 namespace {
 
-constexpr const char* kRefused = " cannot be opened";
+constexpr const char* kLineRefused = " cannot be opened";
 
 // Those of POSIX and Linux from 9600 on; a Teensy takes 134 for "start your boot-loader".
 std::optional<speed_t> speed_of(std::uint32_t bit_per_s) noexcept {
@@ -95,9 +95,9 @@ struct Held {
 
 Result<Descriptor> open_serial_line(const std::string& node, const bus::SerialLine& line) {
   Descriptor opened(::open(node.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
-  if (opened.get() < 0) return tl::unexpected(system_error(node + kRefused, errno));
+  if (opened.get() < 0) return tl::unexpected(system_error(node + kLineRefused, errno));
   if (::flock(opened.get(), LOCK_EX | LOCK_NB) != 0) {
-    if (errno != EWOULDBLOCK) return tl::unexpected(system_error(node + kRefused, errno));
+    if (errno != EWOULDBLOCK) return tl::unexpected(system_error(node + kLineRefused, errno));
     return fail(Errc::Busy, node + " is held by another daemon, or locked by another program");
   }
   const Result<void> ready = set_up(opened.get(), node, line);
