@@ -65,8 +65,9 @@ Result<void> Daemon::start(const linux::RealtimeProcess& process) {
   Result<std::unique_ptr<linux::EventFd>> wake = linux::EventFd::create();
   if (!wake) return tl::unexpected(wake.error());
   wake_descriptor_.assign((wake_ = *std::move(wake))->fd());
-  recorder_ = std::make_unique<RecordingWriter>(config_.daemon.flight_directory.value_or(
-      config::default_flight_directory(config::process_environment())));
+  const std::string usual = config::default_flight_directory(config::process_environment());
+  recorder_ = std::make_unique<RecordingWriter>(config_.daemon.flight_directory.value_or(usual),
+                                                config_.arms.size());
 
   if (has_real_device(config_)) {
     if (Result<void> found = start_buses(process); !found) return found;

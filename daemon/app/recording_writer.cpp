@@ -1,5 +1,6 @@
 #include "daemon/app/recording_writer.hpp"
 
+#include <algorithm>
 #include <mutex>
 #include <string>
 #include <utility>
@@ -16,10 +17,12 @@ struct RecordingWriter::Shared {
   std::size_t waiting{0};  // also the one that is being written
 };
 
-RecordingWriter::RecordingWriter(const std::string& directory)
-    : RecordingWriter([directory](const session::Recording& recording) {
-        return store_recording(directory, recording.header, recording.frames);
-      }) {
+RecordingWriter::RecordingWriter(const std::string& directory, std::size_t arms)
+    : RecordingWriter(
+          [directory](const session::Recording& recording) {
+            return store_recording(directory, recording.header, recording.frames);
+          },
+          arms) {
   worker_.post([shared = shared_, directory] {
     const Result<void> checked = contain([&] { return check_recordings_can_be_made(directory); });
     if (checked) return;
@@ -28,18 +31,19 @@ RecordingWriter::RecordingWriter(const std::string& directory)
   });
 }
 
-RecordingWriter::RecordingWriter(Store store) : shared_(std::make_shared<Shared>()) {
+RecordingWriter::RecordingWriter(Store store, std::size_t arms)
+    : shared_(std::make_shared<Shared>()), most_waiting_(std::max(arms, kFewestWaiting)) {
   shared_->store = std::move(store);
 }
 
 void RecordingWriter::write(session::Recording recording) {
   {
     const std::lock_guard lock(shared_->mutex);
-    if (shared_->waiting == kMostWaiting) {
+    if (shared_->waiting == most_waiting_) {
       const servo::FlightHeader& header = recording.header;
       shared_->finished.push_back({header.arm, header.fault, "",
                                    "the disk still has not taken the " +
-                                       std::to_string(kMostWaiting) + " recordings before it",
+                                       std::to_string(most_waiting_) + " recordings before it",
                                    0});
       return;
     }

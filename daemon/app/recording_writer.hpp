@@ -27,14 +27,18 @@ class RecordingWriter {
     std::string error;       // why
     std::size_t removed{0};  // older recordings that made room
   };
-  // Half a megabyte each at 1 kHz, 4 MB at 8 kHz, in memory that is locked. Ours.
-  static constexpr std::size_t kMostWaiting = 4;
+  // For as many arms as this, or more: one stop of all of them is recorded, and a disk that hangs
+  // holds no more. Half a megabyte each at 1 kHz, 4 MB at 8 kHz, in memory that is locked; twice
+  // that has each arm's recorder. Ours.
+  static constexpr std::size_t kFewestWaiting = 4;
   using Store = std::function<Result<StoredRecording>(const session::Recording&)>;
 
-  explicit RecordingWriter(const std::string& directory);
-  explicit RecordingWriter(Store store);
+  // Of so many arms.
+  RecordingWriter(const std::string& directory, std::size_t arms);
+  RecordingWriter(Store store, std::size_t arms);
 
-  // When kMostWaiting are not on the disk yet, this one is lost, and told so by finished().
+  // When one for each arm, or kFewestWaiting, are not on the disk yet, this one is lost, and told
+  // so by finished().
   void write(session::Recording recording);
   // What has been finished since the last call.
   [[nodiscard]] std::vector<Outcome> finished();
@@ -46,6 +50,7 @@ class RecordingWriter {
  private:
   struct Shared;
   std::shared_ptr<Shared> shared_;  // of the worker, too
+  std::size_t most_waiting_;
   linux::BackgroundWorker worker_;
 };
 

@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <future>
 #include <memory>
 #include <stdexcept>
+#include <string>
 
 #include "tests/support/temporary_folder.hpp"
 
@@ -46,7 +48,7 @@ class StuckDisk {
 };
 
 TEST(RecordingWriter, TellsOfEachRecordingInTheirOrderOnce) {
-  RecordingWriter sut(stored_as_its_arm);
+  RecordingWriter sut(stored_as_its_arm, 1);
   for (const char* arm : {"right", "left", "third"}) sut.write(recording_of(arm));
   ASSERT_TRUE(sut.flush(kLong));
   const auto outcomes = sut.finished();
@@ -58,8 +60,8 @@ TEST(RecordingWriter, TellsOfEachRecordingInTheirOrderOnce) {
 
 TEST(RecordingWriter, DoubtsAFolderThatTakesNoneOnce) {
   const testing_support::TemporaryFolder folder;
-  RecordingWriter good(folder.path().string());
-  RecordingWriter bad(folder.write("file", "x"));
+  RecordingWriter good(folder.path().string(), 1);
+  RecordingWriter bad(folder.write("file", "x"), 1);
   ASSERT_TRUE(good.flush(kLong) && bad.flush(kLong));
   EXPECT_EQ(good.take_doubt(), std::nullopt);
   EXPECT_EQ(bad.take_doubt(), (folder / "file").string() + ": Not a directory");
@@ -68,15 +70,16 @@ TEST(RecordingWriter, DoubtsAFolderThatTakesNoneOnce) {
 }
 
 TEST(RecordingWriter, HasNothingToFlushAtFirst) {
-  RecordingWriter sut(stored_as_its_arm);
+  RecordingWriter sut(stored_as_its_arm, 1);
   EXPECT_TRUE(sut.flush(kNoPatience));
 }
 
 TEST(RecordingWriter, TellsWhyOneWasNotWritten) {
-  RecordingWriter sut([](const session::Recording& recording) -> Result<StoredRecording> {
+  const auto store = [](const session::Recording& recording) -> Result<StoredRecording> {
     if (recording.header.arm == "right") return fail(Errc::System, "the disk is full");
     throw std::runtime_error("no memory");
-  });
+  };
+  RecordingWriter sut(store, 2);
   sut.write(recording_of("right"));
   sut.write(recording_of("left"));
   ASSERT_TRUE(sut.flush(kLong));
@@ -88,7 +91,7 @@ TEST(RecordingWriter, TellsWhyOneWasNotWritten) {
 
 TEST(RecordingWriter, AStuckDiskIsToldAndDoneWithOnceItMovesAgain) {
   StuckDisk disk;
-  RecordingWriter sut(disk.store());
+  RecordingWriter sut(disk.store(), 1);
   sut.write(recording_of("right"));
   disk.wait_until_begun();
   EXPECT_FALSE(sut.flush(kNoPatience));
@@ -98,35 +101,44 @@ TEST(RecordingWriter, AStuckDiskIsToldAndDoneWithOnceItMovesAgain) {
   EXPECT_EQ(sut.finished().size(), 1U);
 }
 
-// Four arms that stop at once are recorded; whatever stops while nothing moves costs no memory.
-TEST(RecordingWriter, AStuckDiskHasFourWaitAndTheRestIsToldAsLostAtOnce) {
-  auto release = std::make_shared<std::promise<void>>();
-  const std::shared_future<void> released = release->get_future().share();
-  RecordingWriter sut([released](const session::Recording& recording) {
+// As many as there are arms may stop at once, and four of fewer; whatever stops while nothing moves
+// costs no memory.
+class StuckDiskOfArms : public ::testing::TestWithParam<std::size_t> {};
+
+TEST_P(StuckDiskOfArms, HasOneOfEachArmWaitAndTheRestIsToldAsLostAtOnce) {
+  const std::size_t kept = std::max<std::size_t>(GetParam(), 4);
+  std::promise<void> release;
+  const auto store = [released = release.get_future().share()](const session::Recording& one) {
     released.wait();
-    return stored_as_its_arm(recording);
-  });
-  for (std::size_t i = 0; i < RecordingWriter::kMostWaiting; ++i) sut.write(recording_of("kept"));
+    return stored_as_its_arm(one);
+  };
+  RecordingWriter sut(store, GetParam());
+  for (std::size_t i = 0; i < kept; ++i) sut.write(recording_of("kept"));
   EXPECT_TRUE(sut.finished().empty());
   for (int i = 0; i < 100; ++i) sut.write(recording_of("lost"));
   const auto lost = sut.finished();
-  ASSERT_EQ(lost.size(), 100U);
-  EXPECT_EQ(lost[0].arm, "lost");
-  EXPECT_EQ(lost[0].path, "");
-  EXPECT_NE(lost[0].error.find("disk"), std::string::npos);
-  release->set_value();
+  EXPECT_EQ(lost.size(), 100U);
+  for (const RecordingWriter::Outcome& one : lost) {
+    EXPECT_EQ(one.arm, "lost");
+    EXPECT_EQ(one.path, "");
+    EXPECT_EQ(one.error,
+              "the disk still has not taken the " + std::to_string(kept) + " recordings before it");
+  }
+  release.set_value();
   ASSERT_TRUE(sut.flush(kLong));
-  EXPECT_EQ(sut.finished().size(), RecordingWriter::kMostWaiting);
+  EXPECT_EQ(sut.finished().size(), kept);
   sut.write(recording_of("later"));
   ASSERT_TRUE(sut.flush(kLong));
   EXPECT_EQ(sut.finished().at(0).path, "/flights/later") << "there is room again";
 }
 
+INSTANTIATE_TEST_SUITE_P(Arms, StuckDiskOfArms, ::testing::Values(0, 1, 4, 5, 32));
+
 // It would hang here for ever.
 TEST(RecordingWriter, AStuckDiskKeepsNobodyFromEnding) {
   StuckDisk disk;
   {
-    RecordingWriter sut(disk.store());
+    RecordingWriter sut(disk.store(), 1);
     sut.write(recording_of("right"));
     sut.write(recording_of("left"));  // is not begun: the disk would take the second promise ill
     disk.wait_until_begun();
