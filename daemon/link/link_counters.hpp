@@ -88,5 +88,8 @@ struct LinkStatus {
 // A peer that says nothing for so long is gone: the link is down at an arm end, the session
 // is free for another at a world end. Ours; four times the age at which constraints fade.
 inline constexpr Duration kSilence = std::chrono::seconds(1);
+// The same of a session in which nothing has come yet, for what comes first is a whole round trip
+// on its way. Ours: twice the longest that can be injected, and some.
+inline constexpr Duration kFirstSilence = std::chrono::seconds(5);
 
 }  // namespace thimble::link

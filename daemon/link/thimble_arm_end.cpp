@@ -227,6 +227,7 @@ void ThimbleArmEnd::take_welcome(const ThimbleHeader& header, const ThimbleDatag
   told_session_ = 0;
   last_error_.clear();
   ++counters_.sessions_opened;
+  has_begun_ = false;
   heard(welcome.timing, now);
 }
 
@@ -271,6 +272,7 @@ bool ThimbleArmEnd::take_from_session(const ThimbleHeader& header, const Thimble
     if (counters_.lost > 0) --counters_.lost;  // it was counted when the newer one came
     return false;
   }
+  has_begun_ = true;
   heard(is_idle ? idle.timing : constraints.timing, now);
   if (!is_idle) return accept(constraints, now, out);
   account(idle.request);
@@ -322,12 +324,17 @@ bool ThimbleArmEnd::accept(const ThimbleConstraints& reply, MonotonicTime now,
   return true;
 }
 
+std::optional<MonotonicTime> ThimbleArmEnd::silent_at() const noexcept {
+  if (!heard_at_) return std::nullopt;
+  return *heard_at_ + (has_begun_ ? kSilence : kFirstSilence);
+}
+
 void ThimbleArmEnd::judge_silence(MonotonicTime now) noexcept {
   if (accepted_at_ && now >= *accepted_at_ + kSilence) {
     accepted_at_.reset();
     round_trip_.reset();
   }
-  if (!heard_at_ || now < *heard_at_ + kSilence) return;
+  if (!heard_at_ || now < *silent_at()) return;
   heard_at_.reset();
   accepted_at_.reset();
   round_trip_.reset();
@@ -345,7 +352,7 @@ std::optional<MonotonicTime> ThimbleArmEnd::next_due() const {
   take_earlier(due, incoming_.next_due());
   if (pending_ && is_open()) take_earlier(due, gate_.deadline());
   if (pending_ && asking_ && !is_open()) take_earlier(due, asking_->next_hello);
-  if (heard_at_) take_earlier(due, *heard_at_ + kSilence);
+  take_earlier(due, silent_at());
   if (accepted_at_) take_earlier(due, *accepted_at_ + kSilence);
   return due;
 }

@@ -22,10 +22,10 @@ namespace thimble::link {
 
 // The arm's end of our own protocol, without a socket: hand samples and datagrams in, datagrams and
 // constraints out. While there is a sample to send and no session it asks for one, once a
-// kHelloPeriod; a silence of kSilence ends the session. A reply is matched with the sample that it
-// answers by the sample's number, so round trip and losses are exact. Where it has two halves of a
-// coupling to ask for, each session begins with the first: another world may be there by then.
-// docs/link-protocol.md.
+// kHelloPeriod; a silence of kSilence ends the session, of kFirstSilence before its first reply. A
+// reply is matched with the sample that it answers by the sample's number, so round trip and losses
+// are exact. Where it has two halves of a coupling to ask for, each session begins with the first:
+// another world may be there by then. docs/link-protocol.md.
 //
 // Thread: one, the net plane's. RT: not; allocates only while queues grow.
 // Errors: none end it; all are counted. What the world refuses is said in status().
@@ -43,7 +43,8 @@ class ThimbleArmEnd {
   // Ours: four in a kSilence, so that one that is lost delays a session by less than a silence
   // does.
   static constexpr Duration kHelloPeriod = std::chrono::milliseconds(250);
-  // Ours: two round trips of the longest delay that can be injected; then all is asked anew.
+  // Ours: a handshake is two round trips of the longest delay that can be injected, 2 s each; then
+  // all is asked anew.
   static constexpr Duration kAttempt = std::chrono::seconds(5);
   // Ours: a kSilence, after which the place of who is gone is free.
   static constexpr Duration kRefusedPause = std::chrono::seconds(1);
@@ -109,6 +110,8 @@ class ThimbleArmEnd {
   bool read(const ThimbleHeader& header, const ThimbleDatagram& datagram, const Seal& seal,
             Message& out);
   void heard(const ThimbleTiming& timing, MonotonicTime now) noexcept;
+  // When the session, if there is one, ends unless something is heard.
+  [[nodiscard]] std::optional<MonotonicTime> silent_at() const noexcept;
   void judge_silence(MonotonicTime now) noexcept;
 
   Settings settings_;
@@ -134,6 +137,7 @@ class ThimbleArmEnd {
   SequenceWindow arrived_;
   ThimbleTiming echo_{};                      // of what was heard last
   std::optional<MonotonicTime> heard_at_;     // anything of the session
+  bool has_begun_{false};                     // a sample of it was replied to
   std::optional<MonotonicTime> accepted_at_;  // of the newest reply; none: link down
   std::uint32_t told_session_{0};             // of the constraints that the world gave last
   std::uint32_t epoch_{0};                    // session as the coupling is told it

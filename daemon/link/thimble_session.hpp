@@ -41,7 +41,9 @@ class ThimbleSession {
   bool serve(const ThimbleHeader& header, std::span<const std::byte> datagram, MonotonicTime now,
              ThimbleDatagram& out);
   [[nodiscard]] bool has_begun() const noexcept { return has_begun_; }  // a sample came
-  [[nodiscard]] MonotonicTime silent_at() const noexcept { return heard_at_ + kSilence; }
+  [[nodiscard]] MonotonicTime silent_at() const noexcept {
+    return heard_at_ + (has_begun_ ? kSilence : kFirstSilence);
+  }
   // From then on it is one that sends, but whose hand was not taken for that long: another one may
   // have its place.
   [[nodiscard]] MonotonicTime outside_at() const noexcept { return inside_at_ + kSilence; }

@@ -23,9 +23,10 @@ namespace thimble::link {
 // The world's end of our own protocol, without a socket: datagrams in, datagrams out. Each arm has
 // a session with a half of the coupling that was made for it; up to `max_sessions` at once, and
 // none waits for another. A session begins when who asked for it told a challenge back, and ends by
-// a silence of kSilence, or when the same address begins another; one whose hand was not taken for
-// that long ends when a newcomer needs its place. Nothing is answered with more
-// bytes than it had, but a session that its own peer holds. docs/link-protocol.md.
+// a silence of kSilence (kFirstSilence before its first sample), or when the same address begins
+// another; one whose hand was not taken for kSilence ends when a newcomer needs its place. Nothing
+// is answered with more bytes than it had, but a session that its own peer holds.
+// docs/link-protocol.md.
 //
 // Thread: one, the net plane's. RT: not; allocates while queues grow and when a session begins.
 // Ownership: the worlds behind the halves must outlive it. Errors: none end it; all are counted.
