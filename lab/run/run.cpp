@@ -29,6 +29,11 @@ void seed_all(std::vector<PlayedFile>& files, std::uint64_t seed) {
       ++seed;
     }
   }
+  for (PlayedFile& file : files) {
+    for (config::WorldConfig& world : file.config.worlds) {
+      if (world.impairment) world.impairment->seed = seed++;
+    }
+  }
 }
 
 // "right" of "right:arm.hand.seed=1"; empty: it is for every file.

@@ -24,7 +24,8 @@ struct RunSettings {
   // name (PlayedFile::name).
   std::vector<std::string> overrides;
   // Of all simulated persons and networks, instead of those that the file says: `seed` for the
-  // first arm, one more for each after it, in the order of the files.
+  // first arm, one more for each after it, in the order of the files, then for each world whose
+  // listener has a network.
   std::optional<std::uint64_t> seed;
   double for_s{20};  // > 0
 };

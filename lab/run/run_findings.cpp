@@ -149,6 +149,15 @@ std::vector<std::string> link_troubles(session::Runtime& runtime, const std::str
   return troubles;
 }
 
+// Of the worlds of that file that have a network of their own.
+void add_network_seeds(const PlayedFile& file, Findings& findings) {
+  for (const config::WorldConfig& world : file.config.worlds) {
+    if (!world.impairment) continue;
+    findings.parameters.push_back({"network_seed of " + file.name + ": " + world.name, "",
+                                   static_cast<double>(world.impairment->seed)});
+  }
+}
+
 }  // namespace
 
 Findings SessionRun::findings() const {
@@ -177,6 +186,7 @@ Findings SessionRun::findings() const {
   for (std::size_t i = 0; i < files_.size(); ++i) {
     findings.parameters.push_back(
         {"configuration" + (i == 0 ? "" : "_" + std::to_string(i + 1)), "", files_[i].text});
+    add_network_seeds(files_[i], findings);
   }
   for (const std::string& override : settings_.overrides) {
     findings.parameters.push_back({"set " + override.substr(0, override.find('=')), "", override});

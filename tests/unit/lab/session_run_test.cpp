@@ -279,6 +279,35 @@ TEST(SessionRun, TwoRatesAtOneLineAreToldByWhoHearsGarbage) {
   }
 }
 
+// As of the hands and of the arms' networks: a mean over seeds is one over all that is random.
+TEST(SessionRun, TheSeedIsThatOfAListenersNetworkToo) {
+  const auto played_with = [](const std::string& seed_of_file, std::optional<std::uint64_t> seed) {
+    auto run = SessionRun::load({.files = {THIMBLE_SOURCE_DIR "/examples/world-host.toml",
+                                           THIMBLE_SOURCE_DIR "/examples/arm-host.toml"},
+                                 .overrides = {"world-host:world.impairment.loss=0.3",
+                                               "world-host:world.impairment.seed=" + seed_of_file},
+                                 .seed = seed,
+                                 .for_s = 4});
+    if (run) (*run)->play();
+    return run;
+  };
+  const auto hash = [&](const std::string& seed_of_file, std::optional<std::uint64_t> seed) {
+    const auto run = played_with(seed_of_file, seed);
+    return run ? (*run)->trace(0).hash.value() : 0;
+  };
+  EXPECT_NE(hash("11", {}), hash("12", {})) << "it matters which messages are lost";
+  EXPECT_EQ(hash("11", 7), hash("12", 7)) << "instead of that of the file";
+
+  const auto run = played_with("11", 7);
+  ASSERT_TRUE(run);
+  const Findings findings = (*run)->findings();
+  const auto said = std::find_if(
+      findings.parameters.begin(), findings.parameters.end(),
+      [](const auto& parameter) { return parameter.name == "network_seed of world-host: box"; });
+  ASSERT_NE(said, findings.parameters.end());
+  EXPECT_EQ(said->value, Cell(8.0)) << "behind that of the arm";
+}
+
 TEST(SessionRun, WhoIsMeantByAChangeHasToBeThere) {
   const auto load = [](std::vector<std::string> files, std::vector<std::string> overrides) {
     const auto run = SessionRun::load(
