@@ -20,11 +20,10 @@
 #include "cli/flight/show.hpp"
 #include "cli/lab/lab_commands.hpp"
 #include "cli/mistyped.hpp"
+#include "cli/names.hpp"
 #include "cli/numbers.hpp"
 #include "cli/picture/snapshot.hpp"
-#include "cli/text.hpp"
 #include "daemon/api/commands.hpp"
-#include "daemon/config/name.hpp"
 #include "daemon/config/paths.hpp"
 #include "hal/linux/printable_text.hpp"
 #include "hal/linux/standard_streams.hpp"
@@ -78,11 +77,8 @@ std::string refuse_no_value(const std::string& text) {
   return thimble::cli::refuse_whole_number(text, 0, std::numeric_limits<std::uint8_t>::max());
 }
 
-// A name goes into the target of a request, and an empty one is no wish for the only arm.
-std::string refuse_no_name(const std::string& text) {
-  if (thimble::config::is_name(text)) return "";
-  return "expected a name of 1 to " + std::to_string(thimble::config::kMaxNameBytes) +
-         " of a-z, 0-9 and -, found \"" + thimble::cli::plain(text) + "\"";
+std::string refuse_no_steps(const std::string& text) {
+  return thimble::cli::refuse_whole_number(text, 3, 20);
 }
 
 void add_status_commands(CLI::App& app, Arguments& arguments, int& code) {
@@ -170,7 +166,7 @@ CLI::App* add_arm_command(CLI::App& app, const char* verb, const char* what, Arg
                           int& code) {
   CLI::App* command = app.add_subcommand(verb, what);
   command->add_option("ARM", arguments.arm, "Name of the arm; not needed when there is one")
-      ->check(refuse_no_name);
+      ->check(thimble::cli::refuse_no_name);
   command->callback([&, verb] {
     const std::string body =
         arguments.fault ? "{\"fault\":" + std::to_string(*arguments.fault) + "}" : "";
@@ -191,7 +187,7 @@ void add_impedance_command(CLI::App& app, Arguments& arguments, int& code) {
       ->check(CLI::Range(thimble::api::kLeastImpedance_newton_s_per_m,
                          thimble::api::kMostImpedance_newton_s_per_m));
   command->add_option("ARM", arguments.arm, "Name of the arm; not needed when there is one")
-      ->check(refuse_no_name);
+      ->check(thimble::cli::refuse_no_name);
   command->callback([&] {
     code = run_command(
         arguments.socket_path, "impedance", arguments.arm,
@@ -203,12 +199,12 @@ void add_calibrate_command(CLI::App& app, Arguments& arguments, int& code) {
   CLI::App* command = app.add_subcommand(
       "calibrate-force", "Measure with a kitchen scale what a count of an arm is in newtons");
   command->add_option("ARM", arguments.arm, "Name of the arm; not needed when there is one")
-      ->check(refuse_no_name);
+      ->check(thimble::cli::refuse_no_name);
   command->add_option("--most", arguments.calibrate.most_newton, "The strongest force, in newtons")
       ->check(refuse_not_finite)
       ->check(CLI::Range(0.5, 8.0));
   command->add_option("--steps", arguments.calibrate.steps, "How many forces, 0 among them")
-      ->check(CLI::Range(3, 20))
+      ->check(refuse_no_steps)
       ->capture_default_str();
   command->callback([&] {
     code = thimble::cli::run_calibrate_force(arguments.socket_path, arguments.arm,
@@ -228,7 +224,7 @@ void add_world_command(CLI::App& app, Arguments& arguments, int& code) {
       ->required()
       ->check(CLI::IsMember({"fill", "clear", "box", "paint", "save", "load"}));
   command->add_option("WORLD", arguments.world, "Name of the world; not needed when there is one")
-      ->check(refuse_no_name);
+      ->check(thimble::cli::refuse_no_name);
   command->add_option("--min", edit.min, "First cell along x, y and z; default: of the whole world")
       ->check(refuse_no_cell)
       ->expected(kAxes);
@@ -262,7 +258,7 @@ void add_piece_command(CLI::App& app, const char* verb, const char* what, Argume
       ->add_option("WORLD", arguments.world,
                    may_name_arm ? "Name of the world, or of an arm whose far world is meant"
                                 : "Name of the world; not needed when there is one")
-      ->check(refuse_no_name);
+      ->check(thimble::cli::refuse_no_name);
   command->callback([&, verb] {
     code = thimble::cli::run_piece_action(arguments.socket_path, verb, arguments.world);
   });

@@ -33,6 +33,10 @@ std::string refuse_other_than_whole(const std::string& text) {
   return refuse_whole_number(text, 0, std::numeric_limits<std::uint64_t>::max());
 }
 
+std::string refuse_other_than_seed(const std::string& text) {
+  return refuse_whole_number(text, 0, std::uint64_t{1} << std::numeric_limits<double>::digits);
+}
+
 std::string refuse_finite_number(std::string_view text) {
   std::string_view digits = text;
   if (digits.starts_with('+') && !digits.starts_with("+-")) digits.remove_prefix(1);

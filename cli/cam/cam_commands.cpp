@@ -15,6 +15,10 @@
 namespace thimble::cam {
 namespace {
 
+std::string refuse_no_threads(const std::string& text) {
+  return cli::refuse_whole_number(text, 1, sim::cam::PlaneEngine::kMostThreads);
+}
+
 void add_world_commands(CLI::App& cam, int& code) {
   const auto said = std::make_shared<RunOptions>();
   RunOptions& options = *said;
@@ -40,9 +44,10 @@ void add_world_commands(CLI::App& cam, int& code) {
       ->check(CLI::IsMember({"reference", "general", "compiled", "auto"}))
       ->capture_default_str();
   run->add_option("--threads", options.threads, "Of this machine: they share a scan that is large")
-      ->check(CLI::Range(std::size_t{1}, sim::cam::PlaneEngine::kMostThreads))
+      ->check(refuse_no_threads)
       ->capture_default_str();
   run->add_option("--modules", options.modules, "Of the board whose clocks are counted")
+      ->check(cli::refuse_other_than_whole)
       ->check(CLI::IsMember({1, 2, 4, 8, 16, 32, 64}))
       ->capture_default_str();
   run->add_option("--clock-mhz", options.clock_mhz, "Of that board")
@@ -71,6 +76,7 @@ void add_disassemble(CLI::App& cam, int& code) {
                         "The board's sync pulses run: synchronised scans come to an end");
   disassemble
       ->add_option("--sites", said->log2_sites, "Sites of a module, as a power of two: 22 or 24")
+      ->check(cli::refuse_other_than_whole)
       ->check(CLI::IsMember(cambus::kLog2ModuleSites))
       ->capture_default_str();
   disassemble->callback([&code, said] {

@@ -16,6 +16,10 @@ namespace {
 
 constexpr std::size_t kBarColumns = 40;
 
+std::string refuse_no_contacts(const std::string& text) {
+  return cli::refuse_whole_number(text, 1, 1'000'000);
+}
+
 }  // namespace
 
 lab::Progress shown_progress() {
@@ -71,11 +75,11 @@ void add_experiment(CLI::App& lab, const ExperimentCommand& of, int& code) {
   said->asked.contacts = of.contacts;
   CLI::App* command = lab.add_subcommand(of.name, of.help);
   command->add_option("--seed", said->asked.seed, "Of everything that is random")
-      ->check(cli::refuse_other_than_whole)
+      ->check(cli::refuse_other_than_seed)
       ->capture_default_str();
   if (of.contacts > 0) {
     command->add_option("--contacts", said->asked.contacts, "Of each row of the table")
-        ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1'000'000}))
+        ->check(refuse_no_contacts)
         ->capture_default_str();
   }
   add_out(*command, said->folder);

@@ -51,7 +51,7 @@ void add_separate(CLI::App& app, int& code) {
   CLI::App* separate = app.add_subcommand(
       "separate", "Move interlocking pieces at random until all are apart (thesis 4.2.1)");
   separate->add_option("--seed", said->seed, "Of the pieces and the moves")
-      ->check(cli::refuse_other_than_whole)
+      ->check(cli::refuse_other_than_seed)
       ->capture_default_str();
   separate
       ->add_option(
@@ -230,7 +230,7 @@ void add_run(CLI::App& lab, int& code) {
       ->allow_extra_args(false);
   run->add_option("--seed", said->settings.seed,
                   "Of all simulated persons and networks, instead of those of the file")
-      ->check(cli::refuse_other_than_whole);
+      ->check(cli::refuse_other_than_seed);
   run->add_option("--for", said->settings.for_s, "How long, in virtual seconds")
       ->check(cli::refuse_finite_number)
       ->check(CLI::Range(0.001, 1e5))

@@ -1,5 +1,6 @@
 #include <memory>
 
+#include "cli/names.hpp"
 #include "cli/picture/snapshot.hpp"
 
 namespace thimble::picture {
@@ -19,7 +20,8 @@ void add_snapshot_command(CLI::App& app, const std::string& socket_path, int& co
       app.add_subcommand("snapshot",
                          "Draw a world of cells (a box, a volume, pieces, one that runs by "
                          "itself), and the fingers in it");
-  command->add_option("WORLD", said->world, "Name of the world; not needed when there is one");
+  command->add_option("WORLD", said->world, "Name of the world; not needed when there is one")
+      ->check(cli::refuse_no_name);
   command->add_option("--file", said->file, "The picture: .png")
       ->required()
       ->check(refuse_other_than_png);

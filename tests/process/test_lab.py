@@ -108,6 +108,14 @@ source = "box:3"
             self.assertEqual((shown.returncode, shown.stdout), (2, ""), wrong)
             self.assertIn(f"{option}: expected a", shown.stderr)
 
+    def test_a_count_has_no_zeros_before_it(self):
+        for words in (("lab", "table-4.1", "--contacts", "0100"), ("calibrate-force", "--steps", "010"),
+                      ("cam", "run", "life", "--size", "64x64", "--steps", "1", "--threads", "010"),
+                      ("cam", "run", "life", "--size", "64x64", "--steps", "1", "--modules", "010")):
+            shown = self.run_program("thimble", *words)
+            self.assertEqual((shown.returncode, shown.stdout), (2, ""), words)
+            self.assertIn(f"{words[-2]}: expected a whole number from ", shown.stderr)
+
     def test_what_keeps_real_time_is_not_played(self):
         config = self.folder / "real.toml"
         config.write_text("""

@@ -4,6 +4,7 @@
 
 #include <limits>
 #include <random>
+#include <string>
 
 namespace thimble::cli {
 namespace {
@@ -29,6 +30,16 @@ TEST(WholeNumber, MayBeAnyOf64Bits) {
   }
   for (const char* text : {"", "-1", "010", "0x10", "18446744073709551616", "nan"}) {
     EXPECT_NE(refuse_other_than_whole(text), "") << text;
+  }
+}
+
+TEST(WholeNumber, IsASeedAsLongAsAFileOfFindingsGivesItBack) {
+  for (const char* text : {"0", "1", "9007199254740992"}) {
+    EXPECT_EQ(refuse_other_than_seed(text), "") << text;
+    EXPECT_EQ(static_cast<std::uint64_t>(std::stod(text)), std::stoull(text)) << text;
+  }
+  for (const char* text : {"9007199254740993", "18446744073709551615", "010", "-1", ""}) {
+    EXPECT_NE(refuse_other_than_seed(text), "") << text;
   }
 }
 
