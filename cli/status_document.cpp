@@ -11,7 +11,9 @@ namespace {
 
 namespace json = boost::json;
 
-constexpr std::size_t kMaxElements = 64;
+// Ours: more arms, worlds and links than a daemon can be given, and few enough for memory where
+// who answers is no daemon.
+constexpr std::size_t kMaxElements = 1024;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 const json::value* member(const json::value& value, std::string_view key) {

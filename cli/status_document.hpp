@@ -13,7 +13,7 @@ namespace thimble::cli {
 // The status document (docs/api.md) as values. Total: what is missing or of another type is
 // empty, a number that is not known is NaN (0 where it is counted); only bytes that are no JSON
 // object, or one without the version that wrote it or without a list of arms, are an error
-// (Malformed). Lists are cut at 64 elements.
+// (Malformed). Lists are cut at 1024 elements.
 [[nodiscard]] Result<api::Status> parse_status(std::string_view json);
 
 // The sentence of an error document, or `otherwise`.

@@ -82,10 +82,27 @@ TEST(StatusDocument, TakesABallThatCannotBeForNone) {
 
 TEST(StatusDocument, BoundsItsLists) {
   std::string text = R"({"version": "1", "arms": [], "degraded": [)";
-  for (int i = 0; i < 500; ++i) text += i == 0 ? "\"a\"" : ",\"a\"";
+  for (int i = 0; i < 5000; ++i) text += i == 0 ? "\"a\"" : ",\"a\"";
   const auto sut = parse_status(text + "]}");
   ASSERT_TRUE(sut);
-  EXPECT_EQ(sut->degraded.size(), 64U);
+  EXPECT_EQ(sut->degraded.size(), 1024U);
+}
+
+TEST(StatusDocument, KeepsAsManyArmsAndWorldsAsADaemonHas) {
+  api::Status status = sample_status();
+  const api::ArmStatus arm = status.arms.front();
+  const api::WorldStatus world = status.worlds.front();
+  for (int i = 1; i < 96; ++i) {
+    status.arms.push_back(arm);
+    status.worlds.push_back(world);
+    status.arms.back().name = status.worlds.back().name = "a" + std::to_string(i);
+  }
+  const auto sut = parse_status(api::to_json(status));
+  ASSERT_TRUE(sut);
+  ASSERT_EQ(sut->arms.size(), 96U);
+  ASSERT_EQ(sut->worlds.size(), 96U);
+  EXPECT_EQ(sut->arms.back().name, "a95");
+  EXPECT_EQ(sut->worlds.back().name, "a95");
 }
 
 TEST(StatusDocument, SurvivesEveryDamagedByte) {
