@@ -22,6 +22,8 @@ std::string_view to_string(ChainTrouble trouble) noexcept {
       return "unwatched";
     case ChainTrouble::ArmOutOfReach:
       return "arm-out-of-reach";
+    case ChainTrouble::EnablePaused:
+      return "enable-paused";
   }
   return "unknown";
 }
@@ -48,6 +50,8 @@ std::string_view explain(ChainTrouble trouble) noexcept {
     case ChainTrouble::ArmOutOfReach:
       return "an arm without a watchdog may hold a force and is out of reach, so ENABLE has "
              "stopped to cut the motors' power; look at that arm, then clear";
+    case ChainTrouble::EnablePaused:
+      return "ENABLE paused, so the motors' power may have been cut; look at the arms, then clear";
   }
   return "";
 }
@@ -72,6 +76,8 @@ std::string_view recall(ChainTrouble trouble) noexcept {
       return "they were not looked after in time";
     case ChainTrouble::ArmOutOfReach:
       return "an arm was out of reach and may hold a force, so ENABLE stopped; look at that arm";
+    case ChainTrouble::EnablePaused:
+      return "ENABLE paused, so the motors' power may have been cut; look at the arms";
   }
   return "";
 }

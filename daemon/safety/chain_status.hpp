@@ -16,8 +16,9 @@ enum class ChainTrouble : std::uint8_t {
   Disagree,       // one channel did not open or close with the other
   Unwatched,      // the thread that looks after the chain was held up
   ArmOutOfReach,  // an arm may hold its last force, and nothing here can end it
+  EnablePaused,   // the enable line was not beaten for kEnableGap, though nothing was stopped
 };
-inline constexpr int kChainTroubleCount = 9;
+inline constexpr int kChainTroubleCount = 10;
 
 // Short name for status, e.g. "open".
 [[nodiscard]] std::string_view to_string(ChainTrouble trouble) noexcept;

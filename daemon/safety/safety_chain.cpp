@@ -66,7 +66,17 @@ ChainTrouble SafetyChain::find_trouble(bus::GpioLines* lines, MonotonicTime now)
   if (channels_.is_open()) return ChainTrouble::Open;
   if (channels_.has_disagreed()) return ChainTrouble::Disagree;
   if (now < held_until_) return held_for_;
-  return ChainTrouble::None;
+  if (!has_enable_paused(now)) return ChainTrouble::None;
+  return stuck_since_ ? ChainTrouble::OutputStuck : ChainTrouble::EnablePaused;
+}
+
+bool SafetyChain::has_enable_paused(MonotonicTime now) noexcept {
+  if (!settings_.has_enable || latch_.is_stopped()) {
+    taken_at_.reset();
+    return false;
+  }
+  if (!taken_at_) taken_at_ = now;
+  return now - *taken_at_ > kEnableGap;
 }
 
 void SafetyChain::judge_channels() noexcept {
@@ -97,10 +107,12 @@ bool SafetyChain::is_beat_due(MonotonicTime now) const noexcept { return now >= 
 
 void SafetyChain::beat(bus::GpioLines* lines, MonotonicTime now, bool have_servos_beaten) noexcept {
   next_beat_ = now + kEnableHalfPeriod;
-  if (settings_.has_lamp) put(*lines, settings_.has_enable ? 1 : 0, true, now);
+  // Where wishes wait, the first of two is told whether one was taken since the beat before.
+  bool is_taken = settings_.has_lamp && put(*lines, settings_.has_enable ? 1 : 0, true, now);
   if (!settings_.has_enable || !have_servos_beaten) return;
   is_enable_high_ = !is_enable_high_;
-  put(*lines, 0, is_enable_high_, now);
+  is_taken = put(*lines, 0, is_enable_high_, now) || is_taken;
+  if (is_taken) taken_at_ = now;
   ++status_.beats;
   last_beat_ = now;
 }
@@ -117,11 +129,12 @@ void SafetyChain::rest(bus::GpioLines* lines, MonotonicTime now) noexcept {
   put(*lines, settings_.has_enable ? 1 : 0, is_lit, now);
 }
 
-void SafetyChain::put(bus::GpioLines& lines, std::size_t output, bool is_high,
+bool SafetyChain::put(bus::GpioLines& lines, std::size_t output, bool is_high,
                       MonotonicTime now) noexcept {
   const IoStatus status = lines.set(output, is_high);
   if (status == IoStatus::Ok) stuck_since_.reset();
   if (status == IoStatus::Backlogged && !stuck_since_) stuck_since_ = now;
+  return status == IoStatus::Ok;
 }
 
 }  // namespace thimble::safety

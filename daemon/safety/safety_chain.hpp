@@ -17,6 +17,10 @@ namespace thimble::safety {
 // Half a period of the enable line, 25 Hz: a charge pump that holds 100 ms lives through a beat
 // that comes late, and a hub's adapter is not kept busy by it. Ours; docs/safety-wiring.md.
 inline constexpr Duration kEnableHalfPeriod = std::chrono::milliseconds(20);
+// For how long no beat may be taken while the latch is free: one may be missed (40 ms), two may not
+// (60). Then a charge comes 80 ms after the last, and the relay of docs/safety-wiring.md may fall
+// after 78; power that was cut must not come back by itself under arms that are driven. Ours.
+inline constexpr Duration kEnableGap = std::chrono::milliseconds(55);
 // Of the lamp while a person is awaited.
 inline constexpr Duration kLampHalfPeriod = std::chrono::milliseconds(500);
 
@@ -36,8 +40,9 @@ struct ChainSettings {
 // Emergency stop, deadman, enable and lamp: what the lines say, judged, latched and answered.
 //
 // Enable is beaten, never held: one level, be it low or high, tells the hardware to cut the power.
-// It is beaten while the latch is free and only as fast as the servos beat. The lamp is lit then,
-// blinks while all is healthy and a person is awaited, and is dark otherwise.
+// It is beaten while the latch is free and only as fast as the servos beat; a pause of kEnableGap,
+// be it the servos', the chip's or of who calls step(), is a stop. The lamp is lit while the latch
+// is free, blinks while all is healthy and a person is awaited, and is dark otherwise.
 //
 // Thread: one, never a servo's. It makes no system call but those of the lines. Not RT.
 // Ownership: keeps no lines; those of a step need to live no longer than it.
@@ -70,10 +75,12 @@ class SafetyChain {
   [[nodiscard]] ChainTrouble find_trouble(bus::GpioLines* lines, MonotonicTime now) noexcept;
   void judge_channels() noexcept;
   void judge_deadman() noexcept;
+  [[nodiscard]] bool has_enable_paused(MonotonicTime now) noexcept;
   [[nodiscard]] bool is_beat_due(MonotonicTime now) const noexcept;
   void beat(bus::GpioLines* lines, MonotonicTime now, bool have_servos_beaten) noexcept;
   void rest(bus::GpioLines* lines, MonotonicTime now) noexcept;
-  void put(bus::GpioLines& lines, std::size_t output, bool is_high, MonotonicTime now) noexcept;
+  // Whether all that was put before is taken.
+  bool put(bus::GpioLines& lines, std::size_t output, bool is_high, MonotonicTime now) noexcept;
 
   ChainSettings settings_;
   LineReader reader_;
@@ -84,6 +91,7 @@ class SafetyChain {
   bool is_enable_high_{false};
   MonotonicTime next_beat_{};
   MonotonicTime last_beat_{};
+  std::optional<MonotonicTime> taken_at_;     // a beat, or the latch let go; none: it is stopped
   std::optional<MonotonicTime> stuck_since_;  // the chip takes no output
   ChainTrouble held_for_{ChainTrouble::None};
   MonotonicTime held_until_{};

@@ -157,20 +157,6 @@ TEST_F(SafetyLinesTest, AChipThatComesLaterThanTheDaemonIsFound) {
   EXPECT_TRUE(clear());
 }
 
-TEST_F(SafetyLinesTest, EnableStopsWhenTheServoStalls) {
-  start();
-  const std::uint64_t before = chip.changes(3);
-  run(0.5);
-  EXPECT_NEAR(static_cast<double>(chip.changes(3) - before), 25, 1);
-  const std::uint64_t stalled = chip.changes(3);
-  for (int i = 0; i < 500; ++i) {  // time goes on, and nobody ticks
-    (void)loop.arm().clock().sleep_until(loop.now() + milliseconds(1));
-    safety.step(loop.now());
-  }
-  EXPECT_LE(chip.changes(3) - stalled, 1U) << "the tick before the stall";
-  EXPECT_FALSE(safety.status().is_enable_beating);
-}
-
 TEST_F(SafetyLinesTest, EnableBeatsWhileAnArmStandsStillAfterAFaultOfItsOwn) {
   start();
   loop.unplug();
