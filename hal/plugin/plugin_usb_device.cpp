@@ -17,10 +17,16 @@ bus::UsbDevice& pipes(void* context) noexcept {
   return static_cast<PluginUsbBus*>(context)->below();
 }
 
+// As the plugin is told it.
+std::int32_t answer(void* context, IoStatus status) noexcept {
+  if (status == IoStatus::Disconnected) static_cast<PluginUsbBus*>(context)->note_gone();
+  return abi_status(status);
+}
+
 std::int32_t read_packet(void* context, std::uint8_t endpoint, thimble_usb_packet* out) {
   bus::UsbPacket packet;
   const IoStatus status = pipes(context).read(endpoint, packet);
-  if (status != IoStatus::Ok) return abi_status(status);
+  if (status != IoStatus::Ok) return answer(context, status);
   static_cast<PluginUsbBus*>(context)->note(packet.arrived_at);
   out->struct_bytes = sizeof(*out);
   out->size = static_cast<std::uint32_t>(packet.size);
@@ -33,7 +39,7 @@ std::int32_t read_packet(void* context, std::uint8_t endpoint, thimble_usb_packe
 std::int32_t submit_packet(void* context, std::uint8_t endpoint, const std::uint8_t* bytes,
                            std::uint32_t size) {
   if (bytes == nullptr) return THIMBLE_PROTOCOL_ERROR;
-  return abi_status(pipes(context).submit(endpoint, {bytes, size}));
+  return answer(context, pipes(context).submit(endpoint, {bytes, size}));
 }
 
 std::int32_t start_control(void* context, const thimble_usb_request* said) {
@@ -44,13 +50,13 @@ std::int32_t start_control(void* context, const thimble_usb_request* said) {
   request.index = said->index;
   request.length = said->length;
   std::copy_n(said->data, THIMBLE_CONTROL_BYTES, request.data.begin());
-  return abi_status(pipes(context).start_control(request));
+  return answer(context, pipes(context).start_control(request));
 }
 
 std::int32_t read_control(void* context, thimble_usb_reply* out) {
   bus::UsbControlReply reply;
   const IoStatus status = pipes(context).read_control(reply);
-  if (status != IoStatus::Ok) return abi_status(status);
+  if (status != IoStatus::Ok) return answer(context, status);
   out->struct_bytes = sizeof(*out);
   out->outcome = static_cast<std::int32_t>(reply.outcome);
   out->size = static_cast<std::uint32_t>(reply.size);
@@ -69,7 +75,14 @@ PluginUsbBus::PluginUsbBus(std::unique_ptr<bus::UsbDevice> below) : below_(std::
   table_.read_control = &read_control;
 }
 
-PluginUsbDevice::~PluginUsbDevice() { parts_.driver->close(parts_.device); }
+// A plugin may close without a zero, and may take an arm for gone that is there.
+PluginUsbDevice::~PluginUsbDevice() {
+  if (may_hold_force_ && parts_.zero) {
+    static_cast<void>(
+        parts_.bus->below().submit(parts_.zero->endpoint, std::span(parts_.zero->bytes)));
+  }
+  parts_.driver->close(parts_.device);
+}
 
 std::string_view PluginUsbDevice::calibration_instruction() const noexcept {
   instruction_ = {};
@@ -104,7 +117,9 @@ void PluginUsbDevice::forget_calibration() noexcept {
 }
 
 IoStatus PluginUsbDevice::status_of(std::int32_t said) noexcept {
-  const IoStatus status = io_status(said);
+  IoStatus status = io_status(said);
+  // Of an arm that is gone nobody would take the force away: only its bus can say so.
+  if (status == IoStatus::Disconnected && !parts_.bus->is_gone()) status = IoStatus::ProtocolError;
   if (status == IoStatus::ProtocolError) malformed_.fetch_add(1, std::memory_order_relaxed);
   return status;
 }
@@ -138,6 +153,7 @@ IoStatus PluginUsbDevice::write(const LimitedWrench& wrench) noexcept {
   const bool is_calibrated = calibration_.load(std::memory_order_relaxed) == CalibrationState::Ok;
   const Force3 force = is_calibrated ? wrench.force() : Force3{};
   const thimble_wrench limited{sizeof(thimble_wrench), 0, {force.x, force.y, force.z}};
+  may_hold_force_ = may_hold_force_ || force != Force3{};
   const IoStatus status = status_of(parts_.driver->write(parts_.device, &limited));
   return status == IoStatus::NoData ? IoStatus::Ok : status;
 }

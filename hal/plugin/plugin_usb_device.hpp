@@ -24,10 +24,14 @@ class PluginUsbBus {
   // When the newest packet arrived that the plugin was given: no sample is younger.
   [[nodiscard]] MonotonicTime newest() const noexcept { return newest_; }
   THIMBLE_RT void note(MonotonicTime arrived_at) noexcept { newest_ = arrived_at; }
+  // Whether the device below was said to be gone in any call of the plugin's.
+  [[nodiscard]] bool is_gone() const noexcept { return is_gone_; }
+  THIMBLE_RT void note_gone() noexcept { is_gone_ = true; }
 
  private:
   std::unique_ptr<bus::UsbDevice> below_;
   MonotonicTime newest_{Duration::min()};
+  bool is_gone_{false};
   thimble_usb_bus table_{};
 };
 
@@ -35,8 +39,9 @@ class PluginUsbBus {
 //
 // Thread, RT: as HapticDevice; the plugin's functions run on the servo thread.
 // Ownership: of the bus and of the plugin's own.
-// Errors: as PluginDevice, and what the plugin says of its bus; Disconnected is believed of the
-// bus only, and latches.
+// Errors: as PluginDevice, and what the plugin says of its bus; Disconnected is believed once the
+// bus has said so to the plugin, and is a ProtocolError before: nobody takes the force of an arm
+// away that is gone. The destructor sends the zero of an arm that was told a force.
 class PluginUsbDevice final : public HapticDevice {
  public:
   struct Parts {
@@ -74,6 +79,7 @@ class PluginUsbDevice final : public HapticDevice {
   mutable thimble_reason instruction_{};  // of the control thread
   bool is_done_doubted_{false};           // as PluginDevice's
   std::uint64_t last_sequence_{0};
+  bool may_hold_force_{false};  // it was told one
   // Read from any thread.
   std::atomic<CalibrationState> calibration_{CalibrationState::Unknown};
   std::atomic<std::uint64_t> malformed_{0};
