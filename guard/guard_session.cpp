@@ -49,10 +49,10 @@ bool GuardSession::step(const Clock& clock) noexcept {
   is_ended_ = is_ended_ || has_ended();
   rt::Heartbeat& heart = page_.heartbeat();
   const MonotonicTime beat_at{Duration(heart.beat_at_ns.load(std::memory_order_acquire))};
-  const bool is_driven = heart.is_driven.load(std::memory_order_acquire) != 0;
+  const std::uint32_t drive = heart.drive.load(std::memory_order_acquire);
   const std::uint32_t before = watch_.interventions();
   const bool must_write =
-      is_ended_ ? watch_.look_alone(now, is_driven) : watch_.look(now, beat_at, is_driven);
+      is_ended_ ? watch_.look_alone(now, drive != 0) : watch_.look(now, beat_at, drive);
   // Told before it is done: a servo that wakes in between must not drive on. Guards before this one
   // have counted there, too.
   heart.interventions.fetch_add(watch_.interventions() - before, std::memory_order_release);

@@ -4,13 +4,13 @@
 
 namespace thimble::guard {
 
-bool Watch::look(MonotonicTime now, MonotonicTime beat_at, bool is_driven) noexcept {
-  const bool is_first = !is_driven_;
+bool Watch::look(MonotonicTime now, MonotonicTime beat_at, std::uint32_t drive) noexcept {
+  const bool is_first = drive_ != drive || drive == 0;
   // Another clock's: no beat. A little after `now` it may be, for that was read before.
   const bool is_possible = beat_at <= now + settings_.patience;
   const bool has_beaten = (beat_at != seen_ && is_possible) || is_first;
   seen_ = beat_at;
-  is_driven_ = is_driven;
+  drive_ = drive;
   if (has_beaten) {
     // What is older than twice the patience is as good as too old.
     last_beat_ = std::clamp(is_possible ? beat_at : now, now - 2 * settings_.patience, now);
@@ -19,10 +19,9 @@ bool Watch::look(MonotonicTime now, MonotonicTime beat_at, bool is_driven) noexc
     taken_since_.reset();
   }
   looked_at_ = now;
-  if (!is_driven) {
-    is_letting_go_ = false;
-    return false;
-  }
+  // The force before was taken away, be there another one by now.
+  if (is_first) is_letting_go_ = false;
+  if (drive == 0) return false;
   if (!is_letting_go_ && now - last_beat_ > settings_.patience) {
     is_letting_go_ = true;
     ++interventions_;
@@ -45,7 +44,7 @@ void Watch::wrote(MonotonicTime now, bool is_taken) noexcept {
 
 MonotonicTime Watch::next_look(MonotonicTime now) const noexcept {
   if (alone_since_ || is_letting_go_) return now + settings_.zero_every;
-  if (!is_driven_) return now + settings_.idle_look_every;
+  if (drive_ == 0) return now + settings_.idle_look_every;
   const MonotonicTime too_old = last_beat_ + settings_.patience + Duration(1);
   const MonotonicTime ahead = too_old - settings_.looks_ahead;
   return now < ahead ? ahead : too_old;

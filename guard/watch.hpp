@@ -47,8 +47,9 @@ class Watch {
   explicit Watch(const WatchSettings& settings) noexcept : settings_(settings) {}
 
   // What is seen of the servo at `now`, which never goes backwards; `beat_at`: its last beat, by
-  // the same clock. True: write zero now, and say with wrote() what became of it.
-  [[nodiscard]] bool look(MonotonicTime now, MonotonicTime beat_at, bool is_driven) noexcept;
+  // the same clock; `drive`: rt::Heartbeat::drive. True: write zero now, and say with wrote() what
+  // became of it.
+  [[nodiscard]] bool look(MonotonicTime now, MonotonicTime beat_at, std::uint32_t drive) noexcept;
   // The same when the daemon is gone: what it said last of its arm stays.
   [[nodiscard]] bool look_alone(MonotonicTime now, bool was_driven) noexcept;
   // `now`: when it had been written.
@@ -70,7 +71,7 @@ class Watch {
   std::optional<MonotonicTime> alone_since_;
   std::optional<MonotonicTime> taken_since_;  // the first zero of this stop that the arm took
   std::uint32_t interventions_{0};
-  bool is_driven_{false};
+  std::uint32_t drive_{0};
   bool is_letting_go_{false};
 };
 

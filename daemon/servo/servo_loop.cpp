@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace thimble::servo {
 namespace {
@@ -100,13 +101,16 @@ FaultCode ServoLoop::fault_of_overdue_command() const noexcept {
 }
 
 // An arm that its guard let go is driven no more until a person clears it: it had no fresh command
-// for too long, whatever this thread's clock says.
+// for too long, whatever this thread's clock says. So is one that was being deactivated: driven
+// again at once, it would be told forces by the servo and zero by its guard.
 void ServoLoop::ask_guard(const ServoFrame& frame) noexcept {
   if (parts_.heartbeat == nullptr) return;
   const std::uint32_t now = parts_.heartbeat->interventions.load(std::memory_order_acquire);
   const bool is_let_go = now != interventions_;
   interventions_ = now;
-  if (is_let_go && state_ == OperatingState::Active) fail(FaultCode::ServoLate, frame);
+  const bool is_stopped = state_ == OperatingState::Fault || state_ == OperatingState::Lost;
+  const bool may_hold_force = state_ == OperatingState::Active || (is_driven_ && !is_stopped);
+  if (is_let_go && may_hold_force) fail(FaultCode::ServoLate, frame);
 }
 
 // The guard watches from the first force on, and until the arm has taken nothing but zero for so
@@ -120,7 +124,7 @@ void ServoLoop::answer_guard(const ServoFrame& frame) noexcept {
   const bool is_let_go = zero_since_ && zeros_taken_ >= kOksOfAZeroThatArrived &&
                          frame.now - *zero_since_ >= settings_.command_gap_limit;
   if (is_let_go || state_ == OperatingState::Lost) is_driven_ = false;
-  parts_.heartbeat->is_driven.store(is_driven_ ? 1 : 0, std::memory_order_release);
+  parts_.heartbeat->drive.store(is_driven_ ? drive_ : 0, std::memory_order_release);
   const bool is_stuck = is_driven_ && frame.now - last_write_ > settings_.command_gap_limit;
   if (!is_stuck) parts_.heartbeat->beat(frame.now);
 }
@@ -262,10 +266,11 @@ void ServoLoop::write(ServoFrame& frame, const LimitedWrench& wrench) noexcept {
   if (state_ == OperatingState::Lost) return;
   if (is_silent(frame.now)) return;
   if (is_driving()) {
-    is_driven_ = true;
+    if (!std::exchange(is_driven_, true)) drive_ = std::max(drive_ + 1, 1U);
     // Before the force: the guard must know of it whenever this process ends.
-    if (parts_.heartbeat != nullptr)
-      parts_.heartbeat->is_driven.store(1, std::memory_order_release);
+    if (parts_.heartbeat != nullptr) {
+      parts_.heartbeat->drive.store(drive_, std::memory_order_release);
+    }
   }
   frame.write_status = parts_.device.write(wrench);
   const bool is_taken = frame.write_status == IoStatus::Ok;

@@ -164,6 +164,7 @@ class ServoLoop {
   std::optional<MonotonicTime> zero_since_;  // since when the arm takes nothing but zero
   std::uint64_t zeros_taken_{0};             // since then
   bool is_driven_{false};                    // for the guard: it may hold a force
+  std::uint32_t drive_{0};                   // the newest, for the guard; never 0 once driven
   HeldForce held_force_;
   bool was_active_{false};  // since the arm came
   bool was_pulled_{false};  // after it was driven, and not cleared since

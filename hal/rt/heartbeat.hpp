@@ -20,8 +20,10 @@ struct Heartbeat {
   // linux::MonotonicClock reads. Both processes read the same one, so that an age is exact however
   // seldom somebody looks.
   std::atomic<std::int64_t> beat_at_ns{0};
-  // Servo: 1 from before a force is written until the arm has taken nothing but zero for a while.
-  std::atomic<std::uint32_t> is_driven{0};
+  // Servo: which drive of the arm this is, from 1, from before its first force is written until the
+  // arm has taken nothing but zero for a while; 0 between. Each has another number than the one
+  // before, so that a guard that looked away meanwhile knows that the force was taken away.
+  std::atomic<std::uint32_t> drive{0};
   std::atomic<std::uint32_t> interventions{0};  // guard: +1 whenever it began to let the arm go
   THIMBLE_RT void beat(MonotonicTime now) noexcept {
     beat_at_ns.store(now.since_epoch.count(), std::memory_order_release);

@@ -66,7 +66,7 @@ class GuardKeeperTest : public testing::Test {
   }
   // A guard whose arm is gone tries it for 25 s more, and who runs this program waits for all that
   // has its output.
-  static void let_go(devices::ArmGuard& guard) { guard.heartbeat().is_driven = 0; }
+  static void let_go(devices::ArmGuard& guard) { guard.heartbeat().drive = 0; }
   static bool is_watching(devices::ArmGuard& guard) { return guard.is_watching().value_or(false); }
 
   Descriptor arm_;
@@ -87,7 +87,7 @@ TEST_F(GuardKeeperTest, StartsAGuardThatLetsTheArmGoWhenTheBeatsStop) {
   ASSERT_EQ(refusal(*guard), "");
   EXPECT_EQ(asked_for_, "hid:42");
   EXPECT_TRUE(is_watching(*guard));
-  guard->heartbeat().is_driven = 1;
+  guard->heartbeat().drive = 1;
   EXPECT_EQ(next_report(), kZeroOfHidraw);
   EXPECT_EQ(guard->heartbeat().interventions.load(), 1U);
   EXPECT_TRUE(is_watching(*guard));
@@ -99,7 +99,7 @@ TEST_F(GuardKeeperTest, WhatWantsNoZeroInFrontTakesTheBytesAsTheyAre) {
   for (const char* address : {"serial:42", "hid:42"}) {
     const auto guard = make();
     ASSERT_EQ(refusal(*guard, address), "");
-    guard->heartbeat().is_driven = 1;
+    guard->heartbeat().drive = 1;
     EXPECT_EQ(next_report().substr(0, 2), "\7\11") << address;
     let_go(*guard);
   }
@@ -108,7 +108,7 @@ TEST_F(GuardKeeperTest, WhatWantsNoZeroInFrontTakesTheBytesAsTheyAre) {
 TEST_F(GuardKeeperTest, AGuardThatIsGivenUpLetsTheArmGo) {
   auto guard = make();
   ASSERT_EQ(refusal(*guard), "");
-  guard->heartbeat().is_driven = 1;
+  guard->heartbeat().drive = 1;
   guard.reset();
   EXPECT_EQ(next_report(), kZeroOfHidraw);
 }
@@ -117,7 +117,7 @@ TEST_F(GuardKeeperTest, TheNextDeviceHasAnotherGuardOnTheSameHeartbeat) {
   const auto guard = make();
   ASSERT_EQ(refusal(*guard), "");
   rt::Heartbeat* const heartbeat = &guard->heartbeat();
-  heartbeat->is_driven = 1;
+  heartbeat->drive = 1;
   ASSERT_EQ(refusal(*guard), "");
   EXPECT_EQ(next_report(), kZeroOfHidraw) << "of the first, which ended";
   EXPECT_TRUE(is_watching(*guard));

@@ -36,7 +36,7 @@ class Rig {
   }
   Result<GuardSession> accept() { return accept(ZeroRoute::Write, kernel_); }
   Result<GuardSession> accept(ZeroRoute route, linux::DeviceCalls& calls) {
-    page.heartbeat().is_driven = 1;
+    page.heartbeat().drive = 1;
     const Handover handover{route, 0, 3, {0, 7, 9}};
     EXPECT_TRUE(send_handover(daemon.get(), handover, node_.get(), page.descriptor()).has_value());
     return GuardSession::accept(guard_.get(), 1000, calls);
@@ -90,7 +90,7 @@ TEST(GuardSession, LetsTheArmGoWhenTheBeatsStopAndTellsTheServo) {
   EXPECT_EQ(rig.run(*guard, 1000, false), 51);
   EXPECT_EQ(rig.page.heartbeat().interventions.load(), 1U);
   EXPECT_EQ(rig.run(*guard, 100, true), 50) << "until the servo took the force away";
-  rig.page.heartbeat().is_driven = 0;
+  rig.page.heartbeat().drive = 0;
   EXPECT_EQ(rig.run(*guard, 100, true), 0);
 }
 
@@ -106,7 +106,7 @@ TEST(GuardSession, LetsTheArmGoAndEndsWhenTheDaemonIsGone) {
 TEST(GuardSession, OfADaemonThatIsGoneAndDidNotDriveLeavesTheArmAlone) {
   Rig rig;
   auto guard = rig.accept();
-  rig.page.heartbeat().is_driven = 0;
+  rig.page.heartbeat().drive = 0;
   rig.run(*guard, 10, true);
   rig.daemon = Descriptor();
   EXPECT_EQ(rig.run(*guard, 1000, false), 0);
@@ -116,9 +116,9 @@ TEST(GuardSession, OfADaemonThatIsGoneAndDidNotDriveLeavesTheArmAlone) {
 TEST(GuardSession, BelievesWhatTheDaemonSaidLastWhenItIsGone) {
   Rig rig;
   auto guard = rig.accept();
-  rig.page.heartbeat().is_driven = 0;
+  rig.page.heartbeat().drive = 0;
   rig.run(*guard, 10, true);
-  rig.page.heartbeat().is_driven = 1;  // and wrote a force, and died between two looks
+  rig.page.heartbeat().drive = 1;  // and wrote a force, and died between two looks
   rig.daemon = Descriptor();
   EXPECT_EQ(rig.run(*guard, 1000, false), 51);
 }
@@ -140,7 +140,7 @@ TEST(GuardSession, CountsOnWhereTheGuardBeforeItEnded) {
   EXPECT_EQ(rig.run(*guard, 100, true), 0);
   EXPECT_EQ(rig.run(*guard, 50, false), 15);
   EXPECT_EQ(rig.page.heartbeat().interventions.load(), 6U);
-  rig.page.heartbeat().is_driven = 0;
+  rig.page.heartbeat().drive = 0;
   EXPECT_EQ(rig.run(*guard, 100, true), 0);
 }
 
@@ -157,7 +157,7 @@ TEST(GuardSession, OfAnArmThatIsGoneGoesOnAndCountsWhatWasRefused) {
         send_handover(daemon.get(), {route, 2, 16, {}}, null.get(), page.descriptor()).has_value());
     auto session = GuardSession::accept(guard.get(), 1000, kernel);
     ASSERT_TRUE(session.has_value());
-    page.heartbeat().is_driven = 1;
+    page.heartbeat().drive = 1;
     sim::VirtualClock clock;
     page.heartbeat().beat(clock.now());
     EXPECT_TRUE(session->step(clock));

@@ -26,7 +26,7 @@ class Course {
       if (is_alive) beat_at_ = now_;
       if (++count_ % 2 != 0) continue;
       const bool writes =
-          is_gone ? sut.look_alone(now_, is_driven) : sut.look(now_, beat_at_, is_driven);
+          is_gone ? sut.look_alone(now_, drive != 0) : sut.look(now_, beat_at_, drive);
       if (!writes) continue;
       ++zeros;
       sut.wrote(now_, takes_zero);
@@ -35,7 +35,7 @@ class Course {
   }
 
   Watch sut{WatchSettings{}};
-  bool is_driven{true};
+  std::uint32_t drive{1};
   bool takes_zero{true};
   bool is_gone{false};
 
@@ -47,7 +47,7 @@ class Course {
 
 TEST(GuardWatch, LeavesAnArmAloneThatIsNotDriven) {
   Course course;
-  course.is_driven = false;
+  course.drive = 0;
   course.run(100, true);
   EXPECT_EQ(course.run(5000, false), 0) << "its firmware may be on its way";
   course.is_gone = true;
@@ -57,9 +57,9 @@ TEST(GuardWatch, LeavesAnArmAloneThatIsNotDriven) {
 
 TEST(GuardWatch, CountsTheSilenceFromTheFirstForceOn) {
   Course course;
-  course.is_driven = false;
+  course.drive = 0;
   course.run(1000, false);
-  course.is_driven = true;
+  course.drive = 1;
   EXPECT_EQ(course.run(18, false), 0) << "from the look before it on, 2 ms ago";
   EXPECT_GT(course.run(4, false), 0);
 }
@@ -114,21 +114,34 @@ TEST(GuardWatch, WritesZeroOnAfterAStoppedServoRunsAgainUntilItTookTheForceAway)
   course.run(1000, true);
   course.run(5000, false);
   EXPECT_EQ(course.run(1000, true), 500) << "what was stuck in the process comes out only now";
-  course.is_driven = false;
+  course.drive = 0;
   EXPECT_EQ(course.run(1000, true), 0);
-  course.is_driven = true;
+  course.drive = 1;
   EXPECT_EQ(course.run(1000, true), 0);
   EXPECT_EQ(course.sut.interventions(), 1U);
   course.run(100, false);
   EXPECT_EQ(course.sut.interventions(), 2U);
 }
 
+// Of a drive that ended and another that began between two of its looks.
+TEST(GuardWatch, AnotherDriveSaysThatTheForceBeforeWasTakenAway) {
+  Course course;
+  course.run(1000, true);
+  course.run(30, false);
+  EXPECT_GT(course.run(10, true), 0) << "the same drive";
+  course.drive = 2;
+  EXPECT_EQ(course.run(1000, true), 0);
+  EXPECT_EQ(course.sut.interventions(), 1U);
+  course.run(30, false);
+  EXPECT_EQ(course.sut.interventions(), 2U) << "it is watched as the one before";
+}
+
 TEST(GuardWatch, ABeatSinceTheMachineSleptIsEnough) {
   Watch sut{WatchSettings{}};
-  ASSERT_FALSE(sut.look(MonotonicTime{milliseconds(1)}, MonotonicTime{milliseconds(1)}, true));
+  ASSERT_FALSE(sut.look(MonotonicTime{milliseconds(1)}, MonotonicTime{milliseconds(1)}, 1));
   // The whole machine slept for an hour; the servo ticked once since.
   const MonotonicTime awake{std::chrono::hours(1)};
-  EXPECT_FALSE(sut.look(awake, awake - milliseconds(1), true));
+  EXPECT_FALSE(sut.look(awake, awake - milliseconds(1), 1));
 }
 
 // Oracle: no zero for an arm that is not driven, nor while the last 20 ms held a beat and no stop
@@ -149,7 +162,7 @@ TEST(GuardWatch, KeepsItsPromisesWhateverTheServoDoes) {
       if (is_alive) beat_at = {milliseconds(ms)};
       silent_ms = is_alive || !is_driven || ms == 1 ? 0 : silent_ms + 1;
       is_unanswered = is_driven && (is_unanswered || silent_ms > 20);
-      const bool writes = sut.look(MonotonicTime{milliseconds(ms)}, beat_at, is_driven);
+      const bool writes = sut.look(MonotonicTime{milliseconds(ms)}, beat_at, is_driven ? 1 : 0);
       if (writes) ++zeros;
       if (writes) sut.wrote(MonotonicTime{milliseconds(ms)}, random() % 3 == 0);
       if (!is_unanswered) {
@@ -174,7 +187,7 @@ class Sleeper {
     for (; now < end; now = sut.next_look(now)) {
       ++looks;
       const bool is_driven = now >= driven_at;
-      if (sut.look(now, last_beat(), is_driven)) return now;
+      if (sut.look(now, last_beat(), is_driven ? 1 : 0)) return now;
       EXPECT_GT(sut.next_look(now), now);
       EXPECT_LE(sut.next_look(now), now + milliseconds(20) + Duration(1));
     }
@@ -251,7 +264,7 @@ TEST(GuardWatch, LeavesAServoAloneWhoseTicksEndInTimeAndNoOther) {
         began = ends + up_to(9'000);
         ends = began + up_to(5'000);  // no beat is older than 19 ms before the next
       }
-      is_let_go = sut.look(now, told, true);
+      is_let_go = sut.look(now, told, 1);
       if (is_let_go) {
         ASSERT_GT(now - told, milliseconds(20));
         ASSERT_GE(began, dies);
@@ -276,7 +289,7 @@ TEST(GuardWatch, NoBeatOfAnotherTimeKeepsItFromLooking) {
     Watch sut{WatchSettings{}};
     MonotonicTime now{std::chrono::seconds(1)};
     const MonotonicTime first = now;
-    while (!sut.look(now, MonotonicTime{Duration(lie)}, true)) {
+    while (!sut.look(now, MonotonicTime{Duration(lie)}, 1)) {
       const MonotonicTime next = sut.next_look(now);
       ASSERT_GT(next, now) << lie;
       ASSERT_LE(next, now + milliseconds(20) + Duration(1)) << lie;
@@ -290,7 +303,7 @@ TEST(GuardWatch, BeatsOfAClockThatIsAheadAreNone) {
   Watch sut{WatchSettings{}};
   MonotonicTime now{std::chrono::seconds(1)};
   const MonotonicTime first = now;
-  while (!sut.look(now, now + std::chrono::seconds(1), true)) now = sut.next_look(now);
+  while (!sut.look(now, now + std::chrono::seconds(1), 1)) now = sut.next_look(now);
   EXPECT_LE(now - first, milliseconds(20) + Duration(1));
 }
 

@@ -25,7 +25,7 @@ TEST(ServoAbsent, AnArmThatWasNeverThereIsLostFromTheStartAndThatIsNoStop) {
   EXPECT_EQ(seen.fault.code, FaultCode::None);
   EXPECT_FALSE(sut.recorder().is_frozen()) << "there is nothing to look at";
   EXPECT_TRUE(rig.device.written.empty());
-  EXPECT_EQ(rig.heartbeat.is_driven.load(), 0U);
+  EXPECT_EQ(rig.heartbeat.drive.load(), 0U);
 
   rig.device.next_status = IoStatus::Ok;
   rig.device.state.calibration = CalibrationState::NeedsUser;

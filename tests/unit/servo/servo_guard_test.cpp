@@ -42,27 +42,69 @@ TEST(ServoGuard, AnArmThatItsGuardLetGoIsNotDrivenUntilAPersonClearsIt) {
   EXPECT_EQ(rig.device.written.back(), (Force3{4, 0, 0}));
 }
 
+// Driven again before the servo has said that the force was taken away, the arm would be told
+// forces by its servo and zero by its guard, for as long as that lasts.
+TEST(ServoGuard, AnArmThatItsGuardLetGoWhileItWasDeactivatedIsNotDrivenAgainBeforeAClear) {
+  DrivenRig rig;
+  rig.controls.want_active = false;
+  for (int i = 0; i < 1000 && rig.state() != OperatingState::Inactive; ++i) rig.tick();
+  ASSERT_EQ(rig.state(), OperatingState::Inactive);
+  ASSERT_NE(rig.heartbeat.drive.load(), 0U);
+  rig.heartbeat.interventions = 1;
+  rig.controls.want_active = true;
+  rig.tick();
+  EXPECT_EQ(rig.snapshot().fault.code, FaultCode::ServoLate);
+  rig.tick(1000);
+  EXPECT_EQ(rig.state(), OperatingState::Fault);
+  EXPECT_EQ(rig.snapshot().faults, 1U) << "one intervention stops it once";
+  EXPECT_EQ(rig.heartbeat.drive.load(), 0U);
+}
+
+TEST(ServoGuard, WhatItDoesToAnArmThatIsStoppedAlreadyIsNoFurtherFault) {
+  DrivenRig rig;
+  rig.press_estop();
+  rig.tick(5);
+  ASSERT_NE(rig.heartbeat.drive.load(), 0U);
+  rig.heartbeat.interventions = 1;
+  rig.tick(1000);
+  EXPECT_EQ(rig.snapshot().fault.code, FaultCode::Estop);
+  EXPECT_EQ(rig.snapshot().faults, 1U);
+}
+
+TEST(ServoGuard, IsToldEachDriveByAnotherNumber) {
+  DrivenRig rig;
+  EXPECT_EQ(rig.heartbeat.drive.load(), 1U);
+  for (std::uint32_t drive = 2; drive < 5; ++drive) {
+    rig.controls.want_active = false;
+    rig.tick(1000);
+    EXPECT_EQ(rig.heartbeat.drive.load(), 0U);
+    rig.controls.want_active = true;
+    rig.tick(1000);
+    EXPECT_EQ(rig.heartbeat.drive.load(), drive);
+  }
+}
+
 TEST(ServoGuard, IsToldOfADrivenArmBeforeItsFirstForceAndUntilZeroWasTakenForTwentyMilliseconds) {
   ServoRig rig;
   rig.device.on_write = [&] {
     const bool is_force = norm(rig.device.written.back()) > 0;
     if (is_force) {
-      EXPECT_EQ(rig.heartbeat.is_driven.load(), 1U);
+      EXPECT_EQ(rig.heartbeat.drive.load(), 1U);
     }
   };
   rig.device.state.calibration = CalibrationState::NeedsUser;
   rig.tick(100);
-  EXPECT_EQ(rig.heartbeat.is_driven.load(), 0U) << "its firmware may be on its way";
+  EXPECT_EQ(rig.heartbeat.drive.load(), 0U) << "its firmware may be on its way";
   rig.device.state.calibration = CalibrationState::Ok;
   rig.coupling.wish = {4, 0, 0};
   rig.activate_fully();
-  EXPECT_EQ(rig.heartbeat.is_driven.load(), 1U);
+  EXPECT_EQ(rig.heartbeat.drive.load(), 1U);
 
   rig.press_estop();
   rig.tick(19);
-  EXPECT_EQ(rig.heartbeat.is_driven.load(), 1U);
+  EXPECT_EQ(rig.heartbeat.drive.load(), 1U);
   rig.tick(1);
-  EXPECT_EQ(rig.heartbeat.is_driven.load(), 0U);
+  EXPECT_EQ(rig.heartbeat.drive.load(), 0U);
 }
 
 TEST(ServoGuard, IsToldOfAnArmThatTakesNoZeroAsLongAsItDoesNot) {
@@ -70,10 +112,10 @@ TEST(ServoGuard, IsToldOfAnArmThatTakesNoZeroAsLongAsItDoesNot) {
   rig.device.write_status = IoStatus::Backlogged;
   rig.press_estop();
   rig.tick(1000);
-  EXPECT_EQ(rig.heartbeat.is_driven.load(), 1U);
+  EXPECT_EQ(rig.heartbeat.drive.load(), 1U);
   rig.device.write_status = IoStatus::Ok;
   rig.tick(21);
-  EXPECT_EQ(rig.heartbeat.is_driven.load(), 0U);
+  EXPECT_EQ(rig.heartbeat.drive.load(), 0U);
 }
 
 // The last write that ended may have been of a force; what hangs behind it, too.
@@ -87,7 +129,7 @@ TEST(ServoGuard, IsToldOfAnArmWhoseWayOutHangsRightAfterTheStop) {
     };
     rig.press_estop();
     rig.tick(1000);
-    EXPECT_EQ(rig.heartbeat.is_driven.load(), 1U) << ends;
+    EXPECT_EQ(rig.heartbeat.drive.load(), 1U) << ends;
   }
 }
 
@@ -99,7 +141,7 @@ TEST(ServoGuard, IsNotPutOffByABusThatIsBusyNowAndThen) {
   };
   rig.press_estop();
   rig.tick(30);
-  EXPECT_EQ(rig.heartbeat.is_driven.load(), 0U);
+  EXPECT_EQ(rig.heartbeat.drive.load(), 0U);
   rig.tick(200);
   const std::size_t written = rig.device.written.size();
   rig.tick(100);
@@ -143,24 +185,24 @@ TEST(ServoGuard, AnArmThatIsGoneOrWasClearedIsDrivenNoMore) {
   DrivenRig gone;
   gone.device.next_status = IoStatus::Disconnected;
   gone.tick();
-  EXPECT_EQ(gone.heartbeat.is_driven.load(), 0U);
+  EXPECT_EQ(gone.heartbeat.drive.load(), 0U);
 
   DrivenRig cleared;
   cleared.press_estop();
   cleared.controls.want_active = false;
   cleared.controls.request_clear(cleared.snapshot().fault.number);
   cleared.tick();
-  EXPECT_EQ(cleared.heartbeat.is_driven.load(), 0U);
+  EXPECT_EQ(cleared.heartbeat.drive.load(), 0U);
 }
 
 TEST(ServoGuard, NumbersOfNobodyStopAnArmAndDoNoMore) {
   DrivenRig rig;
   rig.heartbeat.interventions = 0xffffffffU;
-  rig.heartbeat.is_driven = 17;
+  rig.heartbeat.drive = 17;
   rig.tick();
   EXPECT_EQ(rig.snapshot().fault.code, FaultCode::ServoLate);
   rig.tick(30);
-  EXPECT_EQ(rig.heartbeat.is_driven.load(), 0U);
+  EXPECT_EQ(rig.heartbeat.drive.load(), 0U);
 }
 
 TEST(ServoGuard, AnArmWhoseGuardEndsIsStoppedAndNotDrivenBeforeItHasAnother) {
