@@ -108,6 +108,7 @@ void ArmCommands::deactivate(std::string_view arm, api::ClientId, api::Answer an
   if (const Result<void> released = leases_.release(arm); !released) {
     return answer(tl::unexpected(released.error()));
   }
+  end_steady_force(*leases_.find(arm));
   apply_leases();
   answer(done(*leases_.find(arm)));
 }
@@ -129,6 +130,7 @@ void ArmCommands::clear_fault(std::string_view arm, std::optional<std::uint32_t>
                                        "), not after fault " + std::to_string(*fault) +
                                        "; look at the status first"));
   }
+  end_steady_force(*index);
   Wait wait;
   wait.kind = is_of_chain ? Kind::FreeChain : Kind::ClearFault;
   wait.arm = *index;
@@ -166,13 +168,15 @@ void ArmCommands::steady_force(std::string_view arm, std::optional<double> up_ne
     return answer(fail(Errc::Busy, named(asked) + " has no force where it is: " +
                                        session::way_in(*runtime_.arms()[*index])));
   }
-  std::erase_if(steady_, [&](const Steady& steady) { return steady.arm == *index; });
-  if (up_newton) {
-    asked.steady_force().hold(*up_newton);
-    steady_.push_back({*index, client, clock_.now() + kSteadyFor});
-  } else {
-    asked.steady_force().release();
+  if (!up_newton) {
+    end_steady_force(*index);
+    return answer(done(*index));
   }
+  // One after another without a gap: nothing is let go of between them.
+  std::erase_if(steady_, [&](const Steady& steady) { return steady.arm == *index; });
+  const MonotonicTime now = clock_.now();
+  asked.steady_force().hold(*up_newton, now + kSteadyUnkept);
+  steady_.push_back({*index, client, now + kSteadyFor, now + kSteadyUnkept});
   answer(done(*index));
 }
 
@@ -203,13 +207,25 @@ void ArmCommands::ask_world(std::string_view arm, api::HandVerb verb, api::Answe
 
 // A force that nobody looks after is none: its lease, its client or its time is over.
 void ArmCommands::end_steady_forces() {
-  std::erase_if(steady_, [&](const Steady& steady) {
-    const bool is_over = clock_.now() >= steady.until ||
+  const MonotonicTime now = clock_.now();
+  std::erase_if(steady_, [&](Steady& steady) {
+    const bool is_over = now >= steady.until || now >= steady.kept_until ||
                          !leases_.is_held_for(steady.arm, steady.client.value) ||
                          session(steady.arm).snapshot().frame.state != OperatingState::Active;
-    if (is_over) session(steady.arm).steady_force().release();
+    coupling::SteadyForce& force = session(steady.arm).steady_force();
+    if (is_over) {
+      force.release();
+    } else {
+      force.keep(steady.kept_until = now + kSteadyUnkept);
+    }
     return is_over;
   });
+}
+
+// Before the next look at it: who held it may hold the arm again by then.
+void ArmCommands::end_steady_force(std::size_t arm) {
+  std::erase_if(steady_, [&](const Steady& steady) { return steady.arm == arm; });
+  session(arm).steady_force().release();
 }
 
 void ArmCommands::client_gone(api::ClientId client) {

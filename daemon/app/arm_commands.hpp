@@ -75,6 +75,9 @@ class ArmCommands final : public api::Commands {
   static constexpr Duration kPatience = std::chrono::seconds(2);
   // A person looks at a scale and types what it says. Ours.
   static constexpr Duration kSteadyFor = std::chrono::seconds(60);
+  // A steady force that poll() was not called for so long is let go by the servo. Ours: the age at
+  // which constraints of a world begin to fade (DESIGN section 4).
+  static constexpr Duration kSteadyUnkept = std::chrono::milliseconds(250);
 
  private:
   enum class Kind : std::uint8_t { Activate, ClearFault, FreeChain };
@@ -94,6 +97,7 @@ class ArmCommands final : public api::Commands {
     std::size_t arm{0};
     api::ClientId client{};
     MonotonicTime until{};
+    MonotonicTime kept_until{};
   };
   using Verdict = std::optional<Result<api::Done>>;  // nothing: not yet
 
@@ -107,6 +111,7 @@ class ArmCommands final : public api::Commands {
   [[nodiscard]] Verdict judge_clearing(const Wait& wait, const servo::ServoSnapshot& seen);
   void withdraw(const Wait& wait);
   void end_steady_forces();
+  void end_steady_force(std::size_t arm);
   [[nodiscard]] api::Done done(std::size_t arm);
   // The same of an arm that shall be driven, with what keeps it from a force.
   [[nodiscard]] api::Done driven(std::size_t arm);

@@ -85,5 +85,47 @@ TEST_F(SteadyForceCommands, EndsAfterAMinuteAndWithAFault) {
   EXPECT_FALSE(loop_.arm().session().steady_force().is_held()) << "cleared, it does not push again";
 }
 
+// All within one look of the daemon's at it.
+TEST_F(SteadyForceCommands, EndsWithItsLeaseThoughThatIsTakenAgainAtOnce) {
+  activate();
+  ASSERT_TRUE(push(-1));
+  run(0.1);
+  std::optional<Result<api::Done>> told;
+  sut_.deactivate("right", kHer, keep(told));
+  EXPECT_FALSE(loop_.arm().session().steady_force().is_held());
+  sut_.activate("right", kHer, keep(told));
+  run(1);
+  EXPECT_EQ(loop_.frame().state, OperatingState::Active);
+  EXPECT_LT(std::abs(up_newton()), 0.2);
+}
+
+TEST_F(SteadyForceCommands, EndsWithAFaultThatIsClearedAtOnce) {
+  activate();
+  ASSERT_TRUE(push(-1));
+  run(0.1);
+  loop_.controls().is_estop_healthy = false;
+  loop_.tick();
+  loop_.controls().is_estop_healthy = true;
+  loop_.tick();
+  std::optional<Result<api::Done>> told;
+  sut_.clear_fault("right", {}, kHer, keep(told));
+  EXPECT_FALSE(loop_.arm().session().steady_force().is_held());
+  run(1);
+  EXPECT_LT(std::abs(up_newton()), 0.2);
+}
+
+TEST_F(SteadyForceCommands, EndsWhereNobodyLooksAfterItAnyMore) {
+  activate();
+  ASSERT_TRUE(push(-1));
+  run(0.5);
+  EXPECT_NEAR(up_newton(), -1, 1e-6);
+  loop_.run(0.24);
+  EXPECT_NEAR(up_newton(), -1, 1e-6);
+  loop_.run(0.1);
+  EXPECT_LT(std::abs(up_newton()), 0.2);
+  run(1);
+  EXPECT_LT(std::abs(up_newton()), 0.2) << "once let go of it does not come back";
+}
+
 }  // namespace
 }  // namespace thimble
