@@ -78,13 +78,9 @@ class Measurement {
            "way. Steady it from the sides only.\n";
     std::vector<ScaleReading> readings;
     for (const double newton : steps) {
-      const auto gram = read_one(newton);
-      if (!gram) return tl::unexpected<Error>(gram.error());
-      // What the limiter lets through; motors that get warm are given less than was asked for.
-      const auto arm = find();
-      if (!arm) return tl::unexpected<Error>(arm.error());
-      if (arm->state != "active") return fail(Errc::Busy, "arm " + arm_ + " is active no more");
-      readings.push_back({-arm->force_newton[1], *gram});
+      const auto reading = read_one(newton);
+      if (!reading) return tl::unexpected<Error>(reading.error());
+      readings.push_back(*reading);
     }
     return readings;
   }
@@ -134,7 +130,7 @@ class Measurement {
     }
   }
 
-  [[nodiscard]] Result<double> read_one(double newton) {
+  [[nodiscard]] Result<ScaleReading> read_one(double newton) {
     while (true) {
       const auto pressed = post("steady-force", "{\"up_newton\":" + text_of("%.6f", -newton) + "}");
       if (!pressed) return tl::unexpected<Error>(pressed.error());
@@ -146,10 +142,25 @@ class Measurement {
       if (!std::getline(typed_, line)) {
         return fail(Errc::InvalidArgument, "the input ended before the last reading");
       }
-      auto gram = parse_gram(line);
-      if (gram) return gram;
-      std::cerr << gram.error().message << '\n';
+      const auto gram = parse_gram(line);
+      if (!gram) {
+        std::cerr << gram.error().message << '\n';
+        continue;
+      }
+      // What the limiter lets through; motors that get warm are given less than was asked for.
+      const auto arm = find();
+      if (!arm) return tl::unexpected<Error>(arm.error());
+      if (arm->state != "active") return fail(Errc::Busy, "arm " + arm_ + " is active no more");
+      const double now_newton = -arm->force_newton[1];
+      if (!has_ended(*given_newton, now_newton)) return ScaleReading{now_newton, *gram};
+      std::cerr << "the force ended meanwhile, as it does after a minute; once more\n";
     }
+  }
+
+  // Of one that was given: warm motors give less, not nothing.
+  static bool has_ended(double before_newton, double now_newton) {
+    return std::abs(before_newton) > kLeastNewton / 2 &&
+           std::abs(now_newton) < std::abs(before_newton) / 4;
   }
 
   Client& client_;

@@ -58,7 +58,7 @@ void Connection::read() {
   parser_->header_limit(static_cast<std::uint32_t>(context_.settings.max_header_bytes));
   parser_->body_limit(context_.settings.max_state_bytes);  // until it is known for what it is
   stream_.expires_after(context_.settings.idle_timeout);
-  if (holds_lease()) stream_.expires_never();
+  if (holds_lease() || has_pushed_) stream_.expires_never();
   http::async_read_header(stream_, buffer_, *parser_,
                           [self = shared_from_this()](boost::beast::error_code error, std::size_t) {
                             self->on_header(error);
@@ -199,6 +199,8 @@ void Connection::on_done(const Action& action, const Result<Done>& done, bool is
     leases_[action.name] = lease.number;
   }
   if (action.kind == ActionKind::Deactivate) leases_.erase(action.name);
+  // Of an arm that the configuration holds, too. The force itself ends after a minute.
+  if (action.kind == ActionKind::SteadyForce) has_pushed_ = action.up_newton.has_value();
   respond(to_text(boost::json::object{{"arm", action.name},
                                       {"lease", lease.holder},
                                       {"lease_number", lease.number},

@@ -77,6 +77,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   Response response_;
   std::map<std::string, std::uint64_t> leases_;  // of the arms that this client activated: number
   bool has_commanded_{false};
+  bool has_pushed_{false};  // by a steady force, while a person looks at a scale
   bool is_closed_{false};
 };
 

@@ -62,7 +62,9 @@ class FakeDaemon : public StatusView, public Commands {
       answer(Done{"calibrating", "press the button"});
     }
   }
-  void steady_force(std::string_view, std::optional<double>, ClientId, Answer) override {}
+  void steady_force(std::string_view, std::optional<double>, ClientId, Answer answer) override {
+    answer(Done{"active", ""});
+  }
   void set_impedance(std::string_view arm, double newton_s_per_m, Answer answer) override {
     log.push_back("impedance " + std::string(arm) + " " + std::to_string(newton_s_per_m));
     if (arm != "right") return answer(fail(Errc::Unsupported, "it has no impedance to tune"));
@@ -185,8 +187,10 @@ class ServerTest : public testing::Test {
     EXPECT_TRUE(until(is_answered)) << client.received;
     return client.received;
   }
-  static std::string post(const std::string& target) {
-    return "POST " + target + " HTTP/1.1\r\nHost: x\r\nContent-Length: 0\r\n\r\n";
+  static std::string post(const std::string& target, const std::string& body = {}) {
+    return "POST " + target +
+           " HTTP/1.1\r\nHost: x\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" +
+           body;
   }
   bool ends(Client& client) {
     return static_cast<bool>(until([&] { return !client.receive(); }));

@@ -195,6 +195,20 @@ TEST_F(ServerTest, DropsAnIdleConnectionUnlessItHoldsALease) {
   EXPECT_TRUE(ends(holder));
 }
 
+// A person looks at a scale meanwhile, be the arm the configuration's.
+TEST_F(ServerTest, KeepsAnIdleConnectionThatGaveASteadyForceUntilItTakesItBack) {
+  settings_.idle_timeout = std::chrono::milliseconds(20);
+  start();
+  Client pushing(settings_.socket_path);
+  ask(pushing, post("/v1/arms/right/steady-force", R"({"up_newton": -1})"));
+  ASSERT_EQ(daemon_.lease, "none");
+  Client idle(settings_.socket_path);
+  EXPECT_TRUE(ends(idle));
+  EXPECT_TRUE(until([&] { return sut_->connections() == 1; }));
+  ask(pushing, post("/v1/arms/right/steady-force"));
+  EXPECT_TRUE(ends(pushing));
+}
+
 TEST_F(ServerTest, TellsTheNumberOfALeaseAndAnotherOnesDoesNotKeepAConnection) {
   settings_.idle_timeout = std::chrono::milliseconds(20);
   start();
