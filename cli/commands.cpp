@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <iostream>
 #include <iterator>
+#include <memory>
 
 #include "cli/ask.hpp"
 #include "cli/cells.hpp"
@@ -70,6 +71,17 @@ Result<void> show(Client& client, Screen& screen) {
   return {};
 }
 
+// Who asks seldom may find the connection closed, and asks on a new one, which takes its place.
+Result<void> show_again(const std::string& socket_path, std::unique_ptr<Client>& client,
+                        Screen& screen) {
+  Result<void> shown = show(*client, screen);
+  if (shown || shown.error().code != Errc::Disconnected) return shown;
+  auto anew = connect_to_daemon(socket_path);
+  if (!anew) return shown;
+  client = *std::move(anew);
+  return show(*client, screen);
+}
+
 }  // namespace
 
 Result<api::Status> daemon_status(const std::string& socket_path) {
@@ -102,7 +114,7 @@ int run_watch(const std::string& socket_path, const WatchOptions& options) {
     Screen screen;
     for (double time_s = 0; !options.for_s || time_s < *options.for_s;
          time_s += options.interval_s) {
-      shown = show(**client, screen);
+      shown = show_again(socket_path, *client, screen);
       if (!shown || !std::cout) break;
       if (interrupts.wait(-1, options.interval_s) == Interrupts::Woken::Signal) break;
     }

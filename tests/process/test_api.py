@@ -7,7 +7,9 @@ import pwd
 import resource
 import shutil
 import signal
+import socket
 import subprocess
+import threading
 
 from rig import (BIN, HELLO, TIMEOUT_S, ProcessTest, die_with_parent, clean_environment,
                  http_over, http_request, unix_connection)
@@ -43,6 +45,30 @@ class Words(ProcessTest):
         self.assertEqual((result.returncode, result.stderr), (0, ""))
         self.assertGreater(result.stdout.count("\n"), 3)
         self.assertNotIn("\x1b", result.stdout)
+
+    def test_watch_goes_on_where_a_connection_was_closed_between_two_pictures(self):
+        """As of one that asks seldomer than every 30 s; here after each answer."""
+        document = json.dumps(self.start(config=HELLO).status()).encode()
+        head = f"HTTP/1.1 200 OK\r\nContent-Type: application/json\r\nContent-Length: {len(document)}\r\n\r\n"
+        path = self.folder / "closing.sock"
+        asked = []
+
+        def answer_once(place):
+            there, _ = place.accept()
+            with there:
+                asked.append(there.recv(65536))
+                there.sendall(head.encode() + document)
+
+        with socket.socket(socket.AF_UNIX) as place:
+            place.bind(str(path))
+            place.listen()
+            server = threading.Thread(target=lambda: [answer_once(place) for _ in range(4)])
+            server.start()
+            shown = self.run_program("thimble", "watch", "--interval", "0.1", "--for", "0.4", "--socket", path)
+            server.join()
+        self.assertEqual((shown.returncode, shown.stderr), (0, ""))
+        self.assertEqual(shown.stdout.count("\n"), 4)
+        self.assertEqual(len(asked), 4)
 
     def test_watch_says_when_the_daemon_ends(self):
         daemon = self.start("--for", 1, config=HELLO)
