@@ -139,7 +139,8 @@ function(thimble_test name)
     set(suppressions ENVIRONMENT_MODIFICATION
       "TSAN_OPTIONS=set:suppressions=${CMAKE_SOURCE_DIR}/tests/support/tsan_in_tests.supp")
   endif()
-  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST TEST_FILTER "-${left_out}"
+  # A program with a sanitizer takes a slow machine more than the usual 5 s to list its tests.
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 120 TEST_FILTER "-${left_out}"
     PROPERTIES LABELS "${ARG_LABEL}" TIMEOUT ${THIMBLE_TEST_TIMEOUT}
     ENVIRONMENT "${ARG_ENVIRONMENT}" ${suppressions})
 endfunction()

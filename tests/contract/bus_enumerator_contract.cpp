@@ -5,8 +5,8 @@
 #include <optional>
 #include <utility>
 
-#include "tests/contract/look_again.hpp"
 #include "tests/contract/usb_rig.hpp"
+#include "tests/support/look_again.hpp"
 
 namespace thimble::test {
 namespace {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <poll.h>
 
 #include <algorithm>
 #include <memory>
@@ -9,8 +10,8 @@
 
 #include "hal/linux/bus_enumerator.hpp"
 #include "hal/linux/monotonic_clock.hpp"
-#include "tests/contract/look_again.hpp"
 #include "tests/support/fake_hidapi.hpp"
+#include "tests/support/look_again.hpp"
 #include "tests/support/mock_machine.hpp"
 
 namespace thimble::test {
@@ -27,12 +28,16 @@ struct LinuxEnumerator : testing::Test {
 
   linux::MonotonicClock clock;
   MockMachine machine;
+  FakeHidWire wire;  // it outlives what a stalled machine closes at the end of `sut` only
   std::unique_ptr<linux::BusEnumerator> sut = make();
 
   std::unique_ptr<linux::BusEnumerator> make() {
     return std::make_unique<linux::BusEnumerator>(linux::BusSettings{clock, {}, {}});
   }
-  ~LinuxEnumerator() override { EXPECT_EQ(FakeHidWire::alive(), 0); }
+  ~LinuxEnumerator() override {
+    sut.reset();
+    EXPECT_EQ(FakeHidWire::alive(), 0);
+  }
 
   Texts addresses() {
     Texts texts;
@@ -48,6 +53,18 @@ struct LinuxEnumerator : testing::Test {
       const bool is_arrival = event->kind == bus::BusEvent::Kind::Arrived;
       texts.push_back((is_arrival ? "+" : "-") + event->device.address.text);
     }
+    return texts;
+  }
+  // As many, in order of their text: a stalled machine has not read all at its first look.
+  Texts events_at_last(std::size_t count) {
+    constexpr int kLooks = 20'000;
+    Texts texts = events();
+    for (int looks = 1; looks < kLooks && texts.size() < count; ++looks) {
+      ::poll(nullptr, 0, 1);
+      const Texts more = events();
+      texts.insert(texts.end(), more.begin(), more.end());
+    }
+    std::sort(texts.begin(), texts.end());
     return texts;
   }
   bus::BusDeviceInfo info_of(const std::string& address) {

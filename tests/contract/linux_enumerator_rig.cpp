@@ -34,6 +34,8 @@ class LinuxBusRig : public BusRig {
   }
 
  protected:
+  void close_buses() { buses_.reset(); }
+
   MockMachine machine_;
   std::string path_;
 
@@ -45,6 +47,10 @@ class LinuxBusRig : public BusRig {
 class LinuxHidBusRig final : public LinuxBusRig {
  public:
   LinuxHidBusRig() { LinuxHidBusRig::replug(); }
+  // The bus first: what a stalled machine closes late still leads to a wire.
+  ~LinuxHidBusRig() override { close_buses(); }
+  LinuxHidBusRig(const LinuxHidBusRig&) = delete;
+  LinuxHidBusRig& operator=(const LinuxHidBusRig&) = delete;
   bus::DeviceAddress address() const override { return {"hid:ABC1"}; }
   void unplug() override {
     wires_.back().unplug();

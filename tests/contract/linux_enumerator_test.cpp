@@ -1,6 +1,5 @@
 // What the enumerator of the machine says of devices that udev knows, however they lie.
 #include <gtest/gtest.h>
-#include <poll.h>
 
 #include <algorithm>
 #include <atomic>
@@ -16,7 +15,6 @@ namespace thimble::test {
 namespace {
 
 TEST_F(LinuxEnumerator, DescribesAHidDeviceWithoutOpeningIt) {
-  FakeHidWire wire;
   wire.attach("/dev/hidraw0");
   plug_arm("1-4", "ABC1", 0);
   const bus::BusDeviceInfo info = info_of("hid:ABC1");
@@ -261,7 +259,7 @@ TEST_F(LinuxEnumerator, ADeviceThatHangsHidesNoOtherOne) {
   EXPECT_EQ(events(), (Texts{"+hid:X", "+usb:X"}));
   machine.hang(sick, "descriptors");
   const std::string well = plug_arm("1-5", "Y", 1);
-  EXPECT_EQ(events(), (Texts{"+hid:Y", "+usb:Y"})) << "X is as it was";
+  EXPECT_EQ(events_at_last(2), (Texts{"+hid:Y", "+usb:Y"})) << "X is as it was";
   machine.unplug(well);
   EXPECT_EQ(events(), (Texts{"-hid:Y", "-usb:Y"}));
   EXPECT_EQ(addresses(), (Texts{"hid:X", "usb:X"}));
@@ -281,11 +279,11 @@ TEST_F(LinuxEnumerator, ADeviceOfManyInterfacesThatHangHidesNoArmThatComesBack) 
   }
   EXPECT_EQ(events(), Texts{});
   const std::string arm = plug_arm("1-5", "Y", 1);
-  EXPECT_EQ(events(), (Texts{"+hid:Y", "+usb:Y"}));
+  EXPECT_EQ(events_at_last(2), (Texts{"+hid:Y", "+usb:Y"}));
   machine.unplug(arm);
   EXPECT_EQ(events(), (Texts{"-hid:Y", "-usb:Y"}));
   plug_arm("1-5", "Y", 2);
-  EXPECT_EQ(events(), (Texts{"+hid:Y", "+usb:Y"}));
+  EXPECT_EQ(events_at_last(2), (Texts{"+hid:Y", "+usb:Y"}));
   for (const std::string& interface : interfaces) machine.answer(interface, "report_descriptor");
   machine.answer(sick, "descriptors");
 }
@@ -295,7 +293,7 @@ TEST_F(LinuxEnumerator, ToAskForEventsWaitsForNoDeviceThatHangs) {
   const std::string sick = plug_arm("1-4", "X", 0);
   machine.hang(sick, "descriptors");
   for (int i = 0; i < 100; ++i) EXPECT_EQ(sut->poll_event(), std::nullopt) << "it is looked at";
-  EXPECT_EQ(events(), Texts{"+hid:X"}) << "and told of when that has ended";
+  EXPECT_EQ(events_at_last(1), Texts{"+hid:X"}) << "and told of when that has ended";
   machine.answer(sick, "descriptors");
 }
 
@@ -333,16 +331,11 @@ TEST_F(LinuxEnumerator, ADriverThatTakesItsTimeToKnowADeviceHoldsUpNoOtherLook) 
 TEST_F(LinuxEnumerator, ADeviceThatHangsFromTheStartIsToldOfWhenItAnswers) {
   const std::string sick = plug_arm("1-4", "X", 0);
   machine.hang(sick, "descriptors");
-  EXPECT_EQ(events(), Texts{"+hid:X"});
+  EXPECT_EQ(events_at_last(1), Texts{"+hid:X"});
   plug_arm("1-5", "Y", 1);
-  EXPECT_EQ(events(), (Texts{"+hid:Y", "+usb:Y"}));
+  EXPECT_EQ(events_at_last(2), (Texts{"+hid:Y", "+usb:Y"}));
   machine.answer(sick, "descriptors");
-  Texts told;
-  for (int i = 0; i < 20'000 && told.empty(); ++i) {
-    told = events();
-    ::poll(nullptr, 0, 1);
-  }
-  EXPECT_EQ(told, Texts{"+usb:X"}) << "of its own accord: udevd says nothing";
+  EXPECT_EQ(events_at_last(1), Texts{"+usb:X"}) << "of its own accord: udevd says nothing";
 }
 
 TEST_F(LinuxEnumerator, WhatIsToldAddsUpToWhatIsListed) {

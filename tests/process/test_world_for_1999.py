@@ -6,6 +6,9 @@ import struct
 from programs_of_1999 import Client, reply_bytes, request_bytes
 from rig import EXAMPLES, ProcessTest, free_udp_port, udp_socket
 
+# Who says nothing for a second has lost its session, also where a busy machine kept it from that: then it is another round.
+ROUNDS = 5
+
 
 class ConstraintModel(ProcessTest):
     def test_decides_what_the_same_datagrams_say(self):
@@ -32,6 +35,12 @@ class World(ProcessTest):
 
     def rejected_at_least(self, count):
         return self.daemon.status_when(lambda s: s["links"][0]["rejected"] >= count)["links"][0]
+
+    @staticmethod
+    def has_kept_its_session(before, after):
+        """The link, from one moment to the other: who had one then has it still, and nobody else had any."""
+        opened = before["events"]["sessions_opened"]
+        return (after["events"]["sessions_opened"], after["events"]["sessions_released"]) == (opened, opened - 1)
 
     def test_answers_in_exactly_the_bytes_of_the_thesis(self):
         with Client(self.port) as client:
@@ -91,17 +100,31 @@ class World(ProcessTest):
             self.assertEqual(self.link()["rejected"], 64 + 2 + 4)
 
     def test_a_second_client_waits_until_the_first_has_been_silent(self):
-        with Client(self.port) as second:
-            with Client(self.port) as first:
-                self.assertEqual(first.ask(20, 0, 0)[12], 1)
-                second.send(request_bytes(-20, 0, 0))
-                self.rejected_at_least(1)
-                for _ in range(50):
-                    self.assertEqual(first.ask(20, 0, 0)[12], 1)
-                self.assertTrue(second.hears_nothing())
-            # The first is gone without a word. The second of 1999 blocks, and is answered.
-            self.assertEqual(second.receive()[12], 2)
-            self.assertEqual(second.ask(0, 0, 20)[12], 0x10)
+        for _ in range(ROUNDS):
+            with Client(self.port) as second:
+                with Client(self.port) as first:
+                    if not self.waits_for_the_first(first, second):
+                        continue
+                # The first is gone without a word. The second of 1999 blocks, and is answered.
+                self.assertEqual(second.receive()[12], 2)
+                self.assertEqual(second.ask(0, 0, 20)[12], 0x10)
+                return
+        self.fail("the first never kept its session")
+
+    def waits_for_the_first(self, first, second):
+        """False: the first did not keep its session."""
+        self.assertEqual(first.ask(20, 0, 0)[12], 1)
+        before = self.link()
+        second.send(request_bytes(-20, 0, 0))
+        self.daemon.status_when(lambda s: s["links"][0]["rejected"] > before["rejected"]
+                                or not self.has_kept_its_session(before, s["links"][0]))
+        for _ in range(50):
+            self.assertEqual(first.ask(20, 0, 0)[12], 1)
+        hears_nothing = second.hears_nothing()
+        if not self.has_kept_its_session(before, self.link()):
+            return False
+        self.assertTrue(hears_nothing)
+        return True
 
     def test_a_client_that_restarts_is_served_again(self):
         for x, directions in ((20, 1), (-20, 2), (20, 1)):
@@ -121,15 +144,18 @@ class World(ProcessTest):
         source = random.Random(3)
         with Client(self.port) as client, udp_socket() as flood:
             flood.connect(("127.0.0.1", self.port))
-            self.assertEqual(client.ask(0, 0, 0)[12], 0)
-            for _ in range(300):
-                # Fewer than a socket holds: what the kernel drops is not the daemon's doing.
-                for _ in range(100):
-                    flood.send(source.choice((request_bytes(20, 20, 20), source.randbytes(13))))
-                self.assertEqual(client.ask(-20, 0, 0), reply_bytes((-20, 0, 0)))
-        link = self.link()
-        self.assertEqual(link["rejected"], 30000)
-        self.assertEqual(link["sent"], 301)
+            for _ in range(ROUNDS):
+                self.assertEqual(client.ask(0, 0, 0)[12], 0)
+                before = self.link()
+                for _ in range(300):
+                    # Fewer than a socket holds: what the kernel drops is not the daemon's doing.
+                    for _ in range(100):
+                        flood.send(source.choice((request_bytes(20, 20, 20), source.randbytes(13))))
+                    self.assertEqual(client.ask(-20, 0, 0), reply_bytes((-20, 0, 0)))
+                link = self.link()
+                if self.has_kept_its_session(before, link):
+                    break
+        self.assertEqual((link["rejected"] - before["rejected"], link["sent"] - before["sent"]), (30000, 300))
 
     def test_a_second_world_on_the_port_is_refused(self):
         result = self.thimbled("--config", EXAMPLES / "world-host.toml",

@@ -18,6 +18,7 @@ PRESSED_S = READ_S + TRANSFERS_S + ACT_S + 1 / arms.QUIET_HZ
 TOLD_S = ACT_S + 1 / arms.QUIET_HZ + 0.002
 # In two seconds, of 4: the first and the last may fall outside.
 BLINKS = 2
+LOG = "log 2"  # holds what the arm felt before its lines opened, 0.5 s ago
 
 
 class Arm(arms.HidArm):
@@ -87,13 +88,13 @@ class Estop(lines.GuestWithLines):
 
     def ended_after(self, adapter, *verbs):
         """When that was, and the last force, both on the machine's clock."""
-        before, *_ = self.guest.steps(adapter.step("status", *verbs), ("sleep", 0.5))
+        (before, *_), (log,) = simdev.words_and_logs(self.guest.steps(adapter.step("status", *verbs), ("sleep", 0.5), self.arm.step(LOG)))
         fell_s = json.loads(before)["machine_s"]
-        return fell_s, self.last_force_since(fell_s)
+        return fell_s, self.last_force_since(fell_s, log)
 
-    def last_force_since(self, fell_s):
+    def last_force_since(self, fell_s, log):
         """When it was felt. Until then the arm was pressed."""
-        samples = [(entry["machine_s"], simdev.norm(entry["force_newton"])) for entry in self.arm.samples(2)]
+        samples = [(entry["machine_s"], simdev.norm(entry["force_newton"])) for entry in log if "tip_m" in entry]
         self.assertGreater(min(force for at_s, force in samples if fell_s - 0.05 < at_s < fell_s), 0.3)
         self.assertGreater(samples[-1][0], fell_s + 0.3)
         return max(at_s for at_s, force in samples if force > simdev.NOTHING_NEWTON)

@@ -48,9 +48,9 @@ class LetsGo:
 
     def let_go_after(self, blow):
         """The blow, a step which prints when it fell, and when the motors' last force was: the time between."""
-        fell_s = float(self.guest.steps(blow, ("sleep", 0.3))[0])
-        # More than what has passed: between two commands an idle guest's clock runs ahead.
-        samples = [(entry["machine_s"], simdev.norm(entry["force_newton"])) for entry in self.arm.samples(2.5)]
+        (fell_s, *_), (log,) = simdev.words_and_logs(self.guest.steps(blow, ("sleep", 0.3), self.arm.step("log 2.5")))
+        fell_s = float(fell_s)
+        samples = [(entry["machine_s"], simdev.norm(entry["force_newton"])) for entry in log if "tip_m" in entry]
         before = [force for at_s, force in samples if fell_s - 0.05 < at_s < fell_s]
         self.assertTrue(before and min(before) > 0.3, before)
         self.assertGreater(samples[-1][0], fell_s + 0.2)

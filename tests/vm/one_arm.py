@@ -110,8 +110,9 @@ class OneArm(guest.GuestTest):
 
     def pull(self):
         """Its cable alone, so that its watchdog has to end the force."""
-        self.guest.steps(self.arm.step("pull-cable"), ("sleep", self.watchdog_s + 1))
-        assert_ended_by_its_watchdog(self, self.arm.log(self.watchdog_s + 3), self.watchdog_s, WALL_NEWTON)
+        steps = (self.arm.step("pull-cable"), ("sleep", self.watchdog_s + 1), self.arm.step(f"log {self.watchdog_s + 3}"))
+        _, (log,) = simdev.words_and_logs(self.guest.steps(*steps))
+        assert_ended_by_its_watchdog(self, log, self.watchdog_s, WALL_NEWTON)
 
     def test_6_stopped_while_the_hand_pushes_the_daemon_leaves_no_force(self):
         self.assertGreater(simdev.norm(self.press()), WALL_NEWTON)

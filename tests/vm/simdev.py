@@ -30,6 +30,21 @@ def gaps(at_s):
     return [(later - sooner, sooner) for sooner, later in zip(at_s, at_s[1:])]
 
 
+def words_and_logs(printed):
+    """Of what Guest.steps() printed: the lines that are of no log, and each log that was asked for in it, all entries but the closing one. Between two commands an idle guest's clock runs ahead,
+    and an arm's log forgets what was before."""
+    words, logs, entries = [], [], []
+    for line in printed:
+        if line.startswith('{"ok"') and '"entries"' in line:
+            logs.append(entries)
+            entries = []
+        elif line.startswith("{") and not line.startswith('{"ok"'):
+            entries.append(json.loads(line))
+        else:
+            words.append(line)
+    return words, logs
+
+
 def wait_for_state(guest, *states, arm=0):
     """Until the daemon's arm, counted as in its configuration, is in one of them: what the status says of that arm."""
     return guest.wait_for_module("status_until", f"arms.{arm}.state", *states)

@@ -55,8 +55,9 @@ class Edges(estop.Estop):
 
     def felt_since(self, *lines_that_open):
         """For how long there was a force since the first of them opened."""
-        opened_s = float(self.guest.steps(*map(self.adapter.opens, lines_that_open), ("sleep", 0.5))[0])
-        lasted_s = self.last_force_since(opened_s) - opened_s
+        steps = (*map(self.adapter.opens, lines_that_open), ("sleep", 0.5), self.arm.step(estop.LOG))
+        (opened_s, *_), (log,) = simdev.words_and_logs(self.guest.steps(*steps))
+        lasted_s = self.last_force_since(float(opened_s), log) - float(opened_s)
         print(f"lines {lines_that_open}: the last force was felt {lasted_s:.4f} s later", file=sys.stderr)
         return lasted_s
 

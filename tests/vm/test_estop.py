@@ -85,23 +85,27 @@ class Estop(estop.Estop):
         for signal in ("STOP", "KILL"):
             with self.subTest(signal):
                 self.assertGreaterEqual(self.beats(), lines.BEATS)
-                self.guest.steps(("signal", f"SIG{signal}"), ("sleep", 0.2))
-                self.assertEqual(self.beats(), 0)
-                if signal == "STOP":
-                    self.guest.steps(("signal", "SIGCONT"))
+                # In one go: between two commands an idle guest's clock runs ahead, and systemd ends one that is stopped for long.
+                look = self.adapter.step("status")
+                goes_on = [("signal", "SIGCONT")] if signal == "STOP" else []
+                printed = self.guest.steps(("signal", f"SIG{signal}"), ("sleep", 0.2), look, ("sleep", 1), look, *goes_on)
+                first, last = (json.loads(line)["readings"]["changes_3"] for line in printed[1:3])
+                self.assertEqual(last - first, 0)
                 self.start_again(was_killed=signal == "KILL")
 
-    def test_8b_it_stops_with_a_servo_that_hangs_and_comes_back_with_it(self):
+    def test_8b_it_stops_with_a_servo_that_hangs_and_does_not_come_back_by_itself(self):
         """All else in the daemon runs on: nobody but the servo could have let it beat."""
         self.assertGreaterEqual(self.beats(), lines.BEATS)
-        # It hangs for less than WatchdogSec, and says when it has begun.
-        hangs = f"python3 -B /run/tests/hang_thread.py {arms.SERVO} 2 > /run/hung 2>&1 & until [ -s /run/hung ]; do sleep 0.05; done"
+        # It hangs for less than WatchdogSec, also where the newest ping is old already, and says when it has begun.
+        hangs = f"python3 -B /run/tests/hang_thread.py {arms.SERVO} 1.5 > /run/hung 2>&1 & until [ -s /run/hung ]; do sleep 0.05; done"
         look = self.adapter.step("status")
         printed = self.guest.steps(("run", hangs), ("sleep", 0.2), look, ("sleep", 0.5), look)
         first, second = (json.loads(line)["readings"]["changes_3"] for line in printed)
         self.assertEqual(second - first, 0)
         arm = json.loads(simdev.wait_for_state(self.guest, "fault"))
         self.assertIn("servo-late", [fault["code"] for fault in arm["faults"]])
+        self.assertEqual(self.beats(), 0, "the relay has fallen: who is behind it gets no power back before somebody clears (decision 0525)")
+        self.start_again()
         self.assertGreaterEqual(self.beats(), lines.BEATS)
 
     def test_9_it_stops_with_a_daemon_that_is_stopped(self):

@@ -68,7 +68,9 @@ class Adapter(estop.Estop):
                 self.guest.sleep(0.5)
                 self.assert_no_force()
                 self.adapter.say(f"{verb} 0")
-                self.wait_for("stopped")
+                # It is stopped already. Both channels are to be read open once, by a clean reading, before they close.
+                self.wait_until("safety.trouble", "open")
+                self.guest.sleep(0.3)
                 self.release()
                 self.start_again()
         self.assertEqual(self.properties("MainPID"), pid)

@@ -116,8 +116,9 @@ class HeldHidraw(two_arms.TwoArms):
 
     def test_5_of_an_arm_that_hangs_when_the_daemon_is_killed_nothing_comes_back(self):
         # The daemon is ended before it could have noticed.
-        *_, fell_s = map(float, self.guest.steps(self.left.step(f"nak {HANGS_S}"), ("signal", "SIGKILL"), ("sleep", HANGS_S + 1))[1:])
-        left, right = (arm.log(HANGS_S + 3) for arm in (self.left, self.right))
+        steps = (self.left.step(f"nak {HANGS_S}"), ("signal", "SIGKILL"), ("sleep", HANGS_S + 1), *(arm.step(f"log {HANGS_S + 3}") for arm in (self.left, self.right)))
+        (_, fell_s), (left, right) = simdev.words_and_logs(self.guest.steps(*steps, timeout_s=two_arms.LOGS_S))
+        fell_s = float(fell_s)
         self.assertLess(self.pressed_until(right, fell_s), LET_GO_S)
         # Its own watchdog takes the force away; what the kernel has for it comes when it takes something again, and then zeros.
         late = [force for at_s, force in two_arms.forces(left) if at_s > fell_s + HANGS_S - 0.1]
@@ -130,8 +131,9 @@ class HeldHidraw(two_arms.TwoArms):
         self.guest.run("systemctl reset-failed thimbled; systemctl restart thimbled")
         self.press_both()
         self.hung.say("nak 30")
-        fell_s = float(self.guest.steps(self.hold(HUNG), ("sleep", 0.5), ("signal", "SIGSTOP"), ("sleep", 1))[0])
-        logs = [arm.log(3) for arm in (self.right, self.left)]
+        steps = (self.hold(HUNG), ("sleep", 0.5), ("signal", "SIGSTOP"), ("sleep", 1), *(arm.step("log 3") for arm in (self.right, self.left)))
+        (fell_s,), logs = simdev.words_and_logs(self.guest.steps(*steps, timeout_s=two_arms.LOGS_S))
+        fell_s = float(fell_s)
         held_s, free_s = self.was_held()
         self.assertTrue(held_s + 0.1 < fell_s < free_s - 1, "hidraw was free: nothing was tried")
         for log in logs:

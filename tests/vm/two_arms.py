@@ -19,6 +19,7 @@ amplifier_max_a = 3.0
 # another device comes and goes, on uhid behind the kernel's one lock of hidraw (decision 0358); at 20 ms the servo would stop the arm.
 GAP_S = {"in": 0.003, "out": 0.005}
 WALL_NEWTON = 0.3
+LOGS_S = 300  # the host's, for steps that tell two logs; bounds them only
 
 
 def forces(log):
@@ -90,9 +91,10 @@ class TwoArms(guest.GuestTest):
     def log_around(self, *blow, seconds=0.5):
         """Steps of the guest: when they began, on the guest's clock, and what the left and the right arm felt from 0.3 s before
         until SECONDS after them."""
-        at_s = float(self.guest.steps(("sleep", 0.3), ("now",), *blow, ("sleep", seconds))[0])
-        return at_s, *([entry for entry in arm.log(seconds + 2) if at_s - 0.3 < entry["machine_s"] < at_s + seconds]
-                       for arm in (self.left, self.right))
+        steps = (("sleep", 0.3), ("now",), *blow, ("sleep", seconds), *(arm.step(f"log {seconds + 2}") for arm in (self.left, self.right)))
+        (at_s, *_), logs = simdev.words_and_logs(self.guest.steps(*steps, timeout_s=LOGS_S))
+        at_s = float(at_s)
+        return at_s, *([entry for entry in log if at_s - 0.3 < entry["machine_s"] < at_s + seconds] for log in logs)
 
     def assert_pressed_without_a_gap(self, log):
         felt = [force for _, force in forces(log)]
