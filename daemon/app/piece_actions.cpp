@@ -65,7 +65,7 @@ void PieceActions::submit(std::string_view world, api::PieceVerb verb, api::Clie
   }
   const auto number = pieces->submit(action_of(verb));
   if (!number) return answer(tl::unexpected(number.error().in(name)));
-  waits_.push_back({host, *number, client, clock_.now() + kPatience, std::move(answer)});
+  waits_.push_back({host, *number, client, clock_.now() + kPatience, std::move(answer), false});
 }
 
 void PieceActions::look(session::WorldHost& host, api::ClientId client, Looked answer) {
@@ -78,11 +78,15 @@ void PieceActions::look(session::WorldHost& host, api::ClientId client, Looked a
     if (!done->is_done) return answer(fail(Errc::Busy, done->outcome));
     answer({});
   };
-  waits_.push_back({&host, *number, client, clock_.now() + kPatience, on_done});
+  waits_.push_back({&host, *number, client, clock_.now() + kPatience, on_done, true});
 }
 
 void PieceActions::client_gone(api::ClientId client) {
-  std::erase_if(waits_, [&](const Wait& wait) { return wait.client == client; });
+  std::erase_if(waits_, [&](const Wait& wait) {
+    if (wait.client != client) return false;
+    if (wait.is_look) wait.world->pieces()->withdraw(wait.number);
+    return true;
+  });
 }
 
 void PieceActions::poll() {

@@ -28,7 +28,8 @@ class PieceActions {
   // a mistake of the caller.
   using Looked = std::function<void(const Result<void>&)>;
   void look(session::WorldHost& host, api::ClientId client, Looked answer);
-  // Its answers do not come; what it asked for is done all the same.
+  // Its answers do not come; what it asked for is done all the same, but for looks that have not
+  // begun.
   void client_gone(api::ClientId client);
   // Answers what has been done. Call it every few ms.
   void poll();
@@ -40,6 +41,7 @@ class PieceActions {
     api::ClientId client{};
     MonotonicTime until{};
     api::PieceAnswer answer;
+    bool is_look{false};
   };
   session::Runtime& runtime_;
   const Clock& clock_;

@@ -21,7 +21,11 @@ void WholeWorlds::read_cells(std::string_view world, api::ClientId client, api::
     if (!looked) return answer(tl::unexpected(looked.error()));
     paced_.finish([&] { answer(host->cells()); });
   };
-  paced_.submit(client, [this, host, client, read] { pieces_.look(*host, client, read); });
+  paced_.submit(client, [this, host, client, read] {
+    const auto look = std::make_shared<Look>();
+    look_ = look;
+    pieces_.look(*host, client, [look, read](const Result<void>& looked) { read(looked); });
+  });
 }
 
 void WholeWorlds::save(std::string_view world, api::ClientId client, api::FileAnswer answer) {

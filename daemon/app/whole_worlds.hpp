@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -23,19 +24,23 @@ class WholeWorlds {
   WholeWorlds& operator=(const WholeWorlds&) = delete;
 
   // As api::Commands has them. Of pieces the board is looked at when it is their turn, which takes
-  // PieceActions::kPatience at most.
+  // PieceActions::kPatience at most; nothing else is done until that is over, or its client gone.
   void read_cells(std::string_view world, api::ClientId client, api::FileAnswer answer);
   void save(std::string_view world, api::ClientId client, api::FileAnswer answer);
   void load(std::string_view world, std::string state, api::ClientId client,
             api::LoadAnswer answer);
   void client_gone(api::ClientId client) { paced_.client_gone(client); }
   // Call it every few ms.
-  void poll() { paced_.poll(); }
+  void poll() {
+    if (look_.expired()) paced_.poll();
+  }
 
  private:
   session::Runtime& runtime_;
   PieceActions& pieces_;
   PacedWork paced_;
+  struct Look {};
+  std::weak_ptr<Look> look_;  // lives as long as somebody waits for one
 };
 
 }  // namespace thimble::app

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "daemon/app/piece_actions.hpp"
+#include "daemon/app/whole_worlds.hpp"
 #include "daemon/world/cam/piece_world.hpp"
 #include "tests/support/closed_loop.hpp"
 
@@ -70,6 +71,57 @@ TEST_F(PieceCommands, ThatWereNotBegunInTimeAreNotDoneLater) {
   loop_.run(1);
   EXPECT_FALSE(pieces().board().state().is_free_motion);
   EXPECT_EQ(pieces().board().counters().actions, 0U);
+}
+
+// Who asks for the cells and hangs up, again and again, neither fills the board's places nor has it
+// look for him.
+TEST_F(PieceCommands, LooksOfClientsWhoAreGoneAreNotWaitedForByOthers) {
+  app::WholeWorlds whole(loop_.runtime(), sut_, clients_clock_);
+  const auto nobody = [](const Result<std::string>&) { ADD_FAILURE() << "he is gone"; };
+  for (std::uint64_t i = 0; i < 200; ++i) {
+    whole.read_cells("desk", {100 + i}, nobody);
+    whole.poll();
+    whole.client_gone({100 + i});
+    sut_.client_gone({100 + i});
+  }
+  std::optional<Result<std::string>> cells;
+  whole.read_cells("desk", {7}, [&](const Result<std::string>& told) { cells = told; });
+  Told told;
+  ask(api::PieceVerb::Free, told);
+  loop_.run_until(2, [&] {
+    clients_clock_.run_for(std::chrono::milliseconds(1));
+    sut_.poll();
+    whole.poll();
+    return cells && told;
+  });
+  ASSERT_TRUE(told && *told);
+  EXPECT_TRUE((*told)->is_done);
+  ASSERT_TRUE(cells && *cells) << "one is answered who stays";
+  EXPECT_EQ(pieces().board().counters().actions, 2U) << "that look, and what was asked for";
+}
+
+TEST_F(PieceCommands, LooksAreOneAfterTheOther) {
+  app::WholeWorlds whole(loop_.runtime(), sut_, clients_clock_);
+  int answers = 0;
+  for (std::uint64_t i = 0; i < 3; ++i) {
+    whole.read_cells("desk", {10 + i}, [&](const Result<std::string>& told) {
+      EXPECT_TRUE(told);
+      ++answers;
+    });
+  }
+  for (int polls = 0; polls < 20; ++polls) whole.poll();
+  Told told;
+  ask(api::PieceVerb::Free, told);
+  int answers_before = -1;
+  loop_.run_until(3, [&] {
+    clients_clock_.run_for(std::chrono::milliseconds(1));
+    sut_.poll();
+    if (told && answers_before < 0) answers_before = answers;
+    whole.poll();
+    return answers == 3;
+  });
+  EXPECT_EQ(answers, 3);
+  EXPECT_LE(answers_before, 1) << "one look alone was before it";
 }
 
 }  // namespace

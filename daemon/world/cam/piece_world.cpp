@@ -116,7 +116,7 @@ void PieceWorld::pump() {
     note_end();
     if (board_.trouble()) give_up();
     if (!board_.is_ready()) return;
-    if (!waiting_.empty()) {
+    if (!waiting_.empty() && !must_let_hand_go_first()) {
       begin_action();
       continue;
     }
@@ -124,6 +124,9 @@ void PieceWorld::pump() {
     if (begin_zone()) continue;     // likewise
     if (!has_moved && begin_move(clock_->now())) {
       has_moved = true;
+      has_shown_ = false;
+    } else if (!waiting_.empty()) {
+      begin_action();  // the hand rests, or there is none
     } else if (!begin_drift(clock_->now())) {
       return;
     }
@@ -166,9 +169,16 @@ void PieceWorld::give_up() {
   waiting_.clear();
 }
 
+// A look takes half a second of a board over USB: clients who look again and again would be all
+// that it does.
+bool PieceWorld::must_let_hand_go_first() const {
+  return probe_ && has_shown_ && waiting_.front().action == PieceAction::Look;
+}
+
 void PieceWorld::begin_action() {
   const Waiting next = waiting_.front();
   waiting_.pop_front();
+  has_shown_ = has_shown_ || next.action == PieceAction::Look;
   under_way_ = next.number;
   const auto otherwise = board_.state().held != 0 ? PieceAction::Drop : PieceAction::Select;
   const PieceAction action = next.action.value_or(otherwise);

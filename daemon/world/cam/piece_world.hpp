@@ -122,6 +122,8 @@ class PieceWorld final : public World {
   void begin_anew() noexcept;
   void forget_hand() noexcept;
   void give_up();
+  // Whether the next action is a look behind another one, and the hand has had no move since.
+  [[nodiscard]] bool must_let_hand_go_first() const;
   void begin_action();
   // Whether one was begun.
   [[nodiscard]] bool begin_move(MonotonicTime now);
@@ -152,6 +154,7 @@ class PieceWorld final : public World {
   std::uint64_t resets_seen_{0};
   std::optional<CamAxes> goal_;  // of the move under way: the hand's cell
   bool has_looked_{false};       // for this hand, on the board as it is
+  bool has_shown_{false};        // all cells to a client, since the hand's last move
   std::int32_t zone_cells_{0};   // 0: nobody wants a zone
   CamAxes pressed_{};            // by the hand, as the last answer has it: -1, 0, 1
   std::optional<Try> last_try_;

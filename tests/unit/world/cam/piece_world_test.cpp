@@ -200,6 +200,36 @@ TEST_F(PieceWorldTest, ActionsAreDoneWithoutAHandAndInTheirOrder) {
   EXPECT_TRUE(world_->take_finished().empty());
 }
 
+// Two of them, each of whom asks anew when it has its answer.
+TEST_F(PieceWorldTest, ClientsWhoLookAgainAndAgainLeaveTheHandAMoveBetweenTwoLooks) {
+  hold(at(16, 16));
+  const std::uint64_t moves = world_->board().counters().moves;
+  std::uint64_t looks = 0;
+  const auto ask = [&] { EXPECT_TRUE(world_->submit(PieceAction::Look)); };
+  ask();
+  ask();
+  for (int ms = 0; ms < 1000; ++ms) {
+    hold(at(16 + ms % 3, 20), milliseconds(1));
+    for (const auto& answered : world_->take_finished()) {
+      EXPECT_EQ(answered.outcome, PieceOutcome::Looked);
+      ++looks;
+      ask();
+    }
+  }
+  EXPECT_GT(looks, 10U);
+  EXPECT_GE(world_->board().counters().moves - moves + 1, looks);
+}
+
+TEST_F(PieceWorldTest, LooksAreDoneWhereNoHandMoves) {
+  world_->remove_probe(probe_);
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(world_->submit(PieceAction::Look));
+  for (int i = 0; i < 500; ++i) {
+    clock_.run_for(milliseconds(1));
+    world_->pump();
+  }
+  EXPECT_EQ(world_->take_finished().size(), 3U);
+}
+
 TEST_F(PieceWorldTest, TooManyActionsAreRefused) {
   for (std::size_t i = 0; i < PieceWorld::kMaxWaiting; ++i) {
     ASSERT_TRUE(world_->submit(PieceAction::ToggleFree));
