@@ -4,8 +4,13 @@
 
 namespace thimble::coupling {
 
-CompositeWorld::CompositeWorld(world::World& world, std::uint32_t first_session) noexcept
-    : world_(world), probe_(world), first_session_(first_session), next_session_(first_session) {}
+CompositeWorld::CompositeWorld(world::World& world, std::uint32_t first_session,
+                               std::uint32_t most_versions) noexcept
+    : world_(world),
+      probe_(world),
+      first_session_(first_session),
+      next_session_(first_session),
+      teller_(most_versions) {}
 
 Result<void> CompositeWorld::open(const HandSample& first) {
   if (world_.felt_cells() == nullptr) {
@@ -24,6 +29,7 @@ ConstraintSet CompositeWorld::answer(const HandSample& sample, Duration dt) noex
   const auto moved = follow_and_tell(probe_, sample, dt, last_);
   if (!moved) return last_;
   const world::ProbeMotion& motion = *moved;
+  if (teller_.is_used_up()) ++rounds_;
   const std::uint64_t cells = epoch();
   if (cells != last_.map.epoch) teller_.forget();
   // One that came through other cells is where it is for no fault of its own.

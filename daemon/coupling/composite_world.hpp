@@ -18,7 +18,9 @@ namespace thimble::coupling {
 // passes on what the world says; answer() as GhostPointWorld.
 class CompositeWorld final : public WorldCoupling {
  public:
-  CompositeWorld(world::World& world, std::uint32_t first_session) noexcept;
+  // `most_versions`: of blocks that are told; then all are told anew.
+  CompositeWorld(world::World& world, std::uint32_t first_session,
+                 std::uint32_t most_versions = world::OccupancyTeller::kMostVersions) noexcept;
 
   [[nodiscard]] Result<void> open(const HandSample& first) override;
   [[nodiscard]] ConstraintSet answer(const HandSample& sample, Duration dt) noexcept override;
@@ -26,16 +28,18 @@ class CompositeWorld final : public WorldCoupling {
   [[nodiscard]] std::uint64_t cells_epoch() const noexcept override { return epoch(); }
 
  private:
-  // Of the cells: of this process and, in it, of what was loaded.
+  // Of the cells: of this process and, in it, of what was loaded, and how often versions began
+  // anew.
   [[nodiscard]] std::uint64_t epoch() const noexcept {
-    return std::uint64_t{first_session_} << 32U | world_.loads();
+    return std::uint64_t{first_session_} << 32U | std::uint32_t{world_.loads() + rounds_};
   }
 
   world::World& world_;
   ProbeInWorld probe_;
   std::uint32_t first_session_;
   std::uint32_t next_session_;
-  world::OccupancyTeller teller_{};
+  world::OccupancyTeller teller_;
+  std::uint32_t rounds_{0};  // of its versions
   ConstraintSet last_{};
 };
 

@@ -111,7 +111,7 @@ void OccupancyTeller::reset() {
 }
 
 void OccupancyTeller::forget() noexcept {
-  const std::uint32_t versions = versions_;
+  const std::uint32_t versions = is_used_up() ? 0 : versions_;
   reset();
   versions_ = versions;
 }

@@ -26,11 +26,21 @@ namespace thimble::world {
 // grid is given to each call. Errors: none; answers that were never given are not acknowledged.
 class OccupancyTeller {
  public:
+  // Of 32 bits all but what one answer may take, and many times that.
+  static constexpr std::uint32_t kMostVersions = 0xfff0'0000;
+
+  // `most_versions`: after which is_used_up(). At 1000 changed blocks a second that is 50 days.
+  explicit OccupancyTeller(std::uint32_t most_versions = kMostVersions) noexcept
+      : most_versions_(most_versions) {}
+
   // A new session: the peer knows nothing. Allocates once.
   void reset();
   // All cells were replaced at once: what the peer knows is void. Versions go on, for one who does
-  // not hear that it is. After reset() only; allocates nothing.
+  // not hear that it is, unless they are used up. After reset() only; allocates nothing.
   void forget() noexcept;
+  // A version of a block is soon none that is newer than all before: tell the peer that what he
+  // knows is void, and forget().
+  [[nodiscard]] bool is_used_up() const noexcept { return versions_ >= most_versions_; }
   // He has applied answer `newest`, and of those before it `newest − 1 − i` where bit i of `before`
   // is set.
   void acknowledge(std::uint64_t newest, std::uint64_t before) noexcept;
@@ -76,6 +86,7 @@ class OccupancyTeller {
   std::vector<Answer> answers_{};
   std::uint64_t told_{0};  // the newest answer
   std::uint32_t versions_{0};
+  std::uint32_t most_versions_;
   std::size_t turn_{0};  // of the looks at blocks far away
   // What was looked at without a break: as the grid is, around one place.
   std::uint64_t revision_{0};
