@@ -99,6 +99,6 @@ class Edges(estop.Estop):
         self.assert_stopped_by("was pressed", self.adapter.opens(0), self.adapter.opens(0, False))
 
     def test_5_more_edges_than_the_kernel_keeps_are_a_stop_though_every_level_is_as_it_was(self):
-        """Of the deadman, which stops nobody otherwise. Meanwhile the thread that reads them hangs."""
-        hangs = f"python3 -B /run/tests/hang_thread.py {READER} 0.1 > /run/hung 2>&1 & until [ -s /run/hung ]; do sleep 0.01; done"
+        """Of the deadman, which stops nobody otherwise. Meanwhile the thread that reads them hangs, for less than ENABLE may pause (decision 0525)."""
+        hangs = f"python3 -B /run/tests/hang_thread.py {READER} 0.03 > /run/hung 2>&1 & until [ -s /run/hung ]; do sleep 0.001; done"
         self.assert_stopped_by("changed unseen", ("run", hangs), *(self.adapter.opens(2, i % 2 == 0) for i in range(TOO_MANY)))
