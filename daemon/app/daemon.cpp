@@ -249,6 +249,7 @@ void Daemon::take_over(session::Runtime::Arrival arrival) {
   const std::size_t arm = arrival.arm;
   const bool has_stand_in = runtime_->arms()[arm]->awaited()->has_stand_in();
   const std::string simulated = runtime_->arms()[arm]->session().config().device;
+  if (safety_) safety_->session().leave_out(arm);
   threads_->stop(arm);
   take_recordings();
   // Ends after the exchange: the thread of the safety lines waits for that.

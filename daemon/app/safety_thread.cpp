@@ -62,7 +62,7 @@ SafetyThread::~SafetyThread() {
 void SafetyThread::run() noexcept {
   constexpr int kStep_ms = static_cast<int>(session::SafetySession::kStep.count() / 1'000'000);
   while (!is_over_.load()) {
-    session_->step(clock_.now());
+    session_->step(clock_);
     obey(clock_.now());
     pollfd watched{wake_->fd(), POLLIN, 0};
     ::poll(&watched, 1, kStep_ms);

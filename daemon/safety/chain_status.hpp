@@ -10,13 +10,13 @@ enum class ChainTrouble : std::uint8_t {
   None,
   NoLines,        // the chip or one of its lines is not there
   Silent,         // the chip has not answered for kSilence
-  OutputStuck,    // the chip has not taken an output for kSilence
+  OutputStuck,    // the chip has not taken an output for kSilence, with an enable line kEnableGap
   EdgesLost,      // something happened on a line that was not told
   Open,           // the emergency stop is pressed, or its wire is broken
   Disagree,       // one channel did not open or close with the other
   Unwatched,      // the thread that looks after the chain was held up
   ArmOutOfReach,  // an arm may hold its last force, and nothing here can end it
-  EnablePaused,   // the enable line was not beaten for kEnableGap, though nothing was stopped
+  EnablePaused,   // no rise of the enable line for kEnableGap, though nothing was stopped
 };
 inline constexpr int kChainTroubleCount = 10;
 

@@ -14,6 +14,7 @@ void SafetyChain::restart_lines() noexcept {
   deadman_.distrust();
   stuck_since_.reset();
   is_enable_high_ = false;
+  is_beat_taken_ = true;
 }
 
 bool SafetyChain::reset() noexcept {
@@ -61,7 +62,9 @@ ChainTrouble SafetyChain::find_trouble(bus::GpioLines* lines, MonotonicTime now)
   }
   judge_channels();
   judge_deadman();
-  if (stuck_since_ && now - *stuck_since_ > kSilence) return ChainTrouble::OutputStuck;
+  look_at_enable(*lines, now);
+  const Duration patience = settings_.has_enable ? kEnableGap : kSilence;
+  if (stuck_since_ && now - *stuck_since_ > patience) return ChainTrouble::OutputStuck;
   if (of_reading != ChainTrouble::None) return of_reading;
   if (channels_.is_open()) return ChainTrouble::Open;
   if (channels_.has_disagreed()) return ChainTrouble::Disagree;
@@ -70,13 +73,20 @@ ChainTrouble SafetyChain::find_trouble(bus::GpioLines* lines, MonotonicTime now)
   return stuck_since_ ? ChainTrouble::OutputStuck : ChainTrouble::EnablePaused;
 }
 
+void SafetyChain::look_at_enable(bus::GpioLines& lines, MonotonicTime now) noexcept {
+  if (!settings_.has_enable || is_beat_taken_) return;
+  is_beat_taken_ = put(lines, 0, is_enable_high_, now);
+  if (is_beat_taken_ && is_enable_high_ && charged_at_) charged_at_ = untaken_at_;
+  untaken_at_ = now;
+}
+
 bool SafetyChain::has_enable_paused(MonotonicTime now) noexcept {
   if (!settings_.has_enable || latch_.is_stopped()) {
-    taken_at_.reset();
+    charged_at_.reset();
     return false;
   }
-  if (!taken_at_) taken_at_ = now;
-  return now - *taken_at_ > kEnableGap;
+  if (!charged_at_) charged_at_ = now;  // the latch was let go just now
+  return now - *charged_at_ > kEnableGap;
 }
 
 void SafetyChain::judge_channels() noexcept {
@@ -103,25 +113,28 @@ void SafetyChain::judge_deadman() noexcept {
   status_.must_release_deadman = is_closed && !deadman_.is_trusted();
 }
 
-bool SafetyChain::is_beat_due(MonotonicTime now) const noexcept { return now >= next_beat_; }
+bool SafetyChain::is_beat_due(MonotonicTime now) const noexcept {
+  return now >= next_beat_ && is_beat_taken_;
+}
 
 void SafetyChain::beat(bus::GpioLines* lines, MonotonicTime now, bool have_servos_beaten) noexcept {
   next_beat_ = now + kEnableHalfPeriod;
-  // Where wishes wait, the first of two is told whether one was taken since the beat before.
-  bool is_taken = settings_.has_lamp && put(*lines, settings_.has_enable ? 1 : 0, true, now);
+  if (settings_.has_lamp) put(*lines, settings_.has_enable ? 1 : 0, true, now);
   if (!settings_.has_enable || !have_servos_beaten) return;
   is_enable_high_ = !is_enable_high_;
-  is_taken = put(*lines, 0, is_enable_high_, now) || is_taken;
-  if (is_taken) taken_at_ = now;
+  is_beat_taken_ = false;
+  untaken_at_ = now;
+  put(*lines, 0, is_enable_high_, now);
   ++status_.beats;
   last_beat_ = now;
 }
 
 // Low says nothing to the hardware that a beat that stops did not; it only looks tidy on a meter.
 void SafetyChain::rest(bus::GpioLines* lines, MonotonicTime now) noexcept {
-  if (lines == nullptr || !is_beat_due(now)) return;
+  if (lines == nullptr || now < next_beat_) return;
   next_beat_ = now + kEnableHalfPeriod;
   is_enable_high_ = false;
+  is_beat_taken_ = true;  // nothing waits for this one
   if (settings_.has_enable) put(*lines, 0, false, now);
   if (!settings_.has_lamp) return;
   const bool is_awaited = status_.trouble == ChainTrouble::None;

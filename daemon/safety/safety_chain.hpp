@@ -17,10 +17,11 @@ namespace thimble::safety {
 // Half a period of the enable line, 25 Hz: a charge pump that holds 100 ms lives through a beat
 // that comes late, and a hub's adapter is not kept busy by it. Ours; docs/safety-wiring.md.
 inline constexpr Duration kEnableHalfPeriod = std::chrono::milliseconds(20);
-// For how long no beat may be taken while the latch is free: one may be missed (40 ms), two may not
-// (60). Then a charge comes 80 ms after the last, and the relay of docs/safety-wiring.md may fall
-// after 78; power that was cut must not come back by itself under arms that are driven. Ours.
-inline constexpr Duration kEnableGap = std::chrono::milliseconds(55);
+// For how long no rise of the enable line may be taken while the latch is free. A rise charges the
+// relay of docs/safety-wiring.md, which may fall 78 ms after the last; power that was cut must not
+// come back by itself under arms that are driven. A rise comes every 40 ms, so one beat may be
+// missed (60), two may not (80); below 75, as it is looked at every 5 ms. Ours.
+inline constexpr Duration kEnableGap = std::chrono::milliseconds(70);
 // Of the lamp while a person is awaited.
 inline constexpr Duration kLampHalfPeriod = std::chrono::milliseconds(500);
 
@@ -40,8 +41,9 @@ struct ChainSettings {
 // Emergency stop, deadman, enable and lamp: what the lines say, judged, latched and answered.
 //
 // Enable is beaten, never held: one level, be it low or high, tells the hardware to cut the power.
-// It is beaten while the latch is free and only as fast as the servos beat; a pause of kEnableGap,
-// be it the servos', the chip's or of who calls step(), is a stop. The lamp is lit while the latch
+// It is beaten while the latch is free, only as fast as the servos beat, and not before the chip
+// has taken the beat before; a pause of kEnableGap, be it the servos', the chip's or of who calls
+// step(), is a stop. The lamp is lit while the latch
 // is free, blinks while all is healthy and a person is awaited, and is dark otherwise.
 //
 // Thread: one, never a servo's. It makes no system call but those of the lines. Not RT.
@@ -75,11 +77,13 @@ class SafetyChain {
   [[nodiscard]] ChainTrouble find_trouble(bus::GpioLines* lines, MonotonicTime now) noexcept;
   void judge_channels() noexcept;
   void judge_deadman() noexcept;
+  // Whether the chip has taken the newest beat.
+  void look_at_enable(bus::GpioLines& lines, MonotonicTime now) noexcept;
   [[nodiscard]] bool has_enable_paused(MonotonicTime now) noexcept;
   [[nodiscard]] bool is_beat_due(MonotonicTime now) const noexcept;
   void beat(bus::GpioLines* lines, MonotonicTime now, bool have_servos_beaten) noexcept;
   void rest(bus::GpioLines* lines, MonotonicTime now) noexcept;
-  // Whether all that was put before is taken.
+  // Whether the chip has taken all that was put before, or some of it since the last call.
   bool put(bus::GpioLines& lines, std::size_t output, bool is_high, MonotonicTime now) noexcept;
 
   ChainSettings settings_;
@@ -91,7 +95,9 @@ class SafetyChain {
   bool is_enable_high_{false};
   MonotonicTime next_beat_{};
   MonotonicTime last_beat_{};
-  std::optional<MonotonicTime> taken_at_;     // a beat, or the latch let go; none: it is stopped
+  bool is_beat_taken_{true};                  // the newest
+  MonotonicTime untaken_at_{};                // when it was put, or last seen not to be taken
+  std::optional<MonotonicTime> charged_at_;   // of the newest rise, at the earliest; none: stopped
   std::optional<MonotonicTime> stuck_since_;  // the chip takes no output
   ChainTrouble held_for_{ChainTrouble::None};
   MonotonicTime held_until_{};

@@ -21,12 +21,13 @@ SafetySession::SafetySession(const config::SafetyConfig& safety, Runtime& runtim
 
 SafetySession::~SafetySession() = default;
 
-void SafetySession::step(MonotonicTime now) {
+void SafetySession::step(const Clock& clock) {
   // A chip may take as long as it likes to open and to close: nobody who wants the arms waits for
   // it. Lost lines close when this returns: the stop is told before.
-  const std::unique_ptr<bus::GpioLines> lost = take_lost_lines(now);
-  const bool are_new = open_lines(now);
+  const std::unique_ptr<bus::GpioLines> lost = take_lost_lines(clock.now());
+  const bool are_new = open_lines(clock.now());
   const std::lock_guard guard(arms_lock_);
+  const MonotonicTime now = clock.now();
   const bool was_unwatched = is_unwatched_.exchange(false);
   if (was_unwatched) chain_.stop(safety::ChainTrouble::Unwatched);
   if (are_new) chain_.restart_lines();
@@ -71,11 +72,18 @@ void SafetySession::exchange_arms(const std::function<void()>& change) {
   publish();
 }
 
+void SafetySession::leave_out(std::size_t arm) {
+  const std::lock_guard guard(arms_lock_);
+  if (arm < arms_.size()) arms_[arm].is_left_out = true;
+}
+
 bool SafetySession::have_servos_beaten() {
   bool have_all = true;
   for (Arm& arm : arms_) {
     servo::ServoSnapshot seen;
+    if (arm.is_left_out) continue;
     if (!arm.rig->session().loop().snapshot(seen)) return false;
+    if (seen.frame.tick == 0) continue;  // its servo is still to begin, and no force was ever
     have_all = have_all && seen.frame.tick != arm.ticks_seen;
     arm.ticks_seen = seen.frame.tick;
   }
@@ -94,6 +102,7 @@ void SafetySession::know_arms() {
     };
     const auto known = std::find_if(before.begin(), before.end(), is_same);
     arms_.push_back(known == before.end() ? Arm{.rig = rig.get()} : *known);
+    arms_.back().is_left_out = false;
     const HapticCapabilities& can = rig->session().device().capabilities();
     arms_.back().ends_force_itself = !can.is_actuated || can.device_watchdog > Duration::zero();
   }

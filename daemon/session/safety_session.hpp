@@ -36,8 +36,8 @@ inline constexpr std::string_view kReleaseDeadman =
 // closed is all that can end that force (decision 0494).
 //
 // Thread: step() and close() from one, not a servo's; ask_reset(), answer(), status() and
-// trouble() from any; supervise() and exchange_arms() from one other, which alone changes the
-// runtime. exchange_arms() waits for the chain's step at most, never for a chip.
+// trouble() from any; supervise(), leave_out() and exchange_arms() from one other, which alone
+// changes the runtime. exchange_arms() waits for the chain's step at most, never for a chip.
 // Ownership: runtime, chips and wake must outlive it.
 class SafetySession {
  public:
@@ -48,14 +48,19 @@ class SafetySession {
   SafetySession(const SafetySession&) = delete;
   SafetySession& operator=(const SafetySession&) = delete;
 
-  // At least every kStep, and when `wake` was signalled.
-  void step(MonotonicTime now);
+  // At least every kStep, and when `wake` was signalled. The clock is read anew behind whatever was
+  // waited for: a beat is not put by a time that is over.
+  void step(const Clock& clock);
   // The lines go, their outputs low. No step() follows.
   void close() { lines_.reset(); }
 
   // Does `change`, which puts other arms into the runtime, while nobody here looks at them. Those
   // that are there then have heard the verdict before anybody drives them.
   void exchange_arms(const std::function<void()>& change);
+  // The servo of that arm, by its place in the runtime, is to end before such an exchange: until
+  // then ENABLE beats without it. Of an arm that is driven by nobody: a stand-in, or one that is
+  // waited for.
+  void leave_out(std::size_t arm);
 
   // A person asks to go on after a stop: the number that answer() has when a step has judged it.
   // Not granted by a step that found the lines new, or that comes later than kUnwatched: whoever
@@ -103,6 +108,7 @@ class SafetySession {
     // Since when it may hold a force that it should not have.
     std::optional<MonotonicTime> holds_since{};
     bool has_stopped{false};  // the chain, for that
+    bool is_left_out{false};  // its servo ends, to be exchanged
   };
 
   [[nodiscard]] std::unique_ptr<bus::GpioLines> take_lost_lines(MonotonicTime now);

@@ -39,7 +39,7 @@ TEST_F(EnablePause, OfAServoThatStallsStopsAllArms) {
   const std::uint64_t stalled = chip.changes(3);
   for (int i = 0; i < 150; ++i) {  // time goes on, and nobody ticks
     (void)loop.arm().clock().sleep_until(loop.now() + milliseconds(1));
-    safety.step(loop.now());
+    safety.step(loop.arm().clock());
   }
   EXPECT_LE(chip.changes(3) - stalled, 2U) << "the tick before the stall, and low";
   EXPECT_EQ(safety.status().cause, safety::ChainTrouble::EnablePaused);
@@ -54,7 +54,7 @@ TEST_F(EnablePause, OfTheThreadOfTheLinesStopsAsSoonAsItLooks) {
   for (int i = 0; i < 150; ++i) loop.tick();  // and nobody looks after the lines
   EXPECT_TRUE(is_active());
   const std::uint64_t before = chip.changes(3);
-  safety.step(loop.now());
+  safety.step(loop.arm().clock());
   EXPECT_EQ(safety.status().cause, safety::ChainTrouble::EnablePaused);
   EXPECT_LE(chip.changes(3) - before, 1U);
   EXPECT_FALSE(chip.level(3));
@@ -66,10 +66,31 @@ TEST_F(EnablePause, OfAChipThatTakesNoOutputStopsBeforeItsInputsAreMissed) {
   start();
   run(0.1);
   chip.hang(true);
-  run(0.12);
+  run(0.1);
   EXPECT_EQ(loop.snapshot().fault.code, FaultCode::Estop);
+  EXPECT_EQ(safety.status().cause, safety::ChainTrouble::OutputStuck);
   chip.hang(false);
   expect_stopped_until_cleared();
+}
+
+// It holds no force, and nobody else's is to be taken away for it.
+TEST_F(EnablePause, OfAServoThatEndsToBeExchangedStopsNobody) {
+  start();
+  const auto wait = [&] {
+    for (int i = 0; i < 150; ++i) {  // time goes on, and that one does not tick
+      (void)loop.arm().clock().sleep_until(loop.now() + milliseconds(1));
+      safety.step(loop.arm().clock());
+    }
+  };
+  safety.leave_out(0);
+  const std::uint64_t before = chip.changes(3);
+  wait();
+  EXPECT_FALSE(safety.status().is_stopped);
+  EXPECT_GE(chip.changes(3) - before, 7U);
+  safety.exchange_arms([] {});
+  EXPECT_FALSE(safety.status().is_stopped);
+  wait();
+  EXPECT_EQ(safety.status().cause, safety::ChainTrouble::EnablePaused) << "of whoever is there now";
 }
 
 TEST_F(EnablePause, OfOneBeatIsNone) {

@@ -33,7 +33,7 @@ struct SafetyLab {
       : loop(overrides, setup) {}
 
   void tick() {
-    safety.step(loop.now());
+    safety.step(loop.arm().clock());
     loop.tick();
     commands.poll();
   }

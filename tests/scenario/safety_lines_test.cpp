@@ -232,17 +232,17 @@ TEST_F(SafetyLinesTest, AChipThatHangsWhileItOpensOrClosesHoldsNobodyUp) {
     std::thread([&] { sut.exchange_arms([&] { ++exchanged; }); }).join();
     EXPECT_FALSE(loop.controls().is_estop_healthy);
   };
-  sut.step(loop.now());
+  sut.step(loop.arm().clock());
   EXPECT_EQ(exchanged, 1) << "opened";
   for (int i = 0; i < 10; ++i) {
     loop.tick();
-    sut.step(loop.now());
+    sut.step(loop.arm().clock());
   }
   sut.ask_reset();
-  sut.step(loop.now());
+  sut.step(loop.arm().clock());
   ASSERT_TRUE(loop.controls().is_estop_healthy);
   chip.lose();
-  sut.step(loop.now());
+  sut.step(loop.arm().clock());
   EXPECT_EQ(exchanged, 2) << "closed, and the arms were stopped before";
   EXPECT_FALSE(loop.controls().is_estop_healthy);
 }
@@ -265,7 +265,7 @@ TEST_F(SafetyLinesTest, AClearFromBeforeAStopOfTheThreadItselfLetsNothingGo) {
   start();
   safety.ask_reset();
   safety.supervise(loop.now() + milliseconds(500));
-  safety.step(loop.now());
+  safety.step(loop.arm().clock());
   EXPECT_TRUE(safety.status().is_stopped);
   EXPECT_FALSE(safety.answer().is_free);
   EXPECT_FALSE(loop.controls().is_estop_healthy);
@@ -294,7 +294,7 @@ TEST_F(SafetyLinesTest, AClearFromBeforeTheLinesWereOpenedLetsNothingGo) {
   SlowChips slow(chips);
   session::SafetySession sut(test::safety_lines(), loop.runtime(), slow, nullptr);
   slow.wait = [&] { sut.ask_reset(); };
-  sut.step(loop.now());
+  sut.step(loop.arm().clock());
   EXPECT_EQ(sut.status().trouble, safety::ChainTrouble::None);
   EXPECT_TRUE(sut.status().is_stopped);
   EXPECT_EQ(sut.answer().id, 1U);
@@ -302,7 +302,7 @@ TEST_F(SafetyLinesTest, AClearFromBeforeTheLinesWereOpenedLetsNothingGo) {
   slow.wait = [] {};
   for (int i = 0; i < 20; ++i) {
     loop.tick();
-    sut.step(loop.now());
+    sut.step(loop.arm().clock());
   }
   EXPECT_TRUE(sut.status().is_stopped);
 }
@@ -315,7 +315,7 @@ TEST_F(SafetyLinesTest, AClearThatWaitedForTooLongIsSpent) {
   run(0.1);
   safety.ask_reset();
   (void)loop.arm().clock().sleep_until(loop.now() + milliseconds(500));
-  safety.step(loop.now());
+  safety.step(loop.arm().clock());
   EXPECT_TRUE(safety.status().is_stopped);
   EXPECT_FALSE(safety.answer().is_free);
   run(0.1);
