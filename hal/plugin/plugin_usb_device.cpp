@@ -1,6 +1,7 @@
 #include "hal/plugin/plugin_usb_device.hpp"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
 #include "hal/plugin/abi_status.hpp"
@@ -77,11 +78,31 @@ PluginUsbBus::PluginUsbBus(std::unique_ptr<bus::UsbDevice> below) : below_(std::
 
 // A plugin may close without a zero, and may take an arm for gone that is there.
 PluginUsbDevice::~PluginUsbDevice() {
-  if (may_hold_force_ && parts_.zero) {
-    static_cast<void>(
-        parts_.bus->below().submit(parts_.zero->endpoint, std::span(parts_.zero->bytes)));
-  }
+  if (may_hold_force_) static_cast<void>(submit_zero());
   parts_.driver->close(parts_.device);
+  // The newest wins, and that may have been one of the plugin's.
+  if (may_hold_force_) static_cast<void>(submit_zero());
+}
+
+// False: the plugin named none, or it waits.
+bool PluginUsbDevice::submit_zero() noexcept {
+  if (!parts_.zero) return false;
+  bus::UsbDevice& below = parts_.bus->below();
+  return below.submit(parts_.zero->endpoint, std::span(parts_.zero->bytes)) == IoStatus::Ok;
+}
+
+// Of an arm that is gone nobody would take the force away. So a plugin is believed when its bus
+// says the same, or when there is no force to be taken: it may have given up an arm that is there
+// and does not answer, which is opened anew then.
+bool PluginUsbDevice::is_gone() noexcept {
+  if (parts_.bus->is_gone()) return true;
+  // To no pipe: the bus says whether it is there, and sends nothing.
+  if (parts_.bus->below().submit(0, {}) == IoStatus::Disconnected) parts_.bus->note_gone();
+  if (parts_.bus->is_gone() || !may_hold_force_ || !parts_.zero) return true;
+  // The first may be told of the force before it, the second of that one, the third of a zero.
+  constexpr int kOksOfAZeroThatArrived = 3;
+  if (submit_zero() && ++zeros_taken_ >= kOksOfAZeroThatArrived) may_hold_force_ = false;
+  return !may_hold_force_;
 }
 
 std::string_view PluginUsbDevice::calibration_instruction() const noexcept {
@@ -118,8 +139,7 @@ void PluginUsbDevice::forget_calibration() noexcept {
 
 IoStatus PluginUsbDevice::status_of(std::int32_t said) noexcept {
   IoStatus status = io_status(said);
-  // Of an arm that is gone nobody would take the force away: only its bus can say so.
-  if (status == IoStatus::Disconnected && !parts_.bus->is_gone()) status = IoStatus::ProtocolError;
+  if (status == IoStatus::Disconnected && !is_gone()) status = IoStatus::ProtocolError;
   if (status == IoStatus::ProtocolError) malformed_.fetch_add(1, std::memory_order_relaxed);
   return status;
 }
@@ -153,7 +173,10 @@ IoStatus PluginUsbDevice::write(const LimitedWrench& wrench) noexcept {
   const bool is_calibrated = calibration_.load(std::memory_order_relaxed) == CalibrationState::Ok;
   const Force3 force = is_calibrated ? wrench.force() : Force3{};
   const thimble_wrench limited{sizeof(thimble_wrench), 0, {force.x, force.y, force.z}};
-  may_hold_force_ = may_hold_force_ || force != Force3{};
+  if (force != Force3{}) {
+    may_hold_force_ = true;
+    zeros_taken_ = 0;
+  }
   const IoStatus status = status_of(parts_.driver->write(parts_.device, &limited));
   return status == IoStatus::NoData ? IoStatus::Ok : status;
 }

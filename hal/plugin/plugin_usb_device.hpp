@@ -39,9 +39,9 @@ class PluginUsbBus {
 //
 // Thread, RT: as HapticDevice; the plugin's functions run on the servo thread.
 // Ownership: of the bus and of the plugin's own.
-// Errors: as PluginDevice, and what the plugin says of its bus; Disconnected is believed once the
-// bus has said so to the plugin, and is a ProtocolError before: nobody takes the force of an arm
-// away that is gone. The destructor sends the zero of an arm that was told a force.
+// Errors: as PluginDevice, and what the plugin says of its bus. Disconnected is believed where the
+// bus says so, too, and of an arm that holds no force; of one that may hold one it is a
+// ProtocolError until the arm has taken the zero, which is sent here. The destructor sends it, too.
 class PluginUsbDevice final : public HapticDevice {
  public:
   struct Parts {
@@ -72,6 +72,9 @@ class PluginUsbDevice final : public HapticDevice {
 
  private:
   IoStatus status_of(std::int32_t said) noexcept;
+  [[nodiscard]] bool submit_zero() noexcept;
+  // Whether a plugin that says so is believed.
+  [[nodiscard]] bool is_gone() noexcept;
   // Of an arm, new, and no younger than what the plugin was given.
   [[nodiscard]] bool is_credible(const thimble_usb_sample& sample) const noexcept;
 
@@ -80,6 +83,7 @@ class PluginUsbDevice final : public HapticDevice {
   bool is_done_doubted_{false};           // as PluginDevice's
   std::uint64_t last_sequence_{0};
   bool may_hold_force_{false};  // it was told one
+  int zeros_taken_{0};          // since then, of those sent here
   // Read from any thread.
   std::atomic<CalibrationState> calibration_{CalibrationState::Unknown};
   std::atomic<std::uint64_t> malformed_{0};

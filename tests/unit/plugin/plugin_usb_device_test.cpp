@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -24,6 +23,7 @@ class KeptPipes final : public bus::UsbDevice {
   struct Kept {
     std::vector<std::vector<std::uint8_t>> sent;
     bool is_gone{false};
+    bool is_deaf{false};
   };
   explicit KeptPipes(Kept& kept) : kept_(kept) {}
   IoStatus read(std::uint8_t endpoint, bus::UsbPacket& out) noexcept override {
@@ -37,6 +37,7 @@ class KeptPipes final : public bus::UsbDevice {
   IoStatus submit(std::uint8_t endpoint, std::span<const std::uint8_t> packet) noexcept override {
     if (kept_.is_gone) return IoStatus::Disconnected;
     if (endpoint != kOut) return IoStatus::ProtocolError;
+    if (kept_.is_deaf) return IoStatus::Backlogged;
     kept_.sent.emplace_back(packet.begin(), packet.end());
     return IoStatus::Ok;
   }
@@ -61,6 +62,7 @@ struct Script {
   std::int32_t read{THIMBLE_OK};
   std::int32_t write{THIMBLE_OK};
   bool asks_the_bus{true};
+  bool sends_when_closed{false};
   std::uint64_t samples{0};
   int forgotten{0};
   int closed{0};
@@ -94,7 +96,14 @@ thimble_usb_driver scripted_driver() {
   driver.claim.pipe_count = 2;
   driver.claim.pipes[0].endpoint = kIn;
   driver.claim.pipes[1].endpoint = kOut;
-  driver.close = [](void* device) { ++script_of(device).closed; };
+  driver.close = [](void* device) {
+    Script& script = script_of(device);
+    ++script.closed;
+    const std::uint8_t packet[3] = {7, 20, 1};
+    if (script.sends_when_closed) {
+      script.bus->submit(script.bus->context, kOut, packet, sizeof(packet));
+    }
+  };
   driver.forget_calibration = [](void* device) { ++script_of(device).forgotten; };
   driver.read = &read_sample;
   driver.write = &write_wrench;
@@ -131,15 +140,54 @@ struct PluginUsb : testing::Test {
   }
 };
 
-TEST_F(PluginUsb, IsNotGoneBecauseThePluginSaysSo) {
+TEST_F(PluginUsb, ThatMayHoldAForceIsNotGoneBecauseThePluginSaysSo) {
+  push();
+  script.read = script.write = THIMBLE_DISCONNECTED;
+  EXPECT_EQ(sut->read(state), IoStatus::ProtocolError);
+  EXPECT_EQ(kept.sent.back(), kZero) << "and its force is taken away, whoever gives it up";
+  EXPECT_EQ(sut->write(LimitedWrench::zero()), IoStatus::ProtocolError);
+  EXPECT_EQ(sut->counters().malformed, 2U);
+  EXPECT_EQ(sut->read(state), IoStatus::Disconnected) << "three were taken: it may be opened anew";
+}
+
+TEST_F(PluginUsb, ThatTakesNoZeroIsNotGoneAsLongAsItDoesNot) {
+  push();
+  script.read = THIMBLE_DISCONNECTED;
+  kept.is_deaf = true;
+  for (int i = 0; i < 100; ++i) ASSERT_EQ(sut->read(state), IoStatus::ProtocolError);
+  kept.is_deaf = false;
+  EXPECT_EQ(sut->read(state), IoStatus::ProtocolError);
+}
+
+TEST_F(PluginUsb, ThatIsToldAForceAgainIsAskedAnew) {
   push();
   script.read = THIMBLE_DISCONNECTED;
   EXPECT_EQ(sut->read(state), IoStatus::ProtocolError);
-  script.write = THIMBLE_DISCONNECTED;
-  EXPECT_EQ(sut->write(LimitedWrench::zero()), IoStatus::ProtocolError);
-  EXPECT_EQ(sut->counters().malformed, 2U);
-  script.read = script.write = THIMBLE_OK;
-  EXPECT_EQ(sut->read(state), IoStatus::Ok) << "it was there all along";
+  EXPECT_EQ(sut->read(state), IoStatus::ProtocolError);
+  script.read = THIMBLE_OK;
+  push();
+  script.read = THIMBLE_DISCONNECTED;
+  EXPECT_EQ(sut->read(state), IoStatus::ProtocolError);
+  EXPECT_EQ(sut->read(state), IoStatus::ProtocolError);
+  EXPECT_EQ(sut->read(state), IoStatus::Disconnected);
+}
+
+// As one that gives up a boot that does not come to its end: it is opened anew.
+TEST_F(PluginUsb, ThatWasToldNoForceIsGoneWhenThePluginSaysSo) {
+  ASSERT_EQ(sut->read(state), IoStatus::Ok);
+  script.read = THIMBLE_DISCONNECTED;
+  EXPECT_EQ(sut->read(state), IoStatus::Disconnected);
+  EXPECT_TRUE(kept.sent.empty());
+}
+
+// One that says it for good asks its bus nothing any more.
+TEST_F(PluginUsb, WhosePluginAsksNothingIsGoneWhenItIsPulled) {
+  push();
+  script.asks_the_bus = false;
+  script.read = script.write = THIMBLE_DISCONNECTED;
+  kept.is_gone = true;
+  EXPECT_EQ(sut->read(state), IoStatus::Disconnected);
+  EXPECT_EQ(sut->write(LimitedWrench::zero()), IoStatus::Disconnected);
 }
 
 TEST_F(PluginUsb, IsGoneOnceItsBusHasSaidSo) {
@@ -151,32 +199,16 @@ TEST_F(PluginUsb, IsGoneOnceItsBusHasSaidSo) {
   EXPECT_EQ(sut->counters().malformed, 0U);
 }
 
-// Whichever call of the plugin's heard of it.
-TEST_F(PluginUsb, IsGoneWhereTheBusSaidSoToAnyCall) {
-  thimble_usb_request request{};
-  thimble_usb_reply reply{};
-  const std::vector<std::function<std::int32_t()>> calls{
-      [&] { return script.bus->submit(script.bus->context, kOut, kZero.data(), 3); },
-      [&] { return script.bus->start_control(script.bus->context, &request); },
-      [&] { return script.bus->read_control(script.bus->context, &reply); }};
-  for (const auto& call : calls) {
-    kept.is_gone = false;
-    sut = make();
-    script.read = THIMBLE_DISCONNECTED;
-    script.asks_the_bus = false;
-    EXPECT_EQ(sut->read(state), IoStatus::ProtocolError);
-    kept.is_gone = true;
-    EXPECT_EQ(call(), THIMBLE_DISCONNECTED);
-    EXPECT_EQ(sut->read(state), IoStatus::Disconnected);
-  }
-}
-
 TEST_F(PluginUsb, ThatWasToldAForceIsTakenItAwayWhenItIsClosedWhateverThePluginDoes) {
   push();
   script.read = THIMBLE_DISCONNECTED;
   EXPECT_EQ(sut->read(state), IoStatus::ProtocolError);
+  script.sends_when_closed = true;
   sut.reset();
-  EXPECT_EQ(kept.sent.back(), kZero);
+  ASSERT_GE(kept.sent.size(), 3U);
+  EXPECT_EQ(kept.sent[kept.sent.size() - 3], kZero);
+  EXPECT_EQ(kept.sent[kept.sent.size() - 2][1], 20) << "the plugin's";
+  EXPECT_EQ(kept.sent.back(), kZero) << "the newest wins";
   EXPECT_EQ(script.closed, 1);
 }
 
