@@ -175,8 +175,8 @@ void ArmCommands::steady_force(std::string_view arm, std::optional<double> up_ne
   // One after another without a gap: nothing is let go of between them.
   std::erase_if(steady_, [&](const Steady& steady) { return steady.arm == *index; });
   const MonotonicTime now = clock_.now();
-  asked.steady_force().hold(*up_newton, now + kSteadyUnkept);
-  steady_.push_back({*index, client, now + kSteadyFor, now + kSteadyUnkept});
+  asked.steady_force().hold(*up_newton);
+  steady_.push_back({*index, client, now + kSteadyFor, now + coupling::SteadyForce::kUnkept});
   answer(done(*index));
 }
 
@@ -216,7 +216,8 @@ void ArmCommands::end_steady_forces() {
     if (is_over) {
       force.release();
     } else {
-      force.keep(steady.kept_until = now + kSteadyUnkept);
+      force.keep();
+      steady.kept_until = now + coupling::SteadyForce::kUnkept;
     }
     return is_over;
   });

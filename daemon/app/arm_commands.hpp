@@ -75,9 +75,6 @@ class ArmCommands final : public api::Commands {
   static constexpr Duration kPatience = std::chrono::seconds(2);
   // A person looks at a scale and types what it says. Ours.
   static constexpr Duration kSteadyFor = std::chrono::seconds(60);
-  // A steady force that poll() was not called for so long is let go by the servo. Ours: the age at
-  // which constraints of a world begin to fade (DESIGN section 4).
-  static constexpr Duration kSteadyUnkept = std::chrono::milliseconds(250);
 
  private:
   enum class Kind : std::uint8_t { Activate, ClearFault, FreeChain };

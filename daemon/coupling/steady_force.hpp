@@ -21,17 +21,18 @@ class SteadyForce final : public ArmCoupling {
  public:
   explicit SteadyForce(std::unique_ptr<ArmCoupling> below) : below_(std::move(below)) {}
 
-  // N, along y of the base frame; until `until`, of the servo's clock, unless it is kept.
-  void hold(double up_newton, MonotonicTime until) noexcept {
+  // Ours: the age at which constraints of a world begin to fade (DESIGN section 4).
+  static constexpr Duration kUnkept = std::chrono::milliseconds(250);
+
+  // N, along y of the base frame; until release(), or until it was not kept for kUnkept of the
+  // servo's clock.
+  void hold(double up_newton) noexcept {
     up_newton_.store(up_newton, std::memory_order_relaxed);
-    keep(until);
-    is_held_.store(true, std::memory_order_release);
+    hold_.store(++holds_, std::memory_order_release);
   }
-  void keep(MonotonicTime until) noexcept {
-    until_ns_.store(until.since_epoch.count(), std::memory_order_relaxed);
-  }
-  void release() noexcept { is_held_.store(false, std::memory_order_release); }
-  [[nodiscard]] bool is_held() const noexcept { return is_held_.load(std::memory_order_relaxed); }
+  void release() noexcept { hold_.store(0, std::memory_order_release); }
+  void keep() noexcept { kept_.store(++keeps_, std::memory_order_relaxed); }
+  [[nodiscard]] bool is_held() const noexcept { return hold_.load(std::memory_order_relaxed) != 0; }
 
   bool set_impedance(Damping b) noexcept override { return below_->set_impedance(b); }
 
@@ -40,20 +41,34 @@ class SteadyForce final : public ArmCoupling {
     below_->reset(now, tip);
   }
   THIMBLE_RT ArmOutput advance(const ArmInput& input) noexcept override {
-    const bool is_kept = input.now.since_epoch.count() < until_ns_.load(std::memory_order_relaxed);
-    const bool is_held = is_held_.load(std::memory_order_acquire) && is_kept;
+    const std::uint32_t hold = hold_.load(std::memory_order_acquire);
+    const bool is_held = hold != 0 && is_kept(hold, input.now);
     if (std::exchange(was_held_, is_held) && !is_held) below_->reset(input.now, input.tip);
     ArmOutput out = below_->step(input);
     if (is_held) out.force = {0, up_newton_.load(std::memory_order_relaxed), 0};
     return out;
   }
+  // One that was let go of does not come back, whoever keeps it afterwards.
+  THIMBLE_RT bool is_kept(std::uint32_t hold, MonotonicTime now) noexcept {
+    const std::uint32_t kept = kept_.load(std::memory_order_relaxed);
+    const bool is_new = std::exchange(hold_seen_, hold) != hold;
+    if (std::exchange(kept_seen_, kept) != kept || is_new) kept_at_ = now;
+    if (now - kept_at_ >= kUnkept) let_go_ = hold;
+    return hold != let_go_;
+  }
 
   std::unique_ptr<ArmCoupling> below_;
-  std::atomic<bool> is_held_{false};
+  std::atomic<std::uint32_t> hold_{0};  // which one it is; 0: none
+  std::atomic<std::uint32_t> kept_{0};  // how often it was kept
   std::atomic<double> up_newton_{0};
-  std::atomic<std::int64_t> until_ns_{0};
   static_assert(std::atomic<double>::is_always_lock_free);
-  bool was_held_{false};  // servo
+  std::uint32_t holds_{0};  // of the control thread
+  std::uint32_t keeps_{0};
+  bool was_held_{false};  // from here on the servo's
+  std::uint32_t hold_seen_{0};
+  std::uint32_t kept_seen_{0};
+  MonotonicTime kept_at_{};
+  std::uint32_t let_go_{0};
 };
 
 }  // namespace thimble::coupling

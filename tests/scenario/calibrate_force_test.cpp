@@ -14,7 +14,6 @@ namespace thimble {
 namespace {
 
 constexpr double kAssumed_newton = 0.0025;
-constexpr MonotonicTime kForEver{Duration::max()};
 
 // Carries the tip from below, steadies it from the sides, and shows whole grams.
 class KitchenScale final : public plugin::TipLoad {
@@ -57,8 +56,9 @@ TEST_P(CalibrateForce, FindsTheScaleOfASimulatedArmWithinFivePercent) {
   sut.sim_arm().backend().hold_tip(&scale);
   std::vector<cli::ScaleReading> readings;
   for (const double newton : cli::even_forces_newton(400 * kAssumed_newton, 6)) {
-    sut.arm().session().steady_force().hold(-newton, kForEver);
-    sut.run(2);
+    coupling::SteadyForce& force = sut.arm().session().steady_force();
+    force.hold(-newton);
+    sut.run(2, [&] { force.keep(); });
     ASSERT_EQ(sut.frame().state, OperatingState::Active)
         << to_string(sut.snapshot().fault.code) << " at " << newton << " N";
     readings.push_back({-sut.frame().force.y, scale.gram()});
@@ -78,7 +78,7 @@ TEST_P(CalibrateForce, FindsTheScaleOfASimulatedArmWithinFivePercent) {
 TEST(SteadyForceInASession, IsLimitedAsEveryWishIs) {
   test::ClosedLoop sut({"arm.hand.motion=still", "arm.0.limits.force_newton=2"});
   sut.run_until_driven();
-  sut.arm().session().steady_force().hold(-8, kForEver);
+  sut.arm().session().steady_force().hold(-8);
   sut.run(0.01);
   EXPECT_LE(norm(sut.frame().force), 2 + 1e-9);
   sut.controls().is_estop_healthy = false;

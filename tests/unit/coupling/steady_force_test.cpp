@@ -21,7 +21,7 @@ TEST(SteadyForce, IsNothingUntilItIsHeldAndEndsWithTheGhostAtTheHand) {
   int resets = 0;
   SteadyForce sut(std::make_unique<Below>(resets));
   EXPECT_EQ(sut.step({}).force, (Force3{1, 2, 3}));
-  sut.hold(-2.5, MonotonicTime{std::chrono::seconds(1)});
+  sut.hold(-2.5);
   const ArmOutput out = sut.step({});
   EXPECT_EQ(out.force, (Force3{0, -2.5, 0}));
   EXPECT_EQ(out.new_contacts, 4U) << "the rest is the world's";
@@ -36,23 +36,33 @@ TEST(SteadyForce, IsNothingUntilItIsHeldAndEndsWithTheGhostAtTheHand) {
 }
 
 // Of a control thread that hangs.
-TEST(SteadyForce, IsLetGoWhereNobodyKeepsIt) {
+TEST(SteadyForce, IsLetGoWhereNobodyKeepsItAndDoesNotComeBack) {
   int resets = 0;
   SteadyForce sut(std::make_unique<Below>(resets));
-  const auto at = [](int ms) {
+  const auto force_at = [&](int ms) {
     ArmInput input;
     input.now = MonotonicTime{std::chrono::milliseconds(ms)};
-    return input;
+    return sut.step(input).force;
   };
   const Force3 held{0, -2.5, 0};
-  sut.hold(-2.5, at(100).now);
-  EXPECT_EQ(sut.step(at(99)).force, held);
-  sut.keep(at(200).now);
-  EXPECT_EQ(sut.step(at(199)).force, held);
+  const Force3 of_the_world{1, 2, 3};
+  force_at(1000);  // some time after the start
+  sut.hold(-2.5);
+  EXPECT_EQ(force_at(1001), held);
+  EXPECT_EQ(force_at(1250), held);
+  sut.keep();
+  EXPECT_EQ(force_at(1251), held);
+  EXPECT_EQ(force_at(1500), held);
   EXPECT_EQ(resets, 0);
-  EXPECT_EQ(sut.step(at(200)).force, (Force3{1, 2, 3}));
+  EXPECT_EQ(force_at(1501), of_the_world);
   EXPECT_EQ(resets, 1) << "the ghost is at the hand";
-  EXPECT_EQ(sut.step(at(1000)).force, (Force3{1, 2, 3}));
+  sut.keep();
+  EXPECT_EQ(force_at(1502), of_the_world) << "by whoever was late";
+  sut.hold(-2.5);
+  EXPECT_EQ(force_at(1503), held) << "another one";
+  sut.hold(-1);
+  EXPECT_EQ(force_at(1504), (Force3{0, -1, 0}));
+  EXPECT_EQ(resets, 1);
 }
 
 }  // namespace
