@@ -21,7 +21,7 @@ void WholeWorlds::read_cells(std::string_view world, api::ClientId client, api::
     if (!looked) return answer(tl::unexpected(looked.error()));
     paced_.finish([&] { answer(host->cells()); });
   };
-  paced_.submit(client, [this, host, client, read] {
+  looks_.submit(client, [this, host, client, read] {
     const auto look = std::make_shared<Look>();
     look_ = look;
     pieces_.look(*host, client, [look, read](const Result<void>& looked) { read(looked); });

@@ -19,26 +19,32 @@ namespace thimble::app {
 class WholeWorlds {
  public:
   WholeWorlds(session::Runtime& runtime, PieceActions& pieces, const Clock& clock)
-      : runtime_(runtime), pieces_(pieces), paced_(clock) {}
+      : runtime_(runtime), pieces_(pieces), paced_(clock), looks_(clock) {}
   WholeWorlds(const WholeWorlds&) = delete;
   WholeWorlds& operator=(const WholeWorlds&) = delete;
 
   // As api::Commands has them. Of pieces the board is looked at when it is their turn, which takes
-  // PieceActions::kPatience at most; nothing else is done until that is over, or its client gone.
+  // PieceActions::kPatience at most: one after the other, and beside what other worlds are asked
+  // for.
   void read_cells(std::string_view world, api::ClientId client, api::FileAnswer answer);
   void save(std::string_view world, api::ClientId client, api::FileAnswer answer);
   void load(std::string_view world, std::string state, api::ClientId client,
             api::LoadAnswer answer);
-  void client_gone(api::ClientId client) { paced_.client_gone(client); }
+  void client_gone(api::ClientId client) {
+    paced_.client_gone(client);
+    looks_.client_gone(client);
+  }
   // Call it every few ms.
   void poll() {
-    if (look_.expired()) paced_.poll();
+    paced_.poll();
+    if (look_.expired()) looks_.poll();
   }
 
  private:
   session::Runtime& runtime_;
   PieceActions& pieces_;
   PacedWork paced_;
+  PacedWork looks_;  // at boards, which take long, but not of this thread
   struct Look {};
   std::weak_ptr<Look> look_;  // lives as long as somebody waits for one
 };

@@ -121,7 +121,7 @@ TEST_F(PieceCommands, LooksAreOneAfterTheOther) {
     return answers == 3;
   });
   EXPECT_EQ(answers, 3);
-  EXPECT_LE(answers_before, 1) << "one look alone was before it";
+  EXPECT_EQ(answers_before, 1) << "one look alone was before it";
 }
 
 }  // namespace
