@@ -200,7 +200,7 @@ void Connection::on_done(const Action& action, const Result<Done>& done, bool is
   }
   if (action.kind == ActionKind::Deactivate) leases_.erase(action.name);
   // Of an arm that the configuration holds, too. The force itself ends after a minute.
-  if (action.kind == ActionKind::SteadyForce) has_pushed_ = action.up_newton.has_value();
+  has_pushed_ = action.kind == ActionKind::SteadyForce && action.up_newton.has_value();
   respond(to_text(boost::json::object{{"arm", action.name},
                                       {"lease", lease.holder},
                                       {"lease_number", lease.number},

@@ -207,6 +207,10 @@ TEST_F(ServerTest, KeepsAnIdleConnectionThatGaveASteadyForceUntilItTakesItBack) 
   EXPECT_TRUE(until([&] { return sut_->connections() == 1; }));
   ask(pushing, post("/v1/arms/right/steady-force"));
   EXPECT_TRUE(ends(pushing));
+  Client other(settings_.socket_path);
+  ask(other, post("/v1/arms/right/steady-force", R"({"up_newton": -1})"));
+  ask(other, post("/v1/arms/right/clear-fault"));
+  EXPECT_TRUE(ends(other)) << "its force is over";
 }
 
 TEST_F(ServerTest, TellsTheNumberOfALeaseAndAnotherOnesDoesNotKeepAConnection) {
