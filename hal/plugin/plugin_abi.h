@@ -324,9 +324,9 @@ struct thimble_usb_driver {
   /* May send one last zero; the host sends that of open() before and after. Thread: non-RT. */
   void (*close)(void* device);
   void (*forget_calibration)(void* device);
-  /* Takes what came. Comes zeroed. OK with a sample; NO_DATA, PROTOCOL_ERROR; DISCONNECTED, for good,
-   * also of an arm that is there and given up: it is closed and opened anew, once it has taken the
-   * zero where it may hold a force. RT. */
+  /* Takes what came. Comes zeroed. OK with a sample; NO_DATA, PROTOCOL_ERROR; DISCONNECTED, for
+   * good, also of an arm that is there and given up: it is closed and opened anew, once it has
+   * taken the zero where it may hold a force. RT. */
   int32_t (*read)(void* device, struct thimble_usb_sample* sample);
   /* Once a tick, also with zero, also before the arm is ready: then its next step. As the bus
    * answered: OK, BACKLOGGED, PROTOCOL_ERROR or DISCONNECTED. RT. */
