@@ -18,16 +18,10 @@ bus::UsbDevice& pipes(void* context) noexcept {
   return static_cast<PluginUsbBus*>(context)->below();
 }
 
-// As the plugin is told it.
-std::int32_t answer(void* context, IoStatus status) noexcept {
-  if (status == IoStatus::Disconnected) static_cast<PluginUsbBus*>(context)->note_gone();
-  return abi_status(status);
-}
-
 std::int32_t read_packet(void* context, std::uint8_t endpoint, thimble_usb_packet* out) {
   bus::UsbPacket packet;
   const IoStatus status = pipes(context).read(endpoint, packet);
-  if (status != IoStatus::Ok) return answer(context, status);
+  if (status != IoStatus::Ok) return abi_status(status);
   static_cast<PluginUsbBus*>(context)->note(packet.arrived_at);
   out->struct_bytes = sizeof(*out);
   out->size = static_cast<std::uint32_t>(packet.size);
@@ -40,7 +34,7 @@ std::int32_t read_packet(void* context, std::uint8_t endpoint, thimble_usb_packe
 std::int32_t submit_packet(void* context, std::uint8_t endpoint, const std::uint8_t* bytes,
                            std::uint32_t size) {
   if (bytes == nullptr) return THIMBLE_PROTOCOL_ERROR;
-  return answer(context, pipes(context).submit(endpoint, {bytes, size}));
+  return abi_status(pipes(context).submit(endpoint, {bytes, size}));
 }
 
 std::int32_t start_control(void* context, const thimble_usb_request* said) {
@@ -51,13 +45,13 @@ std::int32_t start_control(void* context, const thimble_usb_request* said) {
   request.index = said->index;
   request.length = said->length;
   std::copy_n(said->data, THIMBLE_CONTROL_BYTES, request.data.begin());
-  return answer(context, pipes(context).start_control(request));
+  return abi_status(pipes(context).start_control(request));
 }
 
 std::int32_t read_control(void* context, thimble_usb_reply* out) {
   bus::UsbControlReply reply;
   const IoStatus status = pipes(context).read_control(reply);
-  if (status != IoStatus::Ok) return answer(context, status);
+  if (status != IoStatus::Ok) return abi_status(status);
   out->struct_bytes = sizeof(*out);
   out->outcome = static_cast<std::int32_t>(reply.outcome);
   out->size = static_cast<std::uint32_t>(reply.size);
@@ -95,10 +89,9 @@ bool PluginUsbDevice::submit_zero() noexcept {
 // says the same, or when there is no force to be taken: it may have given up an arm that is there
 // and does not answer, which is opened anew then.
 bool PluginUsbDevice::is_gone() noexcept {
-  if (parts_.bus->is_gone()) return true;
   // To no pipe: the bus says whether it is there, and sends nothing.
-  if (parts_.bus->below().submit(0, {}) == IoStatus::Disconnected) parts_.bus->note_gone();
-  if (parts_.bus->is_gone() || !may_hold_force_ || !parts_.zero) return true;
+  const bool says_bus = parts_.bus->below().submit(0, {}) == IoStatus::Disconnected;
+  if (says_bus || !may_hold_force_ || !parts_.zero) return true;
   // The first may be told of the force before it, the second of that one, the third of a zero.
   constexpr int kOksOfAZeroThatArrived = 3;
   if (submit_zero() && ++zeros_taken_ >= kOksOfAZeroThatArrived) may_hold_force_ = false;

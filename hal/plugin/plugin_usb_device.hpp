@@ -24,14 +24,10 @@ class PluginUsbBus {
   // When the newest packet arrived that the plugin was given: no sample is younger.
   [[nodiscard]] MonotonicTime newest() const noexcept { return newest_; }
   THIMBLE_RT void note(MonotonicTime arrived_at) noexcept { newest_ = arrived_at; }
-  // Whether the device below was said to be gone in any call of the plugin's.
-  [[nodiscard]] bool is_gone() const noexcept { return is_gone_; }
-  THIMBLE_RT void note_gone() noexcept { is_gone_ = true; }
 
  private:
   std::unique_ptr<bus::UsbDevice> below_;
   MonotonicTime newest_{Duration::min()};
-  bool is_gone_{false};
   thimble_usb_bus table_{};
 };
 
