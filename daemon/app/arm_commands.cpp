@@ -174,9 +174,8 @@ void ArmCommands::steady_force(std::string_view arm, std::optional<double> up_ne
   }
   // One after another without a gap: nothing is let go of between them.
   std::erase_if(steady_, [&](const Steady& steady) { return steady.arm == *index; });
-  const MonotonicTime now = clock_.now();
   asked.steady_force().hold(*up_newton);
-  steady_.push_back({*index, client, now + kSteadyFor, now + coupling::SteadyForce::kUnkept});
+  steady_.push_back({*index, client, clock_.now() + kSteadyFor});
   answer(done(*index));
 }
 
@@ -207,17 +206,15 @@ void ArmCommands::ask_world(std::string_view arm, api::HandVerb verb, api::Answe
 
 // A force that nobody looks after is none: its lease, its client or its time is over.
 void ArmCommands::end_steady_forces() {
-  const MonotonicTime now = clock_.now();
-  std::erase_if(steady_, [&](Steady& steady) {
-    const bool is_over = now >= steady.until || now >= steady.kept_until ||
+  std::erase_if(steady_, [&](const Steady& steady) {
+    coupling::SteadyForce& force = session(steady.arm).steady_force();
+    const bool is_over = clock_.now() >= steady.until ||
                          !leases_.is_held_for(steady.arm, steady.client.value) ||
                          session(steady.arm).snapshot().frame.state != OperatingState::Active;
-    coupling::SteadyForce& force = session(steady.arm).steady_force();
     if (is_over) {
       force.release();
     } else {
       force.keep();
-      steady.kept_until = now + coupling::SteadyForce::kUnkept;
     }
     return is_over;
   });

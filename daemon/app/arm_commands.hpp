@@ -94,7 +94,6 @@ class ArmCommands final : public api::Commands {
     std::size_t arm{0};
     api::ClientId client{};
     MonotonicTime until{};
-    MonotonicTime kept_until{};
   };
   using Verdict = std::optional<Result<api::Done>>;  // nothing: not yet
 
