@@ -14,19 +14,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-struct EnableLine : testing::Test, SafetyBench {
-  void expect_stopped(ChainTrouble cause) const {
-    EXPECT_TRUE(chain.status().is_stopped);
-    EXPECT_EQ(chain.status().cause, cause) << to_string(chain.status().cause);
-    EXPECT_FALSE(chain.status().is_enable_beating);
-  }
-  // Edges of the enable line within so long.
-  std::uint64_t beats_within(Duration duration) {
-    const std::uint64_t before = chip.changes(3);
-    run(duration);
-    return chip.changes(3) - before;
-  }
-};
+struct EnableLine : testing::Test, SafetyBench {};
 
 // An adapter that reads its inputs and takes no output: nobody could cut the power by it.
 class DeafLines final : public bus::GpioLines {

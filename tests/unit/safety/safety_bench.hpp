@@ -1,5 +1,8 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
+#include <cstdint>
 #include <memory>
 
 #include "daemon/safety/safety_chain.hpp"
@@ -54,6 +57,17 @@ struct SafetyBench {
     run(kStep * 12);
     let_go(false);
     run(kStep * 8);
+  }
+  void expect_stopped(ChainTrouble cause) const {
+    EXPECT_TRUE(chain.status().is_stopped);
+    EXPECT_EQ(chain.status().cause, cause) << to_string(chain.status().cause);
+    EXPECT_FALSE(chain.status().is_enable_beating);
+  }
+  // Edges of the enable line within so long.
+  std::uint64_t beats_within(Duration duration) {
+    const std::uint64_t before = chip.changes(3);
+    run(duration);
+    return chip.changes(3) - before;
   }
   // Healthy, the deadman taken, and cleared by a person.
   bool start() {

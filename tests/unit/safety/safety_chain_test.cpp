@@ -13,19 +13,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-struct SafetyChainTest : testing::Test, SafetyBench {
-  void expect_stopped(ChainTrouble cause) const {
-    EXPECT_TRUE(chain.status().is_stopped);
-    EXPECT_EQ(chain.status().cause, cause) << to_string(chain.status().cause);
-    EXPECT_FALSE(chain.status().is_enable_beating);
-  }
-  // Edges of the enable line within so long.
-  std::uint64_t beats_within(Duration duration) {
-    const std::uint64_t before = chip.changes(3);
-    run(duration);
-    return chip.changes(3) - before;
-  }
-};
+struct SafetyChainTest : testing::Test, SafetyBench {};
 
 TEST_F(SafetyChainTest, IsStoppedFromTheStartAndGoesOnOnlyWhenAsked) {
   run(milliseconds(500));
