@@ -25,8 +25,8 @@ struct ServerSettings {
   // One more makes a silent one go that holds no lease (seats.hpp): who sets it leaves room for
   // such beside every arm's holder.
   std::size_t max_connections{32};
-  std::chrono::milliseconds idle_timeout{
-      30000};  // not for who holds a lease or gave a steady force
+  // Not for who holds a lease or gave a steady force.
+  std::chrono::milliseconds idle_timeout{30000};
   std::chrono::milliseconds write_timeout{5000};  // a reader slower than that is dropped
 };
 
