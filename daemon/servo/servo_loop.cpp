@@ -118,9 +118,6 @@ void ServoLoop::ask_guard(const ServoFrame& frame) noexcept {
 // commands do not leave: its own way to the arm may be free.
 void ServoLoop::answer_guard(const ServoFrame& frame) noexcept {
   if (parts_.heartbeat == nullptr) return;
-  // Ok tells of what was sent before: the first may be about the force before the last, the second
-  // about the last one, the third is about a zero.
-  constexpr std::uint64_t kOksOfAZeroThatArrived = 3;
   const bool is_let_go = zero_since_ && zeros_taken_ >= kOksOfAZeroThatArrived &&
                          frame.now - *zero_since_ >= settings_.command_gap_limit;
   if (is_let_go || state_ == OperatingState::Lost) is_driven_ = false;

@@ -20,4 +20,9 @@ struct ZeroCommand {
   bool operator==(const ZeroCommand&) const = default;
 };
 
+// So many zeros taken in a row, by HapticDevice::write() or by a bus: an arm has had one. Ok tells
+// of what was sent before, so the first may be about the force before the last, the second about
+// the last one; the third is about a zero.
+inline constexpr std::uint32_t kOksOfAZeroThatArrived = 3;
+
 }  // namespace thimble

@@ -92,8 +92,6 @@ bool PluginUsbDevice::is_gone() noexcept {
   // To no pipe: the bus says whether it is there, and sends nothing.
   const bool says_bus = parts_.bus->below().submit(0, {}) == IoStatus::Disconnected;
   if (says_bus || !may_hold_force_ || !parts_.zero) return true;
-  // The first may be told of the force before it, the second of that one, the third of a zero.
-  constexpr int kOksOfAZeroThatArrived = 3;
   if (submit_zero() && ++zeros_taken_ >= kOksOfAZeroThatArrived) may_hold_force_ = false;
   return !may_hold_force_;
 }

@@ -78,8 +78,8 @@ class PluginUsbDevice final : public HapticDevice {
   mutable thimble_reason instruction_{};  // of the control thread
   bool is_done_doubted_{false};           // as PluginDevice's
   std::uint64_t last_sequence_{0};
-  bool may_hold_force_{false};  // it was told one
-  int zeros_taken_{0};          // since then, of those sent here
+  bool may_hold_force_{false};    // it was told one
+  std::uint32_t zeros_taken_{0};  // since then, of those sent here
   // Read from any thread.
   std::atomic<CalibrationState> calibration_{CalibrationState::Unknown};
   std::atomic<std::uint64_t> malformed_{0};
